@@ -1,0 +1,3 @@
+"""Batch simulator of households for massively parallel RL."""
+
+__version__ = "0.1.0"

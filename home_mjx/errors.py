@@ -1,0 +1,86 @@
+"""Typed, located errors: what was expected, what came, where, and what to do."""
+
+import difflib
+from collections.abc import Iterable
+from pathlib import Path
+
+
+class HomeMjxError(Exception):
+    """Base of every error that home_mjx raises on purpose.
+
+    Args:
+        message: What was expected and what came.
+        file: The file at fault, if one is.
+        element: Path of the element inside it, such as `levels[0].nodes[17].transform`.
+        hint: What the user can do about it.
+
+    Example:
+        >>> print(DatasetError("expected 16 numbers, got 3", element="levels[0].nodes[1].transform"))
+        expected 16 numbers, got 3 (at levels[0].nodes[1].transform)
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        file: str | Path | None = None,
+        element: str | None = None,
+        hint: str | None = None,
+    ) -> None:
+        self.message = message
+        self.file = str(file) if file is not None else None
+        self.element = element
+        self.hint = hint
+        super().__init__(str(self))
+
+    def __str__(self) -> str:
+        where = ", ".join(w for w in (self.file and f"in {self.file}", self.element and f"at {self.element}") if w)
+        text = f"{self.message} ({where})" if where else self.message
+        return f"{text}. {self.hint}" if self.hint else text
+
+    def __reduce__(self) -> tuple:
+        # Keyword-only arguments do not survive the default pickling, which worker processes need.
+        return (_rebuild, (type(self), self.message, self.file, self.element, self.hint))
+
+
+def _rebuild(
+    cls: type[HomeMjxError], message: str, file: str | None, element: str | None, hint: str | None
+) -> HomeMjxError:
+    return cls(message, file=file, element=element, hint=hint)
+
+
+class DatasetError(HomeMjxError):
+    """A dataset folder or a file in it is missing, broken or out of its format."""
+
+
+class ConfigError(HomeMjxError):
+    """An option is unknown or has a value that cannot be used."""
+
+
+class CapacityError(HomeMjxError):
+    """Something does not fit the fixed capacity that was asked for."""
+
+
+class ExecutorError(HomeMjxError):
+    """A ray-cast executor cannot run here."""
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """A hint that names the closest known name, or all of them.
+
+    Example:
+        >>> did_you_mean("deptth", ["rgb", "depth"])
+        'Did you mean `depth`? Known: depth, rgb'
+    """
+    known = sorted(known)
+    close = difflib.get_close_matches(name, known, n=1)
+    listing = "Known: " + ", ".join(known)
+    return f"Did you mean `{close[0]}`? {listing}" if close else listing
+
+
+def check_known(kind: str, names: Iterable[str], known: Iterable[str]) -> None:
+    """Raises `ConfigError` for the first of `names` that is not in `known`."""
+    known = list(known)
+    for name in names:
+        if name not in known:
+            raise ConfigError(f"unknown {kind} `{name}`", hint=did_you_mean(name, known))

@@ -1,0 +1,125 @@
+"""Many compiled houses on the device: ragged geometry concatenated, small tables padded.
+
+The one module of this package (with `pytree`) that knows JAX. An environment holds only an int32 house index.
+"""
+
+from jaxtyping import Array, Bool, Float, Int, UInt8
+
+from home_mjx.scene_compile.pytree import Pytree, static
+
+
+class Geometry(Pytree):
+    """What rays need: the shared model library and each house's instances.
+
+    Triangle and node indices are absolute in these arrays. Instance indices run over [0, I) per house, row 0 being
+    the architecture; agents follow as I + a. Tree codes are those of `compiled.Tree`, except that they are absolute.
+    """
+
+    node_box: Float[Array, "n 2 6"]  # per child: min xyz, max xyz
+    node_child: Int[Array, "n 2"]  # >= 0 node; < 0 leaf: ~code = first << 4 | count
+    triangle: Float[Array, "t 3 3"]  # [m], model frame
+    triangle_uv: Float[Array, "t 3 2"]
+    triangle_slot: Int[Array, " t"]
+    triangle_part: Int[Array, " t"]
+    model_root: Int[Array, " m"]  # root node of the model's tree
+    model_box: Float[Array, "m 2 3"]
+    house_root: Int[Array, " h"]  # root node of the top tree over static instances (leaves hold instance indices)
+    instance_model: Int[Array, "h i"]  # -1 padding
+    instance_pose: Float[Array, "h i 3 4"]  # world from model
+    instance_inverse: Float[Array, "h i 3 4"]  # model from world
+    instance_object: Int[Array, "h i"]  # object id (node index); -1 architecture and padding
+    instance_material: Int[Array, "h i"]  # first material row, absolute
+    instance_semantic: Int[Array, "h i"]  # first semantic row, absolute
+    instance_body: Int[Array, "h i"]  # movable slot or -1 static
+    material_mask: Int[Array, " r"]  # Ray bits that each material row stops
+    agent_model: Int[Array, ""]  # library model of an agent (unit: its real size)
+    agent_material: Int[Array, ""]
+    agent_semantic: Int[Array, ""]
+
+
+class Materials(Pytree):
+    """The bank's one material table."""
+
+    albedo: Float[Array, "r 4"]  # linear-light diffuse 0..1, and opacity
+    texture: Int[Array, " r"]  # layer in `textures`; -1 none
+    kind: Int[Array, " r"]  # index into MATERIAL_KINDS; -1 unknown
+    absorption: Float[Array, "r 7"]  # energy fractions, octaves 125 .. 8000 Hz
+    scattering: Float[Array, "r 7"]
+    transmission: Float[Array, "r 7"]
+    textures: UInt8[Array, "l s s 4"]  # sRGB and alpha; row 0 is the top of the image (v = 1)
+
+
+class Physics(Pytree):
+    """Static boxes and movable bodies of every house."""
+
+    floor: Float[Array, " h"]  # [m], top of the ground floor
+    collider_pos: Float[Array, "h c 3"]  # [m]; padding is parked far below
+    collider_quat: Float[Array, "h c 4"]
+    collider_size: Float[Array, "h c 3"]  # [m], half extents
+    body_valid: Bool[Array, "h k"]
+    body_instance: Int[Array, "h k"]  # -1 padding
+    body_pos: Float[Array, "h k 3"]  # [m]
+    body_quat: Float[Array, "h k 4"]
+    body_size: Float[Array, "h k 3"]  # [m], half extents
+    body_mass: Float[Array, "h k"]  # [kg]
+    body_inertia: Float[Array, "h k 3"]  # [kg m^2], principal
+    body_from_model: Float[Array, "h k 3 4"]
+
+
+class Acoustics(Pytree):
+    """Mirror planes of every house."""
+
+    plane_valid: Bool[Array, "h p"]
+    plane_center: Float[Array, "h p 3"]  # [m]
+    plane_normal: Float[Array, "h p 3"]
+    plane_u: Float[Array, "h p 3"]  # [m], half extent vector
+    plane_v: Float[Array, "h p 3"]
+    plane_material: Int[Array, "h p"]  # absolute row
+
+
+class Navigation(Pytree):
+    """Free space, starts and goals of every house."""
+
+    origin: Float[Array, "h 2"]  # [m]
+    free: Bool[Array, "h ny nx"]
+    room: Int[Array, "h ny nx"]
+    room_type: Int[Array, "h rooms"]
+    start: Float[Array, "h s 3"]  # [m], on the floor
+    goal: Float[Array, "h g 3"]
+    field: Float[Array, "h g ny nx"]  # [m], geodesic distance; inf unreachable
+
+
+class BankSpec(Pytree):
+    """Static capacities, rounded to size classes so that similar banks share one compiled step."""
+
+    num_instances: int = static()
+    num_bodies: int = static()
+    num_colliders: int = static()
+    num_planes: int = static()
+    num_starts: int = static()
+    num_goals: int = static()
+    cell: float = static()  # [m], navigation grid
+
+
+class HouseBank(Pytree):
+    """Many houses in one pytree.
+
+    Example:
+        >>> bank = HouseBank.from_dataset("datasets/demo")  # doctest: +SKIP
+        >>> bank.num_houses  # doctest: +SKIP
+        8
+    """
+
+    geometry: Geometry
+    materials: Materials
+    semantics: Int[Array, "q 8"]  # columns: compiled.Semantic
+    physics: Physics
+    acoustics: Acoustics
+    navigation: Navigation
+    house_id: UInt8[Array, "h 32"]  # ASCII of the dataset's house id
+    spec: BankSpec = static()
+
+    @property
+    def num_houses(self) -> int:
+        """Number of houses."""
+        return self.house_id.shape[0]

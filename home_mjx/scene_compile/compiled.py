@@ -1,0 +1,165 @@
+"""One house as the arrays that the engines need: NumPy, world frame (Z up, metres), no padding.
+
+`compile_house` makes it, `cache` stores it, `bank` puts many of them on the device.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import IntEnum, IntFlag
+
+import numpy as np
+from jaxtyping import Bool, Float, Int, UInt8
+
+ARCHITECTURE = 0  # instance index of walls, floors and ceilings in every house
+NUM_BANDS = 7  # octaves 125 .. 8000 Hz
+
+
+class Ray(IntFlag):
+    """What kinds of ray a material stops."""
+
+    CAMERA = 1
+    LIGHT = 2
+    SOUND = 4
+    ALL = 7
+
+
+class Semantic(IntEnum):
+    """Columns of the semantic table; -1 means none."""
+
+    OBJECT = 0  # node index in file order, over all levels
+    FINE = 1  # index into the sorted v1 fine categories
+    COARSE = 2
+    NYU40 = 3  # 0 void, 1 wall .. 40 otherprop
+    ROOM = 4  # room index in the house
+    LEVEL = 5
+    PARTITION = 6  # physical wall or slab: sound pays its transmission once per crossing
+    MOVABLE = 7  # movable slot
+
+
+@dataclass(frozen=True)
+class Tree:
+    """A binary bounding-volume tree; node 0 is the root.
+
+    A child code >= 0 is an inner node; a negative one is a leaf: `~code` holds `first << 4 | count`,
+    so -1 is an empty leaf. `first` counts primitives (triangles, or instances in a top tree).
+    """
+
+    box: Float[np.ndarray, "n 2 6"]  # per child: min xyz, max xyz
+    child: Int[np.ndarray, "n 2"]
+
+
+@dataclass(frozen=True)
+class MaterialTable:
+    """Rows of materials, for light and for sound."""
+
+    albedo: Float[np.ndarray, "r 4"]  # sRGB diffuse 0..1, and opacity
+    texture: tuple[str, ...]  # absolute path of the image, "" for none
+    kind: tuple[str, ...]  # semantic and acoustic name, such as "wood", "wallpaper"; "" unknown
+    mask: Int[np.ndarray, " r"]  # Ray bits that the material stops
+    absorption: Float[np.ndarray, "r 7"]  # energy fractions per octave
+    scattering: Float[np.ndarray, "r 7"]
+    transmission: Float[np.ndarray, "r 7"]
+
+
+@dataclass(frozen=True)
+class Model:
+    """A library model in its own frame (Z up), triangles in the order of its tree's leaves."""
+
+    key: str  # content-addressed: file stem, variant and digest
+    triangle: Float[np.ndarray, "t 3 3"]  # [m]
+    uv: Float[np.ndarray, "t 3 2"]
+    slot: Int[np.ndarray, " t"]  # material slot
+    part: Int[np.ndarray, " t"]  # semantic part; 0 for objects
+    tree: Tree
+    box: Float[np.ndarray, "2 3"]
+
+
+@dataclass(frozen=True)
+class Instances:
+    """Everything a ray can hit; row `ARCHITECTURE` is the house itself."""
+
+    model: tuple[str, ...]  # keys into the library
+    pose: Float[np.ndarray, "i 3 4"]  # world from model: linear part (rotation, scale, mirror) and translation [m]
+    object_id: Int[np.ndarray, " i"]  # Semantic.OBJECT; -1 for the architecture
+    material: Int[np.ndarray, " i"]  # first row of its slots in the house's MaterialTable
+    semantic: Int[np.ndarray, " i"]  # first row of its parts in the semantic table
+    body: Int[np.ndarray, " i"]  # movable slot; -1 static
+
+
+@dataclass(frozen=True)
+class Colliders:
+    """Static collision boxes."""
+
+    pos: Float[np.ndarray, "c 3"]  # [m], centre
+    quat: Float[np.ndarray, "c 4"]  # wxyz
+    size: Float[np.ndarray, "c 3"]  # [m], half extents
+
+
+@dataclass(frozen=True)
+class Bodies:
+    """Movable objects, one box each; slot order is by priority."""
+
+    instance: Int[np.ndarray, " k"]
+    pos: Float[np.ndarray, "k 3"]  # [m], centre of the box = centre of mass
+    quat: Float[np.ndarray, "k 4"]  # wxyz
+    size: Float[np.ndarray, "k 3"]  # [m], half extents
+    mass: Float[np.ndarray, " k"]  # [kg]
+    from_model: Float[np.ndarray, "k 3 4"]  # body frame from model frame, constant
+
+
+@dataclass(frozen=True)
+class Planes:
+    """Rectangles of walls, floors and ceilings that mirror sound, facing the room."""
+
+    center: Float[np.ndarray, "p 3"]  # [m]
+    normal: Float[np.ndarray, "p 3"]
+    axis_u: Float[np.ndarray, "p 3"]  # [m], half extent vectors in the plane
+    axis_v: Float[np.ndarray, "p 3"]
+    material: Int[np.ndarray, " p"]  # row in the house's MaterialTable
+
+
+@dataclass(frozen=True)
+class Rooms:
+    """Rooms in file order."""
+
+    type: Int[np.ndarray, " r"]  # index into ROOM_TYPES; -1 unknown
+    level: Int[np.ndarray, " r"]
+    polygon: tuple[Float[np.ndarray, "n 2"], ...]  # [m], floor outline in x and y
+    floor: Float[np.ndarray, " r"]  # [m], height of the floor's top
+    ceiling: Float[np.ndarray, " r"]  # [m], height of the ceiling's underside
+
+
+@dataclass(frozen=True)
+class Navigation:
+    """Where an agent can stand on the ground floor; row = y, column = x."""
+
+    origin: Float[np.ndarray, " 2"]  # [m], corner of cell (0, 0)
+    cell: float  # [m]
+    free: Bool[np.ndarray, "ny nx"]  # connected interior where the agent's axis may be
+    room: Int[np.ndarray, "ny nx"]  # room index; -1 outside
+    start: Float[np.ndarray, "s 3"]  # [m], sampled free points on the floor
+    goal: Float[np.ndarray, "g 3"]
+    field: Float[np.ndarray, "g ny nx"]  # [m], geodesic distance to each goal; inf where unreachable
+
+
+@dataclass(frozen=True)
+class CompiledHouse:
+    """A house ready for the engines."""
+
+    id: str
+    offset: Float[np.ndarray, " 3"]  # [m], added to file coordinates (after Z up) to get the world frame
+    box: Float[np.ndarray, "2 3"]
+    instances: Instances
+    top: Tree  # over static instances
+    materials: MaterialTable
+    semantics: Int[np.ndarray, "q 8"]  # columns: Semantic
+    colliders: Colliders
+    bodies: Bodies
+    planes: Planes
+    rooms: Rooms
+    navigation: Navigation
+    models: Mapping[str, Model]
+    report: Mapping[str, int]  # counts: levels, rooms, objects, parts, triangles, ...
+
+
+TextureArray = UInt8[np.ndarray, "l s s 4"]

@@ -1,0 +1,164 @@
+"""What a dataset says, as plain frozen dataclasses of NumPy arrays, in the file's own frame (Y up, metres).
+
+Nothing here needs JAX or MuJoCo. The compiler turns these into the world frame (Z up).
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float, Int
+
+
+@dataclass(frozen=True)
+class Material:
+    """One material slot: an MTL `newmtl`, or an override from house.json (then None keeps the MTL's value)."""
+
+    name: str
+    diffuse: tuple[float, float, float] | None = None  # sRGB, 0..1
+    texture: Path | None = None  # existing image file
+    opacity: float | None = None  # 1 = opaque
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """A triangle mesh as read from one OBJ and its MTL."""
+
+    path: Path
+    vertices: Float[np.ndarray, "v 3"]  # [m], Y up
+    faces: Int[np.ndarray, "f 3"]  # indices into vertices, counter-clockwise outwards
+    uv: Float[np.ndarray, "f 3 2"]  # per corner; 0 where the file has none
+    slot: Int[np.ndarray, " f"]  # index into materials, in MTL order
+    group: Int[np.ndarray, " f"]  # index into groups; -1 where the file has none
+    materials: tuple[Material, ...]
+    groups: tuple[str, ...] = ()  # names of the `o` lines, such as WallInside#0_1_3
+
+
+@dataclass(frozen=True)
+class Node:
+    """What all nodes of a level have in common."""
+
+    id: str  # "<level>_<index>" as in the file
+    index: int  # position in the level's node list
+    path: str  # element path for messages: levels[0].nodes[17]
+    bbox: Float[np.ndarray, "2 3"] | None  # [m], min and max as the file says
+
+
+@dataclass(frozen=True)
+class Object(Node):
+    """An instance of a library model."""
+
+    model_id: str
+    state: int | None  # None or 0: base model (an open door); 1: the `_0` variant (closed)
+    transform: Float[np.ndarray, "4 4"]  # scene from model, row-major
+    materials: tuple[Material, ...] = ()  # overrides by slot position
+
+    @property
+    def model_key(self) -> str:
+        """Stem of the OBJ that this instance shows."""
+        return self.model_id if not self.state else f"{self.model_id}_{self.state - 1}"
+
+    @property
+    def mirrored(self) -> bool:
+        """Whether the transform turns the model inside out."""
+        return bool(np.linalg.det(self.transform[:3, :3]) < 0)
+
+
+@dataclass(frozen=True)
+class Box(Node):
+    """A solid axis-aligned box in its local frame, centred at its origin."""
+
+    dimensions: Float[np.ndarray, " 3"]  # [m], full edge lengths
+    transform: Float[np.ndarray, "4 4"]
+    materials: tuple[Material, ...] = ()
+
+
+@dataclass(frozen=True)
+class Room(Node):
+    """A room; its meshes are already in scene coordinates."""
+
+    model_id: str
+    types: tuple[str, ...]  # such as ("Bedroom",); empty if unknown
+    members: tuple[int, ...]  # indices of nodes in the level
+    floor: Mesh | None
+    ceiling: Mesh | None
+    walls: Mesh | None
+
+
+@dataclass(frozen=True)
+class Ground(Node):
+    """A slab of outdoor ground, in scene coordinates."""
+
+    model_id: str
+    mesh: Mesh | None
+
+
+@dataclass(frozen=True)
+class Level:
+    """One storey."""
+
+    id: str
+    index: int
+    rooms: tuple[Room, ...]
+    objects: tuple[Object, ...]
+    boxes: tuple[Box, ...]
+    grounds: tuple[Ground, ...]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Something odd in the input that was tolerated: kept and reported, never dropped in silence."""
+
+    element: str
+    message: str
+
+
+@dataclass(frozen=True)
+class House:
+    """One house and every library model that it uses."""
+
+    id: str
+    version: str
+    path: Path  # house.json
+    levels: tuple[Level, ...]
+    models: Mapping[str, Mesh]  # by Object.model_key
+    problems: tuple[Problem, ...] = ()
+
+
+@dataclass(frozen=True)
+class ModelInfo:
+    """A row of ModelCategoryMapping.csv joined with one of models.csv."""
+
+    model_id: str
+    fine: str = "unknown"
+    coarse: str = "unknown"
+    nyu40: str = "void"
+    dims: tuple[float, float, float] | None = None  # [m], x y z in the model's own Y-up frame
+    front: tuple[float, float, float] = (0.0, 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Light:
+    """One light of a lamp model, in the model's own Y-up frame."""
+
+    kind: str  # PointLight, SpotLight, LineLight
+    power: float  # [W]
+    color: tuple[float, float, float]  # sRGB, 0..1
+    position: tuple[float, float, float]  # [m]
+    direction: tuple[float, float, float] | None = None
+    cutoff: float | None = None  # [rad]
+    end: tuple[float, float, float] | None = None  # [m], second end of a LineLight
+
+
+@dataclass(frozen=True)
+class Metadata:
+    """The tables beside the houses."""
+
+    models: Mapping[str, ModelInfo]
+    lights: Mapping[str, tuple[Light, ...]] = field(default_factory=dict)
+
+    def info(self, model_id: str) -> ModelInfo:
+        """The row of a model; variants (`_0`, `_2`) fall back to their base, the rest to `unknown`."""
+        base = model_id.rsplit("_", 1)[0] if model_id.count("_") in (1, 3) and model_id[-1:].isdigit() else model_id
+        return self.models.get(model_id) or self.models.get(base) or ModelInfo(model_id)
