@@ -1,9 +1,11 @@
 """Frozen dataclasses as JAX pytrees."""
 
 import dataclasses
-from typing import Any, Self, dataclass_transform
+from typing import Any, TypeVar, dataclass_transform
 
 import jax
+
+T = TypeVar("T", bound="Pytree")
 
 
 def static(**kwargs: Any) -> Any:
@@ -15,6 +17,9 @@ def static(**kwargs: Any) -> Any:
 class Pytree:
     """Base of the device-side records: subclasses become frozen dataclasses registered with JAX.
 
+    Under pytest the constructor checks the shapes of one environment. JAX's own rebuilding and `replace` do not, since
+    both also meet batched trees; hence not `register_dataclass`, which calls the constructor.
+
     Example:
         >>> class Point(Pytree):
         ...     x: float
@@ -24,11 +29,44 @@ class Pytree:
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
-        fields = dataclasses.fields(dataclasses.dataclass(frozen=True)(cls))
-        meta = [f.name for f in fields if f.metadata.get("static")]
-        data = [f.name for f in fields if not f.metadata.get("static")]
-        jax.tree_util.register_dataclass(cls, data_fields=data, meta_fields=meta)
+        dataclasses.dataclass(frozen=True)(cls)
+        jax.tree_util.register_pytree_with_keys(cls, _flatten_with_keys, _unflattener(cls), _flatten)
 
-    def replace(self, **changes: Any) -> Self:
+    def replace(self: T, **changes: Any) -> T:
         """A copy with some fields changed."""
-        return dataclasses.replace(self, **changes)
+        names = _names(type(self), True) + _names(type(self), False)
+        unknown = set(changes) - set(names)
+        if unknown:
+            raise TypeError(f"{type(self).__name__} has no field {', '.join(sorted(unknown))}; it has {', '.join(names)}")
+        return _build(type(self), {name: getattr(self, name) for name in names} | changes)
+
+
+def _names(cls: type, is_static: bool) -> list[str]:
+    return [f.name for f in dataclasses.fields(cls) if bool(f.metadata.get("static")) == is_static]
+
+
+def _build(cls: type[T], values: dict[str, Any]) -> T:
+    new = object.__new__(cls)
+    for name, value in values.items():
+        object.__setattr__(new, name, value)
+    return new
+
+
+def _flatten(record: Any) -> tuple[tuple, tuple]:
+    cls = type(record)
+    data = tuple(getattr(record, name) for name in _names(cls, False))
+    return data, tuple(getattr(record, name) for name in _names(cls, True))
+
+
+def _flatten_with_keys(record: Any) -> tuple[tuple, tuple]:
+    data, meta = _flatten(record)
+    keys = (jax.tree_util.GetAttrKey(name) for name in _names(type(record), False))
+    return tuple(zip(keys, data, strict=True)), meta
+
+
+def _unflattener(cls: type[T]) -> Any:
+    def unflatten(meta: tuple, data: tuple) -> T:
+        values = dict(zip(_names(cls, False), data, strict=True))
+        return _build(cls, values | dict(zip(_names(cls, True), meta, strict=True)))
+
+    return unflatten
