@@ -1,3 +1,32 @@
-"""Batch simulator of households for massively parallel RL."""
+"""Batch simulator of households for massively parallel RL.
+
+Names are imported on first use, so that `import home_mjx` is quick and starts no JAX backend.
+"""
+
+import importlib
+from typing import Any
 
 __version__ = "0.1.0"
+
+_PUBLIC = {
+    "AutoReset": "home_mjx.tasks",
+    "EnvConfig": "home_mjx.tasks",
+    "HouseBank": "home_mjx.scene_compile.bank",
+    "HouseholdEnv": "home_mjx.tasks",
+    "State": "home_mjx.tasks",
+    "list_envs": "home_mjx.tasks",
+    "make": "home_mjx.tasks",
+    "register": "home_mjx.tasks",
+}
+
+__all__ = ["__version__", *_PUBLIC]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _PUBLIC:
+        raise AttributeError(f"module 'home_mjx' has no attribute {name!r}")
+    return getattr(importlib.import_module(_PUBLIC[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

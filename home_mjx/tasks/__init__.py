@@ -1,1 +1,22 @@
-"""To be written."""
+"""Environments: tasks on houses, with observations, rewards and resets."""
+
+from home_mjx.tasks.autoreset import AutoReset
+from home_mjx.tasks.config import SENSORS, EnvConfig, make_config
+from home_mjx.tasks.env import HouseholdEnv
+from home_mjx.tasks.point_nav import PointNav
+from home_mjx.tasks.registry import list_envs, make, register
+from home_mjx.tasks.state import State, World
+
+__all__ = [
+    "SENSORS",
+    "AutoReset",
+    "EnvConfig",
+    "HouseholdEnv",
+    "PointNav",
+    "State",
+    "World",
+    "list_envs",
+    "make",
+    "make_config",
+    "register",
+]

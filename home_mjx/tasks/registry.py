@@ -1,0 +1,95 @@
+"""Environment ids and how to make them."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from home_mjx.errors import ConfigError, did_you_mean
+
+_REGISTRY: dict[str, Callable[..., Any]] = {}
+_ID = re.compile(r"^[A-Z][A-Za-z0-9]*-v\d+$")
+
+
+def register(env_id: str, entry_point: Callable[..., Any]) -> None:
+    """Adds an environment.
+
+    Args:
+        env_id: `Name-vN`; raise N whenever learning results could change.
+        entry_point: Called as `entry_point(get_bank, **options)`; `get_bank()` gives the `HouseBank`.
+
+    Raises:
+        ConfigError: If the id has another form or is taken.
+    """
+    if not _ID.match(env_id):
+        raise ConfigError(f"environment id `{env_id}` is not of the form Name-vN", hint="For example PointNav-v0")
+    if env_id in _REGISTRY:
+        raise ConfigError(f"environment id `{env_id}` is taken", hint="Raise its version number")
+    _REGISTRY[env_id] = entry_point
+
+
+def list_envs() -> tuple[str, ...]:
+    """All environment ids.
+
+    Example:
+        >>> list_envs()
+        ('PointNav-v0',)
+    """
+    return tuple(sorted(_REGISTRY))
+
+
+def make(env_id: str, houses: Any = None, *, num_houses: int = 8, progress: bool = False, **options: Any) -> Any:
+    """An environment by id.
+
+    Args:
+        env_id: Such as `PointNav-v0`, see `list_envs`.
+        houses: A `HouseBank`, the root folder of a SUNCG dataset, or None: then generated houses, made once and kept
+            in the cache folder.
+        num_houses: How many houses of a dataset or generator to use.
+        progress: Show a progress bar while houses are made and compiled.
+        **options: Fields of `EnvConfig`, `PhysicsConfig` and `AudioConfig`.
+
+    Returns:
+        A `HouseholdEnv`.
+
+    Raises:
+        ConfigError: For an unknown id or option, with the closest known one.
+        DatasetError: If the dataset cannot be read.
+
+    Example:
+        >>> env = make("PointNav-v0", num_houses=4, sensors=("depth", "goal"))  # doctest: +SKIP
+    """
+    if env_id not in _REGISTRY:
+        raise ConfigError(f"unknown environment `{env_id}`", hint=did_you_mean(env_id, _REGISTRY))
+    return _REGISTRY[env_id](lambda: as_bank(houses, num_houses, progress), **options)
+
+
+def as_bank(houses: Any, num_houses: int = 8, progress: bool = False) -> Any:
+    """A `HouseBank` from what `make` takes as `houses`."""
+    from home_mjx.scene_compile.bank import HouseBank
+
+    if isinstance(houses, HouseBank):
+        return houses
+    root = generated_root(num_houses, progress) if houses is None else Path(houses)
+    return HouseBank.from_dataset(root, limit=num_houses, progress=progress)
+
+
+def generated_root(num_houses: int, progress: bool = False) -> Path:
+    """Root of the dataset of generated houses in the cache folder, with at least the first `num_houses` seeds."""
+    from home_mjx.scene_compile.cache import cache_root
+    from home_mjx.scene_compile.generate import generate_dataset
+
+    root = cache_root() / "generated" / f"first-{num_houses}"
+    generate_dataset(root, range(num_houses), progress=progress)
+    return root
+
+
+def _point_nav(get_bank: Callable[[], Any], **options: Any) -> Any:
+    from home_mjx.tasks.config import make_config
+    from home_mjx.tasks.env import HouseholdEnv
+
+    config = make_config(**options)  # refuse a wrong option before any house is compiled
+    return HouseholdEnv(get_bank(), config)
+
+
+register("PointNav-v0", _point_nav)
