@@ -14,9 +14,9 @@ _PUBLIC = {
     "HouseBank": "home_mjx.scene_compile.bank",
     "HouseholdEnv": "home_mjx.tasks",
     "State": "home_mjx.tasks",
-    "list_envs": "home_mjx.tasks",
-    "make": "home_mjx.tasks",
-    "register": "home_mjx.tasks",
+    "list_envs": "home_mjx.registry",
+    "make": "home_mjx.registry",
+    "register": "home_mjx.registry",
 }
 
 __all__ = ["__version__", *_PUBLIC]
@@ -28,5 +28,14 @@ def __getattr__(name: str) -> Any:
     return getattr(importlib.import_module(_PUBLIC[name]), name)
 
 
+def _register_with_gymnasium() -> None:
+    from home_mjx.adapters.gymnasium_ids import register_all
+
+    register_all()
+
+
 def __dir__() -> list[str]:
     return sorted(__all__)
+
+
+_register_with_gymnasium()

@@ -1,1 +1,1 @@
-"""To be written."""
+"""Thin views of the environments for other ecosystems: `gymnasium`, `brax`."""

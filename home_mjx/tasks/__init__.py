@@ -4,7 +4,6 @@ from home_mjx.tasks.autoreset import AutoReset
 from home_mjx.tasks.config import SENSORS, EnvConfig, make_config
 from home_mjx.tasks.env import HouseholdEnv
 from home_mjx.tasks.point_nav import PointNav
-from home_mjx.tasks.registry import list_envs, make, register
 from home_mjx.tasks.state import State, World
 
 __all__ = [
@@ -15,8 +14,5 @@ __all__ = [
     "PointNav",
     "State",
     "World",
-    "list_envs",
-    "make",
     "make_config",
-    "register",
 ]

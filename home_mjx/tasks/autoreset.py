@@ -13,8 +13,8 @@ from home_mjx.tasks.state import State
 class AutoReset:
     """A batch of environments that begin anew, in a new house and pose, when they are done.
 
-    The state that comes back from a final step is the first of the next episode; its `done` and `reward` are still those
-    of the final step, and `info["final_obs"]` holds the final observation (the current one where nothing ended).
+    The state that comes back from a final step is the first of the next episode; its `done` and `reward` are still
+    those of the final step, and `info["final_obs"]` holds the final observation (the current one where nothing ended).
 
     Args:
         env: The environment.

@@ -70,18 +70,19 @@ def as_bank(houses: Any, num_houses: int = 8, progress: bool = False) -> Any:
 
     if isinstance(houses, HouseBank):
         return houses
-    root = generated_root(num_houses, progress) if houses is None else Path(houses)
-    return HouseBank.from_dataset(root, limit=num_houses, progress=progress)
+    if houses is not None:
+        return HouseBank.from_dataset(Path(houses), limit=num_houses, progress=progress)
+    root, ids = generated_houses(num_houses, progress)
+    return HouseBank.from_dataset(root, ids=ids, progress=progress)
 
 
-def generated_root(num_houses: int, progress: bool = False) -> Path:
-    """Root of the dataset of generated houses in the cache folder, with at least the first `num_houses` seeds."""
+def generated_houses(num_houses: int, progress: bool = False) -> tuple[Path, tuple[str, ...]]:
+    """Root and ids of the first `num_houses` generated houses; made on first use and kept in the cache folder."""
     from home_mjx.scene_compile.cache import cache_root
     from home_mjx.scene_compile.generate import generate_dataset
 
-    root = cache_root() / "generated" / f"first-{num_houses}"
-    generate_dataset(root, range(num_houses), progress=progress)
-    return root
+    root = cache_root() / "generated"
+    return root, generate_dataset(root, range(num_houses), progress=progress)
 
 
 def _point_nav(get_bank: Callable[[], Any], **options: Any) -> Any:

@@ -1,0 +1,136 @@
+"""Brax: environments that `brax.training.agents.ppo.train` takes.
+
+Example:
+    >>> env = home_mjx.make("PointNav-v0", sensors=("rgb", "state", "goal"))  # doctest: +SKIP
+    >>> ppo.train(BraxEnv(env), wrap_env_fn=wrap_for_training, num_timesteps=4096)  # doctest: +SKIP
+"""
+
+import dataclasses
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from brax.envs.base import Env, Wrapper
+from brax.envs.base import State as BraxState
+from jaxtyping import Array
+
+from home_mjx.errors import ConfigError
+from home_mjx.tasks import AutoReset, HouseholdEnv, State
+
+
+class BraxEnv(Env):
+    """A household for Brax: pixels for its CNNs and one vector `state`.
+
+    Observations are `pixels/head_<kind>` (rgb as float in [0, 1], depth over `depth_max`) and `state`, which is our
+    `state` and `goal` together. Ids and sound are left out: Brax's networks cannot take them.
+
+    Args:
+        env: The environment, of one agent.
+        pixels_dtype: `float32`, or `uint8` to keep rgb as it is, a quarter of the memory.
+    """
+
+    def __init__(self, env: HouseholdEnv, pixels_dtype: Any = jnp.float32) -> None:
+        if env.num_agents != 1:
+            raise ConfigError(f"Brax drives one agent, this environment has {env.num_agents}", hint="Set num_agents=1")
+        self.env = env
+        self.pixels_dtype = pixels_dtype
+
+    @property
+    def observation_size(self) -> dict[str, tuple[int, ...]]:
+        """Shapes of the observations."""
+        shapes = jax.eval_shape(self.reset, jax.ShapeDtypeStruct((2,), jnp.uint32)).obs
+        return {name: leaf.shape for name, leaf in shapes.items()}
+
+    @property
+    def action_size(self) -> int:
+        """Forward, left, turn left, look up."""
+        return self.env.action_size
+
+    @property
+    def backend(self) -> str:
+        """The physics engine."""
+        return "mjx"
+
+    def reset(self, rng: Array) -> BraxState:
+        """A new episode."""
+        return self.to_brax(self.env.reset(rng))
+
+    def step(self, state: BraxState, action: Array) -> BraxState:
+        """One control step; running out of time is left to the wrapper."""
+        new = self.env.step(state.pipeline_state, action)
+        brax = self.to_brax(new)
+        done = new.done * (1 - new.info["truncation"])
+        # Wrappers add keys of their own to metrics and info: they must come back as they went in.
+        return brax.replace(done=done, metrics=dict(state.metrics, **brax.metrics), info=dict(state.info))
+
+    def to_brax(self, state: State) -> BraxState:
+        """Our state as Brax's; works on a batch as well."""
+        obs = self.to_brax_obs(state.obs)
+        inner = state.replace(obs={}, info={k: v for k, v in state.info.items() if k != "final_obs"})
+        return BraxState(inner, obs, state.reward, state.done, dict(state.metrics), {})
+
+    def to_brax_obs(self, obs: dict[str, Array]) -> dict[str, Array]:
+        """The observations that Brax's networks take."""
+        out = {name: self._pixels(name, value) for name, value in obs.items() if name.startswith("pixels/")}
+        vectors = [obs[name] for name in ("state", "goal") if name in obs]
+        if vectors:
+            out["state"] = jnp.concatenate(vectors, axis=-1)
+        return out
+
+    def _pixels(self, name: str, value: Array) -> Array:
+        if name.endswith("_depth"):
+            return value / self.env.config.depth_max
+        if value.dtype == jnp.uint8 and self.pixels_dtype != jnp.uint8:
+            return value.astype(self.pixels_dtype) / 255
+        return value
+
+
+class TrainingWrapper(Wrapper):
+    """A batch for Brax's trainers: episode counts, and a new house and pose at every reset."""
+
+    def __init__(self, env: BraxEnv, episode_length: int) -> None:
+        super().__init__(env)
+        inner = env.env
+        config = dataclasses.replace(inner.config, episode_length=episode_length)
+        self.auto = AutoReset(HouseholdEnv(inner.bank, config, inner.task))
+
+    def reset(self, rng: Array) -> BraxState:
+        """A new episode per key."""
+        state = self.auto.reset(rng)
+        zero = jnp.zeros_like(state.done)
+        totals = dict.fromkeys(("sum_reward", "length", *state.metrics), zero)
+        info = {"steps": zero, "episode_done": zero, "episode_metrics": totals}
+        return self._to_brax(state, info)
+
+    def step(self, state: BraxState, action: Array) -> BraxState:
+        """One step of all environments."""
+        new = self.auto.step(state.pipeline_state, action)
+        fresh = 1 - state.info["episode_done"]
+        totals = state.info["episode_metrics"]
+        terms = {"sum_reward": new.reward, "length": jnp.ones_like(new.done), **new.metrics}
+        info = {
+            "steps": state.info["steps"] * fresh + 1,
+            "episode_done": new.done,
+            "episode_metrics": {name: totals[name] * fresh + terms[name] for name in totals},
+        }
+        return self._to_brax(new, info)
+
+    def _to_brax(self, state: State, info: dict[str, Any]) -> BraxState:
+        info["truncation"] = state.info["truncation"]
+        info["final_obs"] = self.env.to_brax_obs(state.info["final_obs"])
+        return self.env.to_brax(state).replace(info=info)
+
+
+def wrap_for_training(
+    env: BraxEnv, episode_length: int = 500, action_repeat: int = 1, randomization_fn: Any = None
+) -> TrainingWrapper:
+    """The `wrap_env_fn` of Brax's trainers.
+
+    Raises:
+        ConfigError: For an action repeat (use a longer `ctrl_dt`) or a randomisation function (houses already differ).
+    """
+    if action_repeat != 1:
+        raise ConfigError(f"action_repeat must be 1, got {action_repeat}", hint="Make `ctrl_dt` longer instead")
+    if randomization_fn is not None:
+        raise ConfigError("randomization_fn is not supported", hint="Put different houses in the bank instead")
+    return TrainingWrapper(env, episode_length)

@@ -1,0 +1,119 @@
+"""Gymnasium: `gymnasium.make("home_mjx/PointNav-v0")` and its vector twin."""
+
+from typing import Any
+
+import gymnasium
+import jax
+import numpy as np
+from gymnasium.vector import AutoresetMode
+
+from home_mjx.adapters.spaces import action_space, observation_space
+from home_mjx.registry import make
+from home_mjx.tasks import AutoReset, HouseholdEnv, State
+
+
+class GymEnv(gymnasium.Env):
+    """One household as a `gymnasium.Env` of NumPy arrays.
+
+    Args:
+        env_id: An id of `home_mjx.list_envs()`.
+        render_mode: None or "rgb_array" (needs the `rgb` sensor).
+        **options: As for `home_mjx.make`.
+
+    Example:
+        >>> import gymnasium, home_mjx  # doctest: +SKIP
+        >>> env = gymnasium.make("home_mjx/PointNav-v0", render_mode="rgb_array")  # doctest: +SKIP
+        >>> obs, info = env.reset(seed=0)  # doctest: +SKIP
+    """
+
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012, the base class declares it so
+
+    def __init__(self, env_id: str = "PointNav-v0", render_mode: str | None = None, **options: Any) -> None:
+        self.env: HouseholdEnv = make(env_id, **options)
+        self.render_mode = render_mode
+        self.observation_space = observation_space(self.env)
+        self.action_space = action_space(self.env)
+        self._reset = jax.jit(self.env.reset_in)
+        self._step = jax.jit(self.env.step_in)
+        self._state: State | None = None
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict, dict]:
+        """Begins an episode in a random house; `options={"house": i}` chooses one."""
+        super().reset(seed=seed)
+        key = np.asarray(self.np_random.integers(0, 2**32, 2, np.uint32))
+        house = None if not options or options.get("house") is None else np.int32(options["house"])
+        self._state = self._reset(self.env.bank, key, house)
+        return to_numpy(self._state.obs), _info(self._state)
+
+    def step(self, action: np.ndarray) -> tuple[dict, float, bool, bool, dict]:
+        """One control step."""
+        if self._state is None:
+            raise gymnasium.error.ResetNeeded("call reset() before step()")
+        self._state = self._step(self.env.bank, self._state, np.asarray(action, np.float32))
+        truncated = bool(self._state.info["truncation"])
+        terminated = bool(self._state.done) and not truncated
+        reward = float(np.mean(self._state.reward))
+        return to_numpy(self._state.obs), reward, terminated, truncated, _info(self._state)
+
+    def render(self) -> np.ndarray | None:
+        """The first agent's RGB image (H, W, 3) uint8."""
+        if self.render_mode is None or self._state is None or "pixels/head_rgb" not in self._state.obs:
+            return None
+        image = np.array(self._state.obs["pixels/head_rgb"])
+        return image if image.ndim == 3 else image[0]
+
+
+class GymVectorEnv(gymnasium.vector.VectorEnv):
+    """Many households in one jitted step; ended ones begin anew in the same step (`SAME_STEP`).
+
+    Args:
+        num_envs: Number of environments.
+        env_id: An id of `home_mjx.list_envs()`.
+        **options: As for `home_mjx.make`.
+    """
+
+    metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.SAME_STEP}  # noqa: RUF012, as above
+
+    def __init__(self, num_envs: int = 1, env_id: str = "PointNav-v0", **options: Any) -> None:
+        options.pop("render_mode", None)
+        self.env: HouseholdEnv = make(env_id, **options)
+        self.num_envs = num_envs
+        self.single_observation_space = observation_space(self.env)
+        self.single_action_space = action_space(self.env)
+        batch = gymnasium.vector.utils.batch_space
+        self.observation_space = batch(self.single_observation_space, num_envs)
+        self.action_space = batch(self.single_action_space, num_envs)
+        auto = AutoReset(self.env)
+        self._reset = jax.jit(auto.reset_in)
+        self._step = jax.jit(auto.step_in)
+        self._state: State | None = None
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict, dict]:
+        """Begins an episode in every environment."""
+        super().reset(seed=seed)
+        keys = np.asarray(self.np_random.integers(0, 2**32, (self.num_envs, 2), np.uint32))
+        self._state = self._reset(self.env.bank, keys)
+        return to_numpy(self._state.obs), {}
+
+    def step(self, actions: np.ndarray) -> tuple[dict, np.ndarray, np.ndarray, np.ndarray, dict]:
+        """One control step of all; `info["final_obs"]` holds the last observation of those that ended."""
+        if self._state is None:
+            raise gymnasium.error.ResetNeeded("call reset() before step()")
+        self._state = self._step(self.env.bank, self._state, np.asarray(actions, np.float32))
+        done = np.asarray(self._state.done) > 0
+        truncated = np.asarray(self._state.info["truncation"]) > 0
+        reward = np.asarray(self._state.reward, np.float64).reshape(self.num_envs, -1).mean(-1)
+        info: dict[str, Any] = {}
+        if done.any():
+            info = {"final_obs": to_numpy(self._state.info["final_obs"]), "_final_obs": done}
+        return to_numpy(self._state.obs), reward, done & ~truncated, truncated, info
+
+
+def to_numpy(tree: Any) -> Any:
+    """Arrays of their own, not views of device buffers that a later step may reuse."""
+    return jax.tree.map(np.array, tree)
+
+
+def _info(state: State) -> dict[str, Any]:
+    metrics = {name: float(value) for name, value in state.metrics.items()}
+    return {"house": int(state.info["world"].house), **metrics}

@@ -1,0 +1,79 @@
+"""Panels: depth and ids as colours, text, and sheets of them."""
+
+import colorsys
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float, Int, UInt8
+from PIL import Image, ImageDraw, ImageFont
+
+BACKGROUND = (24, 26, 30)
+INK = (235, 235, 235)
+
+
+def depth_colours(depth: Float[np.ndarray, "h w"], farthest: float) -> UInt8[np.ndarray, "h w 3"]:
+    """Near is warm and bright, far is dark blue."""
+    near = 1 - np.clip(depth / farthest, 0, 1)
+    ramp = np.array([[10, 12, 40], [60, 40, 120], [180, 60, 110], [245, 140, 60], [252, 250, 190]], float)
+    place = near * (len(ramp) - 1)
+    low = np.minimum(place.astype(int), len(ramp) - 2)
+    mix = (place - low)[..., None]
+    return (ramp[low] * (1 - mix) + ramp[low + 1] * mix).astype(np.uint8)
+
+
+def id_colours(ids: Int[np.ndarray, "h w"]) -> UInt8[np.ndarray, "h w 3"]:
+    """A fixed colour per id, neighbours far apart in hue; -1 is black."""
+    values = np.unique(ids)
+    table = np.array([_id_colour(int(v)) for v in values], np.uint8)
+    return table[np.searchsorted(values, ids)]
+
+
+def _id_colour(value: int) -> tuple[int, int, int]:
+    if value < 0:
+        return (0, 0, 0)
+    red, green, blue = colorsys.hsv_to_rgb((value * 0.618034) % 1, 0.55 + 0.4 * ((value * 7) % 3) / 2, 0.95)
+    return int(red * 255), int(green * 255), int(blue * 255)
+
+
+def enlarge(image: UInt8[np.ndarray, "h w 3"], size: int) -> UInt8[np.ndarray, "s s2 3"]:
+    """The image scaled to `size` rows, pixels kept sharp."""
+    height, width = image.shape[:2]
+    return np.asarray(Image.fromarray(image).resize((size * width // height, size), Image.Resampling.NEAREST))
+
+
+def captioned(image: UInt8[np.ndarray, "h w 3"], text: str) -> UInt8[np.ndarray, "h2 w 3"]:
+    """The image with a line of text above."""
+    height, width = image.shape[:2]
+    canvas = Image.new("RGB", (width, height + 18), BACKGROUND)
+    canvas.paste(Image.fromarray(image), (0, 18))
+    ImageDraw.Draw(canvas).text((4, 3), text, fill=INK, font=ImageFont.load_default(size=12))
+    return np.asarray(canvas)
+
+
+def sheet(rows: Sequence[Sequence[UInt8[np.ndarray, "h w 3"]]], gap: int = 6) -> UInt8[np.ndarray, "h2 w2 3"]:
+    """Panels in rows, on a dark ground."""
+    heights = [max(panel.shape[0] for panel in row) for row in rows]
+    widths = [sum(panel.shape[1] + gap for panel in row) for row in rows]
+    # H.264 wants even sides.
+    size = (max(widths) + gap, sum(heights) + gap * (len(rows) + 1))
+    canvas = Image.new("RGB", (size[0] + size[0] % 2, size[1] + size[1] % 2), BACKGROUND)
+    y = gap
+    for row, height in zip(rows, heights, strict=True):
+        x = gap
+        for panel in row:
+            canvas.paste(Image.fromarray(panel), (x, y))
+            x += panel.shape[1] + gap
+        y += height + gap
+    return np.asarray(canvas)
+
+
+def waveform(samples: Float[np.ndarray, "2 n"], width: int, height: int, peak: float) -> UInt8[np.ndarray, "h w 3"]:
+    """Left (above) and right (below) ear as an oscillogram; `peak` fills the height."""
+    canvas = Image.new("RGB", (width, height), BACKGROUND)
+    draw = ImageDraw.Draw(canvas)
+    for ear, colour in enumerate([(120, 200, 255), (255, 170, 110)]):
+        middle = height * (1 + 2 * ear) // 4
+        columns = np.array_split(samples[ear] / max(peak, 1e-9) * height / 4, width)
+        for x, column in enumerate(columns):
+            draw.line((x, middle - column.max(), x, middle - column.min()), fill=colour)
+    return np.asarray(canvas)
