@@ -1,1 +1,79 @@
-"""To be written."""
+"""The `home-mjx` command. Each subcommand is one module here with `add_arguments(parser)` and `run(args) -> int`.
+
+A subcommand's module is imported only when it is called, so that `home-mjx --help` is fast.
+"""
+
+import argparse
+import importlib
+import os
+import sys
+from collections.abc import Sequence
+
+from home_mjx import __version__
+from home_mjx.cli.parsing import Parser
+from home_mjx.errors import HomeMjxError, check_known
+
+__all__ = ["main"]
+
+COMMANDS = {
+    "demo": "walk agents through houses; write pictures, a video with sound and a report",
+    "generate": "write seeded houses in SUNCG's format",
+    "inspect": "count what a house holds",
+    "compile": "write a house as MJCF for MuJoCo",
+    "render": "write pictures of a house as seen from a point",
+    "listen": "write a sound as heard in a house",
+    "bench": "measure speed",
+    "doctor": "say whether this machine is ready",
+}
+BAD_INPUT = 2
+INTERRUPTED = 130
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Runs the command line; the value is the exit code.
+
+    Bad input ends with one message on stderr and code 2; a traceback is shown only with `--debug`.
+    """
+    argv = list(sys.argv[1:] if argv is None else argv)
+    try:
+        return _dispatch(argv)
+    except KeyboardInterrupt:
+        sys.stderr.write("home-mjx: interrupted\n")
+        return INTERRUPTED
+    except BrokenPipeError:
+        # The reader of our output (`| head`) has left. Point stdout elsewhere, or Python complains while flushing.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except (HomeMjxError, OSError) as error:
+        if "--debug" in argv:
+            raise
+        sys.stderr.write(f"home-mjx: error: {error}\n")
+        return BAD_INPUT
+
+
+def _dispatch(argv: list[str]) -> int:
+    top = _top_parser()
+    args = top.parse_args(argv)
+    if args.command is None:
+        top.print_help()
+        return BAD_INPUT
+    check_known("command", [args.command], COMMANDS)
+    module = importlib.import_module(f"home_mjx.cli.{args.command}")
+    parser = Parser(prog=f"home-mjx {args.command}", description=module.__doc__)
+    module.add_arguments(parser)
+    return module.run(parser.parse_args(args.arguments))
+
+
+def _top_parser() -> Parser:
+    listing = "\n".join(f"  {name:<10}{text}" for name, text in COMMANDS.items())
+    parser = Parser(
+        prog="home-mjx",
+        usage="home-mjx [--help] [--version] [--debug] COMMAND ...",
+        description="Batch simulator of households for massively parallel reinforcement learning.",
+        epilog=f"commands:\n{listing}\n\n`home-mjx COMMAND --help` tells more.",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--version", action="version", version=f"home-mjx {__version__}")
+    parser.add_argument("command", nargs="?", help=argparse.SUPPRESS)
+    parser.add_argument("arguments", nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
+    return parser

@@ -1,0 +1,57 @@
+# Everything a user or developer runs. Works on a bare machine with Python >= 3.11, git and make:
+# each target first creates $(VENV) and installs the pinned versions of requirements/constraints.txt.
+SHELL := bash
+.SHELLFLAGS := -eu -o pipefail -c
+.DEFAULT_GOAL := help
+
+VENV ?= .venv
+BIN := $(VENV)/bin
+WORKERS ?= 2
+SETUP := pyproject.toml requirements/constraints.txt scripts/setup_venv.sh
+# Two stamps: users of `make demo` do not wait for linters and docs tools.
+USER_STAMP := $(VENV)/.installed-user
+DEV_STAMP := $(VENV)/.installed-dev
+
+.PHONY: help demo test test-slow test-matrix lint types docs bench wheel clean
+
+help:  ## show this list
+	@grep -E '^[a-z-]+:.*## ' Makefile | sed -E 's/:.*## /\t/' | expand -t 14
+
+demo: $(USER_STAMP)  ## see and hear agents in houses; SUNCG_DATA_DIR=... uses real ones
+	$(BIN)/home-mjx demo $(ARGS)
+
+test: $(DEV_STAMP)  ## fast tests
+	$(BIN)/python -m pytest -n $(WORKERS) -m "not slow" $(ARGS)
+
+test-slow: $(DEV_STAMP)  ## the tests that take long
+	$(BIN)/python -m pytest -n $(WORKERS) -m slow $(ARGS)
+
+test-matrix:  ## a short suite on every supported jax, each in a .venv-<name> of its own
+	scripts/test_matrix.sh $(ARGS)
+
+lint: $(DEV_STAMP)  ## ruff, check and format
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+types: $(DEV_STAMP)  ## pyright
+	$(BIN)/pyright
+
+docs: $(DEV_STAMP)  ## build the documentation into site/, warnings are errors
+	$(BIN)/mkdocs build --strict --quiet
+
+bench: $(DEV_STAMP)  ## measure; one JSON object a line into benchmarks/latest.jsonl
+	$(BIN)/home-mjx bench all --json $(ARGS) | tee benchmarks/latest.jsonl
+
+wheel: $(DEV_STAMP)  ## build the wheel, install it alone and try it from another folder
+	scripts/check_wheel.sh $(BIN)/python
+
+clean:  ## remove environments and everything generated
+	rm -rf .venv .venv-* build dist site demo *.egg-info .pytest_cache .ruff_cache .hypothesis
+
+$(USER_STAMP): $(SETUP)
+	scripts/setup_venv.sh $(VENV) .
+	touch $@
+
+$(DEV_STAMP): $(SETUP)
+	scripts/setup_venv.sh $(VENV) '.[dev]'
+	touch $@ $(USER_STAMP)

@@ -1,0 +1,58 @@
+"""An argument parser whose mistakes are our typed errors, with a hint."""
+
+import argparse
+from collections.abc import Sequence
+from typing import Any, NoReturn
+
+from home_mjx.errors import ConfigError, did_you_mean
+
+
+class Parser(argparse.ArgumentParser):
+    """`argparse.ArgumentParser` that raises `ConfigError` and suggests the option that was meant."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__(allow_abbrev=False, **kwargs)
+        self.add_argument("--debug", action="store_true", help="show the traceback of an error")
+
+    def parse_args(self, args: Sequence[str] | None = None, namespace: Any = None) -> Any:
+        """Parses, refusing what is left over."""
+        parsed, extra = self.parse_known_args(args, namespace)
+        if extra:
+            self._refuse(extra[0])
+        return parsed
+
+    def error(self, message: str) -> NoReturn:
+        """Raises `ConfigError` instead of leaving the process."""
+        raise ConfigError(message, hint=f"See `{self.prog} --help`")
+
+    def _refuse(self, argument: str) -> NoReturn:
+        if not argument.startswith("-"):
+            self.error(f"unexpected argument `{argument}`")
+        name = argument.split("=")[0]
+        known = [option for action in self._actions for option in action.option_strings if option.startswith("--")]
+        raise ConfigError(f"unknown option `{name}`", hint=did_you_mean(name, known))
+
+
+def seed_range(text: str) -> range:
+    """Seeds from `A:B` (A up to, not including, B) or one seed.
+
+    Example:
+        >>> list(seed_range("3:6")), list(seed_range("7"))
+        ([3, 4, 5], [7])
+    """
+    first, colon, last = text.partition(":")
+    try:
+        start = int(first)
+        stop = int(last) if colon else start + 1
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"expected SEED or A:B with whole numbers, got `{text}`") from None
+    if start < 0 or stop <= start:
+        raise argparse.ArgumentTypeError(f"expected 0 <= A < B, got `{text}`")
+    return range(start, stop)
+
+
+def positive_int(text: str) -> int:
+    """A whole number above zero."""
+    if not text.isdecimal() or int(text) == 0:
+        raise argparse.ArgumentTypeError(f"expected a whole number above 0, got `{text}`")
+    return int(text)

@@ -1,0 +1,18 @@
+#!/usr/bin/env bash
+# check_wheel.sh PYTHON: builds the wheel, installs it into an empty environment and uses it from another folder.
+set -eu
+python=$1
+root=$(cd "$(dirname "$0")/.." && pwd)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+export PIP_DISABLE_PIP_VERSION_CHECK=1
+
+"$python" -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir "$work" "$root"
+"$python" -m venv "$work/venv"
+"$work/venv/bin/python" -m pip install --quiet -c "$root/requirements/constraints.txt" "$work"/*.whl
+cd "$work"
+venv/bin/python -W error -c 'import home_mjx, pathlib; assert "site-packages" in home_mjx.__file__; print("home_mjx", home_mjx.__version__)'
+venv/bin/home-mjx --help >help.txt
+venv/bin/home-mjx doctor
+venv/bin/home-mjx generate houses --seeds 0:2
+venv/bin/home-mjx inspect 0 --suncg houses

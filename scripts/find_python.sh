@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# Prints the first Python that runs and is at least the given version (default 3.11).
+# PYTHON=... names one to use instead of looking.
+set -eu
+wanted=${1:-3.11}
+
+fits() {
+    "$1" -c "import sys; sys.exit(sys.version_info[:2] < tuple(map(int, '$wanted'.split('.'))))" >/dev/null 2>&1
+}
+
+candidates() {
+    # The wanted version first: it is the one the pins were made for. A pyenv shim may exist and yet not run.
+    local name
+    for name in "python$wanted" python3 python python3.11 python3.12 python3.13 python3.14; do
+        command -v "$name" || true
+    done
+    ls -d "${PYENV_ROOT:-$HOME/.pyenv}"/versions/3.*/bin/python3 2>/dev/null | sort -V || true
+}
+
+if [ -n "${PYTHON:-}" ]; then
+    if ! fits "$PYTHON"; then
+        echo "home-mjx needs Python >= $wanted, but PYTHON=$PYTHON is $("$PYTHON" --version 2>&1 || true)." >&2
+        exit 1
+    fi
+    command -v "$PYTHON"
+    exit
+fi
+for candidate in $(candidates); do
+    if fits "$candidate"; then
+        echo "$candidate"
+        exit
+    fi
+done
+echo "home-mjx needs Python >= $wanted and found none; python3 is $(python3 --version 2>&1 || true)." >&2
+echo "Install one and try again, or name it: make PYTHON=/path/to/python3 ..." >&2
+exit 1

@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# test_matrix.sh [NAME...]: a short suite on every supported jax, each in an environment of its own.
+# A row whose Python is not on this machine is skipped with a message; a failing row fails the script.
+set -eu
+cd "$(dirname "$0")/.."
+
+# name | lowest Python | jax | other pins that this jax needs
+ROWS='
+jax0.9 |3.11|0.9.2   |
+jax0.10|3.11|0.10.2  |
+jax0.11|3.12|0.11.2  |
+jax0.12|3.12|0.12.0.1|
+'
+SUITE='tests/test_package.py tests/scene_compile tests/raycast_render tests/physics tests/audio_jax tests/tasks'
+
+run_row() {
+    local name=$1 python=$2 jax=$3 extra=$4 venv=.venv-$1
+    if ! scripts/find_python.sh "$python" >/dev/null 2>&1; then
+        echo "SKIPPED $name: no Python >= $python found"
+        return
+    fi
+    # The common pins, less those that this row sets. Steps are chained: `set -e` does not reach into `run_row ||`.
+    { grep -vE '^(jax|jaxlib|flax)==' requirements/constraints.txt; printf '%s\n' "jax==$jax" $extra; } >"$pins" &&
+        MIN_PYTHON=$python scripts/setup_venv.sh "$venv" '.[test]' "$pins" &&
+        echo "== $name: $("$venv/bin/python" -c 'import sys, jax; print("jax", jax.__version__, "Python", sys.version.split()[0])')" &&
+        "$venv/bin/python" -m pytest -q -m "not slow" $SUITE
+}
+
+pins=$(mktemp)
+trap 'rm -f "$pins"' EXIT
+failed=''
+while IFS='|' read -r name python jax extra; do
+    name=${name// /}
+    [ -n "$name" ] || continue
+    case " ${*:-$name} " in *" $name "*) ;; *) continue ;; esac
+    run_row "$name" "${python// /}" "${jax// /}" "$extra" </dev/null || failed="$failed $name"
+done <<<"$ROWS"
+[ -z "$failed" ] || { echo "FAILED:$failed" >&2; exit 1; }
