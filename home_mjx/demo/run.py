@@ -1,0 +1,218 @@
+"""The demo from houses to files: compile, walk, draw, measure, and only then move everything into place."""
+
+import dataclasses
+import json
+import shutil
+import tempfile
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from tqdm import tqdm
+
+from home_mjx.demo import media, pictures, timing
+from home_mjx.demo.top_view import TopView
+from home_mjx.demo.walk import Walker, make_walker
+from home_mjx.registry import make
+from home_mjx.tasks import HouseholdEnv, State
+
+SENSORS_ALONE = {
+    "depth": ("depth",),
+    "rgb": ("rgb",),
+    "instance and category": ("instance", "fine"),
+    "audio": ("audio",),
+    "state and goal": ("state", "goal"),
+}
+
+
+@dataclass(frozen=True)
+class DemoOptions:
+    """What the demo does.
+
+    Attributes:
+        out: Folder for the files.
+        suncg: Root of a SUNCG dataset; None for generated houses.
+        num_houses: Houses in the bank.
+        num_envs: Environments in the batch.
+        num_steps: Steps of the walk.
+        num_views: Environments that are drawn.
+        seed: Seed of everything.
+    """
+
+    out: Path = Path("demo")
+    suncg: Path | None = None
+    num_houses: int = 8
+    num_envs: int = 64
+    num_steps: int = 150
+    num_views: int = 3
+    seed: int = 0
+
+
+@dataclass
+class Walk:
+    """What was seen and heard on the way; per drawn environment."""
+
+    obs: list[dict[str, np.ndarray]] = field(default_factory=list)
+    positions: list[np.ndarray] = field(default_factory=list)
+    sources: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
+
+    def sound(self, view: int) -> np.ndarray:
+        """The whole walk's stereo sound (2, n)."""
+        return np.concatenate([obs["audio"][view] for obs in self.obs], axis=-1)
+
+
+def run_demo(options: DemoOptions) -> dict[str, Any]:
+    """Runs the demo.
+
+    Returns:
+        What `report.json` holds.
+    """
+    started = time.perf_counter()
+    steps = tqdm(total=options.num_steps + 5, desc="houses", unit="step")
+    env: HouseholdEnv = make("PointNav-v0", options.suncg, num_houses=options.num_houses, episode_length=10**6)
+    steps.set_postfix_str("compiling the step (once)")
+    steps.update()
+    programs, seconds = _compile(env, options)
+    states = place(env, programs["reset"], options)
+    steps.update()
+    steps.set_description("walking")
+    steps.set_postfix_str("")
+    states, walk = walk_through(env, programs["step"], states, options, steps)
+    steps.set_description("measuring")
+    rates, more_seconds = measure(env, programs["step"], states)
+    steps.update()
+    steps.set_description("drawing")
+    report = {
+        "versions": timing.versions(),
+        "device": timing.device_name(),
+        "dataset": str(options.suncg or "generated"),
+        "num_houses": env.bank.num_houses,
+        "num_envs": options.num_envs,
+        "compile_seconds": {**seconds, **more_seconds},
+        "steps_per_second": rates,
+        "triangles": int(env.bank.geometry.triangle.shape[0]),
+        "bank_bytes": sum(leaf.nbytes for leaf in jax.tree.leaves(env.bank)),
+    }
+    with tempfile.TemporaryDirectory(prefix="home_mjx_demo_") as folder:
+        draw(env, states, walk, options, Path(folder), steps)
+        report["peak_memory_bytes"] = timing.peak_memory_bytes()
+        report["wall_seconds"] = time.perf_counter() - started
+        (Path(folder) / "report.json").write_text(json.dumps(report, indent=2) + "\n")
+        options.out.mkdir(parents=True, exist_ok=True)
+        for file in sorted(Path(folder).iterdir()):
+            shutil.move(str(file), options.out / file.name)
+    steps.update()
+    steps.close()
+    return report
+
+
+def _compile(env: HouseholdEnv, options: DemoOptions) -> tuple[dict[str, Any], dict[str, float]]:
+    """The batched reset and step as compiled programs, and how long that took."""
+    keys = jnp.zeros((options.num_envs, 2), jnp.uint32)
+    houses = jnp.zeros(options.num_envs, jnp.int32)
+    actions = jnp.zeros((options.num_envs, env.action_size), jnp.float32)
+    reset, reset_seconds = timing.compiled(jax.vmap(env.reset_in, (None, 0, 0)), env.bank, keys, houses)
+    states = reset(env.bank, keys, houses)
+    step, step_seconds = timing.compiled(jax.vmap(env.step_in, (None, 0, 0)), env.bank, states, actions)
+    return {"reset": reset, "step": step}, {"reset": reset_seconds, "step with all sensors": step_seconds}
+
+
+def place(env: HouseholdEnv, reset: Any, options: DemoOptions) -> State:
+    """Environments spread over the houses, the radio in a room of each."""
+    keys = jax.random.key_data(jax.random.split(jax.random.key(options.seed), options.num_envs))
+    houses = jnp.arange(options.num_envs, dtype=jnp.int32) % env.bank.num_houses
+    states = reset(env.bank, keys, houses)
+    world = states.info["world"]
+    # All environments of a house hear the same radio, at the house's first goal.
+    radio = env.bank.navigation.goal[houses, 0].at[:, 2].add(env.config.source_height)
+    return states.replace(info=dict(states.info, world=world.replace(source=radio)))
+
+
+def walk_through(
+    env: HouseholdEnv, step: Any, states: State, options: DemoOptions, progress: tqdm
+) -> tuple[State, Walk]:
+    """Walks all environments and keeps what the drawn ones observed."""
+    walkers = make_walkers(env, states)
+    walk = Walk(sources=np.asarray(states.info["world"].source[: options.num_views]))
+    for _ in range(options.num_steps):
+        own = np.asarray(states.obs["state"])
+        yaw = np.arctan2(own[:, 4], own[:, 3])
+        actions = np.stack([w.action(own[i, :3], yaw[i]) for i, w in enumerate(walkers)])
+        states = step(env.bank, states, jnp.asarray(actions))
+        walk.obs.append({k: np.asarray(v[: options.num_views]) for k, v in states.obs.items()})
+        walk.positions.append(own[: options.num_views, :3])
+        progress.update()
+    return states, walk
+
+
+def make_walkers(env: HouseholdEnv, states: State) -> list[Walker]:
+    """A walker per environment."""
+    houses = np.asarray(states.info["world"].house)
+    own = np.asarray(states.obs["state"])
+    turn = env.config.physics.turn_rate * env.dt
+    return [make_walker(env.bank, int(h), own[i, :3], turn) for i, h in enumerate(houses)]
+
+
+def measure(env: HouseholdEnv, step: Any, states: State) -> tuple[dict[str, float], dict[str, float]]:
+    """Environment steps per second with all sensors, and of physics and each sensor alone."""
+    num_envs = states.done.shape[0]
+    actions = jnp.zeros((num_envs, env.action_size), jnp.float32)
+    rates = {"all": num_envs * timing.calls_per_second(step, env.bank, states, actions, seconds=4.0)}
+    seconds = {}
+    programs = {"physics": (jax.vmap(env.advance, (None, 0, 0)), (env.bank, states, actions))}
+    for name, kinds in SENSORS_ALONE.items():
+        alone = HouseholdEnv(env.bank, dataclasses.replace(env.config, sensors=kinds), env.task)
+        programs[name] = (jax.vmap(lambda b, s, alone=alone: alone.observe_in(b, s).obs, (None, 0)), (env.bank, states))
+    for name, (function, args) in programs.items():
+        program, seconds[name] = timing.compiled(function, *args)
+        rates[name] = num_envs * timing.calls_per_second(program, *args)
+    return rates, seconds
+
+
+def draw(env: HouseholdEnv, states: State, walk: Walk, options: DemoOptions, folder: Path, progress: tqdm) -> None:
+    """Writes the contact sheet, the film and the sound."""
+    houses = np.asarray(states.info["world"].house[: options.num_views])
+    tops = [TopView(env, jax.tree.map(lambda x, i=i: x[i], states)) for i in range(options.num_views)]
+    paths = np.stack(walk.positions)
+    rows = []
+    for i, top in enumerate(tops):
+        middle = len(walk.obs) // 2
+        image = top.with_path(paths[:, i], walk.sources[i], size=256)
+        caption = f"house {houses[i]}: path, radio (red)"
+        rows.append([pictures.captioned(image, caption), *_views(env, walk.obs[middle], i, 256)])
+    _save_png(folder / "contact_sheet.png", pictures.sheet(rows))
+    progress.update()
+    sound = walk.sound(0)
+    rate = env.config.audio.sample_rate
+    media.write_wav(folder / "walk.wav", sound, rate)
+    frames = np.stack([_film_frame(env, walk, tops[0], paths[: t + 1, 0], t) for t in range(len(walk.obs))])
+    media.write_mp4(folder / "walk.mp4", frames, 1 / env.dt, folder / "walk.wav")
+    progress.update()
+
+
+def _views(env: HouseholdEnv, obs: dict[str, np.ndarray], view: int, size: int) -> list[np.ndarray]:
+    panels = {
+        "rgb": obs["pixels/head_rgb"][view],
+        "depth": pictures.depth_colours(obs["pixels/head_depth"][view, ..., 0], env.config.depth_max),
+        "category": pictures.id_colours(obs["ids/head_fine"][view]),
+        "instance": pictures.id_colours(obs["ids/head_instance"][view]),
+    }
+    return [pictures.captioned(pictures.enlarge(image, size), name) for name, image in panels.items()]
+
+
+def _film_frame(env: HouseholdEnv, walk: Walk, top: TopView, path: np.ndarray, t: int) -> np.ndarray:
+    peak = max(float(np.abs(obs["audio"][0]).max()) for obs in walk.obs)
+    row = [pictures.captioned(top.with_path(path, walk.sources[0], 192), "top view"), *_views(env, walk.obs[t], 0, 192)]
+    width = sum(panel.shape[1] for panel in row) + 6 * (len(row) - 1)
+    wave = pictures.waveform(walk.obs[t]["audio"][0], width, 96, peak)
+    return pictures.sheet([row, [pictures.captioned(wave, "left ear (above), right ear (below), last 0.1 s")]])
+
+
+def _save_png(path: Path, image: np.ndarray) -> None:
+    from PIL import Image
+
+    Image.fromarray(image).save(path)

@@ -1,0 +1,55 @@
+"""Steps per second: compile and run are timed apart."""
+
+import resource
+import sys
+import time
+from collections.abc import Callable
+from typing import Any
+
+import jax
+
+
+def compiled(function: Callable[..., Any], *args: Any) -> tuple[Callable[..., Any], float]:
+    """A function compiled for these arguments, and the seconds that tracing and compiling took."""
+    start = time.perf_counter()
+    program = jax.jit(function).lower(*args).compile()
+    return program, time.perf_counter() - start
+
+
+def calls_per_second(program: Callable[..., Any], *args: Any, seconds: float = 1.0) -> float:
+    """Rate of a compiled function, after one call to warm up."""
+    jax.block_until_ready(program(*args))
+    start, calls = time.perf_counter(), 0
+    while time.perf_counter() - start < seconds:
+        jax.block_until_ready(program(*args))
+        calls += 1
+    return calls / (time.perf_counter() - start)
+
+
+def peak_memory_bytes() -> dict[str, int]:
+    """Largest resident size of this process, and of the device's allocator where it keeps count."""
+    scale = 1 if sys.platform == "darwin" else 1024  # ru_maxrss is in kilobytes on Linux
+    peak = {"host": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * scale}
+    stats = jax.devices()[0].memory_stats() or {}
+    if "peak_bytes_in_use" in stats:
+        peak["device"] = int(stats["peak_bytes_in_use"])
+    return peak
+
+
+def versions() -> dict[str, str]:
+    """Versions of what the figures depend on."""
+    import importlib.metadata as metadata
+    import platform
+
+    names = ("home-mjx", "jax", "jaxlib", "mujoco", "mujoco-mjx", "numba", "numpy")
+    return {"python": platform.python_version(), **{name: metadata.version(name) for name in names}}
+
+
+def device_name() -> str:
+    """Kind of the device, and how many processor cores stand behind a CPU device."""
+    import os
+
+    device = jax.devices()[0]
+    if device.platform == "cpu":
+        return f"cpu ({len(os.sched_getaffinity(0)) if hasattr(os, 'sched_getaffinity') else os.cpu_count()} cores)"
+    return device.device_kind

@@ -1,0 +1,104 @@
+"""Brax's PPO trains on the adapter."""
+
+import functools
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+pytest.importorskip("brax", reason="needs the extra `train`")
+
+from brax.training.agents.ppo import networks_vision, train
+
+import home_mjx
+from home_mjx.adapters.brax import BraxEnv, wrap_for_training
+from home_mjx.errors import ConfigError
+from home_mjx.training import shim
+
+
+@pytest.fixture(scope="module")
+def brax_env(generated_bank) -> BraxEnv:
+    return BraxEnv(
+        home_mjx.make("PointNav-v0", generated_bank, width=16, height=16, sensors=("rgb", "depth", "state", "goal"))
+    )
+
+
+def test_observation_sizes(brax_env):
+    assert brax_env.observation_size == {
+        "pixels/head_rgb": (16, 16, 3),
+        "pixels/head_depth": (16, 16, 1),
+        "state": (13,),
+    }
+
+
+def test_ppo_trains_from_pixels(brax_env):
+    shim.install()
+    records = []
+    make_networks = functools.partial(
+        networks_vision.make_ppo_networks_vision,
+        policy_hidden_layer_sizes=(32,),
+        value_hidden_layer_sizes=(32,),
+        cnn_output_channels=(8, 8),
+        cnn_kernel_size=(4, 3),
+        cnn_stride=(2, 2),
+        policy_obs_key="state",
+        value_obs_key="state",
+    )
+    _, params, metrics = train.train(
+        brax_env,
+        num_timesteps=2**12,
+        episode_length=64,
+        num_envs=16,
+        batch_size=16,
+        num_minibatches=4,
+        unroll_length=8,
+        num_updates_per_batch=1,
+        num_evals=3,
+        num_eval_envs=8,
+        max_devices_per_host=1,
+        vision=True,
+        wrap_env_fn=wrap_for_training,
+        network_factory=make_networks,
+        progress_fn=lambda step, metrics: records.append((step, metrics)),
+    )
+    rewards = [float(m["eval/episode_sum_reward"]) for _, m in records]
+    losses = [float(m["training/total_loss"]) for _, m in records if "training/total_loss" in m]
+    assert records[-1][0] >= 2**12
+    assert np.isfinite(rewards).all()
+    assert len(set(rewards)) > 1
+    assert losses
+    assert np.isfinite(losses).all()
+    before = jax.tree.leaves(train_start(brax_env, make_networks))
+    after = jax.tree.leaves(params[1])
+    assert any(not np.array_equal(a, b) for a, b in zip(before, after, strict=True))
+
+
+def train_start(env: BraxEnv, make_networks) -> object:
+    """The policy's parameters as `ppo.train` begins with them (same seed)."""
+    networks = make_networks(env.observation_size, env.action_size)
+    key, _ = jax.random.split(jax.random.PRNGKey(0))
+    return networks.policy_network.init(jax.random.split(key)[0])
+
+
+def test_action_repeat_is_refused(brax_env):
+    with pytest.raises(ConfigError, match="ctrl_dt"):
+        wrap_for_training(brax_env, action_repeat=2)
+
+
+def test_both_kinds_of_key_and_two_devices(brax_env):
+    wrapped = wrap_for_training(brax_env, episode_length=4)
+    keys = jax.random.split(jax.random.PRNGKey(0), 4).reshape(2, 2, 2)
+    states = jax.pmap(wrapped.reset)(keys)
+    step = jax.pmap(wrapped.step)
+    for _ in range(4):
+        states = step(states, jnp.zeros((2, 2, 4)))
+    np.testing.assert_array_equal(states.info["truncation"], 1)
+    np.testing.assert_array_equal(states.info["episode_metrics"]["length"], 4)
+
+
+def test_shim_is_what_jax_had():
+    devices = jax.devices()[:2]
+    out = shim.device_put_replicated({"a": np.arange(3)}, devices)["a"]
+    assert out.shape == (2, 3)
+    assert {shard.device for shard in out.addressable_shards} == set(devices)
