@@ -4,19 +4,24 @@ import os
 import tempfile
 from pathlib import Path
 
-os.environ.setdefault("JAX_PLATFORMS", "cpu")
-
-import jax
+import hypothesis
 import numpy as np
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
-jax.config.update("jax_num_cpu_devices", 2)
-jax.config.update(
-    "jax_compilation_cache_dir",
-    os.environ.get("HOME_MJX_TEST_CACHE", str(Path(tempfile.gettempdir()) / "home_mjx_jax_cache")),
-)
-jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.5)
+CACHE = os.environ.get("HOME_MJX_TEST_CACHE", str(Path(tempfile.gettempdir()) / "home_mjx_jax_cache"))
+
+# In the environment, which JAX reads when it is first imported, so that processes started by tests have the same.
+# The compile cache is one folder for all workers of pytest-xdist: a program is compiled once, not once per worker.
+os.environ.setdefault("JAX_PLATFORMS", "cpu")
+os.environ.setdefault("JAX_NUM_CPU_DEVICES", "2")
+os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", CACHE)
+os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.5")
+os.environ.setdefault("MPLBACKEND", "agg")
+
+# Deterministic: the same examples in every run. No deadline, since the first example pays for compilation.
+hypothesis.settings.register_profile("home_mjx", derandomize=True, deadline=None, database=None)
+hypothesis.settings.load_profile("home_mjx")
 
 
 @pytest.fixture(scope="session")
