@@ -4,6 +4,8 @@ import difflib
 from collections.abc import Iterable
 from pathlib import Path
 
+MAX_LISTED = 20  # names in a hint: a dataset may have 45,000 houses
+
 
 class HomeMjxError(Exception):
     """Base of every error that home_mjx raises on purpose.
@@ -66,7 +68,7 @@ class ExecutorError(HomeMjxError):
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """A hint that names the closest known name, or all of them.
+    """A hint that names the closest known name, and all of them or the first twenty.
 
     Example:
         >>> did_you_mean("deptth", ["rgb", "depth"])
@@ -74,7 +76,8 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     """
     known = sorted(known)
     close = difflib.get_close_matches(name, known, n=1)
-    listing = "Known: " + ", ".join(known)
+    more = f", … ({len(known)} in all)" if len(known) > MAX_LISTED else ""
+    listing = "Known: " + ", ".join(known[:MAX_LISTED]) + more
     return f"Did you mean `{close[0]}`? {listing}" if close else listing
 
 

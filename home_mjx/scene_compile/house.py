@@ -126,6 +126,17 @@ class House:
     problems: tuple[Problem, ...] = ()
 
 
+def base_model(model_id: str) -> str:
+    """The model whose variant this is (`122_0` of `122`, `s__12_2` of `s__12`), or the model itself.
+
+    Example:
+        >>> base_model("122_0"), base_model("s__1296")
+        ('122', 's__1296')
+    """
+    variant = model_id.count("_") in (1, 3) and model_id[-1:].isdigit()
+    return model_id.rsplit("_", 1)[0] if variant else model_id
+
+
 @dataclass(frozen=True)
 class ModelInfo:
     """A row of ModelCategoryMapping.csv joined with one of models.csv."""
@@ -160,5 +171,4 @@ class Metadata:
 
     def info(self, model_id: str) -> ModelInfo:
         """The row of a model; variants (`_0`, `_2`) fall back to their base, the rest to `unknown`."""
-        base = model_id.rsplit("_", 1)[0] if model_id.count("_") in (1, 3) and model_id[-1:].isdigit() else model_id
-        return self.models.get(model_id) or self.models.get(base) or ModelInfo(model_id)
+        return self.models.get(model_id) or self.models.get(base_model(model_id)) or ModelInfo(model_id)

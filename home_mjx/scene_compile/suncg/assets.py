@@ -1,0 +1,54 @@
+"""The meshes of a dataset: library models, parsed once each, and the meshes of rooms."""
+
+from pathlib import Path
+
+from home_mjx.scene_compile.house import Mesh, base_model
+
+from .obj import read_obj
+from .place import Place
+from .textures import Textures
+
+
+class Assets:
+    """Meshes and textures below one dataset root.
+
+    Args:
+        root: Absolute dataset root.
+    """
+
+    def __init__(self, root: Path) -> None:
+        self.root = root
+        self.textures = Textures(root)
+        self._models: dict[str, Mesh] = {}
+
+    def model_path(self, model_id: str, key: str) -> Path:
+        """Where the OBJ of a model lies; variants share the folder of their base."""
+        folder = self.root / "object" / model_id
+        return (folder if folder.is_dir() else folder.with_name(base_model(model_id))) / f"{key}.obj"
+
+    def model(self, model_id: str, key: str, place: Place) -> Mesh:
+        """A library model.
+
+        Args:
+            model_id: Its id, already checked to be a plain name.
+            key: Stem of its OBJ: the id, or a variant of it.
+            place: Who asks, for the error.
+
+        Raises:
+            DatasetError: The OBJ is missing or broken.
+        """
+        if key not in self._models:
+            path = self.model_path(model_id, key)
+            if not path.is_file():
+                hint = f"Expected {path}: fetch the `object` archive of the dataset or remove the node."
+                raise place.error(f"model `{key}` has no OBJ file", hint)
+            self._models[key] = self.mesh(path)
+        return self._models[key]
+
+    def mesh(self, path: Path) -> Mesh:
+        """A mesh that is not kept; raises `DatasetError` as `model`."""
+        return read_obj(path, self.textures)
+
+    def room_path(self, house_id: str, stem: str) -> Path:
+        """Where a mesh of a room or a ground lies."""
+        return self.root / "room" / house_id / f"{stem}.obj"

@@ -1,0 +1,75 @@
+"""The fixed vocabularies of SUNCG v1, and where a name stands in them.
+
+Ids on the device are positions in these tuples.
+"""
+
+import json
+import re
+from functools import cache
+from importlib.resources import files
+
+_LISTS: dict[str, list[str]] = json.loads(
+    files("home_mjx.scene_compile.suncg").joinpath("categories.json").read_text(encoding="utf-8")
+)
+
+FINE: tuple[str, ...] = tuple(_LISTS["fine"])  # 187, sorted by code point
+COARSE: tuple[str, ...] = tuple(_LISTS["coarse"])  # 90, sorted by code point
+NYU40: tuple[str, ...] = tuple(_LISTS["nyu40"])  # 41 in the order of NYUv2-40; 0 is void
+ROOM_TYPES: tuple[str, ...] = tuple(_LISTS["room_types"])  # 25
+MATERIAL_KINDS: tuple[str, ...] = tuple(_LISTS["material_kinds"])  # 20 families of textures, sorted
+
+
+@cache
+def _positions(names: tuple[str, ...]) -> dict[str, int]:
+    return {name: index for index, name in enumerate(names)}
+
+
+def fine_index(name: str) -> int:
+    """Position in `FINE`; names that v1 lacks are `unknown`.
+
+    Example:
+        >>> FINE[fine_index("double_bed")], FINE[fine_index("bidet")]
+        ('double_bed', 'unknown')
+    """
+    return _positions(FINE).get(name, _positions(FINE)["unknown"])
+
+
+def coarse_index(name: str) -> int:
+    """Position in `COARSE`; names that v1 lacks are `unknown`."""
+    return _positions(COARSE).get(name, _positions(COARSE)["unknown"])
+
+
+def nyu40_index(name: str) -> int:
+    """The NYUv2-40 label; 0 (void) if there is none."""
+    return _positions(NYU40).get(name, 0)
+
+
+def room_type_index(name: str) -> int:
+    """Position in `ROOM_TYPES`; -1 if there is none."""
+    return _positions(ROOM_TYPES).get(name, -1)
+
+
+def material_index(texture: str) -> int:
+    """Position in `MATERIAL_KINDS` of a texture's family; -1 if it has none.
+
+    Example:
+        >>> MATERIAL_KINDS[material_index("laminate_1_2")], material_index("s/123")
+        ('laminate', -1)
+    """
+    return _positions(MATERIAL_KINDS).get(texture_family(texture), -1)
+
+
+def texture_family(texture: str) -> str:
+    """The family that SUNCG's texture names start with.
+
+    Digits and trailing underscores go; any name with `textile` or `wood` in it belongs there (HoME's rule).
+
+    Args:
+        texture: Name without folder and extension.
+
+    Example:
+        >>> texture_family("wallp_0"), texture_family("facing_stone_12"), texture_family("wood_3_1")
+        ('wallp', 'facing_stone', 'wood')
+    """
+    name = re.sub(r"\d", "", texture).rstrip("_")
+    return next((family for family in ("textile", "wood") if family in name), name)

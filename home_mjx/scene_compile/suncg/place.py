@@ -1,0 +1,145 @@
+"""Where in a dataset something stands, and JSON values that know it."""
+
+import json
+import math
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from jaxtyping import Float
+
+from home_mjx.errors import DatasetError
+
+from .files import read_text
+
+
+@dataclass(frozen=True)
+class Place:
+    """A file, and a line or an element path in it.
+
+    Example:
+        >>> print(Place(Path("a.obj"), "line 7").error("expected 3 numbers, got `1 2`"))
+        expected 3 numbers, got `1 2` (in a.obj, at line 7)
+    """
+
+    file: Path
+    element: str = ""
+
+    def error(self, message: str, hint: str | None = None) -> DatasetError:
+        """The error that says what is wrong here."""
+        return DatasetError(message, file=self.file, element=self.element or None, hint=hint)
+
+
+@dataclass(frozen=True)
+class Value(Place):
+    """A JSON value with its place; absent and `null` are the same, as in the JavaScript that wrote SUNCG.
+
+    Example:
+        >>> node = Value(Path("house.json"), "levels[0].nodes[2]", {"state": "open"})
+        >>> node.member("state").integer()
+        Traceback (most recent call last):
+        home_mjx.errors.DatasetError: expected an integer, got `"open"` (in house.json, at levels[0].nodes[2].state)
+    """
+
+    data: Any = None
+
+    @property
+    def present(self) -> bool:
+        """Whether the file has the value."""
+        return self.data is not None
+
+    def member(self, key: str) -> Self:
+        """The value under `key`; raises `DatasetError` if this is not an object."""
+        if not isinstance(self.data, dict):
+            raise self._expected("an object")
+        return type(self)(self.file, f"{self.element}.{key}" if self.element else key, self.data.get(key))
+
+    def entries(self) -> list[Self]:
+        """The values of a list."""
+        if not isinstance(self.data, list):
+            raise self._expected("a list")
+        return [type(self)(self.file, f"{self.element}[{i}]", item) for i, item in enumerate(self.data)]
+
+    def text(self) -> str:
+        """A string."""
+        if not isinstance(self.data, str):
+            raise self._expected("a string")
+        return self.data
+
+    def name(self) -> str:
+        """A string that can be used as one file name: no separator, not `.` or `..`."""
+        text = self.text()
+        if text in ("", ".", "..") or any(c in text for c in "/\\\0"):
+            hint = "It must not be empty, hold `/` or lead out of its folder."
+            raise self.error(f"`{text[:60]}` is not a plain name", hint)
+        return text
+
+    def integer(self) -> int:
+        """An integer; a float with an integral value counts."""
+        if isinstance(self.data, bool) or not isinstance(self.data, int | float) or self.data != self._floor():
+            raise self._expected("an integer")
+        return int(self.data)
+
+    def number(self) -> float:
+        """A finite number."""
+        if isinstance(self.data, bool) or not isinstance(self.data, int | float):
+            raise self._expected("a number")
+        if self._floor() is None:
+            raise self._expected("a finite number")
+        return float(self.data)
+
+    def flag(self, default: bool = False) -> bool:
+        """A switch written as 0, 1, "0", "1", true or false; `default` if absent."""
+        if not self.present:
+            return default
+        if self.data in (0, "0"):
+            return False
+        if self.data in (1, "1"):
+            return True
+        raise self._expected("0 or 1")
+
+    def vector(self, length: int) -> Float[np.ndarray, " n"]:
+        """A list of `length` finite numbers."""
+        items = self.entries()
+        if len(items) != length:
+            raise self.error(f"expected {length} numbers, got {len(items)}")
+        return np.array([item.number() for item in items])
+
+    def color(self) -> tuple[float, float, float]:
+        """A colour `#rrggbb` as sRGB in 0..1."""
+        if not re.fullmatch("#[0-9a-fA-F]{6}", self.text()):
+            raise self._expected("a colour such as `#a3b0ff`")
+        red, green, blue = bytes.fromhex(self.text()[1:])
+        return red / 255, green / 255, blue / 255
+
+    def _floor(self) -> int | None:
+        # None for NaN, infinities and integers that no float can hold
+        try:
+            return math.floor(float(self.data))
+        except (ValueError, OverflowError):
+            return None
+
+    def _expected(self, what: str) -> DatasetError:
+        got = json.dumps(self.data, default=str) if self.present else "nothing"
+        return self.error(f"expected {what}, got `{got[:60]}`")
+
+
+def read_json(path: Path, hint: str | None = None) -> Value:
+    """The JSON document in a file.
+
+    Raises:
+        DatasetError: The file is missing, is not UTF-8 or is not JSON (with line and column).
+    """
+    text = read_text(path, hint)
+    place = Place(path)
+    try:
+        return Value(path, "", json.loads(text))
+    except json.JSONDecodeError as error:
+        place = Place(path, f"line {error.lineno}, column {error.colno}")
+        raise place.error(
+            f"not valid JSON: {error.msg}", "The file may be truncated: fetch or write it again."
+        ) from None
+    except (ValueError, RecursionError) as error:
+        raise place.error(f"not valid JSON: {error}", "Fetch or write the file again.") from None
