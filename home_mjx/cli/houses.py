@@ -1,0 +1,57 @@
+"""Options and loading that several subcommands share: which dataset, which house."""
+
+import argparse
+import os
+from pathlib import Path
+
+from home_mjx.errors import ConfigError, did_you_mean
+from home_mjx.scene_compile.compiled import CompiledHouse
+from home_mjx.scene_compile.house import House, Metadata
+
+
+def add_dataset_option(parser: argparse.ArgumentParser) -> None:
+    """Adds `--suncg ROOT`."""
+    default = os.environ.get("SUNCG_DATA_DIR")
+    parser.add_argument(
+        "--suncg",
+        type=Path,
+        default=Path(default) if default else None,
+        metavar="ROOT",
+        help="root of a SUNCG dataset (default: $SUNCG_DATA_DIR, or generated houses)",
+    )
+
+
+def add_house_arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds `HOUSE` and `--suncg ROOT`."""
+    parser.add_argument("house", nargs="?", metavar="HOUSE", help="id of the house (default: the dataset's first)")
+    add_dataset_option(parser)
+
+
+def load_house(args: argparse.Namespace) -> tuple[House, Metadata]:
+    """The house that the arguments name, as the dataset has it.
+
+    Raises:
+        ConfigError: If the dataset has no such house.
+        DatasetError: If the dataset cannot be read.
+    """
+    from home_mjx.scene_compile.suncg import open_dataset
+
+    dataset = open_dataset(args.suncg or _generated_root())
+    house_id = args.house or dataset.house_ids[0]
+    if house_id not in dataset.house_ids:
+        raise ConfigError(f"unknown house `{house_id}`", hint=did_you_mean(house_id, dataset.house_ids[:20]))
+    return dataset.load_house(house_id), dataset.metadata
+
+
+def compile_named_house(args: argparse.Namespace) -> CompiledHouse:
+    """The house that the arguments name, compiled."""
+    from home_mjx.scene_compile.compile import compile_house
+
+    return compile_house(*load_house(args))
+
+
+def _generated_root() -> Path:
+    from home_mjx.registry import generated_houses
+
+    root, _ = generated_houses(1)
+    return root
