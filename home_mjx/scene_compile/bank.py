@@ -3,8 +3,14 @@
 The one module of this package (with `pytree`) that knows JAX. An environment holds only an int32 house index.
 """
 
+from collections.abc import Sequence
+
+import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Float, Int, UInt8
 
+from home_mjx.scene_compile.compiled import CompiledHouse
+from home_mjx.scene_compile.pack import pack
 from home_mjx.scene_compile.pytree import Pytree, static
 
 
@@ -119,7 +125,35 @@ class HouseBank(Pytree):
     house_id: UInt8[Array, "h 32"]  # ASCII of the dataset's house id
     spec: BankSpec = static()
 
+    @classmethod
+    def from_compiled(cls, houses: Sequence[CompiledHouse]) -> "HouseBank":
+        """A bank of compiled houses, in the given order.
+
+        Args:
+            houses: At least one; all compiled with the same options.
+
+        Raises:
+            ConfigError: No house, or houses that cannot share a bank.
+            CapacityError: The houses have too many triangles for one bank.
+            DatasetError: A texture cannot be read.
+        """
+        packed = pack(houses)
+        return cls(
+            geometry=Geometry(**_on_device(packed.geometry)),
+            materials=Materials(**_on_device(packed.materials)),
+            semantics=jnp.asarray(packed.semantics),
+            physics=Physics(**_on_device(packed.physics)),
+            acoustics=Acoustics(**_on_device(packed.acoustics)),
+            navigation=Navigation(**_on_device(packed.navigation)),
+            house_id=jnp.asarray(packed.house_id),
+            spec=BankSpec(**packed.spec),
+        )
+
     @property
     def num_houses(self) -> int:
         """Number of houses."""
         return self.house_id.shape[0]
+
+
+def _on_device(arrays: dict[str, np.ndarray]) -> dict[str, Array]:
+    return {name: jnp.asarray(values) for name, values in arrays.items()}

@@ -1,9 +1,7 @@
 """What a surface is made of: from the name of its texture, else from its transparency and the object's category."""
 
-import re
-from pathlib import PurePath
-
 from home_mjx.scene_compile.house import Material
+from home_mjx.scene_compile.suncg.categories import texture_family
 
 # Planner 5D's texture families, as HoME named them for descriptions (its semantic engine) and a few of the same kind.
 TEXTURE_KINDS = {
@@ -116,17 +114,6 @@ CATEGORY_KINDS = {
 MATERIAL_KINDS = tuple(sorted({*TEXTURE_KINDS.values(), *CATEGORY_KINDS.values()}))
 
 
-def texture_family(name: str) -> str:
-    """Stem of a texture's name without its numbers.
-
-    Example:
-        >>> texture_family("laminate_1_2.jpg"), texture_family("wood_dark_3"), texture_family("12345.jpg")
-        ('laminate', 'wood', '')
-    """
-    family = re.sub(r"_+", "_", re.sub(r"\d", "", PurePath(name).stem)).strip("_").lower()
-    return next((word for word in ("textile", "wood") if word in family), family)
-
-
 def material_kind(material: Material, coarse: str) -> str:
     """Kind of one resolved material slot, one of `MATERIAL_KINDS`; "" if nothing tells.
 
@@ -135,7 +122,7 @@ def material_kind(material: Material, coarse: str) -> str:
         coarse: Coarse category of the object, or "wall", "floor", "ceiling".
     """
     if material.texture is not None:
-        return TEXTURE_KINDS.get(texture_family(material.texture.name), "")
+        return TEXTURE_KINDS.get(texture_family(material.texture.stem), "")
     if material.opacity is not None and material.opacity < 1 and coarse not in ("curtain", "plant"):
         return "glass"
     return CATEGORY_KINDS.get(coarse, "")

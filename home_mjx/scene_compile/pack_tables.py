@@ -1,0 +1,120 @@
+"""The padded tables of a `HouseBank`: materials, physics, mirror planes, navigation. See `pack`."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from home_mjx.errors import ConfigError
+from home_mjx.scene_compile.compiled import CompiledHouse, MaterialTable, Rooms
+from home_mjx.scene_compile.material_kinds import MATERIAL_KINDS
+from home_mjx.scene_compile.padding import concatenate, pad, pad_grid, repeat, size_class
+from home_mjx.scene_compile.textures import load_textures
+
+Arrays = dict[str, np.ndarray]
+
+PARKED = np.array([0.0, 0.0, -100.0])  # [m], where padded boxes lie: far below any house
+UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
+SMALL = np.full(3, 0.1)  # [m], half extents of padded boxes
+GRID_BLOCK = 32  # [cells]
+
+
+def shift(rows: Sequence[np.ndarray], starts: Int[np.ndarray, " h"]) -> list[np.ndarray]:
+    """Row numbers of each house made absolute."""
+    return [row + start for row, start in zip(rows, starts, strict=True)]
+
+
+def pack_materials(tables: Sequence[MaterialTable], texture_size: int) -> Arrays:
+    """One material table and its texture layers."""
+    paths = sorted({path for table in tables for path in table.texture if path})
+    layer = {"": -1} | {path: i for i, path in enumerate(paths)}
+    kind = {"": -1} | {name: i for i, name in enumerate(MATERIAL_KINDS)}
+    return {
+        "albedo": concatenate([linear_light(t.albedo) for t in tables], np.float32, 1),
+        "texture": concatenate([np.array([layer[p] for p in t.texture]) for t in tables], np.int32, -1),
+        "kind": concatenate([np.array([kind[k] for k in t.kind]) for t in tables], np.int32, -1),
+        "mask": concatenate([t.mask for t in tables], np.int32, 0),
+        "absorption": concatenate([t.absorption for t in tables], np.float32, 1),
+        "scattering": concatenate([t.scattering for t in tables], np.float32, 0),
+        "transmission": concatenate([t.transmission for t in tables], np.float32, 0),
+        "textures": load_textures(paths, texture_size),
+    }
+
+
+def linear_light(albedo: Float[np.ndarray, "r 4"]) -> Float[np.ndarray, "r 4"]:
+    """Linear light from sRGB (IEC 61966-2-1); opacity stays."""
+    color = albedo[:, :3]
+    linear = np.where(color <= 0.04045, color / 12.92, ((color + 0.055) / 1.055) ** 2.4)
+    return np.concatenate([linear, albedo[:, 3:]], axis=1)
+
+
+def pack_physics(houses: Sequence[CompiledHouse]) -> Arrays:
+    """Static boxes and movable bodies."""
+    bodies, colliders = [h.bodies for h in houses], [h.colliders for h in houses]
+    num_bodies = size_class(max(len(b.mass) for b in bodies), 8)
+    num_colliders = size_class(max(len(c.pos) for c in colliders), 64)
+    arrays = {
+        "floor": np.array([ground_floor(h.rooms) for h in houses], np.float32),
+        "collider_pos": pad([c.pos for c in colliders], num_colliders, np.float32, PARKED),
+        "collider_quat": pad([c.quat for c in colliders], num_colliders, np.float32, UPRIGHT),
+        "collider_size": pad([c.size for c in colliders], num_colliders, np.float32, SMALL),
+        "body_valid": pad([np.ones(len(b.mass)) for b in bodies], num_bodies, np.bool_, False),
+        "body_instance": pad([b.instance for b in bodies], num_bodies, np.int32, -1),
+        "body_pos": pad([b.pos for b in bodies], num_bodies, np.float32, PARKED),
+        "body_quat": pad([b.quat for b in bodies], num_bodies, np.float32, UPRIGHT),
+        "body_size": pad([b.size for b in bodies], num_bodies, np.float32, SMALL),
+        "body_mass": pad([b.mass for b in bodies], num_bodies, np.float32, 1),
+        "body_from_model": pad([b.from_model for b in bodies], num_bodies, np.float32, np.eye(3, 4)),
+    }
+    return arrays | {"body_inertia": box_inertia(arrays["body_mass"], arrays["body_size"])}
+
+
+def ground_floor(rooms: Rooms) -> float:
+    """Height of the floor of the lowest level that has rooms [m]."""
+    return float(rooms.floor[rooms.level == rooms.level.min()].min())
+
+
+def box_inertia(mass: Float[np.ndarray, "*b"], size: Float[np.ndarray, "*b 3"]) -> Float[np.ndarray, "*b 3"]:
+    """Principal moments of solid boxes [kg m^2]: m/3 (b^2 + c^2) with half extents b and c.
+
+    Args:
+        mass: [kg].
+        size: Half extents [m].
+    """
+    square = size**2
+    return mass[..., None] / 3 * (square.sum(axis=-1, keepdims=True) - square)
+
+
+def pack_planes(houses: Sequence[CompiledHouse], material_start: Int[np.ndarray, " h"]) -> Arrays:
+    """Mirror planes."""
+    planes = [h.planes for h in houses]
+    size = size_class(max(len(p.material) for p in planes), 16)
+    return {
+        "plane_valid": pad([np.ones(len(p.material)) for p in planes], size, np.bool_, False),
+        "plane_center": pad([p.center for p in planes], size, np.float32, PARKED),
+        "plane_normal": pad([p.normal for p in planes], size, np.float32, np.array([0, 0, 1])),
+        "plane_u": pad([p.axis_u for p in planes], size, np.float32, np.array([1, 0, 0])),
+        "plane_v": pad([p.axis_v for p in planes], size, np.float32, np.array([0, 1, 0])),
+        "plane_material": pad(shift([p.material for p in planes], material_start), size, np.int32, 0),
+    }
+
+
+def pack_navigation(houses: Sequence[CompiledHouse]) -> Arrays:
+    """Free space, starts and goals."""
+    maps, types = [h.navigation for h in houses], [h.rooms.type for h in houses]
+    if len({round(m.cell, 9) for m in maps}) > 1:
+        raise ConfigError("the houses of a bank must have one navigation cell size", hint="Compile them alike.")
+    shape = np.max([m.free.shape for m in maps], axis=0)
+    ny, nx = (-(-shape // GRID_BLOCK) * GRID_BLOCK).tolist()
+    starts = size_class(max(len(m.start) for m in maps), 256)
+    goals = size_class(max(len(m.goal) for m in maps), 8)
+    fields = [repeat(m.field, goals) for m in maps]
+    return {
+        "origin": np.array([m.origin for m in maps], np.float32),
+        "free": np.stack([pad_grid(m.free, ny, nx, False) for m in maps]),
+        "room": np.stack([pad_grid(m.room, ny, nx, -1) for m in maps]).astype(np.int32),
+        "room_type": pad(types, size_class(max(len(t) for t in types), 16), np.int32, -1),
+        "start": np.stack([repeat(m.start, starts) for m in maps]).astype(np.float32),
+        "goal": np.stack([repeat(m.goal, goals) for m in maps]).astype(np.float32),
+        "field": np.stack([pad_grid(f, ny, nx, np.inf) for f in fields]).astype(np.float32),
+    }
