@@ -1,0 +1,104 @@
+"""The command line's frame: help, mistakes, exit codes."""
+
+import subprocess
+import sys
+
+import pytest
+
+from home_mjx.cli import COMMANDS, main
+from home_mjx.cli.parsing import Parser, positive_int, seed_range
+from home_mjx.errors import ConfigError
+
+
+def run(*args: str) -> subprocess.CompletedProcess:
+    command = [sys.executable, "-W", "error", "-m", "home_mjx.cli", *args]
+    return subprocess.run(command, capture_output=True, text=True, timeout=300)
+
+
+def assert_refused(capsys: pytest.CaptureFixture, args: list[str], *words: str):
+    assert main(args) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("home-mjx: error: ")
+    assert err.count("\n") == 1
+    assert [word for word in words if word not in err] == []
+
+
+def test_help_lists_every_command_and_imports_no_jax():
+    program = "import sys; from home_mjx.cli import main\ntry: main(['--help'])\nfinally: print('jax' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0
+    assert [name for name in COMMANDS if f"\n  {name} " not in done.stdout] == []
+    assert done.stdout.splitlines()[-1] == "False"
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_has_help(command: str, capsys: pytest.CaptureFixture):
+    with pytest.raises(SystemExit) as stop:
+        main([command, "--help"])
+    assert stop.value.code == 0
+    assert capsys.readouterr().out.startswith(f"usage: home-mjx {command} ")
+
+
+def test_module_and_version():
+    import home_mjx
+
+    done = run("--version")
+    assert (done.returncode, done.stdout) == (0, f"home-mjx {home_mjx.__version__}\n")
+
+
+def test_no_command_shows_help_and_fails(capsys: pytest.CaptureFixture):
+    assert main([]) == 2
+    assert "commands:" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("args", "words"),
+    [
+        (["demoo"], ["unknown command `demoo`", "Did you mean `demo`?"]),
+        (["--debgu", "demo"], ["unknown option `--debgu`", "Did you mean `--debug`?"]),
+        (["doctor", "--jsn"], ["unknown option `--jsn`", "Did you mean `--json`?"]),
+        (["doctor", "--jso"], ["unknown option `--jso`"]),  # no guessing of abbreviations
+        (["doctor", "now"], ["unexpected argument `now`"]),
+        (["generate"], ["OUT", "home-mjx generate --help"]),
+        (["generate", "x", "--seeds", "3:3"], ["expected 0 <= A < B", "3:3"]),
+        (["bench", "rayz"], ["unknown benchmark case `rayz`", "Did you mean `rays`?"]),
+        (["bench", "rays/primary"], ["unknown benchmark figure", "Did you mean `primary-depth`?"]),
+        (["bench", "rays", "--envs", "0"], ["whole number above 0"]),
+        (["inspect", "--suncg", "no/such/folder"], ["no/such/folder"]),
+    ],
+)
+def test_bad_input_is_one_message_and_code_2(args: list[str], words: list[str], capsys: pytest.CaptureFixture):
+    assert_refused(capsys, args, *words)
+
+
+def test_unusable_output_folder_is_one_message(tmp_path, capsys: pytest.CaptureFixture):
+    (tmp_path / "file").write_text("not a folder")
+    assert_refused(capsys, ["generate", str(tmp_path / "file"), "--seeds", "0"], str(tmp_path / "file"))
+
+
+@pytest.mark.parametrize("args", [["--debug", "demoo"], ["inspect", "--debug", "--suncg", "no/such/folder"]])
+def test_debug_shows_the_traceback(args: list[str]):
+    done = run(*args)
+    assert done.returncode == 1
+    assert done.stderr.startswith("Traceback")
+
+
+def test_error_leaves_no_traceback_in_a_real_process():
+    done = run("inspect", "--suncg", "no/such/folder")
+    assert done.returncode == 2
+    assert "Traceback" not in done.stderr
+
+
+def test_seed_range():
+    assert list(seed_range("3:6")) == [3, 4, 5]
+    assert list(seed_range("7")) == [7]
+
+
+def test_positive_int_refuses_what_is_not():
+    parser = Parser(prog="p")
+    parser.add_argument("--n", type=positive_int)
+    assert parser.parse_args(["--n", "12"]).n == 12
+    for text in ("0", "-1", "1.5", "x"):
+        with pytest.raises(ConfigError, match="whole number above 0"):
+            parser.parse_args(["--n", text])
