@@ -37,7 +37,7 @@ types: $(DEV_STAMP)  ## pyright
 	$(BIN)/pyright
 
 docs: $(DEV_STAMP)  ## build the documentation into site/, warnings are errors
-	$(BIN)/mkdocs build --strict --quiet
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict  # --quiet would hide warnings from --strict as well
 
 bench: $(DEV_STAMP)  ## measure; one JSON object a line into benchmarks/latest.jsonl
 	$(BIN)/home-mjx bench all --json $(ARGS) | tee benchmarks/latest.jsonl

@@ -7,9 +7,9 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 export PIP_DISABLE_PIP_VERSION_CHECK=1
 
-"$python" -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir "$work" "$root"
+"$python" -m pip wheel -qq --no-deps --no-build-isolation --wheel-dir "$work" "$root"
 "$python" -m venv "$work/venv"
-"$work/venv/bin/python" -m pip install --quiet -c "$root/requirements/constraints.txt" "$work"/*.whl
+"$work/venv/bin/python" -m pip install -qq -c "$root/requirements/constraints.txt" "$work"/*.whl
 cd "$work"
 venv/bin/python -W error -c 'import home_mjx, pathlib; assert "site-packages" in home_mjx.__file__; print("home_mjx", home_mjx.__version__)'
 venv/bin/home-mjx --help >help.txt

@@ -18,5 +18,5 @@ fi
 export PIP_DISABLE_PIP_VERSION_CHECK=1
 echo "Installing $requirement into $venv; the first time takes a few minutes"
 # The build tool is pinned as well, hence no isolated build environment.
-"$venv/bin/python" -m pip install --quiet -c "$constraints" setuptools
-"$venv/bin/python" -m pip install --quiet --no-build-isolation -c "$constraints" -e "$requirement"
+"$venv/bin/python" -m pip install -qq -c "$constraints" setuptools
+"$venv/bin/python" -m pip install -qq --no-build-isolation -c "$constraints" -e "$requirement"
