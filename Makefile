@@ -36,8 +36,9 @@ lint: $(DEV_STAMP)  ## ruff, check and format
 types: $(DEV_STAMP)  ## pyright
 	$(BIN)/pyright
 
+# Not --quiet: it would hide warnings from --strict as well.
 docs: $(DEV_STAMP)  ## build the documentation into site/, warnings are errors
-	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict  # --quiet would hide warnings from --strict as well
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
 bench: $(DEV_STAMP)  ## measure; one JSON object a line into benchmarks/latest.jsonl
 	$(BIN)/home-mjx bench all --json $(ARGS) | tee benchmarks/latest.jsonl
