@@ -19,7 +19,8 @@ candidates() {
 
 if [ -n "${PYTHON:-}" ]; then
     if ! fits "$PYTHON"; then
-        echo "home-mjx needs Python >= $wanted, but PYTHON=$PYTHON is $("$PYTHON" --version 2>&1 || true)." >&2
+        found=$("$PYTHON" --version 2>/dev/null) || found='not a program'
+        echo "home-mjx needs Python >= $wanted, but PYTHON=$PYTHON is $found." >&2
         exit 1
     fi
     command -v "$PYTHON"
@@ -31,6 +32,7 @@ for candidate in $(candidates); do
         exit
     fi
 done
-echo "home-mjx needs Python >= $wanted and found none; python3 is $(python3 --version 2>&1 || true)." >&2
+found=$(python3 --version 2>/dev/null) || found='missing'
+echo "home-mjx needs Python >= $wanted and found none; python3 is $found." >&2
 echo "Install one and try again, or name it: make PYTHON=/path/to/python3 ..." >&2
 exit 1
