@@ -38,8 +38,8 @@ def build_tree(boxes: Float[np.ndarray, "n 2 3"], leaf_size: int = 4) -> tuple[T
 
     Example:
         >>> tree, order = build_tree(np.array([[[0.0, 0, 0], [1, 1, 1]], [[5.0, 0, 0], [6, 1, 1]]]), leaf_size=1)
-        >>> [~code >> 4 for code in tree.child[0]], order
-        ([0, 1], array([0, 1], dtype=int32))
+        >>> [int(~code) >> 4 for code in tree.child[0]], order.tolist()
+        ([0, 1], [0, 1])
     """
     _check(boxes, leaf_size)
     box, child, order, count = _build(np.asarray(boxes, np.float32).reshape(-1, 6), leaf_size)

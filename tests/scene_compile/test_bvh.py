@@ -63,9 +63,9 @@ def test_identical_flat_and_point_boxes(rng):
 
 def test_exponentially_spaced_boxes_stay_within_the_depth_limit():
     # Each binned split of such a row cuts off only a few boxes, so without a limit the tree grows like a list.
-    corner = 3.0 ** -np.arange(1200.0) * 1e30
-    boxes = np.repeat(np.maximum(corner, 1e-30)[:, None, None], 2, axis=1) * np.ones(3)
-    assert_valid(boxes.astype(np.float32), 1)
+    boxes = np.zeros((1200, 2, 3), np.float32)
+    boxes[:, :, 0] = np.maximum(3.0 ** -np.arange(1200.0), 1e-36)[:, None] * 1e36
+    assert_valid(boxes, 1)
 
 
 def test_a_query_of_the_tree_equals_brute_force_and_visits_few_nodes(rng):
