@@ -1,6 +1,7 @@
 """Bounded reading of files below a dataset root."""
 
 import os
+import stat
 from pathlib import Path
 
 from home_mjx.errors import DatasetError
@@ -19,15 +20,22 @@ def read_text(path: Path, hint: str | None = None) -> str:
         DatasetError: The file is missing, unreadable, too large or not UTF-8.
     """
     try:
-        size = path.stat().st_size
-        data = path.read_bytes() if size <= MAX_BYTES else b""
+        _check(path)
+        return _decode(path.read_bytes(), path)
     except FileNotFoundError:
-        raise DatasetError("file is missing", file=path, hint=hint) from None
+        raise DatasetError("file is missing", file=path, hint=hint or "Fetch or write it again.") from None
     except OSError as error:
-        raise DatasetError(f"file cannot be read: {error.strerror}", file=path, hint=hint) from None
-    if size > MAX_BYTES:
-        raise DatasetError(f"file has {size} bytes, at most {MAX_BYTES} are read", file=path)
-    return _decode(data, path)
+        reason = f"file cannot be read: {error.strerror}"
+        raise DatasetError(reason, file=path, hint="Check who may read it.") from None
+
+
+def _check(path: Path) -> None:
+    status = path.stat()
+    if not stat.S_ISREG(status.st_mode):  # reading a pipe might never end
+        raise DatasetError("file cannot be read: it is not a regular file", file=path, hint="Fetch or write it again.")
+    if status.st_size > MAX_BYTES:
+        message = f"file has {status.st_size} bytes, at most {MAX_BYTES} are read"
+        raise DatasetError(message, file=path, hint="Fetch or write it again.")
 
 
 def _decode(data: bytes, path: Path) -> str:

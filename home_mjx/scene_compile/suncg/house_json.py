@@ -129,8 +129,8 @@ def _duplicates(nodes: Sequence[Node], values: Sequence[Value], reading: Reading
         equal = values[node.index].data == values[earlier.index].data
         if equal:
             same[node.index] = earlier.index
-        what = "equal node: left out" if equal else "another node: both kept"
-        reading.note(values[node.index].member("id"), f"`{node.id}` is also the id of {earlier.path}, an {what}")
+        what = "an equal node: left out" if equal else "another node: both kept"
+        reading.note(values[node.index].member("id"), f"`{node.id}` is also the id of {earlier.path}, {what}")
     return same
 
 

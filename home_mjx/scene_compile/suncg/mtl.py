@@ -13,6 +13,8 @@ from .textures import Textures
 def read_mtl(path: Path, textures: Textures, hint: str | None = None) -> tuple[Material, ...]:
     """The materials of an MTL in file order, which is the order of SUNCG's material slots.
 
+    What a material does not state is white and opaque.
+
     Args:
         path: The MTL file.
         textures: Where colour maps are looked up.
@@ -27,7 +29,7 @@ def read_mtl(path: Path, textures: Textures, hint: str | None = None) -> tuple[M
         keyword, _, rest = line.strip().replace("\t", " ").partition(" ")
         place = Place(path, f"line {number}")
         if keyword == "newmtl":
-            block = blocks[_new_name(rest.strip(), blocks, place)] = {}
+            block = blocks[_new_name(rest.strip(), blocks, place)] = {"diffuse": (1.0, 1.0, 1.0), "opacity": 1.0}
         elif keyword in _PROPERTIES:
             if block is None:
                 raise place.error(f"`{keyword}` before the first `newmtl`")

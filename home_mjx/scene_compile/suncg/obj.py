@@ -18,7 +18,7 @@ from .place import Place
 from .polygons import Rows, fan, line_numbers, read_corners
 from .textures import Textures, escape
 
-PLAIN = Material("default", (0.8, 0.8, 0.8), None, 1.0)  # of faces above the first usemtl
+PLAIN = Material("default", (1.0, 1.0, 1.0), None, 1.0)  # of faces above the first usemtl
 
 
 def read_obj(path: Path, textures: Textures) -> Mesh:

@@ -5,7 +5,7 @@ import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -21,15 +21,18 @@ class Place:
 
     Example:
         >>> print(Place(Path("a.obj"), "line 7").error("expected 3 numbers, got `1 2`"))
-        expected 3 numbers, got `1 2` (in a.obj, at line 7)
+        expected 3 numbers, got `1 2` (in a.obj, at line 7). Correct the line, or fetch or export the file again.
     """
 
     file: Path
     element: str = ""
 
     def error(self, message: str, hint: str | None = None) -> DatasetError:
-        """The error that says what is wrong here."""
-        return DatasetError(message, file=self.file, element=self.element or None, hint=hint)
+        """The error that says what is wrong here and what to do, by default about any line or value."""
+        return DatasetError(message, file=self.file, element=self.element or None, hint=hint or self._remedy())
+
+    def _remedy(self) -> str:
+        return "Correct the line, or fetch or export the file again."
 
 
 @dataclass(frozen=True)
@@ -38,9 +41,8 @@ class Value(Place):
 
     Example:
         >>> node = Value(Path("house.json"), "levels[0].nodes[2]", {"state": "open"})
-        >>> node.member("state").integer()
-        Traceback (most recent call last):
-        home_mjx.errors.DatasetError: expected an integer, got `"open"` (in house.json, at levels[0].nodes[2].state)
+        >>> print(node.member("state").error("expected an integer", "Remove it."))
+        expected an integer (in house.json, at levels[0].nodes[2].state). Remove it.
     """
 
     data: Any = None
@@ -50,17 +52,17 @@ class Value(Place):
         """Whether the file has the value."""
         return self.data is not None
 
-    def member(self, key: str) -> Self:
+    def member(self, key: str) -> "Value":
         """The value under `key`; raises `DatasetError` if this is not an object."""
         if not isinstance(self.data, dict):
             raise self._expected("an object")
-        return type(self)(self.file, f"{self.element}.{key}" if self.element else key, self.data.get(key))
+        return Value(self.file, f"{self.element}.{key}" if self.element else key, self.data.get(key))
 
-    def entries(self) -> list[Self]:
+    def entries(self) -> list["Value"]:
         """The values of a list."""
         if not isinstance(self.data, list):
             raise self._expected("a list")
-        return [type(self)(self.file, f"{self.element}[{i}]", item) for i, item in enumerate(self.data)]
+        return [Value(self.file, f"{self.element}[{i}]", item) for i, item in enumerate(self.data)]
 
     def text(self) -> str:
         """A string."""
@@ -113,6 +115,11 @@ class Value(Place):
             raise self._expected("a colour such as `#a3b0ff`")
         red, green, blue = bytes.fromhex(self.text()[1:])
         return red / 255, green / 255, blue / 255
+
+    def _remedy(self) -> str:
+        if ".nodes[" in self.element:
+            return "Correct the value, or leave the node out by setting its `valid` to 0."
+        return "Correct the value in the file."
 
     def _floor(self) -> int | None:
         # None for NaN, infinities and integers that no float can hold
