@@ -4,7 +4,6 @@ import argparse
 import os
 from pathlib import Path
 
-from home_mjx.errors import ConfigError, did_you_mean
 from home_mjx.scene_compile.compiled import CompiledHouse
 from home_mjx.scene_compile.house import House, Metadata
 
@@ -31,16 +30,12 @@ def load_house(args: argparse.Namespace) -> tuple[House, Metadata]:
     """The house that the arguments name, as the dataset has it.
 
     Raises:
-        ConfigError: If the dataset has no such house.
-        DatasetError: If the dataset cannot be read.
+        DatasetError: If the dataset cannot be read or has no such house.
     """
     from home_mjx.scene_compile.suncg import open_dataset
 
     dataset = open_dataset(args.suncg or _generated_root())
-    house_id = args.house or dataset.house_ids[0]
-    if house_id not in dataset.house_ids:
-        raise ConfigError(f"unknown house `{house_id}`", hint=did_you_mean(house_id, dataset.house_ids[:20]))
-    return dataset.load_house(house_id), dataset.metadata
+    return dataset.load_house(args.house or dataset.house_ids[0]), dataset.metadata
 
 
 def compile_named_house(args: argparse.Namespace) -> CompiledHouse:

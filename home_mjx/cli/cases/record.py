@@ -87,6 +87,11 @@ class Settings:
         return as_bank(self.suncg, self.num_houses, progress=True)
 
     @property
+    def kind(self) -> str:
+        """Where the houses come from."""
+        return "SUNCG" if self.suncg else "generated"
+
+    @property
     def houses(self) -> str:
         """The houses in words."""
-        return f"{self.num_houses} {'SUNCG' if self.suncg else 'generated'} houses"
+        return f"{self.bank.num_houses} {self.kind} houses"
