@@ -4,8 +4,6 @@ import difflib
 from collections.abc import Iterable
 from pathlib import Path
 
-MOST_LISTED = 20  # names in a hint; a dataset has tens of thousands of houses
-
 MAX_LISTED = 20  # names in a hint: a dataset may have 45,000 houses
 
 

@@ -32,7 +32,8 @@ def bank(settings: Settings) -> Record:
     made = jax.block_until_ready(HouseBank.from_dataset(settings.root, limit=settings.num_houses))
     seconds = time.perf_counter() - start
     size = sum(leaf.nbytes for leaf in jax.tree.leaves(made)) / 2**20
-    return make_record("compile/bank", seconds, "s", f"{made.num_houses} {settings.kind} houses from the cache, {size:.0f} MiB")
+    note = f"{made.num_houses} {settings.kind} houses from the cache, {size:.0f} MiB"
+    return make_record("compile/bank", seconds, "s", note)
 
 
 CASES: dict[str, Callable[[Settings], Record]] = {"houses": houses, "bank": bank}
