@@ -248,7 +248,7 @@ def test_material_values_are_clipped_and_later_lines_win(read):
         ("..\\..\\texture\\wood_8.jpg", "wood_8.jpg"),
         ("../texture/wood_8.jpg", "wood_8.jpg"),  # not there: the stem is looked up in texture/
         ("wood_8.bmp", "wood_8.jpg"),
-        ("../../texture/leaf.jpg", "leaf.png"),  # png goes first
+        ("../../texture/leaf.tga", "leaf.png"),  # png goes first
         ("../../texture/77.jpg", "s/77.jpg"),
         ("../../texture/WOOD_8.JPG", "wood_8.jpg"),
         ("../../texture/bark.jpg", "Bark.JPG"),
@@ -256,7 +256,7 @@ def test_material_values_are_clipped_and_later_lines_win(read):
 )
 def test_color_maps(read, tmp_path, relative, found):
     (tmp_path / "texture" / "s").mkdir()
-    for name in ("wood_8.jpg", "leaf.png", "s/77.jpg", "Bark.JPG"):
+    for name in ("wood_8.jpg", "leaf.jpg", "leaf.png", "s/77.jpg", "Bark.JPG"):
         (tmp_path / "texture" / name).touch()
     (material,) = read(f"mtllib m.mtl\n{SQUARE}usemtl a\nf 1 2 3\n", f"newmtl a\nmap_Kd {relative}\n").materials
     assert material.texture == tmp_path / "texture" / found
