@@ -10,9 +10,11 @@ import zipfile
 from pathlib import Path
 
 import jax
+import jaxtyping
 import pytest
 
 import home_mjx
+from home_mjx.errors import did_you_mean
 
 ROOT = Path(__file__).resolve().parent.parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
@@ -78,6 +80,11 @@ def test_tests_see_two_devices_and_share_a_compile_cache():
     assert [d.platform for d in jax.devices()] == ["cpu", "cpu"]
     assert Path(jax.config.jax_compilation_cache_dir).is_absolute()
     assert run_python("-c", "import jax; print(len(jax.devices()))") == "2"
+
+
+def test_annotations_are_checked_under_pytest():
+    with pytest.raises(jaxtyping.TypeCheckError):
+        did_you_mean(3, ["three"])  # type: ignore
 
 
 def test_package_is_typed():
