@@ -37,3 +37,23 @@ def suncg_root() -> Path:
 def rng() -> np.random.Generator:
     """A seeded generator."""
     return np.random.default_rng(0)
+
+
+@pytest.fixture(scope="session")
+def generated_bank(tmp_path_factory: pytest.TempPathFactory):
+    """A bank of two generated houses."""
+    return _generated(tmp_path_factory, range(2))
+
+
+@pytest.fixture(scope="session")
+def other_bank(tmp_path_factory: pytest.TempPathFactory):
+    """A bank of two other generated houses."""
+    return _generated(tmp_path_factory, range(2, 4))
+
+
+def _generated(tmp_path_factory: pytest.TempPathFactory, seeds: range):
+    from home_mjx.scene_compile.bank import HouseBank
+    from home_mjx.scene_compile.generate import generate_dataset
+
+    root = tmp_path_factory.mktemp("generated")
+    return HouseBank.from_dataset(root, ids=generate_dataset(root, seeds))
