@@ -11,6 +11,7 @@ from home_mjx.cli.cases.record import Record, Settings, make_record
 from home_mjx.demo import timing
 from home_mjx.raycast_render import Camera, cast, make_scene, render
 from home_mjx.scene_compile.bank import HouseBank
+from home_mjx.scene_compile.compiled import CompiledHouse
 
 SIZE = 64  # pixels, each way
 RAYS = SIZE * SIZE
@@ -84,7 +85,29 @@ def _directions() -> jax.Array:
 
 
 def _embree(settings: Settings) -> tuple[str, float] | None:
-    raise NotImplementedError
+    """Rays per second of Embree, one thread, over all triangles of the first house where they stand."""
+    try:
+        from embreex.mesh_construction import TriangleMesh
+        from embreex.rtcore_scene import EmbreeScene
+    except ModuleNotFoundError:
+        return None
+    scene = EmbreeScene()
+    TriangleMesh(scene, _world_triangles(settings.first_house))
+    starts = np.asarray(settings.bank.navigation.start[0])
+    origins = np.repeat(starts + np.array([0, 0, 1.7]), RAYS, axis=0).astype(np.float32)
+    directions = np.tile(np.asarray(_directions()), (len(starts), 1)).astype(np.float32)
+    rate = timing.calls_per_second(lambda: scene.run(origins, directions), seconds=settings.seconds)
+    return "Embree (1 thread, 1 house)", rate * len(origins)
+
+
+def _world_triangles(house: CompiledHouse) -> np.ndarray:
+    """Every instance's triangles where they stand (n, 3, 3)."""
+    instances = house.instances
+    placed = [
+        house.models[key].triangle @ pose[:, :3].T + pose[:, 3]
+        for key, pose in zip(instances.model, instances.pose, strict=True)
+    ]
+    return np.concatenate(placed).astype(np.float32)
 
 
 CASES: dict[str, Callable[[Settings], Record]] = {

@@ -1,11 +1,12 @@
 """One measured figure, and what it is measured on."""
 
-import functools
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from home_mjx.demo import timing
+from home_mjx.scene_compile.compiled import CompiledHouse
 
 
 @dataclass(frozen=True)
@@ -72,19 +73,28 @@ class Settings:
     num_envs: int = 64
     seconds: float = 2.0
 
-    @functools.cached_property
+    @cached_property
     def root(self) -> Path:
         """Root of the dataset."""
         from home_mjx.registry import generated_houses
 
         return self.suncg or generated_houses(self.num_houses, progress=True)[0]
 
-    @functools.cached_property
+    @cached_property
     def bank(self) -> Any:
         """The houses, on the device."""
         from home_mjx.registry import as_bank
 
         return as_bank(self.suncg, self.num_houses, progress=True)
+
+    @cached_property
+    def first_house(self) -> CompiledHouse:
+        """The bank's first house, on the host."""
+        from home_mjx.scene_compile.compile import compile_house
+        from home_mjx.scene_compile.suncg import open_dataset
+
+        dataset = open_dataset(self.root)
+        return compile_house(dataset.load_house(dataset.house_ids[0]), dataset.metadata)
 
     @property
     def kind(self) -> str:
