@@ -92,8 +92,14 @@ def _devices() -> Iterator[Finding]:
 
 
 def _executors() -> Iterator[Finding]:
-    raise NotImplementedError
-    yield
+    """Which ways of casting rays run here."""
+    from home_mjx.raycast_render.cpu import cpu_available
+
+    yield Finding("executor xla", OK, "the reference, runs everywhere")
+    if cpu_available():
+        yield Finding("executor cpu", OK, "compiled by Numba")
+    else:
+        yield Finding("executor cpu", NOTE, "does not run here; `xla` is used instead, which is slower on a CPU")
 
 
 def _ffmpeg() -> Iterator[Finding]:

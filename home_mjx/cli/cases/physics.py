@@ -10,6 +10,7 @@ import jax.numpy as jnp
 import mujoco
 
 from home_mjx import physics
+from home_mjx.cli.cases.batch import houses_and_starts
 from home_mjx.cli.cases.record import Record, Settings, make_record
 from home_mjx.demo import timing
 
@@ -18,11 +19,10 @@ def step(settings: Settings) -> Record:
     """Control steps of all environments; the peer is MuJoCo in C on the first house's full MJCF."""
     bank, config = settings.bank, physics.PhysicsConfig()
     template = physics.Template(config, bank.spec)
-    houses = jnp.arange(settings.num_envs, dtype=jnp.int32) % bank.num_houses
-    starts = bank.navigation.start[houses, 0][:, None]
+    houses, starts = houses_and_starts(settings)
     yaw = jnp.zeros((settings.num_envs, 1), jnp.float32)
     reset = jax.jit(jax.vmap(lambda *args: physics.reset(template, bank, *args)))
-    data = reset(houses, starts, yaw)
+    data = reset(houses, starts[:, None], yaw)
     action = jnp.full((settings.num_envs, 1, 3), 0.5, jnp.float32)
     function = jax.vmap(lambda bank, *args: physics.step(template, bank, *args), (None, 0, 0, 0))
     program, seconds = timing.compiled(function, bank, houses, data, action)

@@ -7,9 +7,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from home_mjx.cli.cases.batch import rate_per_environment, scene_at
 from home_mjx.cli.cases.record import Record, Settings, make_record
 from home_mjx.demo import timing
-from home_mjx.raycast_render import Camera, cast, make_scene, render
+from home_mjx.raycast_render import Camera, cast, render
 from home_mjx.scene_compile.bank import HouseBank
 from home_mjx.scene_compile.compiled import CompiledHouse
 
@@ -33,9 +34,9 @@ def images(settings: Settings) -> Record:
 
     def look(bank: HouseBank, house: jax.Array, start: jax.Array) -> Any:
         camera = Camera(*_eye(start), jnp.float32(np.pi / 2))
-        return render(bank, _scene(bank, house, start), camera, width=SIZE, height=SIZE, kinds=KINDS)
+        return render(bank, scene_at(bank, house, start), camera, width=SIZE, height=SIZE, kinds=KINDS)
 
-    value, seconds = _rate(settings, look)
+    value, seconds = rate_per_environment(settings, look)
     note = f"{SIZE}x{SIZE} {', '.join(KINDS)}; {settings.houses}"
     return make_record("rays/images", value, "images/s", note, num_envs=settings.num_envs, compile_seconds=seconds)
 
@@ -46,29 +47,12 @@ def _primary(settings: Settings, case: str, executor: str | None, peer: tuple[st
     def distances(bank: HouseBank, house: jax.Array, start: jax.Array) -> jax.Array:
         origin, _ = _eye(start)
         origins = jnp.broadcast_to(origin[None], directions.shape)
-        return cast(_scene(bank, house, start), origins, directions, executor=executor).t
+        return cast(scene_at(bank, house, start), origins, directions, executor=executor).t
 
-    value, seconds = _rate(settings, distances)
+    value, seconds = rate_per_environment(settings, distances)
     note = f"closest hit of {RAYS} rays per environment; {settings.houses}"
     rays = value * RAYS
     return make_record(case, rays, "rays/s", note, num_envs=settings.num_envs, compile_seconds=seconds, peer=peer)
-
-
-def _rate(settings: Settings, function: Callable[..., Any]) -> tuple[float, float]:
-    """Calls of `function(bank, house, start)` per second over the whole batch, and the seconds it took to compile."""
-    bank = settings.bank
-    houses = jnp.arange(settings.num_envs, dtype=jnp.int32) % bank.num_houses
-    starts = bank.navigation.start[houses, jnp.arange(settings.num_envs) % bank.navigation.start.shape[1]]
-    program, seconds = timing.compiled(jax.vmap(function, (None, 0, 0)), bank, houses, starts)
-    rate = timing.calls_per_second(program, bank, houses, starts, seconds=settings.seconds)
-    return rate * settings.num_envs, seconds
-
-
-def _scene(bank: HouseBank, house: jax.Array, start: jax.Array) -> Any:
-    physics = bank.physics
-    upright = jnp.array([[1.0, 0.0, 0.0, 0.0]], jnp.float32)
-    centre = start + jnp.array([0.0, 0.0, 0.8], jnp.float32)
-    return make_scene(bank, house, physics.body_pos[house], physics.body_quat[house], centre[None], upright)
 
 
 def _eye(start: jax.Array) -> tuple[jax.Array, jax.Array]:
