@@ -1,1 +1,30 @@
-"""To be written."""
+"""Agents and movable objects in houses, stepped by MJX: one compiled model for all houses of a capacity.
+
+Usable alone:
+
+    template = Template(PhysicsConfig(), bank.spec)
+    data = reset(template, bank, house, agent_pos, agent_yaw)
+    data = step(template, bank, house, data, action)
+"""
+
+from home_mjx.physics.config import PhysicsConfig
+from home_mjx.physics.dynamics import (
+    Template,
+    agent_contact,
+    agent_pose,
+    agent_velocity,
+    body_pose,
+    reset,
+    step,
+)
+
+__all__ = [
+    "PhysicsConfig",
+    "Template",
+    "agent_contact",
+    "agent_pose",
+    "agent_velocity",
+    "body_pose",
+    "reset",
+    "step",
+]

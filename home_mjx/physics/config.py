@@ -1,0 +1,107 @@
+"""What can be chosen about the physics."""
+
+from dataclasses import dataclass
+
+from home_mjx.errors import ConfigError
+
+IMPLS = ("jax", "warp")
+JACOBIANS = ("auto", "dense", "sparse")
+
+
+@dataclass(frozen=True)
+class PhysicsConfig:
+    """Options of the physics; hashable, fixed when the step is compiled.
+
+    Attributes:
+        num_agents: Agents per environment.
+        agent_radius: [m] of the agents' upright capsule.
+        agent_height: [m], total.
+        agent_mass: [kg]
+        forward_speed: [m/s] at action 1.
+        strafe_speed: [m/s] at action 1.
+        turn_rate: [rad/s] at action 1.
+        push_force: [N], the most that an agent's legs can give, in any direction.
+        response_time: [s], time constant with which an agent takes up its target velocity.
+        friction: Sliding friction of everything but agents, which slide along what they touch.
+        max_body_speed: [m/s], limit of movable bodies; a fall of 1.8 m reaches 6 m/s.
+        max_body_spin: [rad/s], limit of movable bodies.
+        sim_dt: [s], one physics step.
+        ctrl_dt: [s], one `step`; a whole number of `sim_dt`.
+        iterations: Newton iterations per physics step.
+        ls_iterations: Line-search iterations; all of them are always paid.
+        agent_slots: Static boxes that an agent can touch at once.
+        body_slots: Static boxes that a movable body can touch at once.
+        max_geom_pairs: Pairs of one kind (box and box, capsule and box) that are tested at once; None: by bodies.
+        max_contact_points: Contact points of one kind; None: by bodies.
+        jacobian: MuJoCo's option; "auto" is sparse on CPU, where it is a third faster, and dense elsewhere.
+        impl: MJX implementation: "jax", or "warp" where it is installed.
+
+    Raises:
+        ConfigError: A value cannot be used.
+
+    Example:
+        >>> PhysicsConfig().substeps
+        5
+    """
+
+    num_agents: int = 1
+    agent_radius: float = 0.1
+    agent_height: float = 1.6
+    agent_mass: float = 60.0
+    forward_speed: float = 1.0
+    strafe_speed: float = 0.7
+    turn_rate: float = 1.5708
+    push_force: float = 300.0
+    response_time: float = 0.1
+    friction: float = 0.6
+    max_body_speed: float = 6.0
+    max_body_spin: float = 30.0
+    sim_dt: float = 0.02
+    ctrl_dt: float = 0.1
+    iterations: int = 4
+    ls_iterations: int = 4
+    agent_slots: int = 8
+    body_slots: int = 4
+    max_geom_pairs: int | None = None
+    max_contact_points: int | None = None
+    jacobian: str = "auto"
+    impl: str = "jax"
+
+    def __post_init__(self) -> None:
+        self._check_choices()
+        self._check_numbers()
+        if self.agent_height <= 2 * self.agent_radius:
+            raise ConfigError(
+                f"agent_height {self.agent_height} m is not above twice agent_radius {self.agent_radius} m",
+                element="PhysicsConfig.agent_height",
+                hint="A capsule is taller than it is wide",
+            )
+        if abs(self.substeps * self.sim_dt - self.ctrl_dt) > 1e-9 * self.ctrl_dt:
+            raise ConfigError(
+                f"ctrl_dt {self.ctrl_dt} s is not a whole number of sim_dt {self.sim_dt} s",
+                element="PhysicsConfig.ctrl_dt",
+                hint="Choose for example ctrl_dt = 5 * sim_dt",
+            )
+
+    @property
+    def substeps(self) -> int:
+        """Physics steps per control step."""
+        return round(self.ctrl_dt / self.sim_dt)
+
+    def _check_choices(self) -> None:
+        for name, value, known in (("impl", self.impl, IMPLS), ("jacobian", self.jacobian, JACOBIANS)):
+            if value not in known:
+                raise ConfigError(
+                    f"unknown {name} `{value}`", element=f"PhysicsConfig.{name}", hint=f"Known: {', '.join(known)}"
+                )
+
+    def _check_numbers(self) -> None:
+        for name, value in vars(self).items():
+            if isinstance(value, str) or value is None:
+                continue
+            if not 0 < value < float("inf"):
+                raise ConfigError(
+                    f"expected a positive number, got {value}",
+                    element=f"PhysicsConfig.{name}",
+                    hint="Leave it out to get the default",
+                )

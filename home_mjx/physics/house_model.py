@@ -1,0 +1,92 @@
+"""One house's numbers in the template's `mjx.Model`, gathered by house index inside jit."""
+
+from typing import Any
+
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+from mujoco import mjx
+
+from home_mjx.physics.layout import Layout
+from home_mjx.physics.slots import Boxes
+from home_mjx.physics.template_mjcf import PARKED_HEIGHT, PARKED_MASS, PARKED_SIZE
+from home_mjx.scene_compile.bank import Physics
+from home_mjx.scene_compile.pytree import Pytree
+
+
+class MovableBodies(Pytree):
+    """Movable bodies of one house; those that it does not use are parked."""
+
+    valid: Bool[Array, " k"]
+    pos: Float[Array, "k 3"]  # [m]
+    quat: Float[Array, "k 4"]
+    size: Float[Array, "k 3"]  # [m], half extents
+    mass: Float[Array, " k"]  # [kg]
+    inertia: Float[Array, "k 3"]  # [kg m^2], principal
+
+
+def movable_bodies(physics: Physics, house: Int[Array, ""]) -> MovableBodies:
+    """The movable bodies of a house at their starting poses."""
+    valid = physics.body_valid[house]
+    num = valid.shape[0]
+    row = jnp.arange(num, dtype=jnp.float32)
+    parked_pos = jnp.stack([2 * row, jnp.zeros(num), jnp.full(num, PARKED_HEIGHT)], axis=-1).astype(jnp.float32)
+    upright = jnp.array([[1.0, 0.0, 0.0, 0.0]], jnp.float32)
+    inertia = PARKED_MASS * 2 / 3 * PARKED_SIZE**2
+
+    def choose(values: Array, parked: Any) -> Array:
+        shape = (num, *[1] * (values.ndim - 2))
+        return jnp.where(valid.reshape(shape), values[house], jnp.asarray(parked, jnp.float32))
+
+    return MovableBodies(
+        valid=valid,
+        pos=choose(physics.body_pos, parked_pos),
+        quat=choose(physics.body_quat, upright),
+        size=choose(physics.body_size, PARKED_SIZE),
+        mass=choose(physics.body_mass, PARKED_MASS),
+        inertia=choose(physics.body_inertia, inertia),
+    )
+
+
+def house_model(model: mjx.Model, layout: Layout, bodies: MovableBodies, floor: Float[Array, ""]) -> mjx.Model:
+    """The template with a house's floor and bodies, and every field that MuJoCo's compiler derives from them.
+
+    For a free body whose inertial frame is its own, `mj_setConst` gives `body_invweight0` = (1/m, mean of 1/I),
+    `dof_invweight0` = the same repeated thrice each, and `dof_M0` = (m, m, m, I).
+    """
+    at, dof, geom, q = layout.bodies, layout.body_qvel, layout.body_geoms, layout.body_qpos
+    inverse_mass, inverse_inertia = 1 / bodies.mass, jnp.mean(1 / bodies.inertia, axis=-1)
+    inverse = jnp.stack([inverse_mass, inverse_inertia], axis=-1)
+    mass = jnp.repeat(bodies.mass[:, None], 3, axis=1)
+    poses = jnp.concatenate([bodies.pos, bodies.quat], axis=-1).reshape(-1)
+    aabb = jnp.concatenate([jnp.zeros_like(bodies.size), bodies.size], axis=-1)
+    parked_mass = jnp.float32(layout.num_bodies * PARKED_MASS)
+    total = model.body_subtreemass[0] - parked_mass + bodies.mass.sum()
+    return model.replace(
+        geom_pos=model.geom_pos.at[0, 2].set(floor),
+        qpos0=model.qpos0.at[q].set(poses),
+        qpos_spring=model.qpos_spring.at[q].set(poses),
+        body_pos=model.body_pos.at[at].set(bodies.pos),
+        body_quat=model.body_quat.at[at].set(bodies.quat),
+        body_mass=model.body_mass.at[at].set(bodies.mass),
+        body_subtreemass=model.body_subtreemass.at[at].set(bodies.mass).at[0].set(total),
+        body_inertia=model.body_inertia.at[at].set(bodies.inertia),
+        body_invweight0=model.body_invweight0.at[at].set(inverse),
+        dof_invweight0=model.dof_invweight0.at[dof].set(jnp.repeat(inverse, 3, axis=1).reshape(-1)),
+        dof_M0=model.dof_M0.at[dof].set(jnp.concatenate([mass, bodies.inertia], axis=1).reshape(-1)),
+        geom_size=model.geom_size.at[geom].set(bodies.size),
+        geom_rbound=model.geom_rbound.at[geom].set(jnp.linalg.norm(bodies.size, axis=-1)),
+        geom_aabb=model.geom_aabb.at[geom].set(aabb.reshape(model.geom_aabb[geom].shape)),
+    )
+
+
+def with_slots(model: mjx.Model, layout: Layout, slots: Boxes) -> mjx.Model:
+    """The model with other static boxes in its slots."""
+    at = layout.slots
+    aabb = jnp.concatenate([jnp.zeros_like(slots.half), slots.half], axis=-1)
+    return model.replace(
+        geom_pos=model.geom_pos.at[at].set(slots.pos),
+        geom_quat=model.geom_quat.at[at].set(slots.quat),
+        geom_size=model.geom_size.at[at].set(slots.half),
+        geom_rbound=model.geom_rbound.at[at].set(jnp.linalg.norm(slots.half, axis=-1)),
+        geom_aabb=model.geom_aabb.at[at].set(aabb.reshape(model.geom_aabb[at].shape)),
+    )

@@ -1,0 +1,54 @@
+"""Where agents, bodies and slots lie in the template's arrays."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Addresses in `qpos`, `qvel`, bodies and geoms of the template.
+
+    Order of bodies: world, agents, movable bodies. Order of geoms: floor, slots of the agents, slots of the bodies,
+    then two per agent (capsule, foot) and one box per body. An agent has 4 numbers in `qpos` and in `qvel` (x, y, z,
+    yaw); a body 7 and 6.
+    """
+
+    num_agents: int
+    num_bodies: int
+    agent_slots: int
+    body_slots: int
+
+    @property
+    def num_slots(self) -> int:
+        """Slots of all owners."""
+        return self.num_agents * self.agent_slots + self.num_bodies * self.body_slots
+
+    @property
+    def agent_qpos(self) -> slice:
+        """Agents in `qpos` and in `qvel`."""
+        return slice(0, 4 * self.num_agents)
+
+    @property
+    def body_qpos(self) -> slice:
+        """Movable bodies in `qpos`."""
+        return slice(4 * self.num_agents, 4 * self.num_agents + 7 * self.num_bodies)
+
+    @property
+    def body_qvel(self) -> slice:
+        """Movable bodies in `qvel`."""
+        return slice(4 * self.num_agents, 4 * self.num_agents + 6 * self.num_bodies)
+
+    @property
+    def bodies(self) -> slice:
+        """Movable bodies among the bodies."""
+        return slice(1 + self.num_agents, 1 + self.num_agents + self.num_bodies)
+
+    @property
+    def slots(self) -> slice:
+        """Slots among the geoms: `agent_slots` of each agent, then `body_slots` of each body."""
+        return slice(1, 1 + self.num_slots)
+
+    @property
+    def body_geoms(self) -> slice:
+        """Boxes of the movable bodies among the geoms."""
+        first = 1 + self.num_slots + 2 * self.num_agents
+        return slice(first, first + self.num_bodies)

@@ -1,0 +1,116 @@
+"""The one MJCF that all houses of a capacity share, built in code."""
+
+import xml.etree.ElementTree as ET
+
+from home_mjx.physics.config import PhysicsConfig
+from home_mjx.physics.layout import Layout
+
+PARKED_HEIGHT = 500.0  # [m]: bodies that a house does not use wait above it, slots as far below
+PARKED_SIZE = 0.1  # [m], half extent
+PARKED_MASS = 1.0  # [kg]
+
+
+def template_mjcf(config: PhysicsConfig, layout: Layout, jacobian: str) -> str:
+    """MJCF of a house with nothing in it: every body and slot is parked.
+
+    All contacts are explicit pairs, so that a slot meets only its owner and each kind of contact has its own
+    dimension: those of agents are frictionless (1 row per point instead of 4), hence agents slide along walls.
+    """
+    root = ET.Element("mujoco", model="home_mjx")
+    _add_options(root, config, layout, jacobian)
+    world = ET.SubElement(root, "worldbody")
+    ET.SubElement(world, "geom", _no_mask("floor"), type="plane", size="0 0 1", material="default")
+    for name in slot_names(layout):
+        ET.SubElement(world, "geom", _no_mask(name), type="box", size=_parked_size(), pos=f"0 0 {-PARKED_HEIGHT}")
+    for a in range(layout.num_agents):
+        add_agent(world, config, a)
+    for k in range(layout.num_bodies):
+        _add_body(world, k)
+    _add_pairs(ET.SubElement(root, "contact"), config, layout)
+    add_motors(root, layout.num_agents)
+    sensors = ET.SubElement(root, "sensor")
+    for a in range(layout.num_agents):
+        ET.SubElement(sensors, "contact", name=f"agent{a}_contact", geom1=f"agent{a}", data="found", num="1")
+    return ET.tostring(root, encoding="unicode")
+
+
+def slot_names(layout: Layout) -> list[str]:
+    """Names of the slot geoms, in order."""
+    agents = [f"agent{a}_slot{s}" for a in range(layout.num_agents) for s in range(layout.agent_slots)]
+    return agents + [f"body{k}_slot{s}" for k in range(layout.num_bodies) for s in range(layout.body_slots)]
+
+
+def add_agent(world: ET.Element, config: PhysicsConfig, a: int) -> None:
+    """Adds agent `a`: a capsule on three slides and a yaw hinge, and a foot, which alone meets the floor."""
+    radius, half = config.agent_radius, config.agent_height / 2 - config.agent_radius
+    body = ET.SubElement(world, "body", name=f"agent{a}")
+    for name, axis in (("x", "1 0 0"), ("y", "0 1 0"), ("z", "0 0 1")):
+        ET.SubElement(body, "joint", name=f"agent{a}_{name}", type="slide", axis=axis)
+    ET.SubElement(body, "joint", name=f"agent{a}_yaw", type="hinge", axis="0 0 1")
+    trunk, foot = _no_mask(f"agent{a}"), _no_mask(f"agent{a}_foot")
+    ET.SubElement(body, "geom", trunk, type="capsule", size=f"{radius} {half}", mass=str(config.agent_mass))
+    ET.SubElement(body, "geom", foot, type="sphere", size=str(radius), pos=f"0 0 {-half}", mass="0")
+
+
+def add_motors(root: ET.Element, num_agents: int) -> None:
+    """Adds the agents' motors: world-frame force [N] along x and y, torque [N m] about z."""
+    actuator = ET.SubElement(root, "actuator")
+    for a in range(num_agents):
+        for joint in ("x", "y", "yaw"):
+            ET.SubElement(actuator, "motor", name=f"agent{a}_{joint}", joint=f"agent{a}_{joint}")
+
+
+def add_pair(contact: ET.Element, config: PhysicsConfig, first: str, second: str, agent: bool) -> None:
+    """Adds the contact pair of two geoms; those of agents are frictionless."""
+    friction = f"{config.friction} {config.friction}"
+    ET.SubElement(contact, "pair", geom1=first, geom2=second, condim="1" if agent else "3", friction=friction)
+
+
+def _add_options(root: ET.Element, config: PhysicsConfig, layout: Layout, jacobian: str) -> None:
+    option = ET.SubElement(
+        root,
+        "option",
+        timestep=str(config.sim_dt),
+        iterations=str(config.iterations),
+        ls_iterations=str(config.ls_iterations),
+        jacobian=jacobian,
+    )
+    ET.SubElement(option, "flag", eulerdamp="disable")  # no joint has damping; without the flag MJX factors M twice
+    custom = ET.SubElement(root, "custom")
+    pairs = config.max_geom_pairs or max(2 * layout.num_bodies, 8)
+    points = config.max_contact_points or max(6 * layout.num_bodies, 16)
+    ET.SubElement(custom, "numeric", name="max_geom_pairs", data=str(pairs))
+    ET.SubElement(custom, "numeric", name="max_contact_points", data=str(points))
+    # MJX's ray caster fails on models without a material.
+    ET.SubElement(ET.SubElement(root, "asset"), "material", name="default")
+
+
+def _add_body(world: ET.Element, k: int) -> None:
+    # Explicit inertia keeps the inertial frame equal to the body's, whatever the box's proportions.
+    body = ET.SubElement(world, "body", name=f"body{k}", pos=f"{2 * k} 0 {PARKED_HEIGHT}")
+    ET.SubElement(body, "freejoint", name=f"body{k}")
+    inertia = PARKED_MASS * 2 / 3 * PARKED_SIZE**2
+    diagonal = f"{inertia} {inertia} {inertia}"
+    ET.SubElement(body, "inertial", pos="0 0 0", mass=str(PARKED_MASS), diaginertia=diagonal)
+    ET.SubElement(body, "geom", _no_mask(f"body{k}"), type="box", size=_parked_size())
+
+
+def _add_pairs(contact: ET.Element, config: PhysicsConfig, layout: Layout) -> None:
+    for a in range(layout.num_agents):
+        others = [f"agent{a}_slot{s}" for s in range(layout.agent_slots)]
+        others += [f"body{k}" for k in range(layout.num_bodies)] + [f"agent{b}" for b in range(a)]
+        add_pair(contact, config, f"agent{a}_foot", "floor", agent=True)
+        for other in others:
+            add_pair(contact, config, f"agent{a}", other, agent=True)
+    for k in range(layout.num_bodies):
+        others = ["floor", *(f"body{k}_slot{s}" for s in range(layout.body_slots)), *(f"body{j}" for j in range(k))]
+        for other in others:
+            add_pair(contact, config, f"body{k}", other, agent=False)
+
+
+def _no_mask(name: str) -> dict[str, str]:
+    return {"name": name, "contype": "0", "conaffinity": "0"}
+
+
+def _parked_size() -> str:
+    return f"{PARKED_SIZE} {PARKED_SIZE} {PARKED_SIZE}"
