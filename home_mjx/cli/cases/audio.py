@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 
 from home_mjx.audio_jax import AudioConfig, clip_samples, impulse_response, sound_frame
-from home_mjx.cli.cases.batch import rate_per_environment, scene_at
+from home_mjx.cli.cases.batch import eye_at, own_body, rate_per_environment, scene_at
 from home_mjx.cli.cases.record import Record, Settings, make_record
 from home_mjx.scene_compile.bank import HouseBank
 
@@ -38,12 +38,10 @@ def frame(settings: Settings) -> Record:
 
 def _response(bank: HouseBank, house: jax.Array, start: jax.Array) -> Any:
     """What an agent at `start` hears of the house's first goal."""
-    up = jnp.array([0.0, 0.0, 1.0], jnp.float32)
-    level = jnp.array([1.0, 0.0, 0.0, 0.0], jnp.float32)
-    source = bank.navigation.goal[house, 0] + up
+    source = bank.navigation.goal[house, 0] + jnp.array([0.0, 0.0, 1.0], jnp.float32)
     scene = scene_at(bank, house, start)
-    key = jax.random.key(0)
-    return impulse_response(bank, scene, source, start + 1.5 * up, level, key, CONFIG)
+    ears, head = eye_at(start)
+    return impulse_response(bank, scene, source, ears, head, jax.random.key(0), CONFIG, exclude=own_body(bank))
 
 
 CASES: dict[str, Callable[[Settings], Record]] = {"response": response, "frame": frame}

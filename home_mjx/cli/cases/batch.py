@@ -39,3 +39,13 @@ def rate_per_environment(settings: Settings, function: Callable[..., Any]) -> tu
     program, seconds = timing.compiled(jax.vmap(function, (None, 0, 0)), settings.bank, houses, starts)
     rate = timing.calls_per_second(program, settings.bank, houses, starts, seconds=settings.seconds)
     return rate * settings.num_envs, seconds
+
+
+def eye_at(start: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """Eyes and ears 1.5 m above the floor, and a level camera looking along +y."""
+    return start + jnp.array([0.0, 0.0, 1.5], jnp.float32), jnp.array([0.5**0.5, 0.5**0.5, 0.0, 0.0], jnp.float32)
+
+
+def own_body(bank: HouseBank) -> int:
+    """Object id of the first agent, which its own rays pass through."""
+    return bank.spec.num_instances

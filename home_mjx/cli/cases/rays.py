@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from home_mjx.cli.cases.batch import rate_per_environment, scene_at
+from home_mjx.cli.cases.batch import eye_at, own_body, rate_per_environment, scene_at
 from home_mjx.cli.cases.record import Record, Settings, make_record
 from home_mjx.demo import timing
 from home_mjx.raycast_render import Camera, cast, render
@@ -33,8 +33,10 @@ def images(settings: Settings) -> Record:
     """RGB, depth and two id images of every environment."""
 
     def look(bank: HouseBank, house: jax.Array, start: jax.Array) -> Any:
-        camera = Camera(*_eye(start), jnp.float32(np.pi / 2))
-        return render(bank, scene_at(bank, house, start), camera, width=SIZE, height=SIZE, kinds=KINDS)
+        camera = Camera(*eye_at(start), jnp.float32(np.pi / 2))
+        return render(
+            bank, scene_at(bank, house, start), camera, width=SIZE, height=SIZE, kinds=KINDS, exclude=own_body(bank)
+        )
 
     value, seconds = rate_per_environment(settings, look)
     note = f"{SIZE}x{SIZE} {', '.join(KINDS)}; {settings.houses}"
@@ -45,19 +47,14 @@ def _primary(settings: Settings, case: str, executor: str | None, peer: tuple[st
     directions = _directions()
 
     def distances(bank: HouseBank, house: jax.Array, start: jax.Array) -> jax.Array:
-        origin, _ = _eye(start)
+        origin, _ = eye_at(start)
         origins = jnp.broadcast_to(origin[None], directions.shape)
-        return cast(scene_at(bank, house, start), origins, directions, executor=executor).t
+        return cast(scene_at(bank, house, start), origins, directions, exclude=own_body(bank), executor=executor).t
 
     value, seconds = rate_per_environment(settings, distances)
     note = f"closest hit of {RAYS} rays per environment; {settings.houses}"
     rays = value * RAYS
     return make_record(case, rays, "rays/s", note, num_envs=settings.num_envs, compile_seconds=seconds, peer=peer)
-
-
-def _eye(start: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """Eye 1.7 m above the floor (over the head of the capsule) and a level camera looking along +y."""
-    return start + jnp.array([0.0, 0.0, 1.7], jnp.float32), jnp.array([0.5**0.5, 0.5**0.5, 0.0, 0.0], jnp.float32)
 
 
 def _directions() -> jax.Array:
@@ -78,7 +75,7 @@ def _embree(settings: Settings) -> tuple[str, float] | None:
     scene = EmbreeScene()
     TriangleMesh(scene, _world_triangles(settings.first_house))
     starts = np.asarray(settings.bank.navigation.start[0])
-    origins = np.repeat(starts + np.array([0, 0, 1.7]), RAYS, axis=0).astype(np.float32)
+    origins = np.repeat(starts + np.array([0, 0, 1.5]), RAYS, axis=0).astype(np.float32)
     directions = np.tile(np.asarray(_directions()), (len(starts), 1)).astype(np.float32)
     rate = timing.calls_per_second(lambda: scene.run(origins, directions), seconds=settings.seconds)
     return "Embree (1 thread, 1 house)", rate * len(origins)
