@@ -1,0 +1,52 @@
+"""Write pictures of a house as seen from a point: colours, depth and ids."""
+
+import argparse
+import sys
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from home_mjx.cli.parsing import positive_int
+from home_mjx.cli.viewpoint import add_viewpoint_arguments, stand
+from home_mjx.demo import pictures
+
+KINDS = ("rgb", "depth", "normal", "instance", "fine", "room", "material")
+DEPTH_MAX = 10.0  # [m]
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds the options of `home-mjx render`."""
+    add_viewpoint_arguments(parser)
+    parser.add_argument("--size", type=positive_int, nargs=2, default=(640, 480), metavar=("W", "H"), help="[pixels]")
+    parser.add_argument("--fovy", type=float, default=75.0, help="vertical field of view [degrees] (default: 75)")
+    parser.add_argument("--out", type=Path, default=Path("pictures"), help="folder for the files (default: pictures)")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Writes one PNG per kind."""
+    import jax.numpy as jnp
+
+    from home_mjx.raycast_render import Camera, render
+
+    view = stand(args)
+    camera = Camera(jnp.asarray(view.position), jnp.asarray(view.head_quat), jnp.float32(np.deg2rad(args.fovy)))
+    width, height = args.size
+    images = render(view.bank, view.scene, camera, width=width, height=height, kinds=KINDS, depth_max=DEPTH_MAX)
+    args.out.mkdir(parents=True, exist_ok=True)
+    for kind in KINDS:
+        path = args.out / f"{kind}.png"
+        Image.fromarray(_colours(kind, np.asarray(images[kind]))).save(path)
+        sys.stdout.write(f"{path}\n")
+    return 0
+
+
+def _colours(kind: str, image: np.ndarray) -> np.ndarray:
+    """The image as (H, W, 3) uint8."""
+    if kind == "rgb":
+        return image
+    if kind == "depth":
+        return pictures.depth_colours(image[..., 0], DEPTH_MAX)
+    if kind == "normal":
+        return ((image + 1) * 127.5).astype(np.uint8)
+    return pictures.id_colours(image)
