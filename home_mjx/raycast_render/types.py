@@ -27,12 +27,23 @@ class Scene(Pytree):
     moving: Moving
 
 
-class Hit(Pytree):
-    """The closest hit of one ray."""
+class Rays(Pytree):
+    """Rays of any leading shape."""
 
-    t: Float[Array, ""]  # [m] in units of |direction|; inf on a miss
-    instance: Int[Array, ""]  # -1 on a miss
-    triangle: Int[Array, ""]  # absolute index into Geometry.triangle; -1 on a miss
-    u: Float[Array, ""]  # barycentric weight of corner 1
-    v: Float[Array, ""]  # barycentric weight of corner 2
-    front: Bool[Array, ""]  # the ray met the side that the corners wind counter-clockwise around
+    origin: Float[Array, "*rays 3"]  # [m], world
+    direction: Float[Array, "*rays 3"]  # need not be of unit length
+    t_min: Float[Array, "*rays"]  # in units of |direction|, >= 0
+    t_max: Float[Array, "*rays"]  # no hit can be found where t_max < t_min
+    exclude: Int[Array, "*rays"]  # object id (I + a for agent a) that the ray passes through; -1 none
+    mask: Int[Array, "*rays"]  # `compiled.Ray` bits
+
+
+class Hit(Pytree):
+    """The closest hits of rays of any leading shape."""
+
+    t: Float[Array, "*rays"]  # in units of |direction|, so [m] for unit directions; inf on a miss
+    instance: Int[Array, "*rays"]  # -1 on a miss
+    triangle: Int[Array, "*rays"]  # absolute index into Geometry.triangle; -1 on a miss
+    u: Float[Array, "*rays"]  # barycentric weight of corner 1
+    v: Float[Array, "*rays"]  # barycentric weight of corner 2
+    front: Bool[Array, "*rays"]  # met the side that the corners wind counter-clockwise around, in the model's frame

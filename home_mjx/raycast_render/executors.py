@@ -1,0 +1,34 @@
+"""The ways to cast rays, all with one signature over the same arrays, and the choice among them."""
+
+from collections.abc import Callable
+
+from jaxtyping import Array, Int
+
+from home_mjx.errors import ExecutorError, check_known
+from home_mjx.raycast_render.types import Moving, Rays
+from home_mjx.raycast_render.xla import RawHit, cast_xla
+from home_mjx.scene_compile.bank import Geometry
+
+Executor = Callable[[Geometry, Array, Moving, Rays, bool], RawHit]
+"""(geometry, house (e), moving (e ...), rays (e r ...), any_hit) -> hits (e r).
+
+Ray [e, r] belongs to environment e. With `any_hit` a ray may stop at the first triangle that it meets.
+"""
+
+
+def cast_cuda(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, any_hit: bool) -> RawHit:
+    """Not there yet."""
+    raise ExecutorError("the `cuda` executor is not there yet", hint="Use executor=None, which runs `xla` on GPUs.")
+
+
+EXECUTORS: dict[str | None, Executor] = {None: cast_xla, "xla": cast_xla, "cuda": cast_cuda}
+
+
+def find_executor(name: str | None) -> Executor:
+    """The executor of that name; None: by platform.
+
+    Raises:
+        ConfigError: There is no such executor.
+    """
+    check_known("executor", [] if name is None else [name], [n for n in EXECUTORS if n])
+    return EXECUTORS[name]

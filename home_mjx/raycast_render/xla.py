@@ -1,0 +1,262 @@
+"""The reference executor: two-level traversal in plain JAX, on any platform.
+
+All rays of a chunk step together. A ray keeps a stack of tree codes; while it is inside an instance it holds that
+instance's frame, and leaves it when its stack has shrunk to where it was on entering.
+
+Sources: S. Woop, C. Benthin, I. Wald, "Watertight ray/triangle intersection", JCGT 2(1), 2013; T. Ize, "Robust BVH ray
+traversal", JCGT 2(2), 2013.
+"""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import lax
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.raycast_render.types import Moving, Rays
+from home_mjx.scene_compile.bank import Geometry
+from home_mjx.scene_compile.bvh import EMPTY, MAX_DEPTH
+
+MISS = 3e38  # finite stand-in for infinity
+LEAF = 4  # triangles tested at once
+CHUNK = 1 << 16  # rays in lock step: bounds the memory for stacks
+FAR_SLACK = 1 + 6e-7  # Ize's bound on the rounding of a slab distance
+TINY = 1e-20  # smallest direction component that is divided by
+
+RawHit = tuple[Array, Array, Array, Array, Array, Array]
+"""t (MISS on a miss), instance, triangle, u, v, front; all of shape (environments, rays)."""
+
+
+class _Best(NamedTuple):
+    t: Float[Array, " n"]
+    instance: Int[Array, " n"]
+    triangle: Int[Array, " n"]
+    u: Float[Array, " n"]
+    v: Float[Array, " n"]
+    front: Bool[Array, " n"]
+
+
+class _State(NamedTuple):
+    stack: Int[Array, "n s"]
+    size: Int[Array, " n"]
+    base: Int[Array, " n"]  # size of the stack on entering the current instance
+    instance: Int[Array, " n"]  # -1 while in the top tree
+    material: Int[Array, " n"]  # first material row of the instance
+    origin: Float[Array, "n 3"]  # in the current frame
+    direction: Float[Array, "n 3"]
+    best: _Best
+
+
+class _World(NamedTuple):
+    """What does not change on the way."""
+
+    geometry: Geometry
+    house: Int[Array, " e"]
+    moving: Moving
+    any_hit: bool
+    env: Int[Array, " n"]
+    rays: Rays
+
+
+def cast_xla(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, any_hit: bool) -> RawHit:
+    """Casts rays of shape (environments, rays per environment); see `executors.Executor`."""
+    shape = rays.t_min.shape
+    total = rays.t_min.size
+    chunk = min(CHUNK, max(total, 1))
+    count = -(-total // chunk)
+
+    def split(x: Array, fill: float = 0) -> Array:
+        flat = x.reshape(total, *x.shape[2:])
+        widths = [(0, count * chunk - total)] + [(0, 0)] * (flat.ndim - 1)
+        return jnp.pad(flat, widths, constant_values=fill).reshape(count, chunk, *flat.shape[1:])
+
+    env = lax.broadcasted_iota(jnp.int32, shape, 0)
+    # Padding rays end before they begin: t_min 1, t_max 0.
+    chunks = jax.tree.map(split, rays).replace(t_min=split(rays.t_min, 1))
+    hits = lax.map(lambda c: _cast_chunk(_World(geometry, house, moving, any_hit, *c)), (split(env), chunks))
+    return tuple(x.reshape(count * chunk)[:total].reshape(shape) for x in hits)
+
+
+def _cast_chunk(world: _World) -> RawHit:
+    state = lax.while_loop(lambda s: jnp.any(s.size > 0), lambda s: _step(world, s), _start(world))
+    best = state.best
+    missed = best.instance < 0
+    return (jnp.where(missed, MISS, best.t), *best[1:])
+
+
+def _start(world: _World) -> _State:
+    """The house's top tree lies at the bottom of the stack, above it every moving instance whose box the ray meets."""
+    n, slots, rays = world.env.shape[0], world.moving.instance.shape[1], world.rays
+    none, zero = jnp.full(n, -1, jnp.int32), jnp.zeros(n, jnp.int32)
+    alive = rays.t_min <= rays.t_max
+    root = jnp.where(alive, world.geometry.house_root[world.house[world.env]], EMPTY)
+    stack, size = _push(jnp.full((n, slots + 2 * MAX_DEPTH + 2), EMPTY, jnp.int32), zero, root)
+
+    def add(slot: Array, carry: tuple[Array, Array]) -> tuple[Array, Array]:
+        near = _slab(world.moving.box[world.env, slot].reshape(n, 6), rays.origin, rays.direction, rays.t_min)
+        meets = alive & (near <= rays.t_max) & (world.moving.instance[world.env, slot] >= 0)
+        return _push(*carry, jnp.where(meets, _leaf(world.geometry.instance_model.shape[1] + slot, 1), EMPTY))
+
+    stack, size = lax.fori_loop(0, slots, add, (stack, size))
+    limit, weight = jnp.minimum(rays.t_max, MISS), jnp.zeros(n, jnp.float32)
+    best = _Best(limit, none, none, weight, weight, jnp.zeros(n, bool))
+    return _State(stack, size, zero, none, zero, rays.origin, rays.direction, best)
+
+
+def _step(world: _World, state: _State) -> _State:
+    """Every ray takes one code off its stack: a node, up to four triangles, or an instance to enter."""
+    state = _leave(world, state)
+    code, state = _pop(state)
+    first, count = ~code >> 4, ~code & 15
+    inside, is_node = state.instance >= 0, code >= 0
+    is_leaf, is_instance = inside & ~is_node, ~inside & ~is_node & (count > 0)
+
+    near, far = _children(world, state, jnp.where(is_node, code, 0))
+    best = _test_triangles(world, state, jnp.where(is_leaf, first, 0), jnp.where(is_leaf, count, 0))
+    taken = jnp.where(is_leaf, LEAF, 1)
+    rest = jnp.where(count > taken, _leaf(first + taken, count - taken), EMPTY)
+    stack, size = _push(state.stack, state.size, jnp.where(is_node, far, rest))
+    state, root = _enter(world, state._replace(stack=stack, size=size, best=best), first, is_instance)
+    stack, size = _push(state.stack, state.size, jnp.where(is_node, near, root))
+    if world.any_hit:
+        size = jnp.where(best.instance >= 0, 0, size)
+    return state._replace(stack=stack, size=size)
+
+
+def _leaf(first: Int[Array, "..."], count: Int[Array, "..."] | int) -> Int[Array, "..."]:
+    return ~(first << 4 | count)
+
+
+def _push(
+    stack: Int[Array, "n s"], size: Int[Array, " n"], code: Int[Array, " n"]
+) -> tuple[Int[Array, "n s"], Int[Array, " n"]]:
+    """Pushes every code but `EMPTY`."""
+    n, depth = stack.shape
+    place = jnp.where(code == EMPTY, depth, size)
+    return stack.at[jnp.arange(n), place].set(code, mode="drop"), size + (code != EMPTY).astype(jnp.int32)
+
+
+def _pop(state: _State) -> tuple[Int[Array, " n"], _State]:
+    size = jnp.maximum(state.size - 1, 0)
+    code = jnp.take_along_axis(state.stack, size[:, None], axis=1)[:, 0]
+    return jnp.where(state.size > 0, code, EMPTY), state._replace(size=size)
+
+
+def _leave(world: _World, state: _State) -> _State:
+    """Rays that are through with their instance return to the world frame."""
+    done = (state.instance >= 0) & (state.size <= state.base)
+    return state._replace(
+        instance=jnp.where(done, -1, state.instance),
+        base=jnp.where(done, 0, state.base),
+        origin=jnp.where(done[:, None], world.rays.origin, state.origin),
+        direction=jnp.where(done[:, None], world.rays.direction, state.direction),
+    )
+
+
+def _enter(
+    world: _World, state: _State, index: Int[Array, " n"], wanted: Bool[Array, " n"]
+) -> tuple[_State, Int[Array, " n"]]:
+    """Takes rays into an instance's frame; `index` counts a house's instances, then the moving slots.
+
+    Returns:
+        The state, and the root of the instance's tree or `EMPTY`.
+    """
+    geometry, moving, house = world.geometry, world.moving, world.house[world.env]
+    fixed = jnp.clip(index, 0, geometry.instance_model.shape[1] - 1)
+    slot = jnp.clip(index - geometry.instance_model.shape[1], 0, moving.instance.shape[1] - 1)
+    moves = index >= geometry.instance_model.shape[1]
+
+    def pick(moved: Array, static: Array) -> Array:
+        chosen = moves.reshape(-1, *[1] * (moved.ndim - 2))
+        return jnp.where(chosen, moved[world.env, slot], static[house, fixed])
+
+    number = jnp.where(moves, moving.instance[world.env, slot], fixed)
+    object_id = pick(moving.object_id, geometry.instance_object)
+    enters = wanted & ((world.rays.exclude < 0) | (object_id != world.rays.exclude))
+    inverse = pick(moving.inverse, geometry.instance_inverse)
+    origin = _apply(inverse, state.origin) + inverse[:, :, 3]
+    direction = _apply(inverse, state.direction)
+    root = geometry.model_root[pick(moving.model, geometry.instance_model)]
+    state = state._replace(
+        instance=jnp.where(enters, number, state.instance),
+        base=jnp.where(enters, state.size, state.base),
+        material=jnp.where(enters, pick(moving.material, geometry.instance_material), state.material),
+        origin=jnp.where(enters[:, None], origin, state.origin),
+        direction=jnp.where(enters[:, None], direction, state.direction),
+    )
+    return state, jnp.where(enters, root, EMPTY)
+
+
+def _apply(matrix: Float[Array, "n 3 4"], vector: Float[Array, "n 3"]) -> Float[Array, "n 3"]:
+    # Not a matrix product: accelerators may round those to few bits.
+    return jnp.sum(matrix[:, :, :3] * vector[:, None, :], axis=2)
+
+
+def _children(world: _World, state: _State, node: Int[Array, " n"]) -> tuple[Int[Array, " n"], Int[Array, " n"]]:
+    """Codes of a node's children that the ray meets before its best hit, the nearer and the farther; else `EMPTY`."""
+    box, child = world.geometry.node_box[node], world.geometry.node_child[node]
+    limits = world.rays.t_min, state.best.t
+    a, b = (_slab(box[:, side], state.origin, state.direction, limits[0]) for side in range(2))
+    code_a = jnp.where(a <= limits[1], child[:, 0], EMPTY)
+    code_b = jnp.where(b <= limits[1], child[:, 1], EMPTY)
+    return jnp.where(a <= b, code_a, code_b), jnp.where(a <= b, code_b, code_a)
+
+
+def _slab(
+    box: Float[Array, "n 6"], origin: Float[Array, "n 3"], direction: Float[Array, "n 3"], t_min: Float[Array, " n"]
+) -> Float[Array, " n"]:
+    """Where rays enter boxes, at least t_min; infinity if they do not."""
+    safe = jnp.where(jnp.abs(direction) < TINY, jnp.where(direction < 0, -TINY, TINY), direction)
+    low, high = (box[:, :3] - origin) / safe, (box[:, 3:] - origin) / safe
+    near = jnp.maximum(jnp.max(jnp.minimum(low, high), axis=1), t_min)
+    far = jnp.min(jnp.maximum(low, high), axis=1) * FAR_SLACK
+    return jnp.where(near <= far, near, jnp.inf)
+
+
+def _test_triangles(world: _World, state: _State, first: Int[Array, " n"], count: Int[Array, " n"]) -> _Best:
+    """The best hits, the first `LEAF` triangles of a leaf considered."""
+    geometry, rays, best = world.geometry, world.rays, state.best
+    step = jnp.arange(LEAF, dtype=jnp.int32)[None]
+    triangle = jnp.minimum(first[:, None] + step, geometry.triangle.shape[0] - 1)
+    t, u, v, front = _intersect(geometry.triangle[triangle], state.origin, state.direction)
+    stops = geometry.material_mask[state.material[:, None] + geometry.triangle_slot[triangle]] & rays.mask[:, None]
+    valid = (step < count[:, None]) & (t >= rays.t_min[:, None]) & (t <= best.t[:, None]) & (stops != 0)
+    nearest = jnp.argmin(jnp.where(valid, t, jnp.inf), axis=1, keepdims=True)
+
+    def take(x: Array) -> Array:
+        return jnp.take_along_axis(x, nearest, axis=1)[:, 0]
+
+    found = _Best(take(t), state.instance, take(triangle), take(u), take(v), take(front))
+    # Equal distances go to the lower instance and triangle, so that the order of traversal does not matter.
+    same = found.instance == best.instance
+    lower = jnp.where(same, found.triangle < best.triangle, found.instance < best.instance)
+    wins = take(valid) & ((found.t < best.t) | (best.instance < 0) | lower)
+    return _Best(*(jnp.where(wins, new, old) for new, old in zip(found, best, strict=True)))
+
+
+def _intersect(
+    triangle: Float[Array, "n k 3 3"], origin: Float[Array, "n 3"], direction: Float[Array, "n 3"]
+) -> tuple[Float[Array, "n k"], Float[Array, "n k"], Float[Array, "n k"], Bool[Array, "n k"]]:
+    """t (infinity for none), the weights of corners 1 and 2, and whether the front was met."""
+    axis = jnp.argmax(jnp.abs(direction), axis=1)[:, None, None, None]
+    ray = _along_z(direction[:, None, None, :], axis)
+    corner = _along_z(triangle - origin[:, None, None, :], axis)
+    z = corner[..., 2] / ray[..., 2]
+    x, y = corner[..., 0] - ray[..., 0] * z, corner[..., 1] - ray[..., 1] * z
+    # Edge functions, each the difference of two products. Their signs come from comparing the products, not from the
+    # difference: compilers fuse that into a multiply-add, which can give both sides of a shared edge the same sign.
+    plus = jnp.roll(x, 1, axis=2) * jnp.roll(y, -1, axis=2)
+    minus = jnp.roll(y, 1, axis=2) * jnp.roll(x, -1, axis=2)
+    positive, negative = jnp.all(plus >= minus, axis=2), jnp.all(plus <= minus, axis=2)
+    edge = jnp.where(positive[..., None], jnp.maximum(plus - minus, 0), jnp.minimum(plus - minus, 0))
+    total = jnp.sum(edge, axis=2)
+    meets = (positive | negative) & (total != 0)
+    weight = edge / jnp.where(meets, total, 1)[..., None]
+    t = jnp.where(meets, jnp.sum(weight * z, axis=2), jnp.inf)
+    return t, weight[..., 1], weight[..., 2], positive == (ray[..., 0, 2] > 0)
+
+
+def _along_z(vector: Float[Array, "n k c 3"], axis: Int[Array, "n 1 1 1"]) -> Float[Array, "n k c 3"]:
+    """Turns the axes cyclically so that `axis` becomes z."""
+    return jnp.where(axis == 2, vector, jnp.where(axis == 0, jnp.roll(vector, -1, axis=-1), jnp.roll(vector, 1, -1)))
