@@ -20,7 +20,7 @@ from home_mjx.scene_compile.compiled import (
 )
 from home_mjx.scene_compile.materials import Surface, material_table
 from home_mjx.scene_compile.mesh import box_triangles, make_model
-from home_mjx.scene_compile.navigation import build_navigation
+from home_mjx.scene_compile.navigation import build_navigation, free_space
 from home_mjx.scene_compile.plan import smallest_room
 from home_mjx.scene_compile.semantics import semantic_row
 from home_mjx.scene_compile.top_tree import top_tree
@@ -147,7 +147,7 @@ def build_house(
         bodies=_bodies(furniture, boxes, instances.pose[1:]),
         planes=planes,
         rooms=rooms,
-        navigation=build_navigation(name, rooms, join([shell, boxes])),
+        navigation=build_navigation(name, rooms, free_space(rooms, join([shell, boxes]))),
         models={m.key: m for m in models},
         report={"levels": 1, "rooms": len(rooms.type), "objects": len(furniture)},
     )

@@ -146,7 +146,7 @@ class HouseBank(Pytree):
             acoustics=Acoustics(**_on_device(packed.acoustics)),
             navigation=Navigation(**_on_device(packed.navigation)),
             house_id=jnp.asarray(packed.house_id),
-            spec=BankSpec(**packed.spec),
+            spec=BankSpec(**packed.capacity, cell=packed.cell),
         )
 
     @property

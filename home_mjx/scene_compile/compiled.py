@@ -124,7 +124,7 @@ class Rooms:
 
     type: Int[np.ndarray, " r"]  # index into ROOM_TYPES; -1 unknown
     level: Int[np.ndarray, " r"]
-    polygon: tuple[Float[np.ndarray, "n 2"], ...]  # [m], floor outline in x and y
+    polygon: tuple[Float[np.ndarray, "_ 2"], ...]  # [m], floor outline in x and y
     floor: Float[np.ndarray, " r"]  # [m], height of the floor's top
     ceiling: Float[np.ndarray, " r"]  # [m], height of the ceiling's underside
 

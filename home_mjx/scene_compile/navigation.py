@@ -38,30 +38,54 @@ class NavigationOptions:
     num_goals: int = 8
 
 
-def build_navigation(
-    house_id: str,
+@dataclass(frozen=True)
+class FreeSpace:
+    """The grid before anything is drawn on it."""
+
+    origin: Float[np.ndarray, "2"]  # [m], corner of cell (0, 0)
+    x: Float[np.ndarray, " nx"]  # [m], of cell centres
+    y: Float[np.ndarray, " ny"]
+    room: Int[np.ndarray, "ny nx"]
+    free: Bool[np.ndarray, "ny nx"]
+
+
+def free_space(
     rooms: Rooms,
     obstacles: BoxSet,
     passages: Sequence[Float[np.ndarray, "4 2"]] = (),
     options: NavigationOptions = NavigationOptions(),
-) -> Navigation:
-    """The navigation grid of a house's ground floor.
+) -> FreeSpace:
+    """Rooms and the largest connected free region of a house's ground floor.
 
     Args:
-        house_id: Seeds the draw of starts and goals.
         rooms: Outlines and floors; those of the lowest level count.
         obstacles: Upright boxes [m].
         passages: Footprints of doorways, interior as well where rooms leave a gap between them [m].
-        options: Sizes and counts.
-
-    Raises:
-        DatasetError: An agent can stand nowhere in the house.
+        options: Sizes.
     """
     ground = np.flatnonzero(rooms.level == rooms.level.min())
     origin, x, y = _grid([rooms.polygon[r] for r in ground], options.cell)
     room = _label_rooms(rooms, ground, passages, x, y)
     clearance = _clearance(obstacles, rooms.floor[ground].min(), x, y, options)
     free = _largest_region((room >= 0) & (clearance >= options.agent_radius + options.margin))
+    return FreeSpace(origin, x, y, room, free)
+
+
+def build_navigation(
+    house_id: str, rooms: Rooms, space: FreeSpace, options: NavigationOptions = NavigationOptions()
+) -> Navigation:
+    """Starts, goals and distance fields on the free space of a house.
+
+    Args:
+        house_id: Seeds the draw of starts and goals.
+        rooms: For the heights of their floors.
+        space: Where an agent can stand.
+        options: Counts.
+
+    Raises:
+        DatasetError: An agent can stand nowhere in the house.
+    """
+    free, room = space.free, space.room
     if not free.any():
         raise DatasetError(
             f"house {house_id} has no place where an agent of radius {options.agent_radius} m can stand",
@@ -69,18 +93,26 @@ def build_navigation(
         )
     rng = np.random.default_rng(int.from_bytes(hashlib.sha256(house_id.encode()).digest()[:8], "little"))
     goals = _spread_goals(free, room, options.num_goals, rng)
-    place = _Placer(x, y, room, rooms.floor)
     cells = rng.permutation(np.argwhere(free))[np.arange(options.num_starts) % free.sum()]
     jitter = rng.uniform(-0.5, 0.5, (options.num_starts, 2)) * options.margin
     return Navigation(
-        origin=origin,
+        origin=space.origin,
         cell=options.cell,
         free=free,
         room=room,
-        start=place(cells, jitter),
-        goal=place(goals, np.zeros((len(goals), 2))),
+        start=_place(space, rooms, cells, jitter),
+        goal=_place(space, rooms, goals, np.zeros((len(goals), 2))),
         field=distance_fields(free, goals, options.cell).astype(np.float32),
     )
+
+
+def _place(
+    space: FreeSpace, rooms: Rooms, cells: Int[np.ndarray, "n 2"], shift: Float[np.ndarray, "n 2"]
+) -> Float[np.ndarray, "n 3"]:
+    """Cells as points in the world, on the floor of their room."""
+    row, column = cells.T
+    z = rooms.floor[space.room[row, column]]
+    return np.stack([space.x[column] + shift[:, 0], space.y[row] + shift[:, 1], z], axis=-1)
 
 
 def _grid(
@@ -105,8 +137,8 @@ def _label_rooms(
     gap = np.zeros(room.shape, bool)
     for passage in passages:
         gap |= inside_polygon(passage, points)
-    nearest = ndimage.distance_transform_edt(room < 0, return_distances=False, return_indices=True)
-    return np.where(gap, room[tuple(nearest)], room)
+    nearest = np.asarray(ndimage.distance_transform_edt(room < 0, return_distances=False, return_indices=True))
+    return np.where(gap, room[nearest[0], nearest[1]], room)
 
 
 def _clearance(
@@ -120,7 +152,7 @@ def _clearance(
     reach = options.agent_radius + options.margin
     clearance = np.full((len(y), len(x)), np.inf)
     low, high = obstacles.bottom, obstacles.top
-    for i in np.flatnonzero((high > floor + options.step) & (low < floor + options.agent_height)):
+    for i in np.flatnonzero((high > floor + options.step) & (low < floor + options.agent_height)).tolist():
         radius = np.hypot(*obstacles.half[i, :2]) + reach
         columns = np.flatnonzero(abs(x - obstacles.center[i, 0]) <= radius)
         rows = np.flatnonzero(abs(y - obstacles.center[i, 1]) <= radius)
@@ -132,8 +164,9 @@ def _clearance(
 
 
 def _largest_region(free: Bool[np.ndarray, "ny nx"]) -> Bool[np.ndarray, "ny nx"]:
-    labels, count = ndimage.label(free)
-    sizes = np.bincount(labels.ravel(), minlength=count + 1)
+    labels = np.zeros(free.shape, np.int32)
+    ndimage.label(free, output=labels)
+    sizes = np.bincount(labels.ravel())
     sizes[0] = 0
     return free & (labels == sizes.argmax())
 
@@ -150,18 +183,3 @@ def _spread_goals(
         gaps = np.linalg.norm(candidates[:, None] - goals[None, :g], axis=-1)
         goals[g] = candidates[gaps.min(axis=1, initial=np.inf).argmax()]
     return goals
-
-
-@dataclass(frozen=True)
-class _Placer:
-    """Puts cells into the world, on the floor of their room."""
-
-    x: Float[np.ndarray, " nx"]
-    y: Float[np.ndarray, " ny"]
-    room: Int[np.ndarray, "ny nx"]
-    floor: Float[np.ndarray, " r"]
-
-    def __call__(self, cells: Int[np.ndarray, "n 2"], shift: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 3"]:
-        row, column = cells.T
-        z = self.floor[self.room[row, column]]
-        return np.stack([self.x[column] + shift[:, 0], self.y[row] + shift[:, 1], z], axis=-1)

@@ -34,7 +34,8 @@ class Packed:
     acoustics: Arrays
     navigation: Arrays
     house_id: np.ndarray
-    spec: Mapping[str, int | float]
+    capacity: Mapping[str, int]
+    cell: float  # [m]
 
 
 def pack(houses: Sequence[CompiledHouse], texture_size: int = TEXTURE_SIZE) -> Packed:
@@ -76,7 +77,8 @@ def pack(houses: Sequence[CompiledHouse], texture_size: int = TEXTURE_SIZE) -> P
         acoustics=acoustics,
         navigation=navigation,
         house_id=np.stack([_encode_id(h.id) for h in houses]),
-        spec={name: array.shape[1] for name, array in sizes.items()} | {"cell": float(houses[0].navigation.cell)},
+        capacity={name: array.shape[1] for name, array in sizes.items()},
+        cell=float(houses[0].navigation.cell),
     )
 
 
@@ -122,7 +124,7 @@ def _pack_trees(models: Sequence[Model], tops: Sequence[Tree]) -> Arrays:
     trees = [*(m.tree for m in models), *tops]
     first = np.cumsum([0, *(len(m.triangle) for m in models)])[:-1].tolist() + [0] * len(tops)
     root = np.cumsum([0, *(len(t.child) for t in trees)])[:-1]
-    child = [_absolute(t.child, r, f) for t, r, f in zip(trees, root, first, strict=True)]
+    child = [_absolute(t.child, r, f) for t, r, f in zip(trees, root.tolist(), first, strict=True)]
     never = np.array([[np.inf] * 3 + [-np.inf] * 3])
     return {
         "node_box": concatenate([t.box for t in trees], np.float32, never),

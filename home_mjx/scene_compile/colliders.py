@@ -1,0 +1,144 @@
+"""Static collision boxes of a house's ground floor: walls around their openings, doors, furniture."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from home_mjx.scene_compile.architecture import Architecture, Wall
+from home_mjx.scene_compile.box_fit import components, fit_boxes, narrowest_box
+from home_mjx.scene_compile.boxes import BoxSet, box_of, join, no_boxes
+from home_mjx.scene_compile.compiled import Rooms
+from home_mjx.scene_compile.mesh import bounds
+from home_mjx.scene_compile.objects import Placed
+from home_mjx.scene_compile.slabs import wall_boxes
+
+PORTALS = ("door", "garage_door", "arch")
+SOFT = ("curtain", "rug")  # an agent walks through or over them
+FITTING = 0.2  # [m]: handles and hinges of a door are smaller
+SILL = 0.04  # [m]: what of a door lies lower above the floor is its sill, which an agent steps over
+LEAF_HEIGHT = 1.0  # [m], least of a door's leaf
+LEAF_TURN = np.deg2rad(3.0)  # from which on a leaf counts as open
+
+
+@dataclass(frozen=True)
+class ColliderOptions:
+    """How collision boxes are made.
+
+    Attributes:
+        height: Boxes that begin higher above the ground floor are left out [m].
+        step: Boxes that end lower above the ground floor are left out [m].
+        wall_length: Most length of one piece of a wall [m].
+        boxes_per_object: Most boxes that stand for one object.
+    """
+
+    height: float = 2.0
+    step: float = 0.03
+    wall_length: float = 1.5
+    boxes_per_object: int = 8
+
+
+def wall_colliders(house: Architecture, options: ColliderOptions) -> BoxSet:
+    """Every physical wall once, solid except for its openings."""
+    walls: dict[int, list] = {}
+    for part, partition in zip(house.parts, house.partition, strict=True):
+        if isinstance(part, Wall):
+            walls.setdefault(int(partition), []).append(part.slab)
+    return join(wall_boxes(slabs, options.wall_length) for slabs in walls.values())
+
+
+def floor_colliders(rooms: Rooms, floor: float, options: ColliderOptions) -> BoxSet:
+    """Slabs under rooms whose floor lies above the ground floor, which itself is a plane."""
+    raised = np.flatnonzero((rooms.floor > floor + options.step) & (rooms.floor < floor + options.height))
+    slabs = []
+    for room in raised:
+        low, high = rooms.polygon[room].min(axis=0), rooms.polygon[room].max(axis=0)
+        slabs.append(box_of(np.array([[*low, floor], [*high, rooms.floor[room]]])))
+    return join(slabs)
+
+
+def object_colliders(item: Placed, floor: float, options: ColliderOptions) -> tuple[BoxSet, list[BoxSet]]:
+    """The boxes that stand for one object that cannot be moved, and those of its open door leaves.
+
+    Args:
+        item: The object.
+        floor: Height of the ground floor [m].
+        options: How many boxes, and how high.
+    """
+    boxes, leaves = no_boxes(), []
+    if item.info.coarse in PORTALS:
+        boxes, leaves = door_boxes(item.triangles, item.yaw, floor + SILL, options.boxes_per_object)
+    elif item.info.coarse == "window":
+        boxes = item.box
+    elif item.info.coarse not in SOFT and bounds(item.triangles)[0, 2] < floor + options.height:
+        boxes = fit_boxes(item.triangles, item.yaw, options.boxes_per_object)
+    return keep_reachable(boxes, floor, options), [keep_reachable(leaf, floor, options) for leaf in leaves]
+
+
+def door_boxes(
+    triangles: Float[np.ndarray, "t 3 3"], yaw: float, sill: float, most: int
+) -> tuple[BoxSet, list[BoxSet]]:
+    """Frame and open leaves of a door; a leaf gets a box along itself, so that the way stays as free as it looks.
+
+    Args:
+        triangles: The door [m].
+        yaw: Direction of the wall [rad].
+        sill: What ends lower is left out [m].
+        most: Number of boxes for the frame.
+    """
+    part = components(triangles)
+    frame, leaves = [], []
+    for number in np.unique(part):
+        piece = triangles[(part == number) & (triangles[..., 2].max(axis=1) > sill)]
+        if len(piece) and np.ptp(piece.reshape(-1, 3), axis=0).max() > FITTING:
+            box = narrowest_box(piece.reshape(-1, 3))
+            if _is_open_leaf(box, yaw):
+                leaves.append(box)
+            else:
+                frame.append(piece)
+    return fit_boxes(np.concatenate(frame), yaw, most) if frame else no_boxes(), leaves
+
+
+def _is_open_leaf(box: BoxSet, yaw: float) -> bool:
+    turn = (box.yaw[0] - yaw + np.pi / 4) % (np.pi / 2) - np.pi / 4
+    return bool(box.half[0, 2] * 2 > LEAF_HEIGHT and abs(turn) > LEAF_TURN)
+
+
+def keep_reachable(boxes: BoxSet, floor: float, options: ColliderOptions) -> BoxSet:
+    """The boxes that something on the ground floor can touch."""
+    return boxes[(boxes.top > floor + options.step) & (boxes.bottom < floor + options.height)]
+
+
+def passages(objects: Sequence[Placed], depth: float = 0.15) -> list[Float[np.ndarray, "4 2"]]:
+    """Footprints of doorways: as wide as the door, `depth` metres to both sides of the wall's middle plane."""
+    found = []
+    for item in objects:
+        if item.info.coarse in PORTALS:
+            across = np.array([-np.sin(item.yaw), np.cos(item.yaw)])
+            along = np.array([np.cos(item.yaw), np.sin(item.yaw)])
+            points = item.triangles.reshape(-1, 3)[:, :2] @ along
+            ends = np.array([points.min(), points.max()])[[0, 1, 1, 0], None] * along
+            middle = item.pose[:2, 3] @ across
+            found.append(ends + (middle + depth * np.array([-1, -1, 1, 1]))[:, None] * across)
+    return found
+
+
+def passable_leaves(leaves: Sequence[BoxSet], free_area: Callable[[BoxSet], float], gain: float = 0.5) -> list[BoxSet]:
+    """The open leaves that may stay in the way: one that cuts off a part of the house is left out.
+
+    SUNCG's open doors stand half open and are often caught between furniture. Someone who lives there would push the
+    leaf aside; until doors turn on hinges, such a leaf is seen and heard but not felt, as every door is in HoME.
+
+    Args:
+        leaves: One box each.
+        free_area: Size of the largest free region with some leaves in the way [m^2].
+        gain: Least area that a leaf must cut off to be left out [m^2].
+    """
+    area = free_area(join(leaves))
+    for leaf in leaves:
+        others = [other for other in leaves if other is not leaf]
+        without = free_area(join(others))
+        if without > area + gain + 4 * float(leaf.half[0, 0] * leaf.half[0, 1]):
+            return passable_leaves(others, free_area, gain)
+    return list(leaves)

@@ -1,0 +1,88 @@
+"""Plane figures with straight sides as few rectangles."""
+
+from itertools import pairwise
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+
+def cluster(values: Float[np.ndarray, "*n"], tolerance: float) -> Float[np.ndarray, " k"]:
+    """Sorted values in which those nearer than `tolerance` to their neighbour are one, their mean.
+
+    Example:
+        >>> cluster(np.array([2.0, 0.0, 1.0, 1.02]), 0.05)
+        array([0.  , 1.01, 2.  ])
+    """
+    ordered = np.unique(values)
+    groups = np.split(ordered, np.flatnonzero(np.diff(ordered) > tolerance) + 1)
+    # The ends stay where they are, so that the figure keeps its size.
+    middle = [float(group.mean()) for group in groups]
+    return np.array([ordered[0], *middle[1:-1], ordered[-1]] if len(middle) > 1 else middle)
+
+
+def cell_centers(u: Float[np.ndarray, " nu"], v: Float[np.ndarray, " nv"]) -> Float[np.ndarray, "_ _ 2"]:
+    """Middle points of the cells between grid lines; row = v, column = u."""
+    return np.stack(np.meshgrid((u[1:] + u[:-1]) / 2, (v[1:] + v[:-1]) / 2), axis=-1)
+
+
+def in_triangles(triangles: Float[np.ndarray, "t 3 2"], points: Float[np.ndarray, "*p 2"]) -> Bool[np.ndarray, "*p"]:
+    """Whether points lie in any of some triangles, of either winding."""
+    a, b, c = (triangles[:, i] for i in range(3))
+    sides = [_side(p, q, points[..., None, :]) for p, q in ((a, b), (b, c), (c, a))]
+    inside = np.all([s >= 0 for s in sides], axis=0) | np.all([s <= 0 for s in sides], axis=0)
+    proper = abs(_side(a, b, c)) > 1e-12
+    return (inside & proper).any(axis=-1)
+
+
+def _side(a: np.ndarray, b: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """Twice the signed area of a triangle."""
+    return (b[..., 0] - a[..., 0]) * (p[..., 1] - a[..., 1]) - (b[..., 1] - a[..., 1]) * (p[..., 0] - a[..., 0])
+
+
+def cover(
+    u: Float[np.ndarray, " nu"], v: Float[np.ndarray, " nv"], solid: Bool[np.ndarray, "_ _"]
+) -> Float[np.ndarray, "r 4"]:
+    """Disjoint rectangles that cover the solid cells of a grid, grown greedily along v and then along u.
+
+    Args:
+        u: Grid lines, ascending.
+        v: Grid lines, ascending.
+        solid: Cells between them; row = v, column = u.
+
+    Returns:
+        Rows u0, v0, u1, v1.
+    """
+    left = solid.copy()
+    found = []
+    for column in range(left.shape[1]):
+        for row in range(left.shape[0]):
+            if left[row, column]:
+                top, right = _grow(left, row, column)
+                left[row:top, column:right] = False
+                found.append((u[column], v[row], u[right], v[top]))
+    return np.array(found, float).reshape(-1, 4)
+
+
+def _grow(left: Bool[np.ndarray, "_ _"], row: int, column: int) -> tuple[int, int]:
+    """One past the last row and column of the rectangle that begins at a cell."""
+    top = row
+    while top < left.shape[0] and left[top, column]:
+        top += 1
+    right = column + 1
+    # A run joins only if it is as tall as the first one, else it is better off on its own.
+    while right < left.shape[1] and left[row:top, right].all() and not _taller(left[:, right], row, top):
+        right += 1
+    return top, right
+
+
+def _taller(run: Bool[np.ndarray, " _"], row: int, top: int) -> bool:
+    return bool((row > 0 and run[row - 1]) or (top < len(run) and run[top]))
+
+
+def split(rectangles: Float[np.ndarray, "r 4"], length: float) -> Float[np.ndarray, "_ 4"]:
+    """Rectangles cut along u into equal pieces no longer than `length`."""
+    pieces = []
+    for u0, v0, u1, v1 in rectangles:
+        edges = np.linspace(u0, u1, max(int(np.ceil((u1 - u0) / length - 1e-9)), 1) + 1)
+        pieces += [(a, v0, b, v1) for a, b in pairwise(edges)]
+    return np.array(pieces, float).reshape(-1, 4)
