@@ -18,6 +18,7 @@ os.environ.setdefault("JAX_NUM_CPU_DEVICES", "2")
 os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", CACHE)
 os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.5")
 os.environ.setdefault("MPLBACKEND", "agg")
+os.environ.setdefault("HOME_MJX_CACHE", str(Path(tempfile.gettempdir()) / "home_mjx_house_cache"))
 
 # Deterministic: the same examples in every run. No deadline, since the first example pays for compilation.
 hypothesis.settings.register_profile("home_mjx", derandomize=True, deadline=None, database=None)

@@ -4,14 +4,19 @@ The one module of this package (with `pytree`) that knows JAX. An environment ho
 """
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int, UInt8
+from tqdm import tqdm
 
+from home_mjx.scene_compile.cache import load_compiled
+from home_mjx.scene_compile.compile import DEFAULT_OPTIONS, CompileOptions
 from home_mjx.scene_compile.compiled import CompiledHouse
 from home_mjx.scene_compile.pack import pack
 from home_mjx.scene_compile.pytree import Pytree, static
+from home_mjx.scene_compile.suncg import Dataset, open_dataset
 
 
 class Geometry(Pytree):
@@ -148,6 +153,33 @@ class HouseBank(Pytree):
             house_id=jnp.asarray(packed.house_id),
             spec=BankSpec(**packed.capacity, cell=packed.cell),
         )
+
+    @classmethod
+    def from_dataset(
+        cls,
+        root: str | Path | Dataset | None,
+        ids: Sequence[str] | None = None,
+        limit: int | None = None,
+        progress: bool = False,
+        options: CompileOptions = DEFAULT_OPTIONS,
+    ) -> "HouseBank":
+        """A bank of houses of a dataset in SUNCG's format; compiled houses are cached on disk.
+
+        Args:
+            root: Folder of the dataset, or an open one; None: the one that `SUNCG_DATA_DIR` names.
+            ids: Which houses, in this order; by default all, sorted.
+            limit: Take the first so many.
+            progress: Show a progress bar.
+            options: How to compile.
+
+        Raises:
+            DatasetError: The dataset or one of the houses is missing or broken.
+            ConfigError: No house is left, or the houses cannot share a bank.
+        """
+        dataset = root if isinstance(root, Dataset) else open_dataset(root)
+        chosen = list(dataset.house_ids if ids is None else ids)[:limit]
+        bar = tqdm(chosen, desc="houses", unit="house", disable=not progress)
+        return cls.from_compiled([load_compiled(dataset, house_id, options) for house_id in bar])
 
     @property
     def num_houses(self) -> int:

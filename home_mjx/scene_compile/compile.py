@@ -39,7 +39,10 @@ class CompileOptions:
     movables: MovableOptions = field(default_factory=MovableOptions)
 
 
-def compile_house(house: House, metadata: Metadata, options: CompileOptions = CompileOptions()) -> CompiledHouse:
+DEFAULT_OPTIONS = CompileOptions()
+
+
+def compile_house(house: House, metadata: Metadata, options: CompileOptions = DEFAULT_OPTIONS) -> CompiledHouse:
     """Compiles one house: Z up, its ground floor's rooms around x = y = 0.
 
     Args:

@@ -1,5 +1,6 @@
 """Material rows of a house: for light from MTL and overrides, for sound from what the surface is made of."""
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -52,7 +53,7 @@ def surface(material: Material, fine: str, coarse: str) -> Surface:
     return Surface(
         color=material.diffuse or WHITE,
         opacity=1.0 if material.opacity is None else float(material.opacity),
-        texture="" if material.texture is None else str(material.texture.resolve()),
+        texture="" if material.texture is None else os.path.abspath(material.texture),
         kind=kind,
         family=kind if material.texture is None else texture_family(material.texture.stem),
         category=fine,
