@@ -1,0 +1,134 @@
+"""Rooms in the floor plan: rectangles or L-shapes, their outlines and walls."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+TOUCH = 0.05  # [m], half the grid of the wall lines: what is closer is the same line
+
+
+class Rect(NamedTuple):
+    """A rectangle in the floor plan [m]."""
+
+    x0: float
+    z0: float
+    x1: float
+    z1: float
+
+    @property
+    def sides(self) -> tuple[float, float]:
+        """Extents along x and z [m]."""
+        return self.x1 - self.x0, self.z1 - self.z0
+
+
+@dataclass(frozen=True)
+class Wall:
+    """One straight wall of a room; the interior lies at `normal`."""
+
+    start: tuple[float, float]  # (x, z) [m], on the centre-line
+    end: tuple[float, float]
+
+    @cached_property
+    def axis(self) -> int:
+        """0 along x, 1 along z."""
+        return int(self.start[0] == self.end[0])
+
+    @cached_property
+    def line(self) -> float:
+        """Coordinate across the wall [m]."""
+        return self.start[1 - self.axis]
+
+    @cached_property
+    def span(self) -> tuple[float, float]:
+        """Lower and upper coordinate along the wall [m]."""
+        low, high = sorted((self.start[self.axis], self.end[self.axis]))
+        return low, high
+
+    @cached_property
+    def length(self) -> float:
+        """[m]."""
+        return self.span[1] - self.span[0]
+
+    @cached_property
+    def direction(self) -> Float[np.ndarray, " 2"]:
+        """Unit vector from start to end."""
+        return np.sign(np.subtract(self.end, self.start))
+
+    @cached_property
+    def normal(self) -> Float[np.ndarray, " 2"]:
+        """Unit vector into the room: direction x up."""
+        return np.array([-self.direction[1], self.direction[0]])
+
+    def point(self, along: float, off: float = 0.0) -> tuple[float, float]:
+        """(x, z) of a coordinate along the wall, `off` metres into the room."""
+        at = np.empty(2)
+        at[self.axis], at[1 - self.axis] = along, self.line
+        x, z = np.round(at + off * self.normal, 6).tolist()
+        return x, z
+
+
+@dataclass(frozen=True)
+class RoomPlan:
+    """A room as one rectangle, or two that form an L."""
+
+    type: str
+    rects: tuple[Rect, ...]
+
+    @cached_property
+    def polygon(self) -> Float[np.ndarray, "n 2"]:
+        """Centre-lines of the walls as corners (x, z), clockwise seen from above with x right and z down."""
+        return outline(self.rects)
+
+    @cached_property
+    def walls(self) -> tuple[Wall, ...]:
+        """One per side of the polygon."""
+        corners = [(float(x), float(z)) for x, z in self.polygon]
+        return tuple(Wall(a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True))
+
+    @property
+    def area(self) -> float:
+        """[m^2]."""
+        return sum(width * depth for width, depth in (rect.sides for rect in self.rects))
+
+
+def outline(rects: Sequence[Rect]) -> Float[np.ndarray, "n 2"]:
+    """Corners of a connected union of rectangles, clockwise seen from above with x right and z down."""
+    xs = np.unique([[r.x0, r.x1] for r in rects])
+    zs = np.unique([[r.z0, r.z1] for r in rects])
+    edges: set[tuple[tuple[int, int], tuple[int, int]]] = set()
+    for i, x in enumerate(xs[:-1]):
+        for j, z in enumerate(zs[:-1]):
+            if any(r.x0 <= x < r.x1 and r.z0 <= z < r.z1 for r in rects):
+                loop = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)]
+                edges |= set(zip(loop, loop[1:] + loop[:1], strict=True))
+    after = dict(edge for edge in edges if edge[::-1] not in edges)  # else the neighbouring cell has it too
+    corners = [min(after)]
+    while len(corners) < len(after):
+        corners.append(after[corners[-1]])
+    grid = np.array(corners)
+    turns = (grid != np.roll(grid, 1, 0)) != (np.roll(grid, -1, 0) != grid)
+    kept = grid[turns.any(-1)]
+    return np.stack([xs[kept[:, 0]], zs[kept[:, 1]]], -1)
+
+
+def shared_span(wall: Wall, other: Wall) -> tuple[float, float] | None:
+    """Where two walls of different rooms are one: their common span, or None."""
+    if wall.axis != other.axis or abs(wall.line - other.line) > TOUCH:
+        return None
+    low, high = max(wall.span[0], other.span[0]), min(wall.span[1], other.span[1])
+    return (low, high) if high - low > TOUCH else None
+
+
+def outer_spans(wall: Wall, others: Sequence[Wall]) -> list[tuple[float, float]]:
+    """The parts of a wall that no other room shares."""
+    shared = sorted(span for other in others if (span := shared_span(wall, other)))
+    spans, low = [], wall.span[0]
+    for start, end in [*shared, (wall.span[1], wall.span[1])]:
+        if start - low > TOUCH:
+            spans.append((low, start))
+        low = max(low, end)
+    return spans
