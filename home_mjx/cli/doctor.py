@@ -111,14 +111,14 @@ def _ffmpeg() -> Iterator[Finding]:
 
 
 def _caches() -> Iterator[Finding]:
-    from home_mjx.scene_compile.cache import cache_root
+    from home_mjx.scene_compile.cache import cache_folder
 
-    folder = cache_root()
+    folder = cache_folder()
     nearest = next(p for p in (folder, *folder.parents) if p.exists())
     if os.access(nearest, os.W_OK):
         yield Finding("house cache", OK, str(folder))
     else:
-        yield Finding("house cache", BROKEN, f"cannot write to {nearest}. Set HOME_MJX_CACHE_DIR to a folder of yours")
+        yield Finding("house cache", BROKEN, f"cannot write to {nearest}. Set HOME_MJX_CACHE to a folder of yours")
     programs = os.environ.get("JAX_COMPILATION_CACHE_DIR")
     advice = "none: set JAX_COMPILATION_CACHE_DIR to a folder, and later starts need not compile again"
     yield Finding("jax cache", OK if programs else NOTE, programs or advice)

@@ -1,6 +1,7 @@
 """Write pictures of a house as seen from a point: colours, depth and ids."""
 
 import argparse
+import functools
 import sys
 from pathlib import Path
 
@@ -25,6 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Writes one PNG per kind."""
+    import jax
     import jax.numpy as jnp
 
     from home_mjx.raycast_render import Camera, render
@@ -32,7 +34,8 @@ def run(args: argparse.Namespace) -> int:
     view = stand(args)
     camera = Camera(jnp.asarray(view.position), jnp.asarray(view.head_quat), jnp.float32(np.deg2rad(args.fovy)))
     width, height = args.size
-    images = render(view.bank, view.scene, camera, width=width, height=height, kinds=KINDS, depth_max=DEPTH_MAX)
+    look = jax.jit(functools.partial(render, width=width, height=height, kinds=KINDS, depth_max=DEPTH_MAX))
+    images = look(view.bank, view.scene, camera)
     args.out.mkdir(parents=True, exist_ok=True)
     for kind in KINDS:
         path = args.out / f"{kind}.png"

@@ -35,7 +35,9 @@ def add_viewpoint_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--at", type=float, nargs=2, metavar=("X", "Y"), help="where to stand [m] (default: where an agent would start)"
     )
-    parser.add_argument("--yaw", type=float, default=0.0, help="direction of view [degrees] from +x, left positive")
+    parser.add_argument(
+        "--yaw", type=float, help="direction of view [degrees] from +x (default: to the house's middle)"
+    )
 
 
 def stand(args: argparse.Namespace) -> Viewpoint:
@@ -50,5 +52,6 @@ def stand(args: argparse.Namespace) -> Viewpoint:
     feet = start if args.at is None else np.array([*args.at, start[2]], np.float32)
     house, nobody = jnp.zeros((), jnp.int32), (jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32))
     scene = make_scene(bank, house, bank.physics.body_pos[0], bank.physics.body_quat[0], *nobody)
-    quat = camera_quat(jnp.deg2rad(jnp.float32(args.yaw)), jnp.zeros((), jnp.float32))
+    yaw = np.arctan2(-feet[1], -feet[0]) if args.yaw is None else np.deg2rad(args.yaw)
+    quat = camera_quat(jnp.float32(yaw), jnp.zeros((), jnp.float32))
     return Viewpoint(bank, scene, feet + np.array([0, 0, EYE_HEIGHT], np.float32), np.asarray(quat))
