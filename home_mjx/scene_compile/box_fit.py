@@ -11,6 +11,7 @@ from home_mjx.scene_compile.boxes import BoxSet, box_of, box_set, no_boxes, yaw_
 
 CELLS = 16  # along the longest side of an object
 SMALLEST_CELL = 0.03  # [m]
+SPACING = 0.7  # of a cell, between samples, so that no cell that a face crosses is missed
 WASTE = 0.02  # of the object's bounding box: most empty volume that a merge may add while it is free to choose
 WELD = 1e-4  # [m]
 
@@ -27,19 +28,31 @@ def fit_boxes(triangles: Float[np.ndarray, "t 3 3"], yaw: float, most: int) -> B
         most: Number of boxes.
     """
     turn = yaw_matrix(yaw)
-    local = triangles @ turn
-    low, high = local.min(axis=(0, 1)), local.max(axis=(0, 1))
+    points = triangles @ turn
+    low, high = points.min(axis=(0, 1)), points.max(axis=(0, 1))
     cell = max((high - low).max() / CELLS, SMALLEST_CELL)
     counts = np.maximum(np.round((high - low) / cell), 1).astype(int)
-    size = (high - low) / counts
-    points = sample_surface(local, cell / 2)
-    index = np.clip(((points - low) / np.maximum(size, 1e-9)).astype(int), 0, counts - 1)
-    occupied = np.zeros(counts, bool)
-    occupied[tuple(index.T)] = True
+    size = np.maximum((high - low) / counts, 1e-9)
+    occupied, surface = _voxels(sample_surface(points, SPACING * cell), low, size, counts)
     boxes = merge_boxes(cover_cells(_fill(occupied)), most, WASTE * occupied.size)
-    edges = low + boxes * size
-    tight = np.array([_tighten(edge, points, size) for edge in edges])
+    tight = np.array([_tighten(box, low, size, surface) for box in boxes])
     return box_set(tight.mean(axis=1) @ turn.T, np.diff(tight, axis=1)[:, 0] / 2, yaw)
+
+
+def _voxels(
+    points: Float[np.ndarray, "p 3"], low: Float[np.ndarray, "3"], size: Float[np.ndarray, "3"], counts: np.ndarray
+) -> tuple[Bool[np.ndarray, "x y z"], Float[np.ndarray, "x y z 2 3"]]:
+    """Which cells hold points, and the bounds of those in each (inside out where there are none)."""
+    index = np.clip(((points - low) / size).astype(int), 0, counts - 1)
+    flat = np.ravel_multi_index(tuple(index.T), tuple(counts))
+    order = np.argsort(flat)
+    cells, first = np.unique(flat[order], return_index=True)
+    occupied = np.zeros(counts.prod(), bool)
+    occupied[cells] = True
+    inner = np.tile(np.array([[[np.inf], [-np.inf]]]), (counts.prod(), 1, 3))
+    inner[cells, 0] = np.minimum.reduceat(points[order], first)
+    inner[cells, 1] = np.maximum.reduceat(points[order], first)
+    return occupied.reshape(counts), inner.reshape(*counts, 2, 3)
 
 
 def _fill(occupied: Bool[np.ndarray, "x y z"]) -> Bool[np.ndarray, "x y z"]:
@@ -48,17 +61,18 @@ def _fill(occupied: Bool[np.ndarray, "x y z"]) -> Bool[np.ndarray, "x y z"]:
 
 
 def _tighten(
-    edge: Float[np.ndarray, "2 3"], points: Float[np.ndarray, "p 3"], size: Float[np.ndarray, "3"]
+    box: Int[np.ndarray, "2 3"],
+    low: Float[np.ndarray, "3"],
+    size: Float[np.ndarray, "3"],
+    surface: Float[np.ndarray, "x y z 2 3"],
 ) -> Float[np.ndarray, "2 3"]:
-    """Pulls the sides of a box in to the samples that lie in its outermost cells."""
-    inside = points[((points >= edge[0] - 1e-9) & (points <= edge[1] + 1e-9)).all(axis=1)]
-    if not len(inside):
-        return edge
-    low, high = inside.min(axis=0), inside.max(axis=0)
+    """Corners of a box of cells, its sides pulled in to the surface that lies in its outermost cells."""
+    inner, edge = surface[_block(box[0], box[1])], low + box * size
+    near, far = inner[..., 0, :].min(axis=(0, 1, 2)), inner[..., 1, :].max(axis=(0, 1, 2))
     # Deeper than one cell there is no surface because the box is full there.
-    low = np.where(low - edge[0] < size, low, edge[0])
-    high = np.where(edge[1] - high < size, high, edge[1])
-    return np.stack([low, high])
+    near = np.where(near - edge[0] < size, near, edge[0])
+    far = np.where(edge[1] - far < size, far, edge[1])
+    return np.stack([near, far])
 
 
 def sample_surface(triangles: Float[np.ndarray, "t 3 3"], spacing: float) -> Float[np.ndarray, "p 3"]:

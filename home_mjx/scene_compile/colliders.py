@@ -1,14 +1,15 @@
 """Static collision boxes of a house's ground floor: walls around their openings, doors, furniture."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Float
 
 from home_mjx.scene_compile.architecture import Architecture, Wall
 from home_mjx.scene_compile.box_fit import components, fit_boxes, narrowest_box
-from home_mjx.scene_compile.boxes import BoxSet, box_of, join, no_boxes
+from home_mjx.scene_compile.boxes import BoxSet, box_of, footprint, join, no_boxes, yaw_matrix
 from home_mjx.scene_compile.compiled import Rooms
 from home_mjx.scene_compile.mesh import bounds
 from home_mjx.scene_compile.objects import Placed
@@ -66,24 +67,48 @@ def object_colliders(item: Placed, floor: float, options: ColliderOptions) -> tu
         floor: Height of the ground floor [m].
         options: How many boxes, and how high.
     """
-    boxes, leaves = no_boxes(), []
-    if item.info.coarse in PORTALS:
-        boxes, leaves = door_boxes(item.triangles, item.yaw, floor + SILL, options.boxes_per_object)
-    elif item.info.coarse == "window":
+    boxes, leaves = no_boxes(), ()
+    if item.info.coarse == "window":
         boxes = item.box
     elif item.info.coarse not in SOFT and bounds(item.triangles)[0, 2] < floor + options.height:
-        boxes = fit_boxes(item.triangles, item.yaw, options.boxes_per_object)
+        sill = floor + SILL - item.pose[2, 3] if item.info.coarse in PORTALS else None
+        boxes, leaves = _fit_shape(_shape(item), sill, options.boxes_per_object)
+        boxes, leaves = _place(boxes, item), [_place(leaf, item) for leaf in leaves]
     return keep_reachable(boxes, floor, options), [keep_reachable(leaf, floor, options) for leaf in leaves]
 
 
-def door_boxes(
-    triangles: Float[np.ndarray, "t 3 3"], yaw: float, sill: float, most: int
-) -> tuple[BoxSet, list[BoxSet]]:
+@dataclass(frozen=True)
+class _Shape:
+    """A model as it stands in a house, but not where: equal shapes have equal boxes."""
+
+    key: str
+    linear: bytes
+    triangles: Float[np.ndarray, "t 3 3"] = field(compare=False)  # [m], around the origin, turned to yaw 0
+
+
+def _shape(item: Placed) -> _Shape:
+    local = (item.triangles - item.pose[:, 3]) @ yaw_matrix(item.yaw)
+    linear = yaw_matrix(-item.yaw) @ item.pose[:, :3]
+    return _Shape(item.model.key, np.round(linear, 6).tobytes(), local)
+
+
+@lru_cache(maxsize=1 << 12)
+def _fit_shape(shape: _Shape, sill: float | None, most: int) -> tuple[BoxSet, tuple[BoxSet, ...]]:
+    """Boxes of a shape and of its open leaves; `sill` is None for what is no door."""
+    if sill is None:
+        return fit_boxes(shape.triangles, 0.0, most), ()
+    return door_boxes(shape.triangles, sill, most)
+
+
+def _place(boxes: BoxSet, item: Placed) -> BoxSet:
+    return BoxSet(boxes.center @ yaw_matrix(item.yaw).T + item.pose[:, 3], boxes.half, boxes.yaw + item.yaw)
+
+
+def door_boxes(triangles: Float[np.ndarray, "t 3 3"], sill: float, most: int) -> tuple[BoxSet, tuple[BoxSet, ...]]:
     """Frame and open leaves of a door; a leaf gets a box along itself, so that the way stays as free as it looks.
 
     Args:
-        triangles: The door [m].
-        yaw: Direction of the wall [rad].
+        triangles: The door, its wall along x [m].
         sill: What ends lower is left out [m].
         most: Number of boxes for the frame.
     """
@@ -93,15 +118,15 @@ def door_boxes(
         piece = triangles[(part == number) & (triangles[..., 2].max(axis=1) > sill)]
         if len(piece) and np.ptp(piece.reshape(-1, 3), axis=0).max() > FITTING:
             box = narrowest_box(piece.reshape(-1, 3))
-            if _is_open_leaf(box, yaw):
+            if _is_open_leaf(box):
                 leaves.append(box)
             else:
                 frame.append(piece)
-    return fit_boxes(np.concatenate(frame), yaw, most) if frame else no_boxes(), leaves
+    return fit_boxes(np.concatenate(frame), 0.0, most) if frame else no_boxes(), tuple(leaves)
 
 
-def _is_open_leaf(box: BoxSet, yaw: float) -> bool:
-    turn = (box.yaw[0] - yaw + np.pi / 4) % (np.pi / 2) - np.pi / 4
+def _is_open_leaf(box: BoxSet) -> bool:
+    turn = (box.yaw[0] + np.pi / 4) % (np.pi / 2) - np.pi / 4
     return bool(box.half[0, 2] * 2 > LEAF_HEIGHT and abs(turn) > LEAF_TURN)
 
 
@@ -142,3 +167,20 @@ def passable_leaves(leaves: Sequence[BoxSet], free_area: Callable[[BoxSet], floa
         if without > area + gain + 4 * float(leaf.half[0, 0] * leaf.half[0, 1]):
             return passable_leaves(others, free_area, gain)
     return list(leaves)
+
+
+def without_hidden(boxes: BoxSet) -> BoxSet:
+    """Boxes without those that nothing on the floor can touch before it touches another one.
+
+    A box is such if its footprint lies in that of another which begins no higher: what reaches up to the first one
+    from the floor meets the second one on the way, as a vase on a table is behind the table's edge.
+    """
+    kept = np.ones(len(boxes), bool)
+    corners = np.array([footprint(boxes, i) for i in range(len(boxes))]).reshape(-1, 4, 2)
+    for i in range(len(boxes)):
+        local = (corners - boxes.center[i, :2]) @ yaw_matrix(boxes.yaw[i])[:2, :2]
+        inside = (abs(local) <= boxes.half[i, :2] + 1e-6).all(axis=(1, 2)) & (boxes.bottom >= boxes.bottom[i] - 1e-6)
+        inside[i] = False
+        if kept[i]:
+            kept &= ~inside
+    return boxes[kept]

@@ -16,6 +16,7 @@ from home_mjx.scene_compile.colliders import (
     passable_leaves,
     passages,
     wall_colliders,
+    without_hidden,
 )
 from home_mjx.scene_compile.compiled import CompiledHouse, Instances, Model, Rooms
 from home_mjx.scene_compile.house import House, Metadata
@@ -114,7 +115,7 @@ def _make_solid(shell: Architecture, rooms: Rooms, objects: Sequence[Placed], op
 
     kept = passable_leaves(leaves, lambda boxes: space(boxes).free.sum() * options.navigation.cell**2)
     counts = {"movable_but_stuck": stuck, "leaves_not_solid": len(leaves) - len(kept)}
-    return _Solid(join([static, *kept]), movable, space(join(kept)), counts)
+    return _Solid(without_hidden(join([static, *kept])), movable, space(join(kept)), counts)
 
 
 def _instances(shell: Architecture, objects: Sequence[Placed], rows: SurfaceRows, slot: Mapping[int, int]) -> Instances:
