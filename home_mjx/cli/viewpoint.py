@@ -35,9 +35,7 @@ def add_viewpoint_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--at", type=float, nargs=2, metavar=("X", "Y"), help="where to stand [m] (default: where an agent would start)"
     )
-    parser.add_argument(
-        "--yaw", type=float, help="direction of view [degrees] from +x (default: to the house's middle)"
-    )
+    parser.add_argument("--yaw", type=float, help="direction of view [degrees] from +x (default: to the middle)")
 
 
 def stand(args: argparse.Namespace) -> Viewpoint:

@@ -1,6 +1,7 @@
 """The whole environment step."""
 
 from collections.abc import Callable
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -20,7 +21,7 @@ def depth(settings: Settings) -> Record:
     return _steps(settings, "env/depth", sensors=("depth",))
 
 
-def _steps(settings: Settings, case: str, **options: object) -> Record:
+def _steps(settings: Settings, case: str, **options: Any) -> Record:
     env = make("PointNav-v0", settings.bank, episode_length=10**6, **options)
     keys = jax.random.key_data(jax.random.split(jax.random.key(0), settings.num_envs))
     states = jax.jit(jax.vmap(env.reset_in, (None, 0)))(env.bank, keys)
