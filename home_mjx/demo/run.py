@@ -77,7 +77,7 @@ def run_demo(options: DemoOptions) -> dict[str, Any]:
     steps.set_postfix_str("compiling the step (once)")
     steps.update()
     programs, seconds = _compile(env, options)
-    states = place(env, programs["reset"], options)
+    states = place(env, programs["begin"], options)
     steps.update()
     steps.set_description("walking")
     steps.set_postfix_str("")
@@ -111,21 +111,24 @@ def run_demo(options: DemoOptions) -> dict[str, Any]:
 
 
 def _compile(env: HouseholdEnv, options: DemoOptions) -> tuple[dict[str, Any], dict[str, float]]:
-    """The batched reset and step as compiled programs, and how long that took."""
+    """The batched start and step as compiled programs, and how long that took.
+
+    The walk starts from `begin`, which has no observation: the step does not read it, and rendering is compiled once.
+    """
     keys = jnp.zeros((options.num_envs, 2), jnp.uint32)
     houses = jnp.zeros(options.num_envs, jnp.int32)
     actions = jnp.zeros((options.num_envs, env.action_size), jnp.float32)
-    reset, reset_seconds = timing.compiled(jax.vmap(env.reset_in, (None, 0, 0)), env.bank, keys, houses)
-    states = reset(env.bank, keys, houses)
+    begin, begin_seconds = timing.compiled(jax.vmap(env.begin, (None, 0, 0)), env.bank, keys, houses)
+    states = begin(env.bank, keys, houses)
     step, step_seconds = timing.compiled(jax.vmap(env.step_in, (None, 0, 0)), env.bank, states, actions)
-    return {"reset": reset, "step": step}, {"reset": reset_seconds, "step with all sensors": step_seconds}
+    return {"begin": begin, "step": step}, {"begin": begin_seconds, "step with all sensors": step_seconds}
 
 
-def place(env: HouseholdEnv, reset: Any, options: DemoOptions) -> State:
+def place(env: HouseholdEnv, begin: Any, options: DemoOptions) -> State:
     """Environments spread over the houses, the radio in a room of each."""
     keys = jax.random.key_data(jax.random.split(jax.random.key(options.seed), options.num_envs))
     houses = jnp.arange(options.num_envs, dtype=jnp.int32) % env.bank.num_houses
-    states = reset(env.bank, keys, houses)
+    states = begin(env.bank, keys, houses)
     world = states.info["world"]
     # All environments of a house hear the same radio, at the house's first goal.
     radio = env.bank.navigation.goal[houses, 0].at[:, 2].add(env.config.source_height)
@@ -136,25 +139,26 @@ def walk_through(
     env: HouseholdEnv, step: Any, states: State, options: DemoOptions, progress: tqdm
 ) -> tuple[State, Walk]:
     """Walks all environments and keeps what the drawn ones observed."""
-    walkers = make_walkers(env, states)
+    pose = jax.jit(jax.vmap(env.pose, (None, 0)))
+    place = pose(env.bank, states)
+    walkers = make_walkers(env, states, np.asarray(place.pos[:, 0]))
     walk = Walk(sources=np.asarray(states.info["world"].source[: options.num_views]))
     for _ in range(options.num_steps):
-        own = np.asarray(states.obs["state"])
-        yaw = np.arctan2(own[:, 4], own[:, 3])
-        actions = np.stack([w.action(own[i, :3], yaw[i]) for i, w in enumerate(walkers)])
-        states = step(env.bank, states, jnp.asarray(actions))
+        pos, yaw = np.asarray(place.pos[:, 0]), np.asarray(place.yaw[:, 0])
+        actions = np.stack([w.action(pos[i], float(yaw[i])) for i, w in enumerate(walkers)])
+        states = step(env.bank, states.replace(obs={}), jnp.asarray(actions))
+        place = pose(env.bank, states)
         walk.obs.append({k: np.asarray(v[: options.num_views]) for k, v in states.obs.items()})
-        walk.positions.append(own[: options.num_views, :3])
+        walk.positions.append(np.asarray(place.pos[: options.num_views, 0]))
         progress.update()
-    return states, walk
+    return states.replace(obs={}), walk
 
 
-def make_walkers(env: HouseholdEnv, states: State) -> list[Walker]:
+def make_walkers(env: HouseholdEnv, states: State, pos: np.ndarray) -> list[Walker]:
     """A walker per environment."""
     houses = np.asarray(states.info["world"].house)
-    own = np.asarray(states.obs["state"])
     turn = env.config.physics.turn_rate * env.dt
-    return [make_walker(env.bank, int(h), own[i, :3], turn) for i, h in enumerate(houses)]
+    return [make_walker(env.bank, int(h), pos[i], turn) for i, h in enumerate(houses)]
 
 
 def measure(env: HouseholdEnv, step: Any, states: State) -> tuple[dict[str, float], dict[str, float]]:

@@ -12,10 +12,12 @@ from home_mjx.raycast_render import cast
 from home_mjx.raycast_render.shading import albedo, encode
 from home_mjx.raycast_render.types import Scene
 from home_mjx.scene_compile.bank import HouseBank
+from home_mjx.scene_compile.compiled import ARCHITECTURE
 from home_mjx.tasks import HouseholdEnv, State
 
 CUT = 2.2  # [m] above the floor: above furniture and doors, below lintels' tops and ceilings
 MARGIN = 0.4  # [m] around the walls
+WALL = 0.02  # linear grey of cut walls
 PATH, HERE, RADIO = (40, 90, 255), (20, 200, 90), (235, 40, 40)
 
 
@@ -73,4 +75,8 @@ def _from_above(bank: HouseBank, scene: Scene, origin: Float[Array, "h w 3"]) ->
     hit = cast(scene, origin, down)
     # What lies lower is darker, so that furniture stands out from the floor.
     light = 1 - 0.5 * jnp.clip(hit.t / CUT, 0, 1)
-    return encode(albedo(bank, scene, hit) * light[..., None])
+    color = albedo(bank, scene, hit) * light[..., None]
+    # A ray that begins inside a wall, which is a closed solid, meets the back of the wall's top when it looks up.
+    above = cast(scene, origin, -down)
+    in_wall = (above.instance == ARCHITECTURE) & ~above.front
+    return encode(jnp.where(in_wall[..., None], jnp.float32(WALL), color))
