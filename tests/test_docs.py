@@ -11,7 +11,7 @@ import pytest
 import home_mjx
 
 ROOT = Path(__file__).resolve().parent.parent
-MODULES = sorted(
+MODULES = sorted(module.name for module in pkgutil.walk_packages(home_mjx.__path__, "home_mjx."))
     m.name for m in pkgutil.walk_packages(home_mjx.__path__, "home_mjx.") if not m.name.endswith("__main__")
 )
 

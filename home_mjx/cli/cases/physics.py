@@ -40,12 +40,13 @@ def _mujoco(settings: Settings, config: physics.PhysicsConfig) -> float:
     from home_mjx.scene_compile.mjcf import export_mjcf
 
     with TemporaryDirectory() as folder:
-        model = mujoco.MjModel.from_xml_path(str(export_mjcf(settings.first_house, Path(folder))))
+        path = str(export_mjcf(settings.first_house, Path(folder)))
+        model = mujoco.MjModel.from_xml_path(path)  # pyright: ignore[reportAttributeAccessIssue]
     model.opt.timestep = config.sim_dt
-    data = mujoco.MjData(model)
+    data = mujoco.MjData(model)  # pyright: ignore[reportAttributeAccessIssue]
     start, count = time.perf_counter(), 0
     while time.perf_counter() - start < settings.seconds:
-        mujoco.mj_step(model, data, config.substeps)
+        mujoco.mj_step(model, data, config.substeps)  # pyright: ignore[reportAttributeAccessIssue]
         count += 1
     return count / (time.perf_counter() - start)
 
