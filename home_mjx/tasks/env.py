@@ -139,7 +139,7 @@ class HouseholdEnv:
         world_new = world.replace(
             pitch=jnp.clip(world.pitch + look, -limit, limit),
             distance=distance,
-            phase=world.phase + jnp.int32(self.config.audio.frame),
+            phase=sensors.next_phase(self.config, world.phase),
             step=world.step + 1,
         )
         contact = physics.agent_contact(template, data)

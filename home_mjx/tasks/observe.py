@@ -12,7 +12,8 @@ For one environment with A agents every value has a leading agent axis:
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.audio_jax import clip_samples, impulse_response, sound_frame
 from home_mjx.raycast_render import Camera, render
@@ -70,7 +71,9 @@ def hear(config: EnvConfig, bank: HouseBank, scene: Scene, pose: AgentPose, worl
     own = agent_ids(bank, config.physics.num_agents)
 
     def one(ears: Array, quat: Array, key: Array, own: Array) -> Array:
-        return impulse_response(bank, scene, world.source, ears, quat, key, config.audio, exclude=own)
+        return impulse_response(
+            bank, scene, world.source, ears, quat, key, config.audio, exclude=own, executor=config.executor
+        )
 
     heads = jax.vmap(camera_quat)(pose.yaw, jnp.zeros_like(pose.pitch))
     return jax.vmap(one)(eye_position(config, pose), heads, keys, own)
@@ -80,8 +83,17 @@ def observe_sound(
     config: EnvConfig, world: World, old: Float[Array, "a 2 l"], new: Float[Array, "a 2 l"]
 ) -> Float[Array, "a 2 n"]:
     """One frame of stereo sound per agent, fading from the old response to the new one."""
-    clip = jnp.asarray(clip_samples(config.clip, config.audio))
+    clip = jnp.asarray(_clip(config))
     return jax.vmap(lambda a, b: sound_frame(clip, world.phase, a, b, config.audio))(old, new)
+
+
+def next_phase(config: EnvConfig, phase: Int[Array, ""]) -> Int[Array, ""]:
+    """Position in the clip one frame later."""
+    return (phase + config.audio.frame) % len(_clip(config))
+
+
+def _clip(config: EnvConfig) -> Float[np.ndarray, " n"]:
+    return clip_samples(config.clip, config.audio)
 
 
 def observe_state(pose: AgentPose, velocity: Float[Array, "a 3"], contact: Bool[Array, " a"]) -> Float[Array, "a 10"]:
