@@ -4,7 +4,7 @@ import dataclasses
 from dataclasses import dataclass, field
 from typing import Any
 
-from home_mjx.audio_jax import AudioConfig
+from home_mjx.audio_jax import CLIPS, AudioConfig
 from home_mjx.errors import ConfigError, check_known
 from home_mjx.physics import PhysicsConfig
 
@@ -53,6 +53,7 @@ class EnvConfig:
 
     def __post_init__(self) -> None:
         check_known("sensor", self.sensors, SENSORS)
+        check_known("clip", [self.clip], CLIPS)
         for name in ("width", "height", "episode_length"):
             if getattr(self, name) < 1:
                 raise ConfigError(f"`{name}` must be at least 1, got {getattr(self, name)}")
