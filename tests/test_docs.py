@@ -12,8 +12,6 @@ import home_mjx
 
 ROOT = Path(__file__).resolve().parent.parent
 MODULES = sorted(module.name for module in pkgutil.walk_packages(home_mjx.__path__, "home_mjx."))
-    m.name for m in pkgutil.walk_packages(home_mjx.__path__, "home_mjx.") if not m.name.endswith("__main__")
-)
 
 
 @pytest.mark.parametrize("name", MODULES)
