@@ -53,13 +53,15 @@ class Placed:
     @cached_property
     def parts(self) -> Boxes:
         """Boxes of the model's solids in the scene [m]; exact, since turns are by quarters."""
-        corners = self.model.parts @ self.linear.T + np.asarray(self.position)
-        return np.sort(corners, axis=1)
+        return self._moved(self.model.parts)
 
     @cached_property
     def box(self) -> Box:
         """Bounding box in the scene [m]."""
-        return np.stack([self.parts[:, 0].min(0), self.parts[:, 1].max(0)])
+        return self._moved(self.model.box)
+
+    def _moved(self, boxes: Float[np.ndarray, "*n 2 3"]) -> Float[np.ndarray, "*n 2 3"]:
+        return np.sort(boxes @ self.linear.T + self.position, axis=-2)
 
 
 def quarter_towards(x: float, z: float) -> int:

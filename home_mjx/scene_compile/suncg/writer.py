@@ -33,7 +33,8 @@ def write_house(root: Path, house: House) -> None:
 
     Args:
         root: Dataset root; its library must hold the models and textures that the house names.
-        house: What to write. `models` must hold the base model of every object.
+        house: What to write. For an object in another state, `models` should hold the base model too; without it
+            the box that the object came with is kept.
 
     Raises:
         DatasetError: The folders cannot be written.
@@ -165,7 +166,9 @@ def _entry(node: Node, bbox: dict[str, Any]) -> dict[str, Any]:
 def _bounds(node: Object | Box | Ground, house: House) -> Bounds:
     match node:
         case Object():
-            points = house.models[node.model_id].vertices
+            if node.model_id not in house.models and node.bbox is not None:
+                return node.bbox
+            points = house.models.get(node.model_id, house.models[node.model_key]).vertices
         case Box():
             points = _BOX_CORNERS * node.dimensions
         case Ground():

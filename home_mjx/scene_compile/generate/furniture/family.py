@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -34,12 +35,12 @@ class Furniture:
     lights: tuple[Light, ...] = ()
     closed: Mesh | None = None  # the `_0` variant of a door, whose own mesh stands open
 
-    @property
+    @cached_property
     def box(self) -> Float[np.ndarray, "2 3"]:
         """Corners of the bounding box [m]."""
         return np.stack([self.parts[:, 0].min(0), self.parts[:, 1].max(0)])
 
-    @property
+    @cached_property
     def size(self) -> Float[np.ndarray, " 3"]:
         """Extents along x, y, z [m]."""
         return self.box[1] - self.box[0]
