@@ -93,13 +93,12 @@ def _devices() -> Iterator[Finding]:
 
 def _executors() -> Iterator[Finding]:
     """Which ways of casting rays run here."""
-    from home_mjx.raycast_render.cpu import cpu_available
+    from home_mjx.raycast_render.cpu import cpu_problem
 
     yield Finding("executor xla", OK, "the reference, runs everywhere")
-    if cpu_available():
-        yield Finding("executor cpu", OK, "compiled by Numba")
-    else:
-        yield Finding("executor cpu", NOTE, "does not run here; `xla` is used instead, which is slower on a CPU")
+    problem = cpu_problem()
+    detail = f"does not work: {problem}; `xla` takes its place, slower on a CPU" if problem else "compiled by Numba"
+    yield Finding("executor cpu", NOTE if problem else OK, detail)
 
 
 def _ffmpeg() -> Iterator[Finding]:

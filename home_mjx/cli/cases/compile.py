@@ -20,7 +20,7 @@ def houses(settings: Settings) -> Record:
     for house in loaded:
         compile_house(house, dataset.metadata)
     rate = len(loaded) / (time.perf_counter() - start)
-    return make_record("compile/houses", rate, "houses/s", f"{len(loaded)} {settings.kind} houses, nothing cached")
+    return make_record("compile/houses", rate, "houses/s", f"{settings.describe(len(loaded))}, nothing cached")
 
 
 def bank(settings: Settings) -> Record:
@@ -32,7 +32,7 @@ def bank(settings: Settings) -> Record:
     made = jax.block_until_ready(HouseBank.from_dataset(settings.root, limit=settings.num_houses))
     seconds = time.perf_counter() - start
     size = sum(leaf.nbytes for leaf in jax.tree.leaves(made)) / 2**20
-    note = f"{made.num_houses} {settings.kind} houses from the cache, {size:.0f} MiB"
+    note = f"{settings.describe(made.num_houses)} from the cache, {size:.0f} MiB"
     return make_record("compile/bank", seconds, "s", note)
 
 

@@ -16,7 +16,7 @@ def houses(settings: Settings) -> Record:
     loaded = [dataset.load_house(house_id) for house_id in ids]
     seconds = (time.perf_counter() - start) / len(ids)
     meshes = {mesh.path: len(mesh.faces) for house in loaded for mesh in house.models.values()}
-    note = f"{len(ids)} {settings.kind} houses, {sum(meshes.values()):,} triangles in {len(meshes)} models"
+    note = f"{settings.describe(len(ids))}, {sum(meshes.values()):,} triangles in {len(meshes)} models"
     return make_record("load/houses", 1 / seconds, "houses/s", note)
 
 

@@ -96,12 +96,11 @@ class Settings:
         dataset = open_dataset(self.root)
         return compile_house(dataset.load_house(dataset.house_ids[0]), dataset.metadata)
 
-    @property
-    def kind(self) -> str:
-        """Where the houses come from."""
-        return "SUNCG" if self.suncg else "generated"
+    def describe(self, num_houses: int) -> str:
+        """So many houses, in words."""
+        return f"{num_houses} {f'houses of {self.suncg.name}' if self.suncg else 'generated houses'}"
 
     @property
     def houses(self) -> str:
-        """The houses in words."""
-        return f"{self.bank.num_houses} {self.kind} houses"
+        """The bank's houses in words."""
+        return self.describe(self.bank.num_houses)
