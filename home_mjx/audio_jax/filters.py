@@ -35,6 +35,6 @@ def octave_gains(frequency: Float[np.ndarray, " f"]) -> Float[np.ndarray, "7 f"]
 
 
 def high_pass(frequency: Float[np.ndarray, " f"]) -> Float[np.ndarray, " f"]:
-    """Amplitude of a zero-phase high-pass of second order: no loudspeaker or ear passes the sum of pulses at 0 Hz."""
+    """Amplitude of a zero-phase high-pass of second order, for noise, whose first band would reach down to 0 Hz."""
     square = frequency**2
     return square / (square + (np.sqrt(2) - 1) * HIGH_PASS**2)

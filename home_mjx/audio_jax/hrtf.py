@@ -15,6 +15,7 @@ from jaxtyping import Array, Complex, Float
 from scipy.special import eval_legendre, spherical_jn, spherical_yn
 
 from home_mjx.audio_jax.filters import octave_gains
+from home_mjx.raycast_render.transforms import quat_matrix
 
 NUM_ANGLES = 181  # every degree
 
@@ -81,16 +82,14 @@ def ear_table(taps: int, sample_rate: int, radius: float, speed: float) -> EarTa
 
 def to_head(direction: Float[Array, "n 3"], quat: Float[Array, "4"]) -> Float[Array, "n 3"]:
     """World directions in the frame of a head whose orientation is `quat` (wxyz)."""
-    w, axis = quat[0], -quat[1:]  # the inverse turn
-    twice = 2 * jnp.cross(jnp.broadcast_to(axis, direction.shape), direction)
-    return direction + w * twice + jnp.cross(jnp.broadcast_to(axis, direction.shape), twice)
+    return jnp.matmul(direction, quat_matrix(quat), precision="highest")  # the transpose turns back
 
 
 def ear_angles(direction: Float[Array, "n 3"], ear_angle: float) -> Float[Array, "n 2"]:
     """Angle between each direction in the head frame and the axis of the left and right ear [rad]."""
     side, back = math.sin(math.radians(ear_angle)), -math.cos(math.radians(ear_angle))
     ears = jnp.array([[-side, 0.0, back], [side, 0.0, back]], jnp.float32)
-    return jnp.arccos(jnp.clip(direction @ ears.T, -1.0, 1.0))
+    return jnp.arccos(jnp.clip(jnp.matmul(direction, ears.T, precision="highest"), -1.0, 1.0))
 
 
 def ear_spectrum(table: EarTable, angle: Float[Array, "*n"]) -> tuple[Complex[Array, "*n f"], Float[Array, "*n"]]:
