@@ -17,7 +17,6 @@ os.environ.setdefault("JAX_PLATFORMS", "cpu")
 os.environ.setdefault("JAX_NUM_CPU_DEVICES", "2")
 os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", CACHE)
 os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.5")
-os.environ.setdefault("HOME_MJX_CACHE", str(Path(tempfile.gettempdir()) / "home_mjx_test_houses"))
 os.environ.setdefault("MPLBACKEND", "agg")
 os.environ.setdefault("HOME_MJX_CACHE", str(Path(tempfile.gettempdir()) / "home_mjx_house_cache"))
 
