@@ -1,12 +1,15 @@
 """The ways to cast rays, all with one signature over the same arrays, and the choice among them."""
 
+import functools
 from collections.abc import Callable
 
+import jax
 from jaxtyping import Array, Int
 
 from home_mjx.errors import ExecutorError, check_known
-from home_mjx.raycast_render.types import Moving, Rays
-from home_mjx.raycast_render.xla import RawHit, cast_xla
+from home_mjx.raycast_render.cpu import cast_cpu, cpu_available, refuse_forked
+from home_mjx.raycast_render.types import Moving, RawHit, Rays
+from home_mjx.raycast_render.xla import cast_xla
 from home_mjx.scene_compile.bank import Geometry
 
 Executor = Callable[[Geometry, Array, Moving, Rays, bool], RawHit]
@@ -16,12 +19,26 @@ Ray [e, r] belongs to environment e. With `any_hit` a ray may stop at the first 
 """
 
 
+def cast_auto(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, any_hit: bool) -> RawHit:
+    """The best executor of the platform that the program is lowered for."""
+    if not cpu_available():
+        return cast_xla(geometry, house, moving, rays, any_hit)
+    return jax.lax.platform_dependent(
+        geometry,
+        house,
+        moving,
+        rays,
+        cpu=functools.partial(cast_cpu, any_hit=any_hit),
+        default=functools.partial(cast_xla, any_hit=any_hit),
+    )
+
+
 def cast_cuda(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, any_hit: bool) -> RawHit:
     """Not there yet."""
     raise ExecutorError("the `cuda` executor is not there yet", hint="Use executor=None, which runs `xla` on GPUs.")
 
 
-EXECUTORS: dict[str | None, Executor] = {None: cast_xla, "xla": cast_xla, "cuda": cast_cuda}
+EXECUTORS: dict[str | None, Executor] = {None: cast_auto, "xla": cast_xla, "cpu": cast_cpu, "cuda": cast_cuda}
 
 
 def find_executor(name: str | None) -> Executor:
@@ -29,6 +46,8 @@ def find_executor(name: str | None) -> Executor:
 
     Raises:
         ConfigError: There is no such executor.
+        ExecutorError: This process was forked off one in which JAX was running.
     """
     check_known("executor", [] if name is None else [name], [n for n in EXECUTORS if n])
+    refuse_forked()
     return EXECUTORS[name]

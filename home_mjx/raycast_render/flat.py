@@ -6,12 +6,11 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-from jax.custom_batching import custom_vmap, sequential_vmap
+from jax.custom_batching import custom_vmap
 from jaxtyping import Array
 
-from home_mjx.raycast_render.executors import find_executor
-from home_mjx.raycast_render.types import Moving, Rays
-from home_mjx.raycast_render.xla import RawHit
+from home_mjx.raycast_render.executors import Executor, find_executor
+from home_mjx.raycast_render.types import Moving, RawHit, Rays
 from home_mjx.scene_compile.bank import Geometry
 
 Flat = Callable[[Geometry, Array, Moving, Rays], RawHit]
@@ -29,20 +28,25 @@ def flat_cast(executor: str | None, any_hit: bool) -> Flat:
     @cast.def_vmap
     def fold(size: int, batched: Any, geometry: Geometry, house: Array, moving: Moving, rays: Rays) -> Any:
         geometry_batched, house_batched, moving_batched, rays_batched = batched
-        rays = _broadcast(size, rays, rays_batched)
         if _any(geometry_batched):
-            each = sequential_vmap(lambda *args: run(*args, any_hit))
-            args = geometry, house, moving, rays
-            axes = jax.tree.map(lambda b: 0 if b else None, (*batched[:3], jax.tree.map(lambda _: True, rays_batched)))
-            return jax.vmap(each, axes)(*args), (True,) * 6
-        if _any((house_batched, moving_batched)):
-            house, moving = _broadcast(size, (house, moving), (house_batched, moving_batched))
-            hits = cast(geometry, *jax.tree.map(_merge, (house, moving, rays)))
-            return jax.tree.map(lambda x: x.reshape(size, -1, *x.shape[1:]), hits), (True,) * 6
-        hits = cast(geometry, house, moving, jax.tree.map(lambda x: _merge(jnp.swapaxes(x, 0, 1), 1), rays))
-        return jax.tree.map(lambda x: jnp.swapaxes(x.reshape(x.shape[0], size, -1), 0, 1), hits), (True,) * 6
+            hits = _one_by_one(run, any_hit, size, batched, (geometry, house, moving, rays))
+        elif _any((house_batched, moving_batched)):
+            places = _broadcast(size, (house, moving, rays), (house_batched, moving_batched, rays_batched))
+            hits = cast(geometry, *jax.tree.map(_merge, places))
+            hits = jax.tree.map(lambda x: x.reshape(size, -1, *x.shape[1:]), hits)
+        else:
+            rays = _broadcast(size, rays, rays_batched)
+            hits = cast(geometry, house, moving, jax.tree.map(lambda x: _merge(jnp.swapaxes(x, 0, 1), 1), rays))
+            hits = jax.tree.map(lambda x: jnp.swapaxes(x.reshape(x.shape[0], size, -1), 0, 1), hits)
+        return hits, jax.tree.map(lambda _: True, hits)
 
     return cast
+
+
+def _one_by_one(run: Executor, any_hit: bool, size: int, batched: Any, args: Any) -> RawHit:
+    """Geometries of their own cannot share a cast."""
+    args = _broadcast(size, args, batched)
+    return jax.lax.map(lambda one: run(*one, any_hit), args)
 
 
 def _any(batched: Any) -> bool:

@@ -43,7 +43,7 @@ def _attach(pose: Array, origin: Array, direction: Array, corners: Array, valid:
 @_attach.defjvp
 def _attach_jvp(primals: tuple, tangents: tuple) -> tuple[Coordinates, Coordinates]:
     """Differentiates origin + t direction = corner_0 + u edge_1 + v edge_2, whose solution the hit is."""
-    pose, origin, direction, corners, valid, _ = primals
+    pose, _, direction, corners, valid, _ = primals
     d_pose, d_origin, d_direction, d_corners, _, _ = tangents
     t, u, v = _attach(*primals)
     world = _linear(pose, corners) + pose[:, None, :, 3]
@@ -57,8 +57,7 @@ def _attach_jvp(primals: tuple, tangents: tuple) -> tuple[Coordinates, Coordinat
     area = jnp.where(valid, _dot(normal, normal), 1)
     d_u = _dot(jnp.cross(slide, edge_2), normal) / area
     d_v = _dot(jnp.cross(edge_1, slide), normal) / area
-    zero = jnp.zeros_like(t)
-    return (t, u, v), tuple(jnp.where(valid, x, zero) for x in (d_t, d_u, d_v))
+    return (t, u, v), (jnp.where(valid, d_t, 0), jnp.where(valid, d_u, 0), jnp.where(valid, d_v, 0))
 
 
 def _linear(pose: Float[Array, "n 3 4"], corners: Float[Array, "n 3 3"]) -> Float[Array, "n 3 3"]:

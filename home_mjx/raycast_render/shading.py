@@ -49,7 +49,7 @@ def head_light(
 
 
 def encode(linear: Float[Array, "*rays 3"]) -> UInt8[Array, "*rays 3"]:
-    """sRGB bytes of linear light (IEC 61966-2-1), at a fixed exposure."""
+    """Bytes in sRGB (IEC 61966-2-1) of linear light, at a fixed exposure."""
     exposed = jnp.clip(linear * EXPOSURE, 0, 1)
     curve = 1.055 * jnp.power(jnp.maximum(exposed, 0.0031308), 1 / 2.4) - 0.055
     encoded = jnp.where(exposed <= 0.0031308, 12.92 * exposed, curve)

@@ -1,5 +1,7 @@
 """What `cast` takes and gives."""
 
+from typing import NamedTuple
+
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.scene_compile.bank import Geometry
@@ -36,6 +38,17 @@ class Rays(Pytree):
     t_max: Float[Array, "*rays"]  # no hit can be found where t_max < t_min
     exclude: Int[Array, "*rays"]  # object id (I + a for agent a) that the ray passes through; -1 none
     mask: Int[Array, "*rays"]  # `compiled.Ray` bits
+
+
+class RawHit(NamedTuple):
+    """What executors return, of shape (environments, rays per environment)."""
+
+    t: Array  # MISS on a miss
+    instance: Array
+    triangle: Array
+    u: Array
+    v: Array
+    front: Array
 
 
 class Hit(Pytree):

@@ -14,7 +14,7 @@ import jax.numpy as jnp
 from jax import lax
 from jaxtyping import Array, Bool, Float, Int
 
-from home_mjx.raycast_render.types import Moving, Rays
+from home_mjx.raycast_render.types import Moving, RawHit, Rays
 from home_mjx.scene_compile.bank import Geometry
 from home_mjx.scene_compile.bvh import EMPTY, MAX_DEPTH
 
@@ -23,9 +23,6 @@ LEAF = 4  # triangles tested at once
 CHUNK = 1 << 16  # rays in lock step: bounds the memory for stacks
 FAR_SLACK = 1 + 6e-7  # Ize's bound on the rounding of a slab distance
 TINY = 1e-20  # smallest direction component that is divided by
-
-RawHit = tuple[Array, Array, Array, Array, Array, Array]
-"""t (MISS on a miss), instance, triangle, u, v, front; all of shape (environments, rays)."""
 
 
 class _Best(NamedTuple):
@@ -75,14 +72,14 @@ def cast_xla(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: 
     # Padding rays end before they begin: t_min 1, t_max 0.
     chunks = jax.tree.map(split, rays).replace(t_min=split(rays.t_min, 1))
     hits = lax.map(lambda c: _cast_chunk(_World(geometry, house, moving, any_hit, *c)), (split(env), chunks))
-    return tuple(x.reshape(count * chunk)[:total].reshape(shape) for x in hits)
+    return RawHit(*(x.reshape(count * chunk)[:total].reshape(shape) for x in hits))
 
 
 def _cast_chunk(world: _World) -> RawHit:
     state = lax.while_loop(lambda s: jnp.any(s.size > 0), lambda s: _step(world, s), _start(world))
     best = state.best
     missed = best.instance < 0
-    return (jnp.where(missed, MISS, best.t), *best[1:])
+    return RawHit(jnp.where(missed, MISS, best.t), *best[1:])
 
 
 def _start(world: _World) -> _State:
@@ -238,7 +235,7 @@ def _test_triangles(world: _World, state: _State, first: Int[Array, " n"], count
 def _intersect(
     triangle: Float[Array, "n k 3 3"], origin: Float[Array, "n 3"], direction: Float[Array, "n 3"]
 ) -> tuple[Float[Array, "n k"], Float[Array, "n k"], Float[Array, "n k"], Bool[Array, "n k"]]:
-    """t (infinity for none), the weights of corners 1 and 2, and whether the front was met."""
+    """Intersects k triangles per ray: t (infinity for none), weights of corners 1 and 2, whether the front was met."""
     axis = jnp.argmax(jnp.abs(direction), axis=1)[:, None, None, None]
     ray = _along_z(direction[:, None, None, :], axis)
     corner = _along_z(triangle - origin[:, None, None, :], axis)
