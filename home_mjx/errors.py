@@ -5,6 +5,8 @@ from collections.abc import Iterable
 from pathlib import Path
 
 MAX_LISTED = 20  # names in a hint: a dataset may have 45,000 houses
+MAX_COMPARED = 100  # characters of a name
+MAX_CANDIDATES = 100_000
 
 
 class HomeMjxError(Exception):
@@ -75,7 +77,9 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
         'Did you mean `depth`? Known: depth, rgb'
     """
     known = sorted(known)
-    close = difflib.get_close_matches(name, known, n=1)
+    # names from a broken file may be megabytes long, and comparing takes the product of their lengths
+    short = [candidate for candidate in known if len(candidate) <= MAX_COMPARED]
+    close = difflib.get_close_matches(name[:MAX_COMPARED], short[:MAX_CANDIDATES], n=1)
     more = f", … ({len(known)} in all)" if len(known) > MAX_LISTED else ""
     listing = "Known: " + ", ".join(known[:MAX_LISTED]) + more
     return f"Did you mean `{close[0]}`? {listing}" if close else listing

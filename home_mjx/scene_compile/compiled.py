@@ -27,7 +27,7 @@ class Semantic(IntEnum):
     """Columns of the semantic table; -1 means none."""
 
     OBJECT = 0  # node index in file order, over all levels
-    FINE = 1  # index into the sorted v1 fine categories
+    FINE = 1  # index into the sorted v1 fine categories; names only in v2 follow
     COARSE = 2
     NYU40 = 3  # 0 void, 1 wall .. 40 otherprop
     ROOM = 4  # room index in the house

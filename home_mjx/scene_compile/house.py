@@ -112,6 +112,7 @@ class Problem:
 
     element: str
     message: str
+    rule: str = ""  # name of the validator's rule that it breaks
 
 
 @dataclass(frozen=True)

@@ -32,10 +32,11 @@ def rows(path):
 
 def test_sizes_of_the_vocabularies():
     lists = (categories.FINE, categories.COARSE, categories.NYU40, categories.ROOM_TYPES, categories.MATERIAL_KINDS)
-    assert [len(names) for names in lists] == [187, 90, 41, 25, 20]
+    assert [len(names) for names in lists] == [187 + 52, 90 + 4, 41, 25, 20]
+    assert (categories.NUM_FINE_V1, categories.NUM_COARSE_V1) == (187, 90)
     assert all(len(set(names)) == len(names) for names in lists)
-    assert list(categories.FINE) == sorted(categories.FINE)
-    assert list(categories.COARSE) == sorted(categories.COARSE)
+    for names, first in ((categories.FINE, 187), (categories.COARSE, 90)):
+        assert list(names) == sorted(names[:first]) + sorted(names[first:])
     assert [categories.NYU40[i] for i in (0, 1, 2, 4, 24, 40)] == [
         "void", "wall", "floor", "bed", "refridgerator", "otherprop",
     ]  # fmt: skip
@@ -53,7 +54,8 @@ def test_indices_point_at_their_names():
 
 
 def test_names_outside_the_vocabularies():
-    assert categories.FINE[categories.fine_index("bidet")] == "unknown"
+    assert categories.FINE[categories.fine_index("unicorn")] == "unknown"
+    assert categories.fine_index("unknown") < categories.NUM_FINE_V1
     assert categories.COARSE[categories.coarse_index("")] == "unknown"
     assert categories.nyu40_index("unknown") == 0
     assert categories.room_type_index("living_room") == -1
@@ -72,8 +74,8 @@ def test_texture_family(texture, family):
 @pytest.mark.real
 def test_vocabularies_are_exactly_those_of_the_full_metadata(full):
     table = rows(full / CATEGORIES)
-    assert set(categories.FINE) == {row["fine_grained_class"] for row in table}
-    assert set(categories.COARSE) == {row["coarse_grained_class"] for row in table}
+    assert set(categories.FINE[: categories.NUM_FINE_V1]) == {row["fine_grained_class"] for row in table}
+    assert set(categories.COARSE[: categories.NUM_COARSE_V1]) == {row["coarse_grained_class"] for row in table}
     assert {row["nyuv2_40class"] for row in table} == set(categories.NYU40) - {"paper", "towel", "box", "bag"}
 
 

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from home_mjx.scene_compile.house import Mesh, base_model
 
+from .files import is_file, is_folder
 from .obj import read_obj
 from .place import Place
 from .textures import Textures
@@ -23,8 +24,9 @@ class Assets:
 
     def model_path(self, model_id: str, key: str) -> Path:
         """Where the OBJ of a model lies; variants share the folder of their base."""
-        folder = self.root / "object" / model_id
-        return (folder if folder.is_dir() else folder.with_name(base_model(model_id))) / f"{key}.obj"
+        objects, base = self.root / "object", base_model(model_id)
+        own = is_folder(objects / model_id) or base in ("", ".", "..")
+        return objects / (model_id if own else base) / f"{key}.obj"
 
     def model(self, model_id: str, key: str, place: Place) -> Mesh:
         """A library model.
@@ -39,7 +41,7 @@ class Assets:
         """
         if key not in self._models:
             path = self.model_path(model_id, key)
-            if not path.is_file():
+            if not is_file(path):
                 hint = f"Expected {path}: fetch the `object` archive of the dataset or remove the node."
                 raise place.error(f"model `{key}` has no OBJ file", hint)
             self._models[key] = self.mesh(path)

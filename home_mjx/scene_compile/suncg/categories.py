@@ -1,6 +1,6 @@
-"""The fixed vocabularies of SUNCG v1, and where a name stands in them.
+"""The fixed vocabularies of SUNCG, and where a name stands in them.
 
-Ids on the device are positions in these tuples.
+Ids on the device are positions in these tuples. Names that only v2 has follow those of v1, whose ids they leave alone.
 """
 
 import json
@@ -12,8 +12,9 @@ _LISTS: dict[str, list[str]] = json.loads(
     files("home_mjx.scene_compile.suncg").joinpath("categories.json").read_text(encoding="utf-8")
 )
 
-FINE: tuple[str, ...] = tuple(_LISTS["fine"])  # 187, sorted by code point
-COARSE: tuple[str, ...] = tuple(_LISTS["coarse"])  # 90, sorted by code point
+NUM_FINE_V1, NUM_COARSE_V1 = len(_LISTS["fine"]), len(_LISTS["coarse"])  # 187 and 90
+FINE: tuple[str, ...] = (*_LISTS["fine"], *_LISTS["fine_v2"])  # 187 + 52, each sorted by code point
+COARSE: tuple[str, ...] = (*_LISTS["coarse"], *_LISTS["coarse_v2"])  # 90 + 4, each sorted by code point
 NYU40: tuple[str, ...] = tuple(_LISTS["nyu40"])  # 41 in the order of NYUv2-40; 0 is void
 ROOM_TYPES: tuple[str, ...] = tuple(_LISTS["room_types"])  # 25
 MATERIAL_KINDS: tuple[str, ...] = tuple(_LISTS["material_kinds"])  # 20 families of textures, sorted
@@ -25,17 +26,17 @@ def _positions(names: tuple[str, ...]) -> dict[str, int]:
 
 
 def fine_index(name: str) -> int:
-    """Position in `FINE`; names that v1 lacks are `unknown`.
+    """Position in `FINE`; other names are `unknown`.
 
     Example:
-        >>> FINE[fine_index("double_bed")], FINE[fine_index("bidet")]
-        ('double_bed', 'unknown')
+        >>> FINE[fine_index("double_bed")], FINE[fine_index("bidet")], FINE[fine_index("unicorn")]
+        ('double_bed', 'bidet', 'unknown')
     """
     return _positions(FINE).get(name, _positions(FINE)["unknown"])
 
 
 def coarse_index(name: str) -> int:
-    """Position in `COARSE`; names that v1 lacks are `unknown`."""
+    """Position in `COARSE`; other names are `unknown`."""
     return _positions(COARSE).get(name, _positions(COARSE)["unknown"])
 
 

@@ -1,6 +1,7 @@
-"""A SUNCG v1 dataset on disk: its houses and the tables beside them."""
+"""A SUNCG dataset on disk, v1 or v2: its houses and the tables beside them."""
 
 import os
+from collections.abc import Callable
 from functools import cached_property
 from pathlib import Path
 
@@ -11,8 +12,10 @@ from .assets import Assets
 from .house_json import read_house
 from .metadata import read_metadata
 from .place import Value
+from .reading import ReadOptions
 
 ROOT_VARIABLE = "SUNCG_DATA_DIR"
+DEFAULT_OPTIONS = ReadOptions()
 LAYOUT = "A dataset root holds house/, room/, object/, texture/ and metadata/."
 
 
@@ -31,7 +34,7 @@ class Dataset:
 
     def __init__(self, root: Path) -> None:
         self.root = root
-        self._assets = Assets(root)
+        self.assets = Assets(root)
 
     @cached_property
     def house_ids(self) -> tuple[str, ...]:
@@ -47,25 +50,36 @@ class Dataset:
         """
         return read_metadata(self.root / "metadata")
 
-    def load_house(self, house_id: str) -> House:
+    def load_house(self, house_id: str, options: ReadOptions = DEFAULT_OPTIONS) -> House:
         """Reads one house and the models that it uses.
+
+        Args:
+            house_id: One of `house_ids`.
+            options: Whether people, plants and backdrops are read.
 
         Raises:
             DatasetError: There is no such house, or a file that it needs is missing or broken.
         """
-        if house_id not in self._known:
-            where = self.root / "house"
-            raise DatasetError(f"unknown house `{house_id}`", file=where, hint=did_you_mean(house_id, self.house_ids))
-        return read_house(house_id, self._assets)
+        self._check_known(house_id)
+        return read_house(house_id, self.assets, options, self._left_out(options))
 
     def load_model(self, key: str) -> Mesh:
-        """Reads one library model, such as `122` or its variant `122_0`.
+        """Reads one library model, such as `122` or its variants `122_0` (closed) and, in v2, `122_2` (frame only).
 
         Raises:
             DatasetError: It has no OBJ file, or that is broken.
         """
         place = Value(self.root / "object", "", key)
-        return self._assets.model(place.name(), key, place)
+        return self.assets.model(place.name(), key, place)
+
+    def _check_known(self, house_id: str) -> None:
+        if house_id not in self._known:
+            where = self.root / "house"
+            raise DatasetError(f"unknown house `{house_id}`", file=where, hint=did_you_mean(house_id, self.house_ids))
+
+    def _left_out(self, options: ReadOptions) -> Callable[[str], bool]:
+        unwanted = options.categories_left_out
+        return lambda model_id: bool(unwanted) and self.metadata.info(model_id).coarse in unwanted
 
     @cached_property
     def _known(self) -> frozenset[str]:

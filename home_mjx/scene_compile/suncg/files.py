@@ -6,35 +6,57 @@ from pathlib import Path
 
 from home_mjx.errors import DatasetError
 
-MAX_BYTES = 1 << 28  # the largest SUNCG file is a few MB; refuse what can only be a mistake
+# The largest SUNCG file is a few MB and has 130,000 lines; what is beyond these can only be a mistake or an attack.
+MAX_BYTES = 1 << 25
+MAX_LINES = 1 << 20
 
 
-def read_text(path: Path, hint: str | None = None) -> str:
+def read_text(path: Path, hint: str | None = None, most: int | None = None) -> str:
     """The text of a UTF-8 file.
 
     Args:
         path: The file.
         hint: What to do if it is missing.
+        most: Bytes that are read at most; `MAX_BYTES` by default.
 
     Raises:
         DatasetError: The file is missing, unreadable, too large or not UTF-8.
     """
+    text = _decode(read_bytes(path, hint, most), path)
+    if text.count("\n") > MAX_LINES:
+        message = f"file has {text.count(chr(10))} lines, at most {MAX_LINES} are read"
+        raise DatasetError(message, file=path, hint="Fetch or write it again.")
+    return text
+
+
+def read_bytes(path: Path, hint: str | None = None, most: int | None = None) -> bytes:
+    """The content of a file; arguments and errors as of `read_text`."""
     try:
-        _check(path)
-        return _decode(path.read_bytes(), path)
+        _check(path, most or MAX_BYTES)
+        return path.read_bytes()
     except FileNotFoundError:
         raise DatasetError("file is missing", file=path, hint=hint or "Fetch or write it again.") from None
-    except OSError as error:
-        reason = f"file cannot be read: {error.strerror}"
-        raise DatasetError(reason, file=path, hint="Check who may read it.") from None
+    except (OSError, ValueError) as error:  # ValueError: a name with a null byte
+        reason = f"file cannot be read: {getattr(error, 'strerror', error)}"
+        raise DatasetError(reason, file=path, hint="Check its name and who may read it.") from None
 
 
-def _check(path: Path) -> None:
+def is_file(path: Path) -> bool:
+    """Whether there is such a file; no name can make this fail, however long or odd it is."""
+    return os.path.isfile(path)
+
+
+def is_folder(path: Path) -> bool:
+    """Whether there is such a folder; cannot fail either."""
+    return os.path.isdir(path)
+
+
+def _check(path: Path, most: int) -> None:
     status = path.stat()
     if not stat.S_ISREG(status.st_mode):  # reading a pipe might never end
         raise DatasetError("file cannot be read: it is not a regular file", file=path, hint="Fetch or write it again.")
-    if status.st_size > MAX_BYTES:
-        message = f"file has {status.st_size} bytes, at most {MAX_BYTES} are read"
+    if status.st_size > most:
+        message = f"file has {status.st_size} bytes, at most {most} are read"
         raise DatasetError(message, file=path, hint="Fetch or write it again.")
 
 

@@ -14,6 +14,7 @@ from .place import Place, Value, read_json
 CATEGORIES = "ModelCategoryMapping.csv"
 SIZES = "models.csv"
 LIGHTS = "suncgModelLights.json"
+FRONT = ModelInfo("").front
 LIGHT_KINDS = ("PointLight", "SpotLight", "LineLight")
 
 
@@ -36,9 +37,10 @@ def _read_categories(path: Path) -> dict[str, ModelInfo]:
     hint = "Fetch the `metadata` archive of the dataset: categories come from this table."
     columns = ("model_id", "fine_grained_class", "coarse_grained_class", "nyuv2_40class")
     models: dict[str, ModelInfo] = {}
-    for place, (model_id, fine, coarse, nyu40) in _rows(path, columns, hint):
+    for place, (model_id, fine, coarse, nyu40, front) in _rows(path, columns, hint, ("front",)):
         _check_new(model_id, models, place)
-        models[model_id] = ModelInfo(model_id, fine or "unknown", coarse or "unknown", nyu40 or "void")
+        facing = _triple(front, place) if front else FRONT
+        models[model_id] = ModelInfo(model_id, fine or "unknown", coarse or "unknown", nyu40 or "void", front=facing)
     return models
 
 
@@ -50,7 +52,9 @@ def _read_sizes(path: Path, named: Metadata) -> dict[str, ModelInfo]:
         (x0, y0, z0), (x1, y1, z1) = _triple(low, place), _triple(high, place)
         # not `aligned.dims`: those are of the model turned to its front
         dims = (x1 - x0, y1 - y0, z1 - z0)
-        models[model_id] = replace(named.info(model_id), model_id=model_id, dims=dims, front=_triple(front, place))
+        info = named.info(model_id)
+        facing = _triple(front, place) if info.front == FRONT else info.front  # v2's category table is the better one
+        models[model_id] = replace(info, model_id=model_id, dims=dims, front=facing)
     return models
 
 
@@ -69,8 +73,10 @@ def _triple(text: str, place: Place) -> tuple[float, float, float]:
     return x, y, z
 
 
-def _rows(path: Path, columns: tuple[str, ...], hint: str | None) -> Iterator[tuple[Place, list[str]]]:
-    """The named columns of every row of a CSV file."""
+def _rows(
+    path: Path, columns: tuple[str, ...], hint: str | None, optional: tuple[str, ...] = ()
+) -> Iterator[tuple[Place, list[str]]]:
+    """The named columns of every row of a CSV file; optional ones that the file lacks are empty."""
     table = csv.reader(read_text(path, hint).splitlines(), strict=True)
     try:
         header = next(table, [])
@@ -81,7 +87,8 @@ def _rows(path: Path, columns: tuple[str, ...], hint: str | None) -> Iterator[tu
             place = Place(path, f"line {table.line_num}")
             if len(row) != len(header):
                 raise place.error(f"expected {len(header)} cells, got {len(row)}", "The file may be truncated.")
-            yield place, [row[header.index(column)] for column in columns]
+            cells = dict(zip(header, row, strict=True))
+            yield place, [cells.get(column, "") for column in (*columns, *optional)]
     except csv.Error as error:
         raise Place(path, f"line {table.line_num}").error(f"not valid CSV: {error}") from None
 

@@ -41,7 +41,7 @@ def _new_name(name: str, known: dict, place: Place) -> str:
     if not name:
         raise place.error("`newmtl` without a name")
     if name in known:
-        raise place.error(f"material `{name}` is defined twice", "Give each material its own name.")
+        raise place.error(f"material `{name[:60]}` is defined twice", "Give each material its own name.")
     return name
 
 

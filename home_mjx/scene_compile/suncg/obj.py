@@ -14,7 +14,7 @@ from home_mjx.scene_compile.house import Material, Mesh
 
 from .files import below, read_text
 from .mtl import read_mtl
-from .place import Place
+from .place import LIMIT, Place
 from .polygons import Rows, fan, line_numbers, read_corners
 from .textures import Textures, escape
 
@@ -69,10 +69,10 @@ def _table(rows: Rows, width: int, path: Path) -> Float[np.ndarray, "n w"]:
     except ValueError:
         number, rest = next(row for row in rows if not _numeric(row[1], width))
         raise Place(path, f"line {number}").error(f"expected {width} numbers, got `{rest.strip()[:60]}`") from None
-    finite = np.isfinite(table).all(axis=1)
-    if not finite.all():
-        number, rest = rows[int(finite.argmin())]
-        hint = "Coordinates must be finite: export the model again."
+    usable = (abs(table) <= LIMIT).all(axis=1)  # false for NaN
+    if not usable.all():
+        number, rest = rows[int(usable.argmin())]
+        hint = f"Coordinates must be finite and below {LIMIT:g}: export the model again."
         raise Place(path, f"line {number}").error(f"expected finite numbers, got `{rest.strip()[:60]}`", hint)
     return table
 
@@ -92,7 +92,10 @@ def _current(rows: Rows, faces: Rows) -> Int[np.ndarray, " f"]:
 def _materials(
     rows: dict[str, Rows], path: Path, textures: Textures
 ) -> tuple[tuple[Material, ...], Int[np.ndarray, " f"]]:
-    materials = tuple(m for row in rows["mtllib"] for m in _library(row, path, textures))
+    libraries: dict[Path, Place] = {}  # each is read once, however often it is named
+    for row in rows["mtllib"]:
+        libraries.setdefault(*_library(row, path, textures))
+    materials = tuple(m for library, place in libraries.items() for m in read_mtl(library, textures, _remedy(place)))
     slots = {material.name: slot for slot, material in enumerate(materials)}
     used = [_slot(row, slots, path) for row in rows["usemtl"]]
     current = _current(rows["usemtl"], rows["f"])
@@ -102,12 +105,16 @@ def _materials(
     return materials, np.array([*used, len(materials) - 1], np.int32)[current]
 
 
-def _library(row: tuple[int, str], path: Path, textures: Textures) -> tuple[Material, ...]:
+def _library(row: tuple[int, str], path: Path, textures: Textures) -> tuple[Path, Place]:
     place = Place(path, f"line {row[0]}")
     library = below(textures.root, path.parent, row[1].strip())
     if library is None:
         raise escape(row[1].strip(), place)
-    return read_mtl(library, textures, f"{path} needs it: fetch or write it again, or correct {place.element} there.")
+    return library, place
+
+
+def _remedy(place: Place) -> str:
+    return f"{place.file} needs it: fetch or write it again, or correct {place.element} there."
 
 
 def _slot(row: tuple[int, str], slots: dict[str, int], path: Path) -> int:

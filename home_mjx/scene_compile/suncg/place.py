@@ -14,6 +14,18 @@ from home_mjx.errors import DatasetError
 
 from .files import read_text
 
+LIMIT = 1e6  # [m]: coordinates beyond it are mistakes, and their products soon leave float32
+MAX_SHOWN = 500  # characters of a message
+MAX_JSON_BYTES = 1 << 24  # a value of two characters may take a hundred bytes of memory
+MAX_ENTRIES = 100_000  # of a list
+MAX_NAME = 200  # bytes of a file name, with room for an extension
+
+
+def printable(text: str) -> str:
+    """`text` without what no terminal can print, and not longer than a few lines."""
+    text = text if len(text) <= MAX_SHOWN else f"{text[:MAX_SHOWN]}…"
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
 
 @dataclass(frozen=True)
 class Place:
@@ -29,7 +41,12 @@ class Place:
 
     def error(self, message: str, hint: str | None = None) -> DatasetError:
         """The error that says what is wrong here and what to do, by default about any line or value."""
-        return DatasetError(message, file=self.file, element=self.element or None, hint=hint or self._remedy())
+        return DatasetError(
+            printable(message),
+            file=self.file,
+            element=printable(self.element) or None,
+            hint=printable(hint or self._remedy()),
+        )
 
     def _remedy(self) -> str:
         return "Correct the line, or fetch or export the file again."
@@ -62,6 +79,8 @@ class Value(Place):
         """The values of a list."""
         if not isinstance(self.data, list):
             raise self._expected("a list")
+        if len(self.data) > MAX_ENTRIES:
+            raise self.error(f"expected at most {MAX_ENTRIES} entries, got {len(self.data)}")
         return [Value(self.file, f"{self.element}[{i}]", item) for i, item in enumerate(self.data)]
 
     def text(self) -> str:
@@ -76,6 +95,8 @@ class Value(Place):
         if text in ("", ".", "..") or any(c in text for c in "/\\\0"):
             hint = "It must not be empty, hold `/` or lead out of its folder."
             raise self.error(f"`{text[:60]}` is not a plain name", hint)
+        if len(text.encode("utf-8", "replace")) > MAX_NAME:
+            raise self.error(f"`{text[:60]}…` is too long for a name", f"Names have at most {MAX_NAME} bytes.")
         return text
 
     def integer(self) -> int:
@@ -92,6 +113,13 @@ class Value(Place):
             raise self._expected("a finite number")
         return float(self.data)
 
+    def coordinate(self) -> float:
+        """A number within a million metres of 0."""
+        number = self.number()
+        if abs(number) > LIMIT:
+            raise self.error(f"expected a number between -{LIMIT:g} and {LIMIT:g}, got {number:g}")
+        return number
+
     def flag(self, default: bool = False) -> bool:
         """A switch written as 0, 1, "0", "1", true or false; `default` if absent."""
         if not self.present:
@@ -103,11 +131,10 @@ class Value(Place):
         raise self._expected("0 or 1")
 
     def vector(self, length: int) -> Float[np.ndarray, " n"]:
-        """A list of `length` finite numbers."""
-        items = self.entries()
-        if len(items) != length:
-            raise self.error(f"expected {length} numbers, got {len(items)}")
-        return np.array([item.number() for item in items])
+        """A list of `length` numbers that can be coordinates."""
+        if isinstance(self.data, list) and len(self.data) != length:
+            raise self.error(f"expected {length} numbers, got {len(self.data)}")
+        return np.array([item.coordinate() for item in self.entries()])
 
     def color(self) -> tuple[float, float, float]:
         """A colour `#rrggbb` as sRGB in 0..1."""
@@ -129,8 +156,13 @@ class Value(Place):
             return None
 
     def _expected(self, what: str) -> DatasetError:
-        got = json.dumps(self.data, default=str) if self.present else "nothing"
-        return self.error(f"expected {what}, got `{got[:60]}`")
+        return self.error(f"expected {what}, got `{self._shown()[:60]}`")
+
+    def _shown(self) -> str:
+        try:
+            return json.dumps(self.data, default=str) if self.present else "nothing"
+        except RecursionError:  # nested as deep as a file can just be read
+            return type(self.data).__name__
 
 
 def read_json(path: Path, hint: str | None = None) -> Value:
@@ -139,7 +171,7 @@ def read_json(path: Path, hint: str | None = None) -> Value:
     Raises:
         DatasetError: The file is missing, is not UTF-8 or is not JSON (with line and column).
     """
-    text = read_text(path, hint)
+    text = read_text(path, hint, MAX_JSON_BYTES)
     place = Place(path)
     try:
         return Value(path, "", json.loads(text))

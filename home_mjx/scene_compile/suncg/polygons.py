@@ -8,6 +8,7 @@ from jaxtyping import Int
 from .place import Place
 
 Rows = list[tuple[int, str]]  # line number and what follows the keyword
+MAX_CORNERS = 1 << 22
 _KINDS = ("v", "vt", "vn")
 
 
@@ -18,6 +19,10 @@ def line_numbers(rows: Rows) -> Int[np.ndarray, " n"]:
 
 def read_corners(rows: dict[str, Rows], path: Path) -> tuple[Int[np.ndarray, "c 3"], Int[np.ndarray, " f"]]:
     """One-based v, vt and vn of every corner (0: none), and how many corners each face has."""
+    count = sum(rest.count(" ") + rest.count("\t") + 1 for _, rest in rows["f"])
+    if count > MAX_CORNERS:
+        message = f"faces have about {count} corners, at most {MAX_CORNERS} are read"
+        raise Place(path).error(message, "Simplify the model: SUNCG's largest has 33,000 faces.")
     faces = [rest.partition("#")[0].split() for _, rest in rows["f"]]
     sides = np.array([len(words) for words in faces])
     raw = _indices(faces)

@@ -3,7 +3,7 @@
 from functools import cached_property
 from pathlib import Path
 
-from .files import below
+from .files import below, is_file
 from .place import Place
 
 EXTENSIONS = (".png", ".jpg")
@@ -55,13 +55,13 @@ class Textures:
         path = below(self.root, folder, relative)
         if path is None:
             raise escape(relative, place)
-        return path if path.is_file() else self.named(path.stem, place)
+        return path if is_file(path) else self.named(path.stem, place)
 
     def _find(self, name: str) -> Path | None:
         digits = name.isascii() and name.isdigit()
         stems = [f"s/{name}", name] if digits else [name]
         for path in (self.folder / f"{stem}{extension}" for stem in stems for extension in EXTENSIONS):
-            if path.is_file():
+            if is_file(path):
                 return path
         found = (self._any_case.get(f"{stem}{extension}".lower()) for stem in stems for extension in EXTENSIONS)
         return next((path for path in found if path), None)

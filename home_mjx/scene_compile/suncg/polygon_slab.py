@@ -1,0 +1,116 @@
+"""Floors, ceilings and grounds: polygons with a thickness."""
+
+from collections.abc import Sequence
+
+import mapbox_earcut
+import numpy as np
+from jaxtyping import Float, Int
+
+MERGE = 1e-6  # [m]: corners nearer than this, or nearer to the line between their neighbours, are dropped
+SHARP = 4.0  # by how many outsets a pointed corner may grow at most
+MAX_ROUNDS = 100  # of dropping corners: each may make others straight
+
+Polygon = Float[np.ndarray, "n 2"]  # (x, z) [m]
+
+
+def slab(
+    polygons: Sequence[Polygon], low: float, high: float, outset: float
+) -> tuple[Float[np.ndarray, "v 3"], Int[np.ndarray, "f 3"], Float[np.ndarray, "f 3 2"]]:
+    """Closed, outward-wound slabs over polygons of either winding.
+
+    Args:
+        polygons: Corners (x, z) [m]; each polygon becomes a slab of its own.
+        low: Height of the underside [m].
+        high: Height of the upper side [m].
+        outset: By how much the sides stand out beyond the polygon [m].
+
+    Returns:
+        Vertices [m], Y up; triangles; texture coordinates in metres from the polygon's corner of least x and z.
+
+    Raises:
+        ValueError: A polygon has no area or crosses itself.
+    """
+    pieces = [_piece(polygon, low, high, outset) for polygon in polygons]
+    starts = np.cumsum([0, *(len(vertices) for vertices, _, _ in pieces)])
+    faces = np.concatenate([faces + start for (_, faces, _), start in zip(pieces, starts, strict=False)])
+    return np.concatenate([p[0] for p in pieces]), faces, np.concatenate([p[2] for p in pieces])
+
+
+def _piece(
+    polygon: Polygon, low: float, high: float, outset: float
+) -> tuple[Float[np.ndarray, "v 3"], Int[np.ndarray, "f 3"], Float[np.ndarray, "f 3 2"]]:
+    outline, top = _outline(simplify(polygon), outset)
+    count = len(outline)
+    here, after = np.arange(count), np.roll(np.arange(count), -1)
+    sides = np.concatenate(
+        [np.stack([here, here + count, after], 1), np.stack([after, here + count, after + count], 1)]
+    )
+    faces = np.concatenate([top + count, top[:, ::-1], sides])
+    x, z = np.tile(outline, (2, 1)).T
+    vertices = np.stack([x, np.repeat([low, high], count), z], axis=1)
+    return vertices, faces, vertices[faces][..., [0, 2]] - polygon.min(axis=0)
+
+
+def _outline(polygon: Polygon, outset: float) -> tuple[Polygon, Int[np.ndarray, "t 3"]]:
+    """The polygon with its outset, and its triangles; without, where narrow notches would close up."""
+    grown = grow(polygon, outset)
+    try:
+        return grown, triangulate(grown)
+    except ValueError:
+        return polygon, triangulate(polygon)
+
+
+def signed_area(polygon: Polygon) -> float:
+    """Area [m^2], above 0 if the polygon runs counter-clockwise seen along +y, with x right and z up.
+
+    By the shoelace formula.
+    """
+    x, z = polygon.T
+    return float((x * np.roll(z, -1) - np.roll(x, -1) * z).sum() / 2)
+
+
+def simplify(polygon: Polygon) -> Float[np.ndarray, "_ 2"]:
+    """The polygon, counter-clockwise, without repeated corners and corners on a straight line.
+
+    Raises:
+        ValueError: Nothing with an area remains.
+    """
+    turned = polygon if signed_area(polygon) > 0 else polygon[::-1]
+    for _ in range(MAX_ROUNDS):
+        turned = turned[np.linalg.norm(turned - np.roll(turned, 1, 0), axis=1) > MERGE]
+        before, after = turned - np.roll(turned, 1, 0), np.roll(turned, -1, 0) - turned
+        bend = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+        straight = abs(bend) <= MERGE * np.maximum(np.linalg.norm(before + after, axis=1), MERGE)
+        if not straight.any():
+            break
+        turned = turned[~straight]
+    if len(turned) < 3 or signed_area(turned) <= MERGE:
+        raise ValueError("polygon has no area")
+    return turned
+
+
+def grow(polygon: Polygon, outset: float) -> Polygon:
+    """Moves the sides of a counter-clockwise polygon outwards, with mitred corners."""
+    way = np.roll(polygon, -1, 0) - polygon
+    way /= np.linalg.norm(way, axis=1, keepdims=True)
+    normal = np.stack([way[:, 1], -way[:, 0]], 1)
+    other = np.roll(normal, 1, 0)
+    mitre = normal + other
+    stretch = np.minimum(1 / np.maximum((mitre * normal).sum(1, keepdims=True), 1e-9), SHARP / 2)
+    return polygon + outset * stretch * mitre
+
+
+def triangulate(polygon: Polygon) -> Int[np.ndarray, "t 3"]:
+    """Triangles of a simple polygon (earcut, as in three.js, which wrote SUNCG), facing +y.
+
+    Raises:
+        ValueError: The polygon crosses itself.
+    """
+    found = mapbox_earcut.triangulate_float64(polygon, np.array([len(polygon)], np.uint32))
+    triangles = found.reshape(-1, 3).astype(np.int64)
+    (x0, z0), (x1, z1), (x2, z2) = polygon[triangles].transpose(1, 2, 0)
+    areas = ((x1 - x0) * (z2 - z0) - (x2 - x0) * (z1 - z0)) / 2
+    if len(triangles) != len(polygon) - 2 or abs(abs(areas).sum() - signed_area(polygon)) > 1e-6 * abs(areas).sum():
+        raise ValueError("polygon crosses itself")
+    # (x, z) counter-clockwise is clockwise seen from above, where x is right and z is down
+    return np.where(areas[:, None] > 0, triangles[:, ::-1], triangles)

@@ -1,0 +1,91 @@
+"""What reading one house needs, and what it gathers."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import ParamSpec, TypeVar
+
+from home_mjx.errors import DatasetError
+from home_mjx.scene_compile.house import Mesh, Problem
+
+from .arch_json import Architecture, read_architecture
+from .assets import Assets
+from .files import is_file
+from .place import Place, Value, printable
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class ReadOptions:
+    """What of a house is read.
+
+    Args:
+        people: Keep models of the coarse category `person`: dense meshes that stand still.
+        plants: Keep models of the coarse category `plant`: foliage of many thousand triangles.
+        backdrops: Keep boxes of 20 m and more whole. By default what they show outside of the house is cut off.
+
+    Example:
+        >>> ReadOptions(people=False).categories_left_out
+        ('person',)
+    """
+
+    people: bool = True
+    plants: bool = True
+    backdrops: bool = False
+
+    @property
+    def categories_left_out(self) -> tuple[str, ...]:
+        """Coarse categories of which no object is read."""
+        return ("person",) * (not self.people) + ("plant",) * (not self.plants)
+
+
+@dataclass
+class Reading:
+    """The state of reading one house."""
+
+    house_id: str
+    assets: Assets
+    left_out: Callable[[str], bool] = lambda model_id: False  # models that the options leave out
+    options: ReadOptions = ReadOptions()
+    materials: Value | None = None  # the house's own list, for nodes that have `materialIndices`
+    scale: float = 1.0  # [m] per unit of the file
+    models: dict[str, Mesh] = field(default_factory=dict)
+    parts: dict[str, Mesh] = field(default_factory=dict)  # of rooms and grounds, by the stem of their OBJ
+    problems: list[Problem] = field(default_factory=list)
+    errors: list[DatasetError] | None = None  # if a list, a broken node is put there and left out
+
+    def note(self, place: Place, rule: str, message: str) -> None:
+        """Keeps an oddity that was tolerated, under the name of the rule that it breaks."""
+        self.problems.append(Problem(printable(place.element), printable(message), rule))
+
+    def attempt(self, read: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T | None:
+        """What `read` returns; None if it raises a `DatasetError` and errors are gathered."""
+        try:
+            return read(*args, **kwargs)
+        except DatasetError as error:
+            if self.errors is None:
+                raise
+            self.errors.append(error)
+            return None
+
+    @property
+    def architecture(self) -> Architecture | None:
+        """SUNCG v2's description of walls, floors and ceilings; None if the dataset has none of this house.
+
+        Raises:
+            DatasetError: It is broken.
+        """
+        if isinstance(self._architecture, DatasetError):
+            raise self._architecture
+        return self._architecture
+
+    @cached_property
+    def _architecture(self) -> Architecture | DatasetError | None:
+        # an error is kept as well: each room of the house asks
+        path = self.assets.root / "wall" / self.house_id / f"{self.house_id}.arch.json"
+        try:
+            return read_architecture(path, self.assets.textures, self.note) if is_file(path) else None
+        except DatasetError as error:
+            return error

@@ -1,0 +1,154 @@
+"""Walls as SUNCG builds them: two prisms, one towards the room and one behind it, with holes for doors and windows.
+
+Measures are those of the program that wrote the dataset (SSTK's `makeWallWithHoles`), as fractions of the depth d:
+each prism is d/2 thick and reaches 2d/5 beyond both ends of the wall, so that corners close; the outer one overlaps
+the inner one by d/19, so that their faces do not coincide.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+DEPTH = 0.1  # [m], of a wall
+RISE = 0.035  # [m], of a wall above its nominal height
+Hole = tuple[float, float, float, float]  # [m]: from, to along the wall; from, to above its base
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A straight wall. Its interior lies at direction x up, to the right of the way from start to end."""
+
+    start: Float[np.ndarray, "3"]  # [m], Y up, at the base of the centre-line
+    end: Float[np.ndarray, "3"]  # [m], at the height of the start
+    height: float  # [m], nominal
+    holes: tuple[Hole, ...] = ()
+    depth: float = DEPTH  # [m]
+    rise: float = RISE  # [m]
+
+    @property
+    def length(self) -> float:
+        """Of the centre-line [m]."""
+        return float(np.linalg.norm(self.end - self.start))
+
+
+@dataclass(frozen=True)
+class Prism:
+    """Half of a wall: closed, outward-wound."""
+
+    vertices: Float[np.ndarray, "v 3"]  # [m], Y up
+    faces: Int[np.ndarray, "f 3"]
+    uv: Float[np.ndarray, "f 3 2"]  # [m], along the wall and up on large faces
+    large: Bool[np.ndarray, " f"]  # whether a face is one of the two large ones; else it is a cut face
+
+
+def wall_prisms(wall: Wall) -> tuple[Prism, Prism]:
+    """The inner and the outer prism of a wall.
+
+    Args:
+        wall: The wall; holes that reach its ends, its base or its nominal height are open there.
+
+    Example:
+        >>> inner, outer = wall_prisms(Wall(np.zeros(3), np.array([4.0, 0, 0]), 2.7))
+        >>> inner.vertices.min(axis=0).round(3).tolist(), inner.vertices.max(axis=0).round(3).tolist()
+        ([-0.04, 0.0, 0.0], [4.04, 2.735, 0.05])
+        >>> outer.vertices[:, 2].min().round(4), outer.vertices[:, 2].max().round(4)
+        (np.float64(-0.0447), np.float64(0.0053))
+    """
+    half = wall.depth / 2
+    return _prism(wall, 0.0, half), _prism(wall, wall.depth / 19 - half, half)
+
+
+def _prism(wall: Wall, low: float, thickness: float) -> Prism:
+    beyond = 2 * wall.depth / 5
+    us, vs, keep = _panel(wall, beyond)
+    points, faces, large = extrude(us, vs, keep, (low, low + thickness))
+    along = (wall.end - wall.start) / wall.length
+    up = np.array([0.0, 1.0, 0.0])
+    vertices = wall.start + (points[:, :1] - beyond) * along + points[:, 1:2] * up + points[:, 2:] * np.cross(along, up)
+    uv = np.where(large[:, None, None], points[faces][..., :2], points[faces][..., [0, 2]])
+    return Prism(vertices, faces, uv, large)
+
+
+def _panel(
+    wall: Wall, beyond: float
+) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " m"], Bool[np.ndarray, "_ _"]]:
+    """Lines of a grid over the wall's rectangle, and which of its cells are solid."""
+    width, top = wall.length + 2 * beyond, wall.height + wall.rise
+    holes = np.array([_open(hole, wall, beyond, width, top) for hole in merge_holes(wall.holes)]).reshape(-1, 4)
+    us = np.unique(np.clip([0.0, width, *holes[:, 0], *holes[:, 1]], 0, width))
+    vs = np.unique(np.clip([0.0, top, *holes[:, 2], *holes[:, 3]], 0, top))
+    u, v = np.meshgrid((us[1:] + us[:-1]) / 2, (vs[1:] + vs[:-1]) / 2, indexing="ij")
+    keep = np.ones(u.shape, bool)
+    for left, right, low, high in holes:
+        keep &= ~((left < u) & (u < right) & (low < v) & (v < high))
+    return us, vs, keep
+
+
+def merge_holes(holes: Sequence[Hole]) -> list[Hole]:
+    """Holes, those that meet replaced by the rectangle around them, until none meet.
+
+    Example:
+        >>> merge_holes([(0, 1, 0, 1), (3, 4, 0, 1), (0.5, 2, 0.5, 2)])
+        [(3, 4, 0, 1), (0, 2, 0, 2)]
+    """
+    merged: list[Hole] = []
+    for hole in holes:
+        while meeting := [other for other in merged if _meet(hole, other)]:
+            left, right, low, high = zip(hole, *meeting, strict=True)
+            hole = min(left), max(right), min(low), max(high)
+            merged = [other for other in merged if other not in meeting]
+        merged.append(hole)
+    return merged
+
+
+def _meet(a: Hole, b: Hole) -> bool:
+    return a[0] <= b[1] and b[0] <= a[1] and a[2] <= b[3] and b[2] <= a[3]
+
+
+def _open(hole: Hole, wall: Wall, beyond: float, width: float, top: float) -> Hole:
+    """The hole on the prism, which is longer and higher than the wall."""
+    left, right, low, high = hole
+    return (
+        0.0 if left <= 0 else left + beyond,
+        width if right >= wall.length else right + beyond,
+        max(low, 0.0),
+        top if high >= wall.height else high,
+    )
+
+
+def extrude(
+    us: Float[np.ndarray, " n"],
+    vs: Float[np.ndarray, " m"],
+    keep: Bool[np.ndarray, "n1 m1"],
+    depth: tuple[float, float],
+) -> tuple[Float[np.ndarray, "p 3"], Int[np.ndarray, "f 3"], Bool[np.ndarray, " f"]]:
+    """Extrudes the kept cells of a rectangular grid: rectangles with rectangular holes, and rectilinear polygons.
+
+    Using the whole grid leaves no T-junction, so the solid is watertight.
+
+    Args:
+        us: Grid lines along u, rising.
+        vs: Grid lines along v, rising.
+        keep: Which cells are solid.
+        depth: Extent along w, where (u, v, w) is right-handed.
+
+    Returns:
+        Points (u, v, w), outward triangles, and which triangles are large faces (else they are cut faces).
+    """
+    node = np.arange(len(us) * len(vs)).reshape(len(us), len(vs))
+    corner = np.stack([node[:-1, :-1], node[1:, :-1], node[1:, 1:], node[:-1, 1:]], -1)  # counter-clockwise from +w
+    padded = np.pad(keep, 1)
+    beside = np.stack([padded[1:-1, :-2], padded[2:, 1:-1], padded[1:-1, 2:], padded[:-2, 1:-1]], -1)
+    bare = keep[..., None] & ~beside
+    back, front = corner[keep], corner[keep] + node.size
+    edge = np.stack([corner, np.roll(corner, -1, -1)], -1)[bare]
+    sides = np.concatenate([edge, edge[:, ::-1] + node.size], -1)
+    quads = np.concatenate([front, back[:, ::-1], sides])
+    faces = quads[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
+    grid = np.stack(np.meshgrid(us, vs, indexing="ij"), -1).reshape(-1, 2)
+    points = np.concatenate([np.c_[grid, np.full(len(grid), w)] for w in depth])
+    used, faces = np.unique(faces, return_inverse=True)
+    large = np.arange(len(quads)) < 2 * len(front)
+    return points[used], faces.reshape(-1, 3), np.repeat(large, 2)
