@@ -8,6 +8,7 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
+from typing import SupportsIndex
 
 from tqdm import tqdm
 
@@ -57,10 +58,10 @@ def generate_dataset(root: str | Path, seeds: Sequence[int], progress: bool = Fa
     return tuple(house_id(seed) for seed in seeds)
 
 
-def _checked(seed: int) -> int:
-    if isinstance(seed, bool) or not hasattr(seed, "__index__") or not 0 <= int(seed) < 2**63:
-        raise ConfigError(f"seed must be an integer from 0 to 2**63 - 1, got {seed!r}", element="seeds")
-    return int(seed)
+def _checked(seed: object) -> int:
+    if isinstance(seed, SupportsIndex) and not isinstance(seed, bool) and 0 <= int(seed) < 2**63:
+        return int(seed)
+    raise ConfigError(f"seed must be an integer from 0 to 2**63 - 1, got {seed!r}", element="seeds")
 
 
 def _claim(root: Path) -> None:

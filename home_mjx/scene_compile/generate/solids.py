@@ -32,11 +32,10 @@ class Solid:
 def project_uv(vertices: Float[np.ndarray, "v 3"], faces: Int[np.ndarray, "f 3"]) -> Float[np.ndarray, "f 3 2"]:
     """UVs in metres by projecting each face along its dominant axis, u along the longer way, as wood grain runs."""
     corners = vertices[faces]
-    extent = np.ptp(vertices, axis=0)
-    tall = extent[1] > max(extent[0], extent[2])
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     axis = np.abs(normal).argmax(-1)
-    columns = np.array([[1, 2], [0, 2], [1, 0]] if tall else [[2, 1], [0, 2], [0, 1]])[axis]
+    extent = np.ptp(vertices, axis=0)
+    columns = np.array([sorted(pair, key=lambda i: -extent[i]) for pair in ((2, 1), (0, 2), (0, 1))])[axis]
     return np.take_along_axis(corners, columns[:, None, :], -1)
 
 
@@ -111,7 +110,7 @@ def lathe(
         np.stack([r * np.cos(angle), np.full(sides, h), stretch * r * np.sin(angle)], -1)[: sides if r > 0 else 1]
         for r, h in profile
     ]
-    start = np.concatenate([[0], np.cumsum([len(ring) for ring in rings])])
+    start = np.cumsum([0] + [len(ring) for ring in rings]).tolist()
     pairs = [(i, (i + 1) % len(rings)) for i in range(len(rings) - (not closed))]
     faces = [_band(start[i], len(rings[i]), start[j], len(rings[j]), sides) for i, j in pairs]
     return solid(material, np.concatenate(rings) + np.asarray(at), np.concatenate(faces))

@@ -47,11 +47,12 @@ class Style:
         return Placed(model, (0.0, 0.0, 0.0), 0, (wide, 1.0, deep), mirrored, materials=self.dress(model))
 
     def dress(self, model: Furniture) -> tuple[Material, ...]:
-        """A material per slot: a finish's favourite twice in three times, the same in all slots of that finish."""
-        drawn: dict[str, Material] = {}
+        """A material per slot: often the favourite of its finish, and mostly the same in all slots of one finish."""
+        last: dict[str, Material] = {}
+        materials = []
         for slot, finish in model.slots.items():
-            if finish not in drawn or self.rng.random() < (1.0 if finish == "book" else 0.25):
-                favourite = self.rng.random() < 2 / 3
-                drawn[finish] = self.materials[finish] if favourite else choose(FINISHES[finish], self.rng)
-            drawn[slot] = replace(drawn[finish], name=slot)
-        return tuple(replace(drawn[slot], opacity=None) for slot in model.slots)
+            if finish not in last or finish == "book" or self.rng.random() < 0.25:
+                favourite = finish != "book" and self.rng.random() < 2 / 3
+                last[finish] = self.materials[finish] if favourite else choose(FINISHES[finish], self.rng)
+            materials.append(replace(last[finish], name=slot, opacity=None))
+        return tuple(materials)

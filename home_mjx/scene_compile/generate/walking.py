@@ -51,7 +51,9 @@ class WalkingGrid:
         label = np.empty(free.shape, np.int32)
         ndimage.label(free, output=label)
         at_doors = {int(label[cell]) for cell in self._doors}
-        return len(at_doors) == 1 and 0 not in at_doors and (label == at_doors.pop()).sum() > CONNECTED * free.sum()
+        if len(at_doors) != 1 or 0 in at_doors:
+            return False
+        return bool((label == at_doors.pop()).sum() > CONNECTED * free.sum())
 
     def _without(self, boxes: Sequence[Box]) -> Bool[np.ndarray, "nx nz"]:
         free = self._free.copy()

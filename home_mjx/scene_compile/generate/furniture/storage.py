@@ -79,9 +79,9 @@ FAMILIES = (
         wardrobe,
         slots("wood", "wood_1", "chrome", "mirror"),
         (
-            variant(width=1.0, height=2.05, depth=0.58, doors=2),
-            variant(width=1.5, height=2.2, depth=0.6, doors=3, mirrored=True),
-            variant(width=1.9, height=2.1, depth=0.6, doors=4),
+            variant(width=0.9, height=2.05, depth=0.58, doors=2),
+            variant(width=1.2, height=2.2, depth=0.6, doors=3, mirrored=True),
+            variant(width=1.6, height=2.1, depth=0.6, doors=4),
         ),
     ),
     Family(
