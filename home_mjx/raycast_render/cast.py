@@ -7,6 +7,7 @@ import jax.numpy as jnp
 from jax import lax
 from jaxtyping import Array, Bool, Float, Int
 
+from home_mjx.raycast_render.cpu import refuse_forked
 from home_mjx.raycast_render.flat import flat_cast
 from home_mjx.raycast_render.hit_gradient import differentiable
 from home_mjx.raycast_render.types import Hit, Rays, Scene
@@ -101,6 +102,7 @@ def _rays(origin: Array, direction: Array, t_min: Distance, t_max: Distance, exc
 
 def _run(scene: Scene, rays: Rays, executor: str | None, any_hit: bool) -> tuple[Array, ...]:
     """Hits of shape (rays,)."""
+    refuse_forked()
     count = rays.t_min.size
     flat = jax.tree.map(lambda x: x.reshape(1, count, *x.shape[rays.t_min.ndim :]), rays)
     args = scene.geometry, scene.house[None], jax.tree.map(lambda x: x[None], scene.moving), flat

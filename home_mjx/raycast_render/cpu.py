@@ -13,6 +13,7 @@ from jaxtyping import Array, Int
 from home_mjx.errors import ExecutorError
 from home_mjx.raycast_render.probe import probe
 from home_mjx.raycast_render.types import Moving, RawHit, Rays
+from home_mjx.raycast_render.varying import varying_false
 from home_mjx.scene_compile.bank import Geometry
 
 TARGET = "home_mjx_cast"
@@ -118,4 +119,6 @@ def _call(geometry: Geometry, house: Array, moving: Moving, rays: Rays, any_hit:
         rays.mask,
     )
     operands = (x.astype(jnp.float32 if jnp.issubdtype(x.dtype, jnp.floating) else jnp.int32) for x in operands)
-    return RawHit(*jax.ffi.ffi_call(TARGET, results)(*operands, any_hit=np.int32(any_hit)))
+    hits = RawHit(*jax.ffi.ffi_call(TARGET, results)(*operands, any_hit=np.int32(any_hit)))
+    never = varying_false(house, moving, rays)
+    return jax.tree.map(lambda x: jnp.where(never, jnp.zeros_like(x), x), hits)

@@ -7,7 +7,7 @@ import jax
 from jaxtyping import Array, Int
 
 from home_mjx.errors import ExecutorError, check_known
-from home_mjx.raycast_render.cpu import cast_cpu, cpu_available, refuse_forked
+from home_mjx.raycast_render.cpu import cast_cpu, cpu_available
 from home_mjx.raycast_render.types import Moving, RawHit, Rays
 from home_mjx.raycast_render.xla import cast_xla
 from home_mjx.scene_compile.bank import Geometry
@@ -46,8 +46,6 @@ def find_executor(name: str | None) -> Executor:
 
     Raises:
         ConfigError: There is no such executor.
-        ExecutorError: This process was forked off one in which JAX was running.
     """
     check_known("executor", [] if name is None else [name], [n for n in EXECUTORS if n])
-    refuse_forked()
     return EXECUTORS[name]

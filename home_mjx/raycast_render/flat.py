@@ -10,6 +10,7 @@ from jax.custom_batching import custom_vmap
 from jaxtyping import Array
 
 from home_mjx.raycast_render.executors import Executor, find_executor
+from home_mjx.raycast_render.partition import partitioned
 from home_mjx.raycast_render.types import Moving, RawHit, Rays
 from home_mjx.scene_compile.bank import Geometry
 
@@ -21,9 +22,13 @@ def flat_cast(executor: str | None, any_hit: bool) -> Flat:
     """Casts rays (e r ...) in environments (e ...) that share one geometry; `vmap` adds to e or to r."""
     run = find_executor(executor)
 
+    @partitioned
+    def spread(geometry: Geometry, house: Array, moving: Moving, rays: Rays) -> RawHit:
+        return run(geometry, house, moving, rays, any_hit)
+
     @custom_vmap
     def cast(geometry: Geometry, house: Array, moving: Moving, rays: Rays) -> RawHit:
-        return run(geometry, house, moving, rays, any_hit)
+        return spread(geometry, house, moving, rays)
 
     @cast.def_vmap
     def fold(size: int, batched: Any, geometry: Geometry, house: Array, moving: Moving, rays: Rays) -> Any:
@@ -45,8 +50,12 @@ def flat_cast(executor: str | None, any_hit: bool) -> Flat:
 
 def _one_by_one(run: Executor, any_hit: bool, size: int, batched: Any, args: Any) -> RawHit:
     """Geometries of their own cannot share a cast."""
-    args = _broadcast(size, args, batched)
-    return jax.lax.map(lambda one: run(*one, any_hit), args)
+
+    def one(args: tuple[Geometry, Array, Moving, Rays]) -> RawHit:
+        geometry, house, moving, rays = args
+        return run(geometry, house, moving, rays, any_hit)
+
+    return jax.lax.map(one, _broadcast(size, args, batched))
 
 
 def _any(batched: Any) -> bool:

@@ -15,6 +15,7 @@ from jax import lax
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.raycast_render.types import Moving, RawHit, Rays
+from home_mjx.raycast_render.varying import varying_false
 from home_mjx.scene_compile.bank import Geometry
 from home_mjx.scene_compile.bvh import EMPTY, MAX_DEPTH
 
@@ -68,7 +69,9 @@ def cast_xla(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: 
         widths = [(0, count * chunk - total)] + [(0, 0)] * (flat.ndim - 1)
         return jnp.pad(flat, widths, constant_values=fill).reshape(count, chunk, *flat.shape[1:])
 
-    env = lax.broadcasted_iota(jnp.int32, shape, 0)
+    # All that the loops carry is made from this.
+    zero = varying_false(house, moving, rays).astype(jnp.int32)
+    env = lax.broadcasted_iota(jnp.int32, shape, 0) + zero
     # Padding rays end before they begin: t_min 1, t_max 0.
     chunks = jax.tree.map(split, rays).replace(t_min=split(rays.t_min, 1))
     hits = lax.map(lambda c: _cast_chunk(_World(geometry, house, moving, any_hit, *c)), (split(env), chunks))
@@ -85,10 +88,12 @@ def _cast_chunk(world: _World) -> RawHit:
 def _start(world: _World) -> _State:
     """The house's top tree lies at the bottom of the stack, above it every moving instance whose box the ray meets."""
     n, slots, rays = world.env.shape[0], world.moving.instance.shape[1], world.rays
-    none, zero = jnp.full(n, -1, jnp.int32), jnp.zeros(n, jnp.int32)
+    zero = jnp.zeros_like(world.env)
+    none, weight = zero - 1, zero.astype(jnp.float32)
     alive = rays.t_min <= rays.t_max
     root = jnp.where(alive, world.geometry.house_root[world.house[world.env]], EMPTY)
-    stack, size = _push(jnp.full((n, slots + 2 * MAX_DEPTH + 2), EMPTY, jnp.int32), zero, root)
+    stack = jnp.broadcast_to(none[:, None], (n, slots + 2 * MAX_DEPTH + 2))
+    stack, size = _push(stack, zero, root)
 
     def add(slot: Array, carry: tuple[Array, Array]) -> tuple[Array, Array]:
         near = _slab(world.moving.box[world.env, slot].reshape(n, 6), rays.origin, rays.direction, rays.t_min)
@@ -96,9 +101,8 @@ def _start(world: _World) -> _State:
         return _push(*carry, jnp.where(meets, _leaf(world.geometry.instance_model.shape[1] + slot, 1), EMPTY))
 
     stack, size = lax.fori_loop(0, slots, add, (stack, size))
-    limit, weight = jnp.minimum(rays.t_max, MISS), jnp.zeros(n, jnp.float32)
-    best = _Best(limit, none, none, weight, weight, jnp.zeros(n, bool))
-    return _State(stack, size, zero, none, zero, rays.origin, rays.direction, best)
+    best = _Best(jnp.minimum(rays.t_max, MISS) + weight, none, none, weight, weight, zero > 0)
+    return _State(stack, size, zero, none, zero, rays.origin + weight[:, None], rays.direction + weight[:, None], best)
 
 
 def _step(world: _World, state: _State) -> _State:
