@@ -64,6 +64,10 @@ class Walk:
         """The whole walk's stereo sound (2, n)."""
         return np.concatenate([obs["audio"][view] for obs in self.obs], axis=-1)
 
+    def richest(self, view: int) -> dict[str, np.ndarray]:
+        """The observation that shows most different things."""
+        return max(self.obs, key=lambda obs: len(np.unique(obs["ids/head_instance"][view])))
+
 
 def run_demo(options: DemoOptions) -> dict[str, Any]:
     """Runs the demo.
@@ -184,10 +188,9 @@ def draw(env: HouseholdEnv, states: State, walk: Walk, options: DemoOptions, fol
     paths = np.stack(walk.positions)
     rows = []
     for i, top in enumerate(tops):
-        middle = len(walk.obs) // 2
         image = top.with_path(paths[:, i], walk.sources[i], size=256)
         caption = f"house {houses[i]}: path, radio (red)"
-        rows.append([pictures.captioned(image, caption), *_views(env, walk.obs[middle], i, 256)])
+        rows.append([pictures.captioned(image, caption), *_views(env, walk.richest(i), i, 256)])
     _save_png(folder / "contact_sheet.png", pictures.sheet(rows))
     progress.update()
     sound = walk.sound(0)

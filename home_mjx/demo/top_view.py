@@ -5,7 +5,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, UInt8
+from jaxtyping import Array, Bool, Float, UInt8
 from PIL import Image, ImageDraw
 
 from home_mjx.raycast_render import cast
@@ -76,7 +76,13 @@ def _from_above(bank: HouseBank, scene: Scene, origin: Float[Array, "h w 3"]) ->
     # What lies lower is darker, so that furniture stands out from the floor.
     light = 1 - 0.5 * jnp.clip(hit.t / CUT, 0, 1)
     color = albedo(bank, scene, hit) * light[..., None]
-    # A ray that begins inside a wall, which is a closed solid, meets the back of the wall's top when it looks up.
-    above = cast(scene, origin, -down)
-    in_wall = (above.instance == ARCHITECTURE) & ~above.front
-    return encode(jnp.where(in_wall[..., None], jnp.float32(WALL), color))
+    return encode(jnp.where(_in_wall(scene, origin)[..., None], jnp.float32(WALL), color))
+
+
+def _in_wall(scene: Scene, origin: Float[Array, "h w 3"]) -> Bool[Array, "h w"]:
+    """Walls are closed solids: from inside one, a ray meets the back of a face, in x or in y."""
+    inside = jnp.zeros(origin.shape[:-1], bool)
+    for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)):
+        hit = cast(scene, origin, jnp.broadcast_to(jnp.array(axis, jnp.float32), origin.shape))
+        inside = inside | ((hit.instance == ARCHITECTURE) & ~hit.front)
+    return inside

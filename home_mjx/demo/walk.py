@@ -68,13 +68,14 @@ class Walker:
 
 
 def make_walker(bank: HouseBank, house: int, pos: Float[np.ndarray, " 3"], turn_per_step: float) -> Walker:
-    """A walker that visits the goals of a house nearest first, one per room before any second one."""
+    """A walker that visits other rooms first, the nearest before the farther, and no room twice before all once."""
     navigation = bank.navigation
     fields = np.asarray(navigation.field[house])
     walker = Walker(fields, np.asarray(navigation.origin[house]), bank.spec.cell, [0], turn_per_step)
     rooms = [_room(bank, house, goal) for goal in np.asarray(navigation.goal[house])]
+    seen = [_room(bank, house, pos)]
     reach = fields[:, *walker._free_cell(walker._cell(pos))]
-    order = sorted(range(len(rooms)), key=lambda g: (rooms[:g].count(rooms[g]), reach[g]))
+    order = sorted(range(len(rooms)), key=lambda g: ((seen + rooms[:g]).count(rooms[g]), reach[g]))
     walker.targets = [g for g in order if np.isfinite(reach[g])] or [0]
     return walker
 
