@@ -35,7 +35,8 @@ def fit_boxes(triangles: Float[np.ndarray, "t 3 3"], yaw: float, most: int) -> B
     size = np.maximum((high - low) / counts, 1e-9)
     occupied, surface = _voxels(sample_surface(points, SPACING * cell), low, size, counts)
     boxes = merge_boxes(cover_cells(_fill(occupied)), most, WASTE * occupied.size)
-    tight = np.array([_tighten(box, low, size, surface) for box in boxes])
+    edges = low + boxes * size
+    tight = np.array([_tighten(e, b, size, surface, occupied) for e, b in zip(edges, boxes, strict=True)])
     return box_set(tight.mean(axis=1) @ turn.T, np.diff(tight, axis=1)[:, 0] / 2, yaw)
 
 
@@ -61,18 +62,29 @@ def _fill(occupied: Bool[np.ndarray, "x y z"]) -> Bool[np.ndarray, "x y z"]:
 
 
 def _tighten(
+    edge: Float[np.ndarray, "2 3"],
     box: Int[np.ndarray, "2 3"],
-    low: Float[np.ndarray, "3"],
     size: Float[np.ndarray, "3"],
     surface: Float[np.ndarray, "x y z 2 3"],
+    occupied: Bool[np.ndarray, "x y z"],
 ) -> Float[np.ndarray, "2 3"]:
-    """Corners of a box of cells, its sides pulled in to the surface that lies in its outermost cells."""
-    inner, edge = surface[_block(box[0], box[1])], low + box * size
-    near, far = inner[..., 0, :].min(axis=(0, 1, 2)), inner[..., 1, :].max(axis=(0, 1, 2))
-    # Deeper than one cell there is no surface because the box is full there.
-    near = np.where(near - edge[0] < size, near, edge[0])
-    far = np.where(edge[1] - far < size, far, edge[1])
-    return np.stack([near, far])
+    """Corners of a box of cells, its sides pulled in to the surface that ends in its outermost cells."""
+    inner = surface[_block(box[0], box[1])]
+    tight = np.stack([inner[..., 0, :].min(axis=(0, 1, 2)), inner[..., 1, :].max(axis=(0, 1, 2))])
+    for side, axis in np.ndindex(2, 3):
+        # Deeper than one cell there is no surface because the box is full there; and a surface may go on next door.
+        deep = abs(tight[side, axis] - edge[side, axis]) > size[axis]
+        if deep or _goes_on(box, side, axis, occupied):
+            tight[side, axis] = edge[side, axis]
+    return tight
+
+
+def _goes_on(box: Int[np.ndarray, "2 3"], side: int, axis: int, occupied: Bool[np.ndarray, "x y z"]) -> bool:
+    """Whether a cell beyond a side of a box holds surface."""
+    start, stop = box.copy()
+    start[axis] = box[1, axis] if side else box[0, axis] - 1
+    stop[axis] = start[axis] + 1
+    return bool(0 <= start[axis] < occupied.shape[axis] and occupied[_block(start, stop)].any())
 
 
 def sample_surface(triangles: Float[np.ndarray, "t 3 3"], spacing: float) -> Float[np.ndarray, "p 3"]:

@@ -56,15 +56,17 @@ def load_compiled(dataset: Dataset, house_id: str, options: CompileOptions = DEF
     """
     folder = cache_folder() / _version()
     entry = folder / "houses" / f"{_key(dataset.root, house_id, options)}.npz"
+    broken = False
     try:
         return _read_house(entry, folder / "models", dataset.root)
     except FileNotFoundError:
         pass
     except BROKEN as error:
+        broken = True
         log.warning("broken cache entry %s is made again: %s", entry, error)
     house = compile_house(dataset.load_house(house_id), dataset.metadata, options)
     try:
-        _write_house(house, entry, folder / "models", dataset.root)
+        _write_house(house, entry, folder / "models", dataset.root, broken)
     except OSError as error:
         log.warning("compiled house is not cached: %s", error)
     return house
@@ -109,10 +111,11 @@ def _digest(path: Path, size: int, changed: int) -> bytes:
     return hashlib.sha256(path.read_bytes()).digest()
 
 
-def _write_house(house: CompiledHouse, entry: Path, models: Path, root: Path) -> None:
+def _write_house(house: CompiledHouse, entry: Path, models: Path, root: Path, mend: bool) -> None:
+    """Writes the house and those of its models that are not there yet, or all of them to mend what is broken."""
     for key, model in house.models.items():
         path = _model_path(models, key)
-        if not path.is_file():
+        if mend or not path.is_file():
             _write(path, *flatten(model))
     arrays, notes = flatten(house, skip=frozenset(("models",)))
     notes["materials.texture"] = [_relative(path, root) for path in house.materials.texture]
@@ -156,6 +159,6 @@ def _write(path: Path, arrays: Arrays, notes: Notes) -> None:
 
 
 def _read(path: Path) -> tuple[Arrays, Notes]:
-    with np.load(path, allow_pickle=False) as members:
+    with path.open("rb") as file, np.load(file, allow_pickle=False) as members:
         arrays = {name: members[name] for name in members.files}
     return arrays, json.loads(arrays.pop(NOTES).tobytes())

@@ -52,7 +52,7 @@ def compile_house(house: House, metadata: Metadata, options: CompileOptions = DE
         options: Sizes, counts and limits.
 
     Raises:
-        DatasetError: The house has no room, nowhere to stand, or a transform that flattens its object.
+        DatasetError: The house has no room with a mesh, or nowhere to stand.
 
     Example:
         >>> dataset = open_dataset("datasets/demo")  # doctest: +SKIP

@@ -7,7 +7,6 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.errors import DatasetError
 from home_mjx.scene_compile.boxes import BoxSet, box_of
 from home_mjx.scene_compile.compiled import Model, Rooms
 from home_mjx.scene_compile.house import Box, House, Level, Material, Mesh, Metadata, ModelInfo, Object
@@ -16,7 +15,6 @@ from home_mjx.scene_compile.mesh import Z_UP, box_triangles, make_model, to_z_up
 from home_mjx.scene_compile.plan import polygon_area, smallest_room
 
 UPRIGHT = 1e-3  # most that the vertical axis of an object may lean while it still counts as turned about it only
-THIN = 1e-3  # [m], least edge of a box
 PLAIN = Material("box", diffuse=(0.8, 0.8, 0.8), opacity=1.0)
 # Slot of each face of a Box (-x, +x, -y, +y, -z, +z in the world): GAPS's order is +y, -y, -x, +x, +z, -z in the file.
 BOX_SLOTS = (2, 3, 4, 5, 1, 0)
@@ -66,9 +64,6 @@ def place_objects(house: House, metadata: Metadata, rooms: Rooms, offset: Float[
         metadata: Categories of its models.
         rooms: Its rooms in the world frame.
         offset: Added to Z-up file coordinates [m].
-
-    Raises:
-        DatasetError: A transform flattens its object.
     """
     models = {key: library_model(key, mesh) for key, mesh in house.models.items()}
     cube = unit_cube()
@@ -76,7 +71,7 @@ def place_objects(house: House, metadata: Metadata, rooms: Rooms, offset: Float[
     for level in house.levels:
         for node in sorted((*level.objects, *level.boxes), key=lambda n: n.index):
             model = cube if isinstance(node, Box) else models[node.model_key]
-            pose = _pose(node, offset, house)
+            pose = _pose(node, offset)
             room = _room(node, level, rooms, transform(pose, model.box.astype(np.float64).mean(axis=0)))
             placed.append(
                 Placed(
@@ -113,17 +108,10 @@ def unit_cube() -> Model:
     return make_model("box", box_triangles(np.zeros(3), np.full(3, 0.5)), uv, np.repeat(BOX_SLOTS, 2))
 
 
-def _pose(node: Object | Box, offset: Float[np.ndarray, "3"], house: House) -> Float[np.ndarray, "3 4"]:
+def _pose(node: Object | Box, offset: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 4"]:
     linear, shift = node.transform[:3, :3].astype(np.float64), node.transform[:3, 3].astype(np.float64)
     if isinstance(node, Box):
-        linear = linear * np.maximum(node.dimensions, THIN)
-    if abs(np.linalg.det(linear)) < 1e-12:
-        raise DatasetError(
-            "the transform flattens its object",
-            file=house.path,
-            element=f"{node.path}.transform",
-            hint="Set `valid` to 0 or correct the matrix.",
-        )
+        linear = linear * node.dimensions
     return np.concatenate([Z_UP @ linear @ Z_UP.T, (Z_UP @ shift + offset)[:, None]], axis=1)
 
 

@@ -13,7 +13,7 @@ from home_mjx.scene_compile.plan import smallest_room
 from home_mjx.scene_compile.rectangles import cell_centers, cluster, cover
 
 SNAP = 0.06  # [m]: corners of neighbouring rooms that differ by less are one
-SAME_PLANE = 0.03  # [m]
+SAME_PLANE = 0.06  # [m]: walls may be drawn a little askew
 LEAST = 0.2  # [m], edge of a rectangle worth a reflection
 
 

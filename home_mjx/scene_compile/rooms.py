@@ -94,7 +94,9 @@ def outline(slab: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "n 2"]:
     loops = _boundary_loops(index.reshape(-1, 3))
     polygons = [_straighten(corners[loop] * MERGE) for loop in loops]
     largest = max(polygons, key=polygon_area, default=np.zeros((0, 2)))
-    return largest if polygon_area(largest) > 0 else _bounding_outline(slab)
+    area = np.linalg.norm(normal[upper], axis=1).sum() / 2
+    # Triangles that do not meet corner to corner give several loops, none of which is the outline.
+    return largest if polygon_area(largest) > 0.9 * area else _bounding_outline(slab)
 
 
 def _boundary_loops(triangles: Int[np.ndarray, "t 3"]) -> list[list[int]]:

@@ -1,0 +1,200 @@
+import dataclasses
+import multiprocessing
+import os
+import signal
+import time
+
+import numpy as np
+import pytest
+from tiny_dataset import HOUSE_ID, TABLE, edit_house, write_tiny_dataset
+
+from home_mjx.scene_compile import cache
+from home_mjx.scene_compile.bank import HouseBank
+from home_mjx.scene_compile.cache import cache_folder, load_compiled
+from home_mjx.scene_compile.compile import DEFAULT_OPTIONS, CompileOptions, compile_house
+from home_mjx.scene_compile.movables import MovableOptions
+from home_mjx.scene_compile.records import flatten
+from home_mjx.scene_compile.suncg import open_dataset
+
+
+@pytest.fixture
+def root(tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path / "cache"))
+    return write_tiny_dataset(tmp_path / "data")
+
+
+@pytest.fixture
+def compiles(monkeypatch) -> list[str]:
+    """Ids of the houses that were really compiled."""
+    done = []
+
+    def counted(house, metadata, options):
+        done.append(house.id)
+        return compile_house(house, metadata, options)
+
+    monkeypatch.setattr(cache, "compile_house", counted)
+    return done
+
+
+def load(root, options=DEFAULT_OPTIONS):
+    return load_compiled(open_dataset(root), HOUSE_ID, options)
+
+
+def assert_equal(a, b):
+    """Bit for bit, types included."""
+    (arrays, notes), (other_arrays, other_notes) = (
+        flatten(a, frozenset(("models",))),
+        flatten(b, frozenset(("models",))),
+    )
+    assert arrays.keys() == other_arrays.keys()
+    for name, array in arrays.items():
+        assert array.dtype == other_arrays[name].dtype, name
+        assert array.tobytes() == other_arrays[name].tobytes(), name
+        assert array.shape == other_arrays[name].shape, name
+    assert notes == other_notes
+    if hasattr(a, "models"):
+        assert a.models.keys() == b.models.keys()
+        for key in a.models:
+            assert_equal(a.models[key], b.models[key])
+
+
+def entries(kind: str = "houses") -> list:
+    return sorted(cache_folder().glob(f"*/{kind}/*.npz"))
+
+
+def test_what_comes_back_is_what_was_compiled(root, compiles):
+    first, second = load(root), load(root)
+    assert compiles == [HOUSE_ID]
+    assert_equal(first, second)
+    dataset = open_dataset(root)
+    assert_equal(second, compile_house(dataset.load_house(HOUSE_ID), dataset.metadata))
+
+
+def test_the_real_house_comes_back_and_fast(suncg_root, tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path))
+    dataset = open_dataset(suncg_root)
+    first = load_compiled(dataset, dataset.house_ids[0])
+    start = time.perf_counter()
+    second = load_compiled(open_dataset(suncg_root), dataset.house_ids[0])
+    assert time.perf_counter() - start < 2.0  # 0.05 s where nothing else runs and types are not checked
+    assert_equal(first, second)
+
+
+def test_models_are_stored_once(root, tmp_path):
+    load(root)
+    count = len(entries("models"))
+    edit_house(root, lambda house: house["levels"][0]["nodes"][0].update(roomTypes=["Bedroom"]))
+    load(root)
+    assert len(entries("houses")) == 2
+    assert len(entries("models")) == count
+
+
+def replace_in(path, old: str, new: str):
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda root: edit_house(root, lambda house: house["levels"][0]["nodes"][2].pop("materials")),
+        lambda root: replace_in(root / "object" / TABLE / f"{TABLE}.mtl", "0.8", "0.7"),
+        lambda root: replace_in(root / "metadata" / "ModelCategoryMapping.csv", "dining_table", "coffee_table"),
+    ],
+)
+def test_a_changed_input_is_compiled_again(root, compiles, change):
+    load(root)
+    change(root)
+    load(root)
+    assert len(compiles) == 2
+
+
+def test_changed_options_are_compiled_again(root, compiles):
+    load(root)
+    load(root, CompileOptions(movables=MovableOptions(max_bodies=0)))
+    assert len(compiles) == 2
+
+
+def test_a_moved_dataset_is_found_again(root, compiles, tmp_path):
+    before = load(root)
+    moved = root.rename(tmp_path / "elsewhere")
+    after = load(moved)
+    assert compiles == [HOUSE_ID]
+    assert [t for t in after.materials.texture if t] == [
+        t.replace(str(root), str(moved)) for t in before.materials.texture if t
+    ]
+    assert all(os.path.isfile(t) for t in after.materials.texture if t)
+
+
+@pytest.mark.parametrize("kind", ["houses", "models"])
+@pytest.mark.parametrize("damage", ["cut", "flip", "empty", "text"])
+def test_broken_entries_are_found_and_made_again(root, compiles, kind, damage):
+    good = load(root)
+    for path in entries(kind):
+        data = bytearray(path.read_bytes())
+        if damage == "flip":
+            data[len(data) // 2] ^= 0xFF
+        new = {"cut": data[: len(data) // 2], "flip": data, "empty": b"", "text": b"no archive"}[damage]
+        path.write_bytes(new)
+    assert_equal(load(root), good)
+    assert len(compiles) == 2
+    assert_equal(load(root), good)
+    assert len(compiles) == 2
+
+
+def test_a_missing_model_is_made_again(root, compiles):
+    good = load(root)
+    entries("models")[0].unlink()
+    assert_equal(load(root), good)
+    assert len(compiles) == 2
+
+
+def test_an_unwritable_folder_only_costs_time(root, compiles, tmp_path, monkeypatch):
+    (tmp_path / "file").write_text("in the way")
+    monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path / "file" / "cache"))
+    assert_equal(load(root), load(root))
+    assert len(compiles) == 2
+
+
+def _write_forever(path):
+    arrays = {"a": np.zeros((1000, 1000))}
+    while True:
+        cache._write(path, arrays, {})
+
+
+def test_killed_writers_leave_no_half_entry(tmp_path):
+    path = tmp_path / "entry.npz"
+    context = multiprocessing.get_context("fork" if os.name == "posix" else "spawn")
+    for _ in range(3):
+        writer = context.Process(target=_write_forever, args=(path,))
+        writer.start()
+        while not path.exists():
+            time.sleep(0.001)
+        time.sleep(0.02)
+        os.kill(writer.pid, signal.SIGKILL)
+        writer.join()
+        arrays, _ = cache._read(path)
+        assert arrays["a"].shape == (1000, 1000)
+    assert [p.name for p in tmp_path.glob("*.npz")] == ["entry.npz"]
+
+
+def test_folder_follows_the_environment(monkeypatch, tmp_path):
+    monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path / "own"))
+    assert cache_folder() == tmp_path / "own"
+    monkeypatch.delenv("HOME_MJX_CACHE")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert cache_folder() == tmp_path / "home_mjx"
+    monkeypatch.delenv("XDG_CACHE_HOME")
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert cache_folder() == tmp_path / ".cache" / "home_mjx"
+
+
+def test_a_bank_of_a_dataset_holds_its_houses(root, compiles):
+    bank = HouseBank.from_dataset(root, ids=[HOUSE_ID, HOUSE_ID])
+    assert bank.num_houses == 2
+    assert HouseBank.from_dataset(open_dataset(root), limit=1).num_houses == 1
+    assert compiles == [HOUSE_ID]
+    fields = {f.name: np.asarray(getattr(bank.physics, f.name)) for f in dataclasses.fields(bank.physics)}
+    for name, values in fields.items():
+        np.testing.assert_array_equal(values[0], values[1], err_msg=name)
