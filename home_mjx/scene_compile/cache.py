@@ -41,7 +41,12 @@ def cache_folder() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser() / "home_mjx"
 
 
-def load_compiled(dataset: Dataset, house_id: str, options: CompileOptions = DEFAULT_OPTIONS) -> CompiledHouse:
+def load_compiled(
+    dataset: Dataset,
+    house_id: str,
+    options: CompileOptions = DEFAULT_OPTIONS,
+    library: dict[str, Model] | None = None,
+) -> CompiledHouse:
     """A compiled house, from the cache if nothing it depends on has changed.
 
     A broken entry is compiled and written again; a folder that cannot be written to only costs time.
@@ -50,15 +55,17 @@ def load_compiled(dataset: Dataset, house_id: str, options: CompileOptions = DEF
         dataset: An open dataset.
         house_id: Which house.
         options: How to compile it.
+        library: Models by key that other houses have brought; new ones are added, so that houses share them.
 
     Raises:
         DatasetError: The house is unknown or broken.
     """
+    library = {} if library is None else library
     folder = cache_folder() / _version()
     entry = folder / "houses" / f"{_key(dataset.root, house_id, options)}.npz"
     broken = False
     try:
-        return _read_house(entry, folder / "models", dataset.root)
+        return _read_house(entry, folder / "models", dataset.root, library)
     except FileNotFoundError:
         pass
     except BROKEN as error:
@@ -69,7 +76,7 @@ def load_compiled(dataset: Dataset, house_id: str, options: CompileOptions = DEF
         _write_house(house, entry, folder / "models", dataset.root, broken)
     except OSError as error:
         log.warning("compiled house is not cached: %s", error)
-    return house
+    return replace(house, models={key: library.setdefault(key, model) for key, model in house.models.items()})
 
 
 @functools.cache
@@ -122,11 +129,13 @@ def _write_house(house: CompiledHouse, entry: Path, models: Path, root: Path, me
     _write(entry, arrays, notes)
 
 
-def _read_house(entry: Path, models: Path, root: Path) -> CompiledHouse:
+def _read_house(entry: Path, models: Path, root: Path, library: dict[str, Model]) -> CompiledHouse:
     arrays, notes = _read(entry)
     keys = dict.fromkeys(notes["instances.model"])
-    library = {key: rebuild(Model, *_read(_model_path(models, key))) for key in keys}
-    house = rebuild(CompiledHouse, arrays, notes, models=library)
+    for key in keys:
+        if key not in library:
+            library[key] = rebuild(Model, *_read(_model_path(models, key)))
+    house = rebuild(CompiledHouse, arrays, notes, models={key: library[key] for key in keys})
     texture = tuple(_absolute(path, root) for path in house.materials.texture)
     return replace(house, materials=replace(house.materials, texture=texture))
 

@@ -44,7 +44,7 @@ def obstacle_points(compiled: CompiledHouse, skip: tuple[str, ...]) -> np.ndarra
         if compiled.instances.body[i] < 0 and (i == ARCHITECTURE or category not in skip):
             triangle = world_triangles(compiled, i)
             mesh = trimesh.Trimesh(triangle.reshape(-1, 3), np.arange(3 * len(triangle)).reshape(-1, 3), process=False)
-            points.append(trimesh.sample.sample_surface(mesh, 40_000, seed=0)[0])
+            points.append(trimesh.sample.sample_surface(mesh, int(500 * mesh.area) + 500, seed=0)[0])
     points = np.concatenate(points)
     return points[(points[:, 2] > 0.05 + 0.04) & (points[:, 2] < 0.05 + 1.6)][:, :2]
 

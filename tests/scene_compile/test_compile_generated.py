@@ -13,7 +13,7 @@ from home_mjx.scene_compile.suncg import open_dataset
 @pytest.fixture(scope="module")
 def houses(tmp_path_factory) -> list[CompiledHouse]:
     root = tmp_path_factory.mktemp("generated")
-    ids = generate_dataset(root, range(3))
+    ids = generate_dataset(root, range(2))
     dataset = open_dataset(root)
     return [compile_house(dataset.load_house(i), dataset.metadata) for i in ids]
 
