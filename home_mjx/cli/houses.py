@@ -6,6 +6,7 @@ from pathlib import Path
 
 from home_mjx.scene_compile.compiled import CompiledHouse
 from home_mjx.scene_compile.house import House, Metadata
+from home_mjx.scene_compile.suncg import Dataset, open_dataset
 
 
 def add_dataset_option(parser: argparse.ArgumentParser) -> None:
@@ -32,10 +33,13 @@ def load_house(args: argparse.Namespace) -> tuple[House, Metadata]:
     Raises:
         DatasetError: If the dataset cannot be read or has no such house.
     """
-    from home_mjx.scene_compile.suncg import open_dataset
-
-    dataset = open_dataset(args.suncg or _generated_root())
+    dataset = open_named_dataset(args)
     return dataset.load_house(args.house or dataset.house_ids[0]), dataset.metadata
+
+
+def open_named_dataset(args: argparse.Namespace) -> Dataset:
+    """The dataset that the arguments name, by default one of generated houses."""
+    return open_dataset(args.suncg or _generated_root())
 
 
 def compile_named_house(args: argparse.Namespace) -> CompiledHouse:

@@ -1,20 +1,26 @@
-"""Count what a house holds, as read and as compiled."""
+"""Count what a house holds, as read and as compiled, or validate it."""
 
 import argparse
 import json
 import sys
+from dataclasses import asdict
 
-from home_mjx.cli.houses import add_house_arguments, load_house
+from home_mjx.cli.houses import add_house_arguments, load_house, open_named_dataset
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the options of `home-mjx inspect`."""
     add_house_arguments(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument(
+        "--validate", action="store_true", help="instead report everything that is wrong; exit code 1 if errors are"
+    )
 
 
 def run(args: argparse.Namespace) -> int:
-    """Prints the counts and everything odd that was tolerated."""
+    """Prints the counts and everything odd that was tolerated, or with `--validate` what is wrong."""
+    if args.validate:
+        return _validate(args)
     from home_mjx.scene_compile.compile import compile_house
 
     house, metadata = load_house(args)
@@ -30,3 +36,20 @@ def run(args: argparse.Namespace) -> int:
     for problem in problems:
         sys.stdout.write(f"tolerated: {problem}\n")
     return 0
+
+
+def _validate(args: argparse.Namespace) -> int:
+    """Prints the findings, or one JSON object of them; 1 if there are errors, else 0."""
+    from home_mjx.scene_compile.suncg.validate import validate_house
+
+    dataset = open_named_dataset(args)
+    house_id = args.house or dataset.house_ids[0]
+    findings = validate_house(dataset, house_id)
+    errors = sum(finding.severity == "error" for finding in findings)
+    if args.json:
+        listed = [{"severity": finding.severity, **asdict(finding)} for finding in findings]
+        sys.stdout.write(json.dumps({"id": house_id, "errors": errors, "findings": listed}) + "\n")
+    else:
+        sys.stdout.writelines(f"{finding.severity}: {finding}\n" for finding in findings)
+        sys.stdout.write(f"{house_id}: {errors} errors, {len(findings) - errors} warnings\n")
+    return int(errors > 0)

@@ -5,9 +5,19 @@ import shutil
 from collections.abc import Callable
 from pathlib import Path
 
-from scene_compile.tiny_dataset import DEPTH, HEIGHT, HOUSE_ID, WIDTH, edit_house, write_json, write_tiny_dataset
+from scene_compile.tiny_dataset import (
+    DEPTH,
+    HEIGHT,
+    HOUSE_ID,
+    WIDTH,
+    edit_house,
+    union,
+    write_json,
+    write_tiny_dataset,
+)
 
 DOOR_HOLE = {"id": "0_3", "modelId": "9002", "type": "Door", "box": {"min": [0.62, 0.04], "max": [1.38, 2.1]}}
+OUTER = 0.1 / 19  # [m], by which the outer half of a wall overlaps the inner one
 CORNERS = ((0.0, 0.0), (WIDTH, 0.0), (WIDTH, DEPTH), (0.0, DEPTH))  # (x, z), interior to the right of the way
 
 
@@ -15,9 +25,19 @@ def write_tiny_v2(root: Path, house_id: str = HOUSE_ID) -> Path:
     """Writes the dataset below `root` and returns `root`."""
     write_tiny_dataset(root, house_id)
     shutil.rmtree(root / "room")
-    edit_house(root, lambda document: document.update(version="suncg@1.0.2"), house_id)
+    edit_house(root, _to_v2, house_id)
     write_json(arch_path(root, house_id), arch_document(house_id))
     return root
+
+
+def _to_v2(document: dict) -> None:
+    """The version, and boxes of the meshes that SUNCG builds: walls to both sides of their line, wider floors."""
+    document["version"] = "suncg@1.0.2"
+    level = document["levels"][0]
+    out = OUTER - 0.1 / 2
+    level["nodes"][0]["bbox"] = {"min": [out, 0, out], "max": [WIDTH - out, 2.74, DEPTH - out]}
+    level["nodes"][1]["bbox"] = {"min": [-2.02, -0.04, -2.02], "max": [6.02, 0.04, -0.48]}
+    document["bbox"] = level["bbox"] = union(level["nodes"])
 
 
 def arch_path(root: Path, house_id: str = HOUSE_ID) -> Path:

@@ -139,6 +139,9 @@ def read_architecture(path: Path, textures: Textures, note: Note) -> Architectur
     version, scale = document.member("version"), document.member("scaleToMeters")
     if not version.present or not version.text().startswith("suncg-arch"):
         note(version, "format-version", "expected suncg-arch@1.0.0 or suncg-arch@1.0.2: read as such")
+    house_id = document.member("id")
+    if house_id.present and house_id.data != path.parent.name:
+        note(house_id, "house-id", f"expected {path.parent.name}, the folder's name: ignored")
     if scale.present and not 1e-4 <= scale.number() <= 1e4:
         raise scale.error(f"expected metres per unit, got {scale.number():g}", "SUNCG writes 1.")
     elements: dict[tuple[str, str], list[Value]] = defaultdict(list)

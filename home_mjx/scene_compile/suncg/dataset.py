@@ -60,7 +60,7 @@ class Dataset:
         Raises:
             DatasetError: There is no such house, or a file that it needs is missing or broken.
         """
-        self._check_known(house_id)
+        self.check_known(house_id)
         return read_house(house_id, self.assets, options, self._left_out(options))
 
     def load_model(self, key: str) -> Mesh:
@@ -72,7 +72,8 @@ class Dataset:
         place = Value(self.root / "object", "", key)
         return self.assets.model(place.name(), key, place)
 
-    def _check_known(self, house_id: str) -> None:
+    def check_known(self, house_id: str) -> None:
+        """Raises `DatasetError` if there is no such house."""
         if house_id not in self._known:
             where = self.root / "house"
             raise DatasetError(f"unknown house `{house_id}`", file=where, hint=did_you_mean(house_id, self.house_ids))

@@ -58,7 +58,7 @@ def build_house(document: Value, reading: Reading) -> House:
         path=document.file,
         levels=tuple(level for level in levels if level is not None),
         models=reading.models,
-        problems=tuple(reading.problems),
+        problems=tuple(problem for _, problem in reading.notes),
     )
 
 

@@ -53,12 +53,12 @@ class Reading:
     scale: float = 1.0  # [m] per unit of the file
     models: dict[str, Mesh] = field(default_factory=dict)
     parts: dict[str, Mesh] = field(default_factory=dict)  # of rooms and grounds, by the stem of their OBJ
-    problems: list[Problem] = field(default_factory=list)
+    notes: list[tuple[Place, Problem]] = field(default_factory=list)
     errors: list[DatasetError] | None = None  # if a list, a broken node is put there and left out
 
     def note(self, place: Place, rule: str, message: str) -> None:
         """Keeps an oddity that was tolerated, under the name of the rule that it breaks."""
-        self.problems.append(Problem(printable(place.element), printable(message), rule))
+        self.notes.append((place, Problem(printable(place.element), printable(message), rule)))
 
     def attempt(self, read: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T | None:
         """What `read` returns; None if it raises a `DatasetError` and errors are gathered."""

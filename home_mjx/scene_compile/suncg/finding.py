@@ -1,0 +1,89 @@
+"""What the validator says: findings, and the rules that they break."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+Severity = Literal["error", "warning"]
+
+
+class Rule(NamedTuple):
+    """One thing that is checked."""
+
+    severity: Severity  # error: something is lost or contradicts itself; warning: odd, but usable
+    meaning: str
+
+
+RULES: Mapping[str, Rule] = {
+    # whole files
+    "unreadable": Rule("error", "a file or value that is missing, broken or out of its format"),
+    "format-version": Rule("warning", "a version that is neither SUNCG v1 nor v2"),
+    "house-id": Rule("error", "an id that is not the name of the folder, by which other readers find the rooms"),
+    "axes": Rule("warning", "other axes than up +y and front +z"),
+    "nothing-shown": Rule("error", "a house without any node that is shown"),
+    "unknown-field": Rule("warning", "a field that the format does not have"),
+    # nodes
+    "empty-level": Rule("warning", "a level without a list of nodes"),
+    "empty-node": Rule("warning", "an empty node"),
+    "node-type": Rule("warning", "a node of an unknown type"),
+    "missing-id": Rule("warning", "a level or node without an id"),
+    "duplicate-id": Rule("error", "two nodes of one id"),
+    "id-position": Rule("warning", "an id that is not <level>_<position in its list>"),
+    "missing-transform": Rule("error", "an object or box without a transform"),
+    "flat-transform": Rule("error", "a transform that flattens everything"),
+    "mirror-flag": Rule("error", "isMirrored says other than the sign of the transform's determinant"),
+    "missing-mirror-flag": Rule("warning", "a mirrored node without isMirrored"),
+    "missing-variant": Rule("error", "a state for which the model has no variant"),
+    "flat-box": Rule("error", "a box without volume"),
+    "backdrop": Rule("warning", "a box of 20 m and more, that is, a landscape"),
+    "unknown-model": Rule("warning", "a model without a row in ModelCategoryMapping.csv"),
+    # boxes
+    "missing-bbox": Rule("warning", "no bounding box"),
+    "inverted-bbox": Rule("error", "a bounding box whose minimum is above its maximum"),
+    "bbox-mismatch": Rule("error", "a bounding box that is not that of the base model's vertices"),
+    "room-bbox": Rule("warning", "a room or ground that reaches out of its bounding box"),
+    "level-bbox": Rule("warning", "a bounding box of a level or house that is not that of its nodes or levels"),
+    # rooms
+    "room-type": Rule("warning", "an unknown room type"),
+    "missing-part": Rule("error", "a room or ground without the mesh of a part that is not hidden"),
+    "member-index": Rule("error", "nodeIndices beyond the level's nodes"),
+    "repeated-member": Rule("warning", "nodeIndices that list a node twice"),
+    "shared-member": Rule("warning", "nodeIndices of two rooms that list one node"),
+    "hidden-member": Rule("warning", "nodeIndices that list a node that is not shown"),
+    "member-type": Rule("error", "nodeIndices that list a room or ground"),
+    "room-overlap": Rule("warning", "two rooms of a level that overlap or nest"),
+    "outside-rooms": Rule("warning", "an object or box outside of every room and ground"),
+    "door-off-wall": Rule("warning", "a door, window or arch that stands in no wall"),
+    "flat-wall": Rule("warning", "a wall without length"),
+    "element-type": Rule("warning", "an architectural element of an unknown type"),
+    # materials
+    "extra-materials": Rule("warning", "more materials than the model has slots"),
+    "unused-slot": Rule("warning", "a material slot without faces"),
+    "missing-slot": Rule("warning", "faces without a material"),
+    "texture-broken": Rule("error", "a texture that does not decode"),
+    "texture-type": Rule("warning", "a texture whose name has the extension of another kind of image"),
+}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that is wrong with a house.
+
+    Example:
+        >>> finding = Finding("house.json", "levels[0].nodes[3].bbox", "bbox-mismatch", "0.57 m off")
+        >>> print(finding.severity, finding)
+        error house.json: levels[0].nodes[3].bbox: 0.57 m off [bbox-mismatch]
+    """
+
+    file: str
+    element: str
+    rule: str  # key of RULES
+    message: str
+
+    @property
+    def severity(self) -> Severity:
+        """How bad it is."""
+        return RULES[self.rule].severity
+
+    def __str__(self) -> str:
+        return ": ".join(part for part in (self.file, self.element, self.message) if part) + f" [{self.rule}]"
