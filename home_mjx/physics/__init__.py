@@ -7,6 +7,7 @@ Usable alone:
     data = step(template, bank, house, data, action)
 """
 
+from home_mjx.physics import quiet_mjx as _first  # noqa: F401
 from home_mjx.physics.config import PhysicsConfig
 from home_mjx.physics.dynamics import (
     Template,
