@@ -1,4 +1,4 @@
-"""How a compiler that spreads a program over devices may cut a cast: by environments and by rays, never the geometry."""
+"""How a compiler that spreads a program over devices may cut a cast: by environments and rays, never the geometry."""
 
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -8,7 +8,7 @@ from jax.experimental.custom_partitioning import custom_partitioning
 from jax.interpreters.mlir import ir
 from jax.sharding import NamedSharding, PartitionSpec
 
-from home_mjx.raycast_render.types import RawHit, Rays
+from home_mjx.raycast_render.types import RawHit
 
 NUM_PLACES = 9  # arrays with a leading axis of environments: the house and the fields of Moving
 NUM_RAYS = 6  # fields of Rays
@@ -21,8 +21,7 @@ def partitioned(run: Callable[..., RawHit]) -> Callable[..., RawHit]:
     """
 
     def partition(mesh: Any, arguments: Any, results: Any) -> Any:
-        rays: Rays = arguments[3]
-        by_env, by_ray = (*rays.t_min.sharding.spec, None, None)[:2]
+        by_env, by_ray = (*arguments[3].t_min.sharding.spec, None, None)[:2]
         specs = PartitionSpec(), PartitionSpec(by_env), PartitionSpec(by_env), PartitionSpec(by_env, by_ray)
         shardings = [NamedSharding(mesh, spec) for spec in specs]
         spread = tuple(jax.tree.map(lambda _, s=s: s, x) for s, x in zip(shardings, arguments, strict=True))

@@ -250,7 +250,8 @@ def _intersect(
     plus = jnp.roll(x, 1, axis=2) * jnp.roll(y, -1, axis=2)
     minus = jnp.roll(y, 1, axis=2) * jnp.roll(x, -1, axis=2)
     positive, negative = jnp.all(plus >= minus, axis=2), jnp.all(plus <= minus, axis=2)
-    edge = jnp.where(positive[..., None], jnp.maximum(plus - minus, 0), jnp.minimum(plus - minus, 0))
+    edge = jnp.where(plus == minus, 0, plus - minus)
+    edge = jnp.where(positive[..., None], jnp.maximum(edge, 0), jnp.minimum(edge, 0))
     total = jnp.sum(edge, axis=2)
     meets = (positive | negative) & (total != 0)
     weight = edge / jnp.where(meets, total, 1)[..., None]

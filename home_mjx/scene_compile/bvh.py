@@ -19,6 +19,7 @@ MAX_DEPTH = 32  # levels of child links; the ray casters size their stacks by it
 MAX_LEAF = 15  # a leaf code has four bits for the count
 MAX_PRIMITIVES = 1 << 27
 EMPTY = -1  # code of an empty leaf
+SLACK = 1e-6  # of the greatest coordinate, by which boxes grow: a ray may run in a face, where rounding would lose it
 
 
 def build_tree(boxes: Float[np.ndarray, "n 2 3"], leaf_size: int = 4) -> tuple[Tree, Int[np.ndarray, " n"]]:
@@ -43,7 +44,8 @@ def build_tree(boxes: Float[np.ndarray, "n 2 3"], leaf_size: int = 4) -> tuple[T
     """
     _check(boxes, leaf_size)
     box, child, order, count = _build(np.asarray(boxes, np.float32).reshape(-1, 6), leaf_size)
-    return Tree(box=box[:count], child=child[:count]), order
+    slack = np.float32(SLACK * np.abs(boxes).max(initial=0))
+    return Tree(box=box[:count] + np.repeat([-slack, slack], 3), child=child[:count]), order
 
 
 def build_triangle_tree(
