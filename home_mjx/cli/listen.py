@@ -45,8 +45,6 @@ def run(args: argparse.Namespace) -> int:
     for name, samples in (("heard.wav", heard), ("response.wav", response)):
         write_wav(args.out / name, samples.astype(np.float32), config.sample_rate)
         sys.stdout.write(f"{args.out / name}\n")
-    distance = float(np.linalg.norm(source - view.position))
-    sys.stdout.write(
-        f"source at {np.round(source, 2)} m, head at {np.round(view.position, 2)} m, {distance:.2f} m apart\n"
-    )
+    distance = np.linalg.norm(source - view.position)
+    sys.stdout.write(f"source {np.round(source, 2)} m, head {np.round(view.position, 2)} m: {distance:.2f} m apart\n")
     return 0

@@ -35,7 +35,7 @@ def add_viewpoint_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--at", type=float, nargs=2, metavar=("X", "Y"), help="where to stand [m] (default: where an agent would start)"
     )
-    parser.add_argument("--yaw", type=float, help="direction of view [degrees] from +x (default: to the middle)")
+    parser.add_argument("--yaw", type=float, help="direction of view [degrees] from +x (default: the longest view)")
 
 
 def stand(args: argparse.Namespace) -> Viewpoint:
@@ -50,6 +50,20 @@ def stand(args: argparse.Namespace) -> Viewpoint:
     feet = start if args.at is None else np.array([*args.at, start[2]], np.float32)
     house, nobody = jnp.zeros((), jnp.int32), (jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32))
     scene = make_scene(bank, house, bank.physics.body_pos[0], bank.physics.body_quat[0], *nobody)
-    yaw = np.arctan2(-feet[1], -feet[0]) if args.yaw is None else np.deg2rad(args.yaw)
+    yaw = longest_view(bank, feet) if args.yaw is None else np.deg2rad(args.yaw)
     quat = camera_quat(jnp.float32(yaw), jnp.zeros((), jnp.float32))
     return Viewpoint(bank, scene, feet + np.array([0, 0, EYE_HEIGHT], np.float32), np.asarray(quat))
+
+
+def longest_view(bank: HouseBank, feet: np.ndarray) -> float:
+    """The direction [rad] in which one could walk farthest from `feet` (3,) in the bank's first house."""
+    navigation, cell = bank.navigation, bank.spec.cell
+    free, origin = np.asarray(navigation.free[0]), np.asarray(navigation.origin[0])
+    yaw = np.linspace(-np.pi, np.pi, 72, endpoint=False)
+    reach = np.arange(1, max(free.shape)) * cell
+    points = feet[:2] + reach[None, :, None] * np.stack([np.cos(yaw), np.sin(yaw)], -1)[:, None]
+    index = np.floor((points - origin) / cell).astype(int)
+    inside = ((index >= 0) & (index < free.shape[::-1])).all(-1)
+    x, y = np.clip(index, 0, np.array(free.shape[::-1]) - 1).transpose(2, 0, 1)
+    steps = np.cumprod(inside & free[y, x], axis=1).sum(1)
+    return float(yaw[np.argmax(steps)])

@@ -1,0 +1,106 @@
+"""The subcommands do what they say, on generated houses."""
+
+import json
+import wave
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from home_mjx.cli import main
+from home_mjx.scene_compile.generate import generate_dataset
+
+RECORD = ["case", "value", "unit", "num_envs", "device", "versions", "compile_seconds", "peer", "peer_value", "ratio"]
+
+
+@pytest.fixture(scope="module")
+def houses(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    root = tmp_path_factory.mktemp("houses")
+    generate_dataset(root, range(2))
+    return root
+
+
+def test_generate_writes_what_inspect_counts(tmp_path: Path, capsys: pytest.CaptureFixture):
+    assert main(["generate", str(tmp_path / "new"), "--seeds", "5:7"]) == 0
+    written = sorted(path.parent.name for path in (tmp_path / "new").glob("house/*/house.json"))
+    assert len(written) == 2
+    capsys.readouterr()
+    assert main(["inspect", written[1], "--suncg", str(tmp_path / "new"), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    house = json.loads((tmp_path / "new" / "house" / written[1] / "house.json").read_text())
+    nodes = [node["type"] for level in house["levels"] for node in level["nodes"]]
+    assert found["id"] == written[1]
+    assert found["counts"]["rooms"] == nodes.count("Room") >= 3
+    assert found["counts"]["objects"] == nodes.count("Object") >= 12
+    assert found["problems"] == []
+
+
+def test_inspect_counts_of_the_real_house(suncg_root: Path, capsys: pytest.CaptureFixture):
+    assert main(["inspect", "--suncg", str(suncg_root), "--json"]) == 0
+    counts = json.loads(capsys.readouterr().out)["counts"]
+    wanted = {"levels": 1, "rooms": 4, "objects": 43, "architecture parts": 12, "triangles": 102_076}
+    assert {name.replace("_", " "): counts[name] for name in counts if name.replace("_", " ") in wanted} == wanted
+
+
+def test_inspect_prints_a_table(houses: Path, capsys: pytest.CaptureFixture):
+    assert main(["inspect", "--suncg", str(houses)]) == 0
+    rows = [line.rsplit(maxsplit=1) for line in capsys.readouterr().out.splitlines()[2:]]
+    assert [name for name, _ in rows if name in ("rooms", "objects")] == ["rooms", "objects"]
+
+
+def test_unknown_house_is_one_message(houses: Path, capsys: pytest.CaptureFixture):
+    assert main(["inspect", "nowhere", "--suncg", str(houses)]) == 2
+    assert "unknown house `nowhere`" in capsys.readouterr().err
+
+
+def test_compiled_mjcf_opens_in_mujoco(houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture):
+    import mujoco
+
+    assert main(["compile", "--suncg", str(houses), "--out", str(tmp_path)]) == 0
+    path = Path(capsys.readouterr().out.splitlines()[0])
+    model = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(model)
+    mujoco.mj_step(model, data, 10)
+    assert np.isfinite(data.qpos).all()
+    assert model.nmesh > 0
+
+
+def test_render_writes_pictures(houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture):
+    assert main(["render", "--suncg", str(houses), "--size", "32", "24", "--out", str(tmp_path)]) == 0
+    images = {line.rsplit("/")[-1]: np.asarray(Image.open(line)) for line in capsys.readouterr().out.splitlines()}
+    assert {image.shape for image in images.values()} == {(24, 32, 3)}
+    assert images["rgb.png"].std() > 5
+    assert len(np.unique(images["depth.png"].reshape(-1, 3), axis=0)) > 20
+    assert len(np.unique(images["instance.png"].reshape(-1, 3), axis=0)) >= 2
+
+
+def test_listen_hears_the_source_after_its_delay(houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture):
+    assert main(["listen", "--suncg", str(houses), "--out", str(tmp_path), "--clip", "tone"]) == 0
+    metres = float(capsys.readouterr().out.split(": ")[-1].split()[0])
+    with wave.open(str(tmp_path / "response.wav")) as file:
+        assert (file.getnchannels(), file.getframerate()) == (2, 16000)
+        samples = np.frombuffer(file.readframes(file.getnframes()), "<i2").reshape(-1, 2)
+    first = np.abs(samples).max(1).nonzero()[0][0]
+    assert abs(first / 16000 * 343.2 - metres) < 0.3  # the head is 0.09 m in radius
+    assert (tmp_path / "heard.wav").stat().st_size > 2 * 2 * 16000
+
+
+def test_bench_prints_json_lines(houses: Path, capsys: pytest.CaptureFixture):
+    assert main(["bench", "load", "--json", "--suncg", str(houses), "--houses", "2"]) == 0
+    (record,) = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert [*RECORD, "note"] == list(record)
+    assert (record["case"], record["unit"]) == ("load/houses", "houses/s")
+    assert 0 < record["value"] < 1e4
+    assert record["note"].startswith("2 houses of")
+
+
+def test_bench_of_rays_names_batch_and_compile_time(houses: Path, capsys: pytest.CaptureFixture):
+    args = ["--json", "--suncg", str(houses), "--houses", "2", "--envs", "2", "--seconds", "1"]
+    assert main(["bench", "rays/primary-depth", *args]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["num_envs"] == 2
+    assert record["compile_seconds"] > 0
+    assert record["value"] > 1e4
+    assert record["peer"].startswith("Embree")
+    assert record["ratio"] == pytest.approx(record["value"] / record["peer_value"])
