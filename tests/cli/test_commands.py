@@ -81,7 +81,7 @@ def test_listen_hears_the_source_after_its_delay(houses: Path, tmp_path: Path, c
     with wave.open(str(tmp_path / "response.wav")) as file:
         assert (file.getnchannels(), file.getframerate()) == (2, 16000)
         samples = np.frombuffer(file.readframes(file.getnframes()), "<i2").reshape(-1, 2)
-    first = np.abs(samples).max(1).nonzero()[0][0]
+    first = np.argmax(np.abs(samples).max(1) > 0.1 * 32767)  # the direct sound; band-limited, so it swells up
     assert abs(first / 16000 * 343.2 - metres) < 0.3  # the head is 0.09 m in radius
     assert (tmp_path / "heard.wav").stat().st_size > 2 * 2 * 16000
 
