@@ -1,1 +1,1 @@
-"""To be written."""
+"""From datasets of houses to the arrays of the engines: reader, generator, compiler, cache and bank."""

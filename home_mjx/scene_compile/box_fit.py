@@ -45,7 +45,7 @@ def _voxels(
 ) -> tuple[Bool[np.ndarray, "x y z"], Float[np.ndarray, "x y z 2 3"]]:
     """Which cells hold points, and the bounds of those in each (inside out where there are none)."""
     index = np.clip(((points - low) / size).astype(int), 0, counts - 1)
-    flat = np.ravel_multi_index(tuple(index.T), tuple(counts))
+    flat = np.asarray(np.ravel_multi_index(tuple(index.T), tuple(counts)))
     order = np.argsort(flat)
     cells, first = np.unique(flat[order], return_index=True)
     occupied = np.zeros(counts.prod(), bool)

@@ -23,7 +23,7 @@ def ragged_class(count: int) -> int:
 
     Example:
         >>> ragged_class(1000), ragged_class(102_076)
-        (1024, 106496)
+        (1024, 114688)
     """
     step = 64
     while step * 8 < count:
