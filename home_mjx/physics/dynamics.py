@@ -13,7 +13,7 @@ from home_mjx.physics.config import PhysicsConfig
 from home_mjx.physics.control import motor_forces
 from home_mjx.physics.house_model import MovableBodies, house_model, movable_bodies, with_slots
 from home_mjx.physics.layout import Layout
-from home_mjx.physics.slots import Boxes, fill, parked
+from home_mjx.physics.slots import FLAT, Boxes, fill, parked
 from home_mjx.physics.template_mjcf import template_mjcf
 from home_mjx.scene_compile.bank import BankSpec, HouseBank, Physics
 
@@ -97,9 +97,15 @@ def step(
 
 
 def static_boxes(template: Template, physics: Physics, house: Int[Array, ""]) -> Boxes:
-    """The static boxes of a house, and as many parked ones as it takes to fill all slots of an owner."""
+    """The static boxes of a house that rise above its floor, and enough parked ones to fill all slots of an owner.
+
+    What lies in or flat on the floor is parked, too: the floor plane is there already, and an agent that stands on a
+    rug touches "nothing but the floor".
+    """
     own = Boxes(physics.collider_pos[house], physics.collider_quat[house], physics.collider_size[house])
-    missing = max(template.config.agent_slots, template.config.body_slots) - own.pos.shape[0]
+    above = own.top > physics.floor[house] + jnp.float32(FLAT)
+    own = jax.tree.map(lambda x, y: jnp.where(above[:, None], x, y), own, parked(above.shape[0]))
+    missing = max(template.config.agent_slots, template.config.body_slots) - above.shape[0]
     return jax.tree.map(lambda x, y: jnp.concatenate([x, y]), own, parked(missing)) if missing > 0 else own
 
 

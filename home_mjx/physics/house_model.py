@@ -8,7 +8,7 @@ from mujoco import mjx
 
 from home_mjx.physics.layout import Layout
 from home_mjx.physics.slots import Boxes
-from home_mjx.physics.template_mjcf import PARKED_HEIGHT, PARKED_MASS, PARKED_SIZE
+from home_mjx.physics.template_mjcf import CORNER_RADIUS, CORNERS, PARKED_HEIGHT, PARKED_MASS, PARKED_SIZE
 from home_mjx.scene_compile.bank import Physics
 from home_mjx.scene_compile.pytree import Pytree
 
@@ -53,14 +53,14 @@ def house_model(model: mjx.Model, layout: Layout, bodies: MovableBodies, floor: 
     For a free body whose inertial frame is its own, `mj_setConst` gives `body_invweight0` = (1/m, mean of 1/I),
     `dof_invweight0` = the same repeated thrice each, and `dof_M0` = (m, m, m, I).
     """
-    at, dof, geom, q = layout.bodies, layout.body_qvel, layout.body_geoms, layout.body_qpos
+    at, dof, q = layout.bodies, layout.body_qvel, layout.body_qpos
     inverse_mass, inverse_inertia = 1 / bodies.mass, jnp.mean(1 / bodies.inertia, axis=-1)
     inverse = jnp.stack([inverse_mass, inverse_inertia], axis=-1)
     mass = jnp.repeat(bodies.mass[:, None], 3, axis=1)
     poses = jnp.concatenate([bodies.pos, bodies.quat], axis=-1).reshape(-1)
-    aabb = jnp.concatenate([jnp.zeros_like(bodies.size), bodies.size], axis=-1)
     parked_mass = jnp.float32(layout.num_bodies * PARKED_MASS)
     total = model.body_subtreemass[0] - parked_mass + bodies.mass.sum()
+    model = _with_body_geoms(model, layout, bodies.size)
     return model.replace(
         geom_pos=model.geom_pos.at[0, 2].set(floor),
         qpos0=model.qpos0.at[q].set(poses),
@@ -73,9 +73,23 @@ def house_model(model: mjx.Model, layout: Layout, bodies: MovableBodies, floor: 
         body_invweight0=model.body_invweight0.at[at].set(inverse),
         dof_invweight0=model.dof_invweight0.at[dof].set(jnp.repeat(inverse, 3, axis=1).reshape(-1)),
         dof_M0=model.dof_M0.at[dof].set(jnp.concatenate([mass, bodies.inertia], axis=1).reshape(-1)),
-        geom_size=model.geom_size.at[geom].set(bodies.size),
-        geom_rbound=model.geom_rbound.at[geom].set(jnp.linalg.norm(bodies.size, axis=-1)),
-        geom_aabb=model.geom_aabb.at[geom].set(aabb.reshape(model.geom_aabb[geom].shape)),
+    )
+
+
+def _with_body_geoms(model: mjx.Model, layout: Layout, size: Float[Array, "k 3"]) -> mjx.Model:
+    at, num = layout.body_geoms, layout.num_bodies
+
+    def set_boxes(field: Array, boxes: Array) -> Array:
+        rows = field[at].reshape(num, 9, -1).at[:, 0].set(boxes.reshape(num, -1))
+        return field.at[at].set(rows.reshape(field[at].shape))
+
+    corners = jnp.asarray(CORNERS)[None] * (size - jnp.float32(CORNER_RADIUS))[:, None]
+    pos = jnp.concatenate([jnp.zeros_like(corners[:, :1]), corners], axis=1)
+    return model.replace(
+        geom_pos=model.geom_pos.at[at].set(pos.reshape(-1, 3)),
+        geom_size=set_boxes(model.geom_size, size),
+        geom_rbound=set_boxes(model.geom_rbound, jnp.linalg.norm(size, axis=-1)),
+        geom_aabb=set_boxes(model.geom_aabb, jnp.concatenate([jnp.zeros_like(size), size], axis=-1)),
     )
 
 

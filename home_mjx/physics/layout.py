@@ -8,8 +8,8 @@ class Layout:
     """Addresses in `qpos`, `qvel`, bodies and geoms of the template.
 
     Order of bodies: world, agents, movable bodies. Order of geoms: floor, slots of the agents, slots of the bodies,
-    then two per agent (capsule, foot) and one box per body. An agent has 4 numbers in `qpos` and in `qvel` (x, y, z,
-    yaw); a body 7 and 6.
+    then two per agent (capsule, foot) and nine per body (box, corners). An agent has 4 numbers in `qpos` and in
+    `qvel` (x, y, z, yaw); a body 7 and 6.
     """
 
     num_agents: int
@@ -49,6 +49,6 @@ class Layout:
 
     @property
     def body_geoms(self) -> slice:
-        """Boxes of the movable bodies among the geoms."""
+        """Geoms of the movable bodies: of each its box, then its 8 corners."""
         first = 1 + self.num_slots + 2 * self.num_agents
-        return slice(first, first + self.num_bodies)
+        return slice(first, first + 9 * self.num_bodies)

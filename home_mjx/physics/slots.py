@@ -17,6 +17,7 @@ from home_mjx.physics.template_mjcf import PARKED_HEIGHT, PARKED_SIZE
 from home_mjx.scene_compile.pytree import Pytree
 
 REACH = 0.05  # [m]: boxes farther than this from their owner are parked
+FLAT = 0.01  # [m]: boxes that rise less than this above the floor are part of it
 
 Vector = Sequence[Array]  # x, y, z
 
@@ -38,6 +39,12 @@ class Boxes(Pytree):
             [2 * (x * y - w * z), one - 2 * (x * x + z * z), 2 * (y * z + w * x)],
             [2 * (x * z + w * y), 2 * (y * z - w * x), one - 2 * (x * x + y * y)],
         ]
+
+    @property
+    def top(self) -> Float[Array, "*n"]:
+        """Height of the highest corner [m]."""
+        rise = _dot([jnp.abs(axis[2]) for axis in self.axes], _components(self.half))
+        return self.pos[..., 2] + rise
 
 
 def separation(owner: Boxes, static: Boxes) -> Float[Array, " c"]:

@@ -1,6 +1,9 @@
 """The one MJCF that all houses of a capacity share, built in code."""
 
+import itertools
 import xml.etree.ElementTree as ET
+
+import numpy as np
 
 from home_mjx.physics.config import PhysicsConfig
 from home_mjx.physics.layout import Layout
@@ -8,6 +11,8 @@ from home_mjx.physics.layout import Layout
 PARKED_HEIGHT = 500.0  # [m]: bodies that a house does not use wait above it, slots as far below
 PARKED_SIZE = 0.1  # [m], half extent
 PARKED_MASS = 1.0  # [kg]
+CORNER_RADIUS = 1e-3  # [m]
+CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)), np.float32)
 
 
 def template_mjcf(config: PhysicsConfig, layout: Layout, jacobian: str) -> str:
@@ -15,6 +20,9 @@ def template_mjcf(config: PhysicsConfig, layout: Layout, jacobian: str) -> str:
 
     All contacts are explicit pairs, so that a slot meets only its owner and each kind of contact has its own
     dimension: those of agents are frictionless (1 row per point instead of 4), hence agents slide along walls.
+
+    Bodies meet the floor with tiny spheres at their corners: MJX's own contact of plane and box drops all corners that
+    are 1 mm higher than the lowest, which keeps a tilted box rocking for ever.
     """
     root = ET.Element("mujoco", model="home_mjx")
     _add_options(root, config, layout, jacobian)
@@ -93,6 +101,9 @@ def _add_body(world: ET.Element, k: int) -> None:
     diagonal = f"{inertia} {inertia} {inertia}"
     ET.SubElement(body, "inertial", pos="0 0 0", mass=str(PARKED_MASS), diaginertia=diagonal)
     ET.SubElement(body, "geom", _no_mask(f"body{k}"), type="box", size=_parked_size())
+    for c, corner in enumerate(CORNERS * (PARKED_SIZE - CORNER_RADIUS)):
+        name, pos = f"body{k}_corner{c}", " ".join(str(float(x)) for x in corner)
+        ET.SubElement(body, "geom", _no_mask(name), type="sphere", size=str(CORNER_RADIUS), pos=pos)
 
 
 def _add_pairs(contact: ET.Element, config: PhysicsConfig, layout: Layout) -> None:
@@ -103,7 +114,9 @@ def _add_pairs(contact: ET.Element, config: PhysicsConfig, layout: Layout) -> No
         for other in others:
             add_pair(contact, config, f"agent{a}", other, agent=True)
     for k in range(layout.num_bodies):
-        others = ["floor", *(f"body{k}_slot{s}" for s in range(layout.body_slots)), *(f"body{j}" for j in range(k))]
+        for c in range(len(CORNERS)):
+            add_pair(contact, config, f"body{k}_corner{c}", "floor", agent=False)
+        others = [f"body{k}_slot{s}" for s in range(layout.body_slots)] + [f"body{j}" for j in range(k)]
         for other in others:
             add_pair(contact, config, f"body{k}", other, agent=False)
 

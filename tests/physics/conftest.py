@@ -1,0 +1,25 @@
+"""Scenes that are stepped once for all tests."""
+
+import jax.numpy as jnp
+import pytest
+import rollouts
+
+
+class World:
+    """Bank, template, compiled run, and what happened in each scene during the first two seconds."""
+
+    def __init__(self):
+        self.bank, self.template = rollouts.build()
+        self.run = rollouts.make_run(self.template)
+        self.house = jnp.arange(rollouts.BATCH, dtype=jnp.int32)
+        self.start = rollouts.start(self.bank, self.template, self.house)
+        self.end, self.rollout = self.run(self.bank, self.house, self.start, rollouts.actions())
+
+    def scene(self, name):
+        index = rollouts.NAMES.index(name)
+        return rollouts.Rollout(*(values[:, index] for values in self.rollout))
+
+
+@pytest.fixture(scope="session")
+def world():
+    return World()
