@@ -34,7 +34,7 @@ def flat_cast(executor: str | None, any_hit: bool) -> Flat:
     def fold(size: int, batched: Any, geometry: Geometry, house: Array, moving: Moving, rays: Rays) -> Any:
         geometry_batched, house_batched, moving_batched, rays_batched = batched
         if _any(geometry_batched):
-            hits = _one_by_one(run, any_hit, size, batched, (geometry, house, moving, rays))
+            hits = _one_by_one(run, any_hit, size, tuple(batched), (geometry, house, moving, rays))
         elif _any((house_batched, moving_batched)):
             places = _broadcast(size, (house, moving, rays), (house_batched, moving_batched, rays_batched))
             hits = cast(geometry, *jax.tree.map(_merge, places))

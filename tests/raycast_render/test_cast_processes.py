@@ -1,0 +1,117 @@
+"""The `cpu` executor where threads and processes make trouble: pmap with large arguments, forked and spawned children.
+
+Each case runs in a process of its own under a time limit, so that a hang is a failure and not a stuck test run.
+"""
+
+import subprocess
+import sys
+from pathlib import Path
+
+TESTS = Path(__file__).resolve().parents[1]
+LIMIT = 150  # [s]
+
+BEGINNING = f"""
+import sys
+sys.path[:0] = [{str(TESTS)!r}, {str(TESTS.parent)!r}]
+import jax
+jax.config.update("jax_platforms", "cpu")
+jax.config.update("jax_num_cpu_devices", 2)
+import jax.numpy as jnp
+import numpy as np
+from handmade import shoebox
+from home_mjx.raycast_render import Scene, cast, make_scene
+from home_mjx.scene_compile.bank import HouseBank
+
+def place(house=0):
+    bank = HouseBank.from_compiled([shoebox()])
+    body = bank.physics.body_pos[0], bank.physics.body_quat[0]
+    return make_scene(bank, jnp.int32(house), *body, jnp.zeros((1, 3)), jnp.array([[1.0, 0, 0, 0]]))
+"""
+
+
+def run(program):
+    result = subprocess.run(
+        [sys.executable, "-c", BEGINNING + program], capture_output=True, text=True, timeout=LIMIT, check=False
+    )
+    assert result.returncode == 0, result.stderr[-3000:]
+    return result.stdout.split()
+
+
+def test_pmap_over_two_devices_with_megabytes_of_arguments():
+    out = run("""
+scene = place()
+rng = np.random.default_rng(0)
+origin = jnp.asarray(rng.uniform(-1, 1, (2, 50000, 3)) + [0, 0, 1.5], jnp.float32)
+direction = jnp.asarray(rng.normal(size=(2, 50000, 3)), jnp.float32)
+assert origin[0].nbytes + direction[0].nbytes > 1_000_000
+step = jax.pmap(lambda s, o, d: cast(s, o, d, executor="cpu").t, in_axes=(None, 0, 0))
+for _ in range(5):
+    t = step(scene, origin, direction)
+one = jax.jit(lambda s, o, d: cast(s, o, d, executor="cpu").t)
+print(all(np.array_equal(t[i], one(scene, origin[i], direction[i])) for i in range(2)), np.isfinite(t).all())
+""")
+    assert out == ["True", "True"]
+
+
+def test_forked_child_is_refused_with_an_error():
+    out = run("""
+import os, warnings
+warnings.simplefilter("ignore")
+from home_mjx.errors import ExecutorError
+scene = place()
+origin, direction = np.zeros((5, 3), np.float32) + 1, np.ones((5, 3), np.float32)
+cast(scene, jnp.asarray(origin), jnp.asarray(direction)).t.block_until_ready()
+child = os.fork()
+if child == 0:
+    try:
+        cast(scene, jnp.asarray(origin), jnp.asarray(direction))
+    except ExecutorError as error:
+        print("refused" if "spawn" in str(error) else error, flush=True)
+        os._exit(7)
+    os._exit(1)
+print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+""")
+    assert out == ["refused", "7"]
+
+
+def test_spawned_child_casts(tmp_path):
+    # Spawning imports the main module again, so it has to be a file.
+    (tmp_path / "main.py").write_text(
+        BEGINNING
+        + """
+import multiprocessing
+
+def work(_):
+    return float(cast(place(), jnp.array([0.0, 0, 1]), jnp.array([1.0, 0, 0]), executor="cpu").t)
+
+if __name__ == "__main__":
+    print(work(0))
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        print(pool.map(work, [0])[0])
+"""
+    )
+    result = subprocess.run(
+        [sys.executable, tmp_path / "main.py"], capture_output=True, text=True, timeout=LIMIT, check=False
+    )
+    assert result.stdout.split() == ["3.0", "3.0"], result.stderr[-3000:]
+
+
+def test_a_handler_that_does_not_work_is_replaced_with_one_warning():
+    out = run("""
+import warnings
+from home_mjx.errors import ExecutorError
+from home_mjx.raycast_render import cpu, ffi_handler
+def broken():
+    raise OSError("no compiler today")
+ffi_handler.build_handler = broken
+scene, origin, direction = place(), jnp.array([0.0, 0, 1]), jnp.array([1.0, 0, 0])
+with warnings.catch_warnings(record=True) as caught:
+    warnings.simplefilter("always")
+    print(*(float(cast(scene, origin, direction).t) for _ in range(3)))
+print(sum("no compiler today" in str(w.message) for w in caught))
+try:
+    cast(scene, origin, direction, executor="cpu")
+except ExecutorError as error:
+    print("no compiler today" in str(error))
+""")
+    assert out == ["3.0", "3.0", "3.0", "1", "True"]
