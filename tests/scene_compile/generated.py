@@ -2,6 +2,14 @@
 
 from functools import cache
 
-from home_mjx.scene_compile.generate import build_house
+from home_mjx.scene_compile.generate.build import house_id, to_house
+from home_mjx.scene_compile.generate.design import draw_design
+from home_mjx.scene_compile.house import House
 
-built = cache(build_house)
+designed = cache(draw_design)
+
+
+@cache
+def built(seed: int) -> House:
+    """The same as `build_house`."""
+    return to_house(house_id(seed), designed(seed))

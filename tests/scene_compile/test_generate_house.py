@@ -95,7 +95,7 @@ def test_an_agent_can_walk_from_any_room_to_any_other(houses, radius):
         main = np.bincount(indoors)[1:].argmax() + 1
         for room, here in zip(house.levels[0].rooms, rooms, strict=True):
             reached = (label[free][here] == main).sum() * CELL**2
-            assert reached > 0.4, (house.id, room.types)
+            assert reached > 0.2, (house.id, room.types)
         assert (indoors == main).mean() > 0.8, house.id
 
 

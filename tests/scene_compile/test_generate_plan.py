@@ -5,7 +5,7 @@ from collections import Counter
 import numpy as np
 import pytest
 import trimesh
-from scene_compile.generated import built
+from scene_compile.generated import built, designed
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
@@ -128,7 +128,7 @@ def test_architecture_is_watertight_and_of_the_right_volume(houses):
 
 def test_floors_are_the_rooms_grown_by_two_centimetres(houses):
     for seed, house in zip(HOUSES, houses, strict=True):
-        plan = draw_plan(np.random.default_rng(seed))
+        plan = designed(seed).plan
         for planned, room in zip(plan.rooms, house.levels[0].rooms, strict=True):
             perimeter = sum(wall.length for wall in planned.walls)
             area = planned.area + 0.02 * perimeter + 4 * 0.02**2  # convex corners are four more than reflex ones
@@ -139,7 +139,7 @@ def test_floors_are_the_rooms_grown_by_two_centimetres(houses):
 def test_every_prism_has_exactly_the_holes_of_its_openings(houses):
     """Each opening makes one handle in two prisms of every room that it touches."""
     for seed, house in zip(HOUSES, houses, strict=True):
-        openings = draw_plan(np.random.default_rng(seed)).openings
+        openings = designed(seed).plan.openings
         genus = sum(
             1 - as_trimesh(room.walls, group).euler_number // 2
             for room in house.levels[0].rooms
@@ -152,7 +152,7 @@ def test_holes_are_the_openings_boxes_less_two_centimetres(houses):
     """Rays through a wall a centimetre inside the edge of its hole pass, a centimetre outside they hit both prisms."""
     for seed, house in zip(HOUSES, houses, strict=True):
         walls = trimesh.util.concatenate([as_trimesh(room.walls) for room in house.levels[0].rooms])
-        for opening in draw_plan(np.random.default_rng(seed)).openings:
+        for opening in designed(seed).plan.openings:
             low, high = opening.placed.box
             along, across = (0, 2) if opening.placed.quarter % 2 == 0 else (2, 0)
             for inset, passes in ((0.03, True), (0.01, False)):
@@ -171,7 +171,7 @@ def test_holes_are_the_openings_boxes_less_two_centimetres(houses):
 def test_wall_prisms_have_suncg_thickness(houses):
     """Inner prism: from the centre-line 0.05 m inwards; outer one: from -0.0447 to 0.0053 m."""
     room = houses[0].levels[0].rooms[0]
-    wall = draw_plan(np.random.default_rng(HOUSES[0])).rooms[0].walls[0]
+    wall = designed(HOUSES[0]).plan.rooms[0].walls[0]
     for group, expected in ((0, (0.0, 0.05)), (1, (-0.0447, 0.0053))):
         used = np.unique(room.walls.faces[room.walls.group == group])
         offset = (room.walls.vertices[used][:, [0, 2]] - wall.start) @ wall.normal

@@ -47,6 +47,11 @@ class RoomLayout:
         before = [o.placed.beside(0.0, side * 0.5) for o in openings if o.is_door for side in (-1, 1)]
         self._grid = WalkingGrid(self.room, self._solid, before)
 
+    @property
+    def passable(self) -> bool:
+        """Whether one gets from every door to every other; open leaves may block even an empty room."""
+        return self._grid.stays_connected([])
+
     def put(self, items: Sequence[Placed], zones: Sequence[Box] = ()) -> bool:
         """Places things together if they fit; `zones` must be free and stay free of furniture."""
         solid, clear = stack(self._solid), stack(self._clear)
@@ -95,7 +100,9 @@ class RoomLayout:
         if not spots:
             return None
         taken = np.concatenate([stack(self._solid), stack(self._clear)])
-        busy = overlaps(np.stack([spot.box for spot in spots])[:, None], taken).any(-1)
+        turned = {quarter: spots[0].at(0.0, 0.0, 0.0, quarter).box for quarter in range(4)}
+        boxes = np.stack([turned[spot.quarter] + spot.position for spot in spots])
+        busy = overlaps(boxes[:, None], taken).any(-1)
         candidates = (spots[i] for i in np.flatnonzero(~busy))
         return next((spot for spot in candidates if self.place(spot, front, companions)), None)
 

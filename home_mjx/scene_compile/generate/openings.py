@@ -14,7 +14,7 @@ from home_mjx.scene_compile.generate.rooms import RoomPlan, Wall, outer_spans, s
 
 DOOR_Y, SILL_Y = 0.02, 0.85  # [m], of the models' origins, as in SUNCG
 HIGH_SILL_Y = 1.4  # [m], of the small windows of bathrooms
-PASSAGE = 0.85  # [m], depth of the floor that stays free on either side of a door
+PASSAGE = 0.9  # [m], depth of the floor that stays free on either side of a door
 MARGIN = 0.12  # [m], between an opening and the end of its wall
 WINDOWLESS = ("Storage", "Wardrobe")
 WET = ("Bathroom", "Toilet")

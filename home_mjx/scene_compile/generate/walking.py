@@ -11,7 +11,7 @@ from home_mjx.scene_compile.generate.rooms import RoomPlan
 from home_mjx.scene_compile.generate.walls import FLOOR_TOP
 
 CELL = 0.1  # [m]
-REACH = 0.24  # [m], radius that must get through; between cell centres 0.2 m is then sure to
+REACH = 0.28  # [m], radius that must get through, so that 0.2 m does with a margin
 HEAD = 1.7  # [m], above this nothing is in the way
 FLAT = 0.05  # [m], an agent walks over what is lower
 CONNECTED = 0.85  # least share of the free floor that hangs together with the doors

@@ -32,8 +32,10 @@ RADIO_STANDS = ("tv_stand", "dresser", "nightstand", "desk", "side_table", "shoe
 
 
 def furnish(plan: HousePlan, style: Style) -> list[list[Placed]] | None:
-    """The furniture of every room; None if no room had a place for the radio."""
+    """The furniture of every room; None if doors block one another or no room had a place for the radio."""
     layouts = [RoomLayout(plan, index, style) for index in range(len(plan.rooms))]
+    if not all(layout.passable for layout in layouts):
+        return None
     for layout in layouts:
         RECIPES[layout.room.type](layout)
         _lamp(layout)
