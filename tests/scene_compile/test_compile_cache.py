@@ -72,12 +72,14 @@ def test_what_comes_back_is_what_was_compiled(root, compiles):
 
 def test_the_real_house_comes_back_and_fast(suncg_root, tmp_path, monkeypatch):
     monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path))
-    dataset = open_dataset(suncg_root)
-    first = load_compiled(dataset, dataset.house_ids[0])
-    start = time.perf_counter()
-    second = load_compiled(open_dataset(suncg_root), dataset.house_ids[0])
-    assert time.perf_counter() - start < 2.0  # 0.05 s where nothing else runs and types are not checked
-    assert_equal(first, second)
+    seconds, loaded = [], []
+    for _ in range(2):
+        start = time.perf_counter()
+        dataset = open_dataset(suncg_root)
+        loaded.append(load_compiled(dataset, dataset.house_ids[0]))
+        seconds.append(time.perf_counter() - start)
+    assert seconds[1] < seconds[0] / 3
+    assert_equal(*loaded)
 
 
 def test_models_are_stored_once(root, tmp_path):
