@@ -28,7 +28,7 @@ def batch(bank):
     """House, moving instances, ray origins and directions of E environments."""
     rng = np.random.default_rng(0)
     house = jnp.asarray(rng.integers(0, 2, E), jnp.int32)
-    agents = jnp.asarray(rng.uniform(-1, 1, size=(E, 2, 3)) + [[[0, 0, 1]]], jnp.float32)
+    agents = jnp.asarray(rng.uniform((-1, -1, 0), (1, 1, 2), size=(E, 2, 3)), jnp.float32)
     upright = jnp.tile(jnp.array([[1.0, 0, 0, 0]], jnp.float32), (2, 1))
     shift = jnp.asarray(rng.normal(size=(E, 1, 3)) * 0.1, jnp.float32)
 
