@@ -27,9 +27,11 @@ def template_mjcf(config: PhysicsConfig, layout: Layout, jacobian: str) -> str:
     root = ET.Element("mujoco", model="home_mjx")
     _add_options(root, config, layout, jacobian)
     world = ET.SubElement(root, "worldbody")
-    ET.SubElement(world, "geom", _no_mask("floor"), type="plane", size="0 0 1", material="default")
+    # Neither at the origin nor upright, so that the compiler does not mark them for short cuts (`geom_sameframe`).
+    plane, pos = _no_mask("floor"), f"0 0 {-PARKED_HEIGHT}"
+    ET.SubElement(world, "geom", plane, type="plane", size="0 0 1", pos=pos, material="default")
     for name in slot_names(layout):
-        ET.SubElement(world, "geom", _no_mask(name), type="box", size=_parked_size(), pos=f"0 0 {-PARKED_HEIGHT}")
+        ET.SubElement(world, "geom", _no_mask(name), type="box", size=_parked_size(), pos=pos, quat="0.8 0 0 0.6")
     for a in range(layout.num_agents):
         add_agent(world, config, a)
     for k in range(layout.num_bodies):

@@ -15,7 +15,8 @@ def test_agent_stands_on_the_floor_and_turns_while_walking(world):
     assert_allclose(free.agent_velocity[10:, 0, 2], np.pi / 2, rtol=1e-3)
     assert_allclose(free.agent_velocity[10:, 0, 0], 1.0, atol=0.05)
     # A circle of radius v / w around (0, v / w), as left is +y.
-    center = free.agent_pos[-1, 0, :2] + np.array([-np.sin(free.agent_yaw[-1, 0]), np.cos(free.agent_yaw[-1, 0])]) * 0.63
+    yaw = free.agent_yaw[-1, 0]
+    center = free.agent_pos[-1, 0, :2] + np.array([-np.sin(yaw), np.cos(yaw)]) * 2 / np.pi
     assert_allclose(center, [0.05, 0.6], atol=0.12)
 
 
