@@ -41,8 +41,9 @@ class RoomLayout:
         self.rng = style.rng
         self.items: list[Placed] = []
         openings = plan.openings_of(index)
-        self._solid = [_wall_box(wall, plan.height) for wall in self.room.walls]
-        self._solid += [part for opening in openings for part in opening.placed.parts]
+        walls = [_wall_box(wall, plan.height) for wall in self.room.walls]
+        self._flat = [_upright(box) for box in walls]
+        self._solid = walls + [part for opening in openings for part in opening.placed.parts]
         self._clear = [o.passage if o.is_door else _sight(o.placed.box) for o in openings]
         before = [o.placed.beside(0.0, side * 0.5) for o in openings if o.is_door for side in (-1, 1)]
         self._grid = WalkingGrid(self.room, self._solid, before)
@@ -54,27 +55,30 @@ class RoomLayout:
 
     def put(self, items: Sequence[Placed], zones: Sequence[Box] = ()) -> bool:
         """Places things together if they fit; `zones` must be free and stay free of furniture."""
-        solid, clear = stack(self._solid), stack(self._clear)
-        if any(overlaps(box, solid).any() for box in (*(item.box for item in items), *zones)):
-            return False
-        if any(overlaps(item.box, clear).any() or not self._holds(item) for item in items):
-            return False
         boxes = [item.box for item in items]
+        solid, clear = stack(self._solid), stack(self._clear)
+        if any(overlaps(box, solid).any() for box in (*boxes, *zones)):
+            return False
+        if any(overlaps(box, clear).any() or not self._holds(box) for box in boxes):
+            return False
         if not self._grid.stays_connected(boxes):
             return False
         self._grid.block(boxes)
         self._solid += boxes
         self._clear += zones
+        self._flat += [_upright(box) for box in boxes if _is_flat(box)]
         self.items += items
         return True
+
+    def _holds(self, box: Box) -> bool:
+        """Whether a box is inside the room, and, if it is a rug, on no other: both are too thin for `overlaps`."""
+        x, _, z = box.mean(0)
+        inside = any(r.x0 < x < r.x1 and r.z0 < z < r.z1 for r in self.room.rects)
+        return inside and not (_is_flat(box) and overlaps(_upright(box), stack(self._flat)).any())
 
     def reserve(self, zone: Box) -> None:
         """Keeps a space free of what comes later."""
         self._clear.append(zone)
-
-    def _holds(self, item: Placed) -> bool:
-        x, _, z = item.box.mean(0)
-        return any(r.x0 < x < r.x1 and r.z0 < z < r.z1 for r in self.room.rects)
 
     def against_wall(
         self, item: Placed, front: float = 0.0, companions: Companions = _alone, y: float = FLOOR_TOP
@@ -158,6 +162,15 @@ class RoomLayout:
     def under_ceiling(self, item: Placed, x: float, z: float) -> Placed | None:
         """Hangs a lamp from the ceiling."""
         return self.place(item.at(x, self.height - CEILING_LOW - float(item.size[1]), z))
+
+
+def _is_flat(box: Box) -> bool:
+    return bool(np.ptp(box[:, 1]) < 0.02)
+
+
+def _upright(box: Box) -> Box:
+    """A box of one metre's height over the same floor."""
+    return np.array([[box[0, 0], 0.0, box[0, 2]], [box[1, 0], 1.0, box[1, 2]]])
 
 
 def _steps(span: tuple[float, float], width: float) -> Iterator[tuple[float, bool]]:

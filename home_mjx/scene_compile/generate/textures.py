@@ -95,7 +95,7 @@ def rosettes(rng: np.random.Generator, dark: Color, light: Color, count: int = 6
     """Wallpaper with staggered soft dots."""
     v, u = np.meshgrid(np.arange(SIZE) / SIZE, np.arange(SIZE) / SIZE, indexing="ij")
     wave = np.cos(2 * np.pi * count * (u + v)) * np.cos(2 * np.pi * count * (u - v))
-    return blend(dark, light, 0.5 + 0.9 * wave + 0.04 * noise(rng))
+    return blend(dark, light, 0.5 + 0.35 * wave + 0.04 * noise(rng))
 
 
 def grain(rng: np.random.Generator, dark: Color, light: Color, size: float = 1.0, contrast: float = 0.2) -> Rgb:
@@ -155,7 +155,7 @@ RECIPES: dict[str, Callable[[np.random.Generator], Rgb]] = {
     "wallp_2": partial(rosettes, dark=(0.74, 0.80, 0.80), light=(0.90, 0.93, 0.92)),
     "wallp_3": partial(stripes, dark=(0.68, 0.76, 0.86), light=(0.88, 0.92, 0.96), count=12),
     "wallp_4": partial(rosettes, dark=(0.84, 0.74, 0.68), light=(0.95, 0.89, 0.85), count=4),
-    "stucco_1": partial(grain, dark=(0.84, 0.82, 0.78), light=(0.98, 0.97, 0.95), size=2),
+    "stucco_1": partial(grain, dark=(0.90, 0.89, 0.86), light=(0.98, 0.97, 0.95), size=2),
     "carpet_1": partial(grain, dark=(0.46, 0.40, 0.34), light=(0.66, 0.60, 0.53)),
     "carpet_2": partial(grain, dark=(0.26, 0.30, 0.40), light=(0.42, 0.48, 0.60)),
     "carpet_3": partial(grain, dark=(0.44, 0.18, 0.18), light=(0.64, 0.32, 0.30)),
@@ -170,7 +170,7 @@ RECIPES: dict[str, Callable[[np.random.Generator], Rgb]] = {
     "leather_1": partial(grain, dark=(0.24, 0.14, 0.09), light=(0.42, 0.27, 0.18), size=1.5, contrast=0.15),
     "leather_2": partial(grain, dark=(0.10, 0.10, 0.11), light=(0.24, 0.24, 0.25), size=1.5, contrast=0.15),
     "stone_1": partial(grain, dark=(0.30, 0.30, 0.32), light=(0.62, 0.61, 0.60), size=1.2),
-    "stone_2": partial(grain, dark=(0.76, 0.73, 0.68), light=(0.95, 0.93, 0.90), size=3),
+    "stone_2": partial(grain, dark=(0.80, 0.77, 0.72), light=(0.94, 0.92, 0.88), size=3),
     "picture_1": partial(landscape, dark=(0.22, 0.42, 0.28), light=(0.48, 0.68, 0.90)),
     "picture_2": partial(landscape, dark=(0.42, 0.26, 0.40), light=(0.92, 0.62, 0.48)),
     "picture_3": partial(blocks, dark=(0.72, 0.12, 0.12), light=(0.14, 0.28, 0.62)),

@@ -28,20 +28,40 @@ RECIPES: dict[str, Callable[[RoomLayout], None]] = {
     "Storage": storage,
     "Wardrobe": dressing_room,
 }
+ESSENTIALS = {
+    "Living_Room": "sofa",
+    "Kitchen": "sink",
+    "Dining_Room": "dining_table",
+    "Bedroom": "double_bed",
+    "Child_Room": "single_bed",
+    "Office": "desk",
+    "Bathroom": "toilet",
+    "Toilet": "toilet",
+}
 RADIO_STANDS = ("tv_stand", "dresser", "nightstand", "desk", "side_table", "shoes_cabinet", "coffee_table")
 
 
 def furnish(plan: HousePlan, style: Style) -> list[list[Placed]] | None:
-    """The furniture of every room; None if doors block one another or no room had a place for the radio."""
+    """The furniture of every room, or None if the plan does not serve.
+
+    That is if open doors block one another, or a room has no place for what it is for, or none has for the radio.
+    """
     layouts = [RoomLayout(plan, index, style) for index in range(len(plan.rooms))]
-    if not all(layout.passable for layout in layouts):
-        return None
     for layout in layouts:
+        if not layout.passable:
+            return None
         RECIPES[layout.room.type](layout)
+        if not _serves(layout):
+            return None
         _lamp(layout)
         for _ in range(int(style.rng.integers(0, 3))):
             layout.hang(style.object("picture"), float(style.rng.uniform(1.25, 1.45)))
     return [layout.items for layout in layouts] if _radio(layouts, style) else None
+
+
+def _serves(room: RoomLayout) -> bool:
+    needed = ESSENTIALS.get(room.room.type)
+    return needed is None or any(item.model.fine == needed for item in room.items)
 
 
 def _radio(layouts: Sequence[RoomLayout], style: Style) -> bool:
