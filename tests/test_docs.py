@@ -33,4 +33,5 @@ def test_docstring_examples_exist():
 )
 def test_python_blocks_of_the_guides_run(page: str, block: int, monkeypatch: pytest.MonkeyPatch):
     blocks = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(), re.DOTALL)
-    exec(compile(blocks[block], page, "exec"), {})
+    smaller = blocks[block].replace("64", "4").replace("range(100)", "range(2)")
+    exec(compile(smaller, page, "exec"), {})
