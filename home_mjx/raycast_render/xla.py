@@ -1,7 +1,8 @@
 """The reference executor: two-level traversal in plain JAX, on any platform.
 
-All rays of a chunk step together. A ray keeps a stack of tree codes; while it is inside an instance it holds that
-instance's frame, and leaves it when its stack has shrunk to where it was on entering.
+All rays of a chunk step together: they walk down nodes until none is at a node any more, then all test triangles and
+enter or leave instances. A ray keeps a stack of tree codes; while it is inside an instance it holds that instance's
+frame, and leaves it when its stack has shrunk to where it was on entering.
 
 Sources: S. Woop, C. Benthin, I. Wald, "Watertight ray/triangle intersection", JCGT 2(1), 2013; T. Ize, "Robust BVH ray
 traversal", JCGT 2(2), 2013.
@@ -36,6 +37,7 @@ class _Best(NamedTuple):
 
 
 class _State(NamedTuple):
+    code: Int[Array, " n"]  # what the ray is at, EMPTY once it is through
     stack: Int[Array, "n s"]
     size: Int[Array, " n"]
     base: Int[Array, " n"]  # size of the stack on entering the current instance
@@ -79,50 +81,58 @@ def cast_xla(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: 
 
 
 def _cast_chunk(world: _World) -> RawHit:
-    state = lax.while_loop(lambda s: jnp.any(s.size > 0), lambda s: _step(world, s), _start(world))
+    state = lax.while_loop(
+        lambda s: jnp.any(s.code != EMPTY), lambda s: _visit_leaves(world, _walk_down(world, s)), _start(world)
+    )
     best = state.best
     missed = best.instance < 0
     return RawHit(jnp.where(missed, MISS, best.t), *best[1:])
 
 
 def _start(world: _World) -> _State:
-    """The house's top tree lies at the bottom of the stack, above it every moving instance whose box the ray meets."""
+    """Rays are at their house's top tree; on the stack lies every moving instance whose box they meet."""
     n, slots, rays = world.env.shape[0], world.moving.instance.shape[1], world.rays
     zero = jnp.zeros_like(world.env)
     none, weight = zero - 1, zero.astype(jnp.float32)
     alive = rays.t_min <= rays.t_max
-    root = jnp.where(alive, world.geometry.house_root[world.house[world.env]], EMPTY)
-    stack = jnp.broadcast_to(none[:, None], (n, slots + 2 * MAX_DEPTH + 2))
-    stack, size = _push(stack, zero, root)
 
     def add(slot: Array, carry: tuple[Array, Array]) -> tuple[Array, Array]:
         near = _slab(world.moving.box[world.env, slot].reshape(n, 6), rays.origin, rays.direction, rays.t_min)
         meets = alive & (near <= rays.t_max) & (world.moving.instance[world.env, slot] >= 0)
         return _push(*carry, jnp.where(meets, _leaf(world.geometry.instance_model.shape[1] + slot, 1), EMPTY))
 
-    stack, size = lax.fori_loop(0, slots, add, (stack, size))
+    stack = jnp.broadcast_to(none[:, None], (n, slots + 2 * MAX_DEPTH + 2))
+    stack, size = lax.fori_loop(0, slots, add, (stack, zero))
+    code = jnp.where(alive, world.geometry.house_root[world.house[world.env]], EMPTY)
     best = _Best(jnp.minimum(rays.t_max, MISS) + weight, none, none, weight, weight, zero > 0)
-    return _State(stack, size, zero, none, zero, rays.origin + weight[:, None], rays.direction + weight[:, None], best)
+    frame = rays.origin + weight[:, None], rays.direction + weight[:, None]
+    return _State(code, stack, size, zero, none, zero, *frame, best)
 
 
-def _step(world: _World, state: _State) -> _State:
-    """Every ray takes one code off its stack: a node, up to four triangles, or an instance to enter."""
-    state = _leave(world, state)
-    code, state = _pop(state)
-    first, count = ~code >> 4, ~code & 15
-    inside, is_node = state.instance >= 0, code >= 0
-    is_leaf, is_instance = inside & ~is_node, ~inside & ~is_node & (count > 0)
+def _walk_down(world: _World, state: _State) -> _State:
+    """Until no ray is at a node: on to the nearer child that it meets, or to what it put off last."""
 
-    near, far = _children(world, state, jnp.where(is_node, code, 0))
-    best = _test_triangles(world, state, jnp.where(is_leaf, first, 0), jnp.where(is_leaf, count, 0))
-    taken = jnp.where(is_leaf, LEAF, 1)
-    rest = jnp.where(count > taken, _leaf(first + taken, count - taken), EMPTY)
-    stack, size = _push(state.stack, state.size, jnp.where(is_node, far, rest))
-    state, root = _enter(world, state._replace(stack=stack, size=size, best=best), first, is_instance)
-    stack, size = _push(state.stack, state.size, jnp.where(is_node, near, root))
+    def step(state: _State) -> _State:
+        is_node = state.code >= 0
+        near, far = _children(world, state, jnp.where(is_node, state.code, 0))
+        stack, size = _push(state.stack, state.size, jnp.where(is_node, far, EMPTY))
+        state = state._replace(stack=stack, size=size, code=jnp.where(is_node, near, state.code))
+        return _pop(state, is_node & (near == EMPTY))
+
+    return lax.while_loop(lambda s: jnp.any(s.code >= 0), step, state)
+
+
+def _visit_leaves(world: _World, state: _State) -> _State:
+    """Rays at triangles test up to four; those through with an instance leave it; those at another one enter it."""
+    first, count = ~state.code >> 4, ~state.code & 15
+    at_triangles = (state.instance >= 0) & (state.code != EMPTY)
+    best = _test_triangles(world, state, jnp.where(at_triangles, first, 0), jnp.where(at_triangles, count, 0))
+    rest = jnp.where(count > LEAF, _leaf(first + LEAF, count - LEAF), EMPTY)
+    state = state._replace(best=best, code=jnp.where(at_triangles, rest, state.code))
+    state = _leave(world, _pop(state, at_triangles & (rest == EMPTY)))
     if world.any_hit:
-        size = jnp.where(best.instance >= 0, 0, size)
-    return state._replace(stack=stack, size=size)
+        state = state._replace(code=jnp.where(best.instance >= 0, EMPTY, state.code))
+    return _enter(world, state)
 
 
 def _leaf(first: Int[Array, "..."], count: Int[Array, "..."] | int) -> Int[Array, "..."]:
@@ -138,32 +148,36 @@ def _push(
     return stack.at[jnp.arange(n), place].set(code, mode="drop"), size + (code != EMPTY).astype(jnp.int32)
 
 
-def _pop(state: _State) -> tuple[Int[Array, " n"], _State]:
-    size = jnp.maximum(state.size - 1, 0)
-    code = jnp.take_along_axis(state.stack, size[:, None], axis=1)[:, 0]
-    return jnp.where(state.size > 0, code, EMPTY), state._replace(size=size)
+def _pop(state: _State, wanted: Bool[Array, " n"]) -> _State:
+    """Moves rays on to what they put off last in their frame, or to EMPTY."""
+    there = wanted & (state.size > state.base)
+    size = jnp.where(there, state.size - 1, state.size)
+    code = jnp.where(there, jnp.take_along_axis(state.stack, size[:, None], axis=1)[:, 0], EMPTY)
+    return state._replace(size=size, code=jnp.where(wanted, code, state.code))
 
 
 def _leave(world: _World, state: _State) -> _State:
-    """Rays that are through with their instance return to the world frame."""
-    done = (state.instance >= 0) & (state.size <= state.base)
-    return state._replace(
+    """Rays that are through with their instance return to the world frame and move on there."""
+    done = (state.instance >= 0) & (state.code == EMPTY)
+    state = state._replace(
         instance=jnp.where(done, -1, state.instance),
         base=jnp.where(done, 0, state.base),
         origin=jnp.where(done[:, None], world.rays.origin, state.origin),
         direction=jnp.where(done[:, None], world.rays.direction, state.direction),
     )
+    return _pop(state, done)
 
 
-def _enter(
-    world: _World, state: _State, index: Int[Array, " n"], wanted: Bool[Array, " n"]
-) -> tuple[_State, Int[Array, " n"]]:
-    """Takes rays into an instance's frame; `index` counts a house's instances, then the moving slots.
+def _enter(world: _World, state: _State) -> _State:
+    """Takes rays that are at instances into the frame of the first, unless it is excluded.
 
-    Returns:
-        The state, and the root of the instance's tree or `EMPTY`.
+    Codes of top trees count a house's instances, then the moving slots.
     """
     geometry, moving, house = world.geometry, world.moving, world.house[world.env]
+    index, count = ~state.code >> 4, ~state.code & 15
+    arrives = (state.instance < 0) & (state.code < 0) & (state.code != EMPTY)
+    rest = jnp.where(arrives & (count > 1), _leaf(index + 1, count - 1), EMPTY)
+    stack, size = _push(state.stack, state.size, rest)
     fixed = jnp.clip(index, 0, geometry.instance_model.shape[1] - 1)
     slot = jnp.clip(index - geometry.instance_model.shape[1], 0, moving.instance.shape[1] - 1)
     moves = index >= geometry.instance_model.shape[1]
@@ -174,19 +188,22 @@ def _enter(
 
     number = jnp.where(moves, moving.instance[world.env, slot], fixed)
     object_id = pick(moving.object_id, geometry.instance_object)
-    enters = wanted & ((world.rays.exclude < 0) | (object_id != world.rays.exclude))
+    enters = arrives & ((world.rays.exclude < 0) | (object_id != world.rays.exclude))
     inverse = pick(moving.inverse, geometry.instance_inverse)
     origin = _apply(inverse, state.origin) + inverse[:, :, 3]
     direction = _apply(inverse, state.direction)
     root = geometry.model_root[pick(moving.model, geometry.instance_model)]
     state = state._replace(
+        code=jnp.where(enters, root, state.code),
+        stack=stack,
+        size=size,
+        base=jnp.where(enters, size, state.base),
         instance=jnp.where(enters, number, state.instance),
-        base=jnp.where(enters, state.size, state.base),
         material=jnp.where(enters, pick(moving.material, geometry.instance_material), state.material),
         origin=jnp.where(enters[:, None], origin, state.origin),
         direction=jnp.where(enters[:, None], direction, state.direction),
     )
-    return state, jnp.where(enters, root, EMPTY)
+    return _pop(state, arrives & ~enters)
 
 
 def _apply(matrix: Float[Array, "n 3 4"], vector: Float[Array, "n 3"]) -> Float[Array, "n 3"]:
