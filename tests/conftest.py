@@ -48,8 +48,8 @@ def generated_bank(tmp_path_factory: pytest.TempPathFactory):
 
 @pytest.fixture(scope="session")
 def other_bank(tmp_path_factory: pytest.TempPathFactory):
-    """A bank of two other generated houses."""
-    return _generated(tmp_path_factory, range(2, 4))
+    """Another bank of the same capacities: the houses in the other order."""
+    return _generated(tmp_path_factory, range(1, -1, -1))
 
 
 def _generated(tmp_path_factory: pytest.TempPathFactory, seeds: range):

@@ -4,11 +4,16 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from handmade import shoebox
 
 import home_mjx
 from home_mjx.errors import ConfigError
+from home_mjx.raycast_render import make_scene
 from home_mjx.scene_compile.bank import HouseBank
+from home_mjx.scene_compile.suncg.categories import fine_index
 from home_mjx.tasks import AutoReset, HouseholdEnv, make_config
+from home_mjx.tasks.observe import agent_ids, observe_images
+from home_mjx.tasks.pose import AgentPose
 
 SMALL = {
     "width": 16,
@@ -83,7 +88,6 @@ def test_step_keeps_the_structure_of_reset(env):
 
 
 def test_step_is_traced_once_for_all_houses_and_banks(env, other_bank):
-    assert jax.tree.structure(env.bank) == jax.tree.structure(other_bank), "similar banks share their size classes"
     traces = 0
 
     def counted(bank, state, action):
@@ -93,11 +97,15 @@ def test_step_is_traced_once_for_all_houses_and_banks(env, other_bank):
 
     step = jax.jit(jax.vmap(counted, (None, 0, 0)))
     reset = jax.jit(jax.vmap(env.reset_in, (None, 0, 0)))
-    for house in range(2):
-        states = reset(env.bank, keys(2), jnp.full(2, house, jnp.int32))
-        for _ in range(2):
-            states = step(env.bank, states, some_actions(2))
+    positions = []
+    for bank in (env.bank, other_bank):
+        for house in range(2):
+            states = reset(bank, keys(), jnp.full(NUM_ENVS, house, jnp.int32))
+            for _ in range(2):
+                states = step(bank, states, some_actions())
+            positions.append(np.asarray(states.obs["state"][:, :2]))
     assert traces == 1
+    assert len(np.unique(np.concatenate(positions), axis=0)) > NUM_ENVS  # they were different houses
 
 
 def test_same_seed_same_result(env, reset, step):
@@ -143,8 +151,8 @@ def test_alone_is_as_in_a_batch(env, reset, step):
 
 
 def test_typed_and_raw_keys_begin_the_same_episode(env):
-    reset = jax.jit(env.reset_in)
-    assert_same(reset(env.bank, jax.random.key(3)), reset(env.bank, jax.random.PRNGKey(3)))
+    typed = jax.jit(env.begin)(env.bank, jax.random.key(3))
+    assert_same(typed, jax.jit(env.begin)(env.bank, jax.random.PRNGKey(3)))
 
 
 def test_resets_choose_different_houses_and_poses(env, reset):
@@ -169,17 +177,6 @@ def test_progress_is_rewarded(env, reset, step):
     np.testing.assert_allclose(total[alive], expected[alive], atol=1e-4)
 
 
-def test_truncation_at_the_episode_length(generated_bank):
-    env = home_mjx.make("PointNav-v0", generated_bank, sensors=("state", "goal"), episode_length=3)
-    step = jax.jit(env.step_in)
-    state = jax.jit(env.reset_in)(env.bank, jax.random.key(0))
-    ends = []
-    for _ in range(3):
-        state = step(env.bank, state, jnp.zeros(4))
-        ends.append((float(state.done), float(state.info["truncation"])))
-    assert ends == [(0, 0), (0, 0), (1, 1)]
-
-
 def test_autoreset_begins_anew_and_keeps_the_final_observation(generated_bank):
     env = home_mjx.make("PointNav-v0", generated_bank, sensors=("state", "goal"), episode_length=2)
     auto = AutoReset(env)
@@ -187,22 +184,50 @@ def test_autoreset_begins_anew_and_keeps_the_final_observation(generated_bank):
     first = jax.jit(auto.reset_in)(env.bank, keys(8))
     second = step(env.bank, first, jnp.zeros((8, 4)))
     third = step(env.bank, second, jnp.zeros((8, 4)))
-    np.testing.assert_array_equal(third.done, 1)
-    np.testing.assert_array_equal(third.info["world"].step, 0)
+    np.testing.assert_array_equal(second.done, second.metrics["success"])
+    running = np.asarray(second.done) == 0
+    np.testing.assert_array_equal(third.done[running], 1)
+    np.testing.assert_array_equal(third.info["truncation"][running], 1 - third.metrics["success"][running])
+    np.testing.assert_array_equal(third.info["world"].step[running], 0)
     # Standing still, the final observation is where the episode was, the present one somewhere else.
-    np.testing.assert_allclose(third.info["final_obs"]["state"][:, :2], second.obs["state"][:, :2], atol=1e-2)
-    assert (np.linalg.norm(third.obs["state"][:, :2] - second.obs["state"][:, :2], axis=-1) > 0.05).mean() > 0.8
+    before, final, now = (np.asarray(x["state"])[running, :2] for x in (second.obs, third.info["final_obs"], third.obs))
+    np.testing.assert_allclose(final, before, atol=1e-2)
+    assert (np.linalg.norm(now - before, axis=-1) > 0.05).mean() > 0.8
     assert jax.tree.structure(first) == jax.tree.structure(third)
+    assert [x.dtype for x in jax.tree.leaves(first)] == [x.dtype for x in jax.tree.leaves(third)]
 
 
-def test_several_agents_see_each_other(generated_bank):
-    env = home_mjx.make("PointNav-v0", generated_bank, num_agents=2, sensors=("instance", "state"), width=32, height=32)
+def test_agents_see_each_other():
+    bank = HouseBank.from_compiled([shoebox()])
+    config = make_config(num_agents=2, sensors=("instance", "fine"), width=16, height=16)
+    floor = float(bank.physics.floor[0])
+    centre = floor + config.physics.agent_height / 2
+    pose = AgentPose(  # the second agent stands 1.5 m before the first and both look along +x
+        pos=jnp.array([[-1.0, 0.0, centre], [0.5, 0.0, centre]]), yaw=jnp.zeros(2), pitch=jnp.full(2, -0.3)
+    )
+    bodies = bank.spec.num_bodies
+    quats = jnp.tile(jnp.array([1.0, 0.0, 0.0, 0.0]), (bodies, 1))
+    scene = make_scene(
+        bank, jnp.int32(0), jnp.zeros((bodies, 3)), quats, pose.pos, jnp.tile(jnp.array([1.0, 0.0, 0.0, 0.0]), (2, 1))
+    )
+    with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
+        images = jax.jit(lambda scene, pose: observe_images(config, bank, scene, pose))(scene, pose)
+    ids = np.asarray(images["ids/head_instance"])
+    first, second = agent_ids(bank, 2)
+    assert (ids[0] == second).mean() > 0.03
+    assert (ids[0][:, 7:9] == second).any()
+    assert not np.isin(ids[1], [first, second]).any()
+    assert (images["ids/head_fine"][0][ids[0] == second] == fine_index("person")).all()
+
+
+def test_two_agents_step_together(generated_bank):
+    env = home_mjx.make("PointNav-v0", generated_bank, num_agents=2, sensors=("state", "goal"))
     state = jax.jit(env.reset_in)(env.bank, jax.random.key(0))
-    assert state.obs["ids/head_instance"].shape == (2, 32, 32)
-    assert state.reward.shape == (2,)
-    # Agent 0 put one metre in front of agent 1 sees it only when it looks that way.
     own = np.asarray(state.obs["state"])
-    assert not np.allclose(own[0, :2], own[1, :2])
+    assert np.linalg.norm(own[0, :2] - own[1, :2]) > 4 * env.config.physics.agent_radius - 1e-3
+    after = jax.eval_shape(env.step, state, jax.ShapeDtypeStruct((2, 4), jnp.float32))
+    assert after.reward.shape == after.info["agent_done"].shape == (2,)
+    assert after.done.shape == ()
 
 
 @pytest.mark.parametrize(
