@@ -53,6 +53,9 @@ def house_model(model: mjx.Model, layout: Layout, bodies: MovableBodies, floor: 
     For a free body whose inertial frame is its own, `mj_setConst` gives `body_invweight0` = (1/m, mean of 1/I),
     `dof_invweight0` = the same repeated thrice each, and `dof_M0` = (m, m, m, I).
     """
+    model = model.replace(geom_pos=model.geom_pos.at[0, 2].set(floor))
+    if not layout.num_bodies:
+        return model
     at, dof, q = layout.bodies, layout.body_qvel, layout.body_qpos
     inverse_mass, inverse_inertia = 1 / bodies.mass, jnp.mean(1 / bodies.inertia, axis=-1)
     inverse = jnp.stack([inverse_mass, inverse_inertia], axis=-1)
@@ -62,7 +65,6 @@ def house_model(model: mjx.Model, layout: Layout, bodies: MovableBodies, floor: 
     total = model.body_subtreemass[0] - parked_mass + bodies.mass.sum()
     model = _with_body_geoms(model, layout, bodies.size)
     return model.replace(
-        geom_pos=model.geom_pos.at[0, 2].set(floor),
         qpos0=model.qpos0.at[q].set(poses),
         qpos_spring=model.qpos_spring.at[q].set(poses),
         body_pos=model.body_pos.at[at].set(bodies.pos),

@@ -52,26 +52,23 @@ def _simulate(template, name):
     return np.array(agents), np.array(bodies)
 
 
-@pytest.mark.parametrize(
-    ("name", "agent_error", "body_error"),
-    [("wall", 2e-3, 0), ("slide", 5e-3, 0), ("light", 0.02, 0.02), ("wardrobe", 5e-3, 5e-3), ("sofa", 0.02, 0.02)],
-)
-def test_agent_and_what_it_pushes_move_as_in_c(world, name, agent_error, body_error):
+@pytest.mark.parametrize("name", ["wall", "slide", "light", "wardrobe", "sofa"])
+def test_agent_and_what_it_pushes_move_as_in_c(world, name):
     agents, bodies = _simulate(world.template, name)
     scene, used = world.scene(name), len(SCENES[name].movable)
-    assert_allclose(scene.agent_pos[:, 0], agents[:, :3], atol=agent_error)
+    assert_allclose(scene.agent_pos[:, 0], agents[:, :3], atol=2e-3)
     assert_allclose(scene.agent_yaw[:, 0], agents[:, 3], atol=1e-3)
-    assert_allclose(scene.body_pos[:, :used], bodies[:, :used, :3], atol=body_error)
+    assert_allclose(scene.body_pos[:, :used], bodies[:, :used, :3], atol=3e-3)
 
 
 def test_falling_boxes_follow_c_and_rest_where_they_do(world):
     _, bodies = _simulate(world.template, "fall")
     scene = world.scene("fall")
-    assert_allclose(scene.body_pos, bodies[:, :, :3], atol=0.01)
-    assert_allclose(scene.body_pos[-1], bodies[-1, :, :3], atol=2e-3)
+    assert_allclose(scene.body_pos, bodies[:, :, :3], atol=3e-3)
+    assert_allclose(scene.body_pos[-1], bodies[-1, :, :3], atol=1e-4)
     assert_allclose(np.abs(np.sum(scene.body_quat[-1] * bodies[-1, :, 3:], axis=-1)), 1.0, atol=1e-4)
 
 
 def test_tilted_boxes_come_to_rest_as_in_c(world):
     _, bodies = _simulate(world.template, "free")
-    assert_allclose(world.scene("free").body_pos[-1, :2], bodies[-1, :2, :3], atol=0.02)
+    assert_allclose(world.scene("free").body_pos[-1, :2], bodies[-1, :2, :3], atol=5e-3)
