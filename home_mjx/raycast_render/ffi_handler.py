@@ -16,7 +16,7 @@ from typing import Any, no_type_check
 import llvmlite.binding
 from numba import cfunc, njit, types
 
-from home_mjx.raycast_render import native, native_memory
+from home_mjx.raycast_render import limits, native, native_memory
 from home_mjx.raycast_render.native_memory import address_of, call, fetch_add, pointer_to, stack_of, symbol_address
 
 API_VERSION = 0 | 3 << 32  # major and minor as they lie in memory
@@ -47,7 +47,7 @@ compiled = njit(error_model="numpy")
 def build_handler() -> tuple[Any, Any]:
     """The task and the handler, compiled or loaded from Numba's cache on disk; keep both as long as XLA may call."""
     # The cache watches this file only. That the functions name the digest makes it tell versions of the rest apart.
-    digest = _digest(native.__file__, native_memory.__file__)
+    digest = _digest(native.__file__, native_memory.__file__, limits.__file__)
 
     @cfunc(types.intp(types.intp), cache=True)
     @no_type_check

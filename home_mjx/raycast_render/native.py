@@ -10,12 +10,12 @@ from typing import Any, NamedTuple, no_type_check
 import numpy as np
 from numba import njit, types
 
+from home_mjx.raycast_render import limits
 from home_mjx.raycast_render.native_memory import pointer_to, stack_of
 from home_mjx.scene_compile.bvh import EMPTY, MAX_DEPTH
 
-MISS = np.float32(3e38)  # finite stand-in for infinity
-FAR_SLACK = np.float32(1 + 6e-7)  # Ize's bound on the rounding of a slab distance
-TINY = np.float32(1e-20)  # smallest direction component that is divided by
+# As float32, since Numba would otherwise compute in float64.
+MISS, FAR_SLACK, TINY = np.float32(limits.MISS), np.float32(limits.FAR_SLACK), np.float32(limits.TINY)
 ZERO, ONE = np.float32(0), np.float32(1)
 
 Pointer = Any  # a C pointer, which Numba indexes like an array

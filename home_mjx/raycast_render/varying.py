@@ -7,5 +7,5 @@ from jaxtyping import Array, Bool
 
 def varying_false(*inputs: object) -> Bool[Array, ""]:
     """False, of a type that varies over all mesh axes over which any of the inputs does. It costs nothing."""
-    zeros = (jnp.sum(jnp.zeros_like(x, jnp.int32)) for x in jax.tree.leaves(inputs))
+    zeros = (jnp.zeros_like(x, jnp.int32, shape=()) for x in jax.tree.leaves(inputs))
     return sum(zeros, jnp.int32(0)) > 0

@@ -15,16 +15,14 @@ import jax.numpy as jnp
 from jax import lax
 from jaxtyping import Array, Bool, Float, Int
 
+from home_mjx.raycast_render.limits import FAR_SLACK, MISS, TINY
 from home_mjx.raycast_render.types import Moving, RawHit, Rays
 from home_mjx.raycast_render.varying import varying_false
 from home_mjx.scene_compile.bank import Geometry
 from home_mjx.scene_compile.bvh import EMPTY, MAX_DEPTH
 
-MISS = 3e38  # finite stand-in for infinity
 LEAF = 4  # triangles tested at once
 CHUNK = 1 << 16  # rays in lock step: bounds the memory for stacks
-FAR_SLACK = 1 + 6e-7  # Ize's bound on the rounding of a slab distance
-TINY = 1e-20  # smallest direction component that is divided by
 
 
 class _Best(NamedTuple):
@@ -97,6 +95,7 @@ def _start(world: _World) -> _State:
     alive = rays.t_min <= rays.t_max
 
     def add(slot: Array, carry: tuple[Array, Array]) -> tuple[Array, Array]:
+        slot = slot.astype(jnp.int32)
         near = _slab(world.moving.box[world.env, slot].reshape(n, 6), rays.origin, rays.direction, rays.t_min)
         meets = alive & (near <= rays.t_max) & (world.moving.instance[world.env, slot] >= 0)
         return _push(*carry, jnp.where(meets, _leaf(world.geometry.instance_model.shape[1] + slot, 1), EMPTY))

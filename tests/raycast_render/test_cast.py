@@ -103,6 +103,20 @@ def test_ties_go_to_the_lower_instance_and_triangle(rng, executor):
         assert triangle == first[stored[triangle].tobytes()]
 
 
+@pytest.mark.parametrize("executor", EXECUTORS)
+def test_64_bit_mode_changes_nothing(case, executor):
+    _, scene, origin, direction = case
+    expected, _ = run(scene, origin, direction, executor)
+    program = jax.jit(lambda s, o, d: cast(s, o, d, mask=7, executor=executor))
+    with jax.enable_x64(True):
+        hit = program(scene, f32(origin), f32(direction))
+        wide = program(scene, *(jnp.asarray(x, jnp.float64) for x in (origin, direction)))
+    for a, b, c in zip(*map(jax.tree.leaves, (hit, wide, expected)), strict=True):
+        assert a.dtype == b.dtype == c.dtype
+        np.testing.assert_array_equal(a, c)
+        np.testing.assert_array_equal(b, c)
+
+
 def test_any_leading_shape_and_scalars(case):
     _, scene, origin, direction = case
     flat = in_jit(cast, scene, f32(origin[:24]), f32(direction[:24]), mask=7)
