@@ -44,13 +44,13 @@ class AudioConfig:
     sample_rate: int = 16000
     ctrl_dt: float = 0.1
     response_seconds: float = 0.5
-    num_rays: int = 64
-    num_bounces: int = 12
+    num_rays: int = 48
+    num_bounces: int = 24
     num_reflections: int = 8
-    max_crossings: int = 16
+    max_crossings: int = 32
     bin_seconds: float = 0.004
     detector: str = "rain"
-    detector_radius: float = 0.25
+    detector_radius: float = 0.5
     receiver: str = "binaural"
     head_radius: float = 0.0875
     ear_angle: float = 90.0

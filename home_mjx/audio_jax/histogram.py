@@ -1,21 +1,26 @@
 """Late energy over time: arrivals put into bins, and the decay beyond the last traced bounce."""
 
+import functools
+
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float, Int
 
 from home_mjx.audio_jax.config import AudioConfig
 from home_mjx.audio_jax.tracing import Trace
 
+BLUR = 0.15  # resolution in time of late arrivals, relative to their time
 STEEPEST = 50.0  # largest logarithm of a ratio of energies, so that silence stays finite
 
 
 def energy_histogram(trace: Trace, ear_gain: Float[Array, "n 2 7"], config: AudioConfig) -> Float[Array, "k 2 7"]:
     """Energy per time bin, ear and octave, re the free field of the source at 1 m.
 
-    The traced bounces fill the bins directly. A ray's further life is the decay of the rays as a whole: the energy left
-    at its end falls exponentially at the rate at which all rays fell over the later part of the traced time, and gives
-    the ears as much per energy and second as rays did there. Nothing is cut or joined at a fixed time.
+    The traced bounces fill the bins, the later the more widely: what few rays bring in bursts comes densely in a room.
+    A ray's further life is the decay of the rays as a whole: the energy left at its end falls exponentially at the rate
+    at which all rays fell over the later part of the traced time, and gives the ears as much per energy and second as
+    rays did there. Nothing is cut or joined at a fixed time.
 
     Args:
         trace: What `trace` gave.
@@ -27,8 +32,7 @@ def energy_histogram(trace: Trace, ear_gain: Float[Array, "n 2 7"], config: Audi
     """
     metres = config.bin_seconds * config.speed_of_sound
     heard = trace.energy[:, :, None, :] * ear_gain[None]
-    bins = (trace.arrival / metres).astype(jnp.int32)
-    traced = _sum_in_bins(bins.reshape(-1), heard.reshape(-1, 2, heard.shape[-1]), config.num_bins)
+    traced = _sum_in_bins((trace.arrival / metres).astype(jnp.int32), heard, config.num_bins)
 
     first, last = _fit_range(trace, metres, config)
     before, after = _energy_at(trace, first, metres), _energy_at(trace, last, metres)
@@ -40,19 +44,41 @@ def energy_histogram(trace: Trace, ear_gain: Float[Array, "n 2 7"], config: Audi
     lived = (before - after) / decay  # energy times bins between the two, falling exponentially
     yield_per_bin = given / jnp.maximum(lived, 1e-30)[None]
 
-    ends = (trace.travelled[-1] / metres).astype(jnp.int32)
-    ended = _sum_in_bins(ends, trace.remaining[-1][:, None, :], config.num_bins)[:, 0]
+    ends = (trace.travelled[-1:] / metres).astype(jnp.int32)
+    ended = _sum_in_bins(ends, trace.remaining[-1:, :, None], config.num_bins)[:, 0]
     living = _recur(jnp.exp(-decay), ended) - 0.5 * ended  # rays end in the middle of their bin
+    traced = jnp.einsum("kj,jec->kec", jnp.asarray(_spread(config.num_bins)), traced, precision="highest")
     return traced + yield_per_bin[None] * living[:, None, :]
 
 
-def _sum_in_bins(bins: Int[Array, " n"], values: Float[Array, "n e c"], count: int) -> Float[Array, "k e c"]:
-    """Sums of values by bin; those beyond the last bin are left out.
+def _sum_in_bins(bins: Int[Array, "a n"], values: Float[Array, "a n e c"], count: int) -> Float[Array, "k e c"]:
+    """Sums of values by bin, in the same order every time; those beyond the last bin are left out."""
+    return jax.lax.platform_dependent(
+        bins, values, cpu=functools.partial(_scatter, count=count), default=functools.partial(_multiply, count=count)
+    )
 
-    A product with a matrix of ones, since additions to one place have no fixed order on a GPU.
-    """
-    member = (bins[None, :] == jnp.arange(count)[:, None]).astype(jnp.float32)
-    return jnp.einsum("kn,nec->kec", member, values, precision="highest")
+
+def _scatter(bins: Int[Array, "a n"], values: Float[Array, "a n e c"], count: int) -> Float[Array, "k e c"]:
+    """One value after the other, as CPUs do it."""
+    return jax.ops.segment_sum(values.reshape(-1, *values.shape[2:]), bins.reshape(-1), count)
+
+
+def _multiply(bins: Int[Array, "a n"], values: Float[Array, "a n e c"], count: int) -> Float[Array, "k e c"]:
+    """Products with matrices of ones, row by row: on GPUs additions to one place have no fixed order."""
+
+    def add(total: Array, row: tuple[Array, Array]) -> tuple[Array, None]:
+        member = (row[0][None] == jnp.arange(count)[:, None]).astype(jnp.float32)
+        return total + jnp.einsum("kn,nec->kec", member, row[1], precision="highest"), None
+
+    return jax.lax.scan(add, jnp.zeros((count, *values.shape[2:]), values.dtype), (bins, values))[0]
+
+
+@functools.cache
+def _spread(count: int) -> Float[np.ndarray, "k j"]:
+    """Share of bin j that goes to bin k: triangles as wide as `BLUR` of their time, no energy lost."""
+    index = np.arange(count)
+    share = np.maximum(1 - np.abs(index[:, None] - index[None]) / np.maximum(BLUR * index, 1), 0)
+    return (share / share.sum(axis=0)).astype(np.float32)
 
 
 def _fit_range(trace: Trace, metres: float, config: AudioConfig) -> tuple[Int[Array, ""], Int[Array, ""]]:

@@ -7,9 +7,12 @@ from home_mjx.audio_jax.filters import octave_gains
 
 
 def decay_curve(energy: Float[np.ndarray, " n"]) -> Float[np.ndarray, " n"]:
-    """Schroeder's backward integral of an energy (squared response or histogram) [dB re its total]."""
+    """Schroeder's backward integral of an energy (squared response or histogram) [dB re its total].
+
+    NaN where there is no energy at all.
+    """
     remaining = np.cumsum(np.asarray(energy, np.float64)[::-1])[::-1]
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):
         return 10 * np.log10(remaining / remaining[0])
 
 

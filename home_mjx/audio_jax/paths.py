@@ -146,7 +146,7 @@ def reflected_paths(
     possible = jnp.isfinite(distance)
     hit = cast(
         scene,
-        listener[None],
+        jnp.broadcast_to(listener, point.shape),
         direction,
         t_max=jnp.where(possible, to_listener + MIRROR_DEPTH, -1.0),
         exclude=exclude,
@@ -155,7 +155,7 @@ def reflected_paths(
     )
     hidden = occluded(
         scene,
-        source[None],
+        jnp.broadcast_to(source, point.shape),
         (point - source[None]) / jnp.maximum(to_source, NEAREST)[:, None],
         t_max=jnp.where(possible, to_source - MIRROR_DEPTH, -1.0),
         exclude=emitter,
