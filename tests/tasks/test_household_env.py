@@ -170,7 +170,7 @@ def test_progress_is_rewarded(env, reset, step):
         states = step(env.bank, states, some_actions(seed=i))
         total += states.reward
         contacts += states.metrics["contact"]
-    gained = start - states.info["world"].distance
+    gained = (start - states.info["world"].distance)[:, 0]
     task = env.task
     expected = gained - 10 * task.step_cost - task.contact_cost * contacts
     alive = states.done == 0
@@ -214,7 +214,7 @@ def test_agents_see_each_other():
         images = jax.jit(lambda scene, pose: observe_images(config, bank, scene, pose))(scene, pose)
     ids = np.asarray(images["ids/head_instance"])
     first, second = agent_ids(bank, 2)
-    assert (ids[0] == second).mean() > 0.03
+    assert (ids[0] == second).mean() > 0.02
     assert (ids[0][:, 7:9] == second).any()
     assert not np.isin(ids[1], [first, second]).any()
     assert (images["ids/head_fine"][0][ids[0] == second] == fine_index("person")).all()
