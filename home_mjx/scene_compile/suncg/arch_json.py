@@ -21,6 +21,7 @@ CUT = Material("cut", (0.5, 0.5, 0.5), None, 1.0)  # the grey of cut faces
 THICKNESS = {"Floor": 0.05, "Ceiling": 0.05, "Ground": 0.08}  # [m], where the file has no `defaults`
 MAX_ELEMENTS = 10_000  # the largest house of SUNCG has 155 rooms
 MAX_HOLES = 50  # in one wall
+MAX_CORNERS = 1_000  # of one polygon
 
 Note = Callable[[Place, str, str], None]
 
@@ -174,16 +175,17 @@ def _holes(value: Value) -> list[Value]:
 
 
 def _hole(box: Value) -> Hole:
-    (left, low), (right, high) = box.member("min").vector(2), box.member("max").vector(2)
+    (left, low), (right, high) = box.member("min").vector(2).tolist(), box.member("max").vector(2).tolist()
     if left > right or low > high:
         raise box.error("hole is inside out")
     return left, right, low, high
 
 
 def _polygon(points: Value) -> Float[np.ndarray, "n 2"]:
-    corners = [point.vector(3)[[0, 2]] for point in points.entries()]
-    if len(corners) < 3:
-        raise points.error(f"expected 3 corners or more, got {len(corners)}")
+    entries = points.entries()
+    if not 3 <= len(entries) <= MAX_CORNERS:
+        raise points.error(f"expected 3 corners or more, at most {MAX_CORNERS}, got {len(entries)}")
+    corners = [point.vector(3)[[0, 2]] for point in entries]
     return np.array(corners)
 
 
