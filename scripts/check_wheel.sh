@@ -7,6 +7,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 export PIP_DISABLE_PIP_VERSION_CHECK=1
 
+rm -rf "$root/build"  # setuptools would pack what a former build left there
 "$python" -m pip wheel -qq --no-deps --no-build-isolation --wheel-dir "$work" "$root"
 "$python" -m venv "$work/venv"
 "$work/venv/bin/python" -m pip install -qq -c "$root/requirements/constraints.txt" "$work"/*.whl
@@ -15,4 +16,8 @@ venv/bin/python -W error -c 'import home_mjx, pathlib; assert "site-packages" in
 venv/bin/home-mjx --help >help.txt
 venv/bin/home-mjx doctor
 venv/bin/home-mjx generate houses --seeds 0:2
-venv/bin/home-mjx inspect 0 --suncg houses
+venv/bin/home-mjx inspect --suncg houses
+venv/bin/home-mjx demo --suncg houses --houses 2 --envs 4 --steps 5
+for file in contact_sheet.png walk.mp4 walk.wav report.json; do
+    [ -s "demo/$file" ] || { echo "the demo wrote no $file" >&2; exit 1; }
+done
