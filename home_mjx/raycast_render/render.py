@@ -1,5 +1,6 @@
 """Images of one camera."""
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
@@ -68,6 +69,8 @@ def render(
     direction = camera_rays(camera, width, height)
     origin = jnp.broadcast_to(camera.pos, direction.shape)
     hit = cast(scene, origin, direction, exclude=exclude, mask=Ray.CAMERA, executor=executor)
+    # Without the barrier XLA fuses the camera's rays into every image and computes them again for each component.
+    direction, hit = jax.lax.optimization_barrier((direction, hit))
     images = _Images(bank, scene, direction, hit, depth_max)
     return {kind: images.of(kind) for kind in kinds}
 

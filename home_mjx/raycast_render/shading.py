@@ -1,5 +1,6 @@
 """Colour of hits: textured albedo under a light at the camera, in linear light, then sRGB bytes."""
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int, UInt8
@@ -45,6 +46,8 @@ def head_light(
     facing = -jnp.sum(normal * direction, axis=-1) / length
     missed = jnp.all(normal == 0, axis=-1)
     light = jnp.where(missed, 1, AMBIENT + HEADLIGHT * facing)
+    # Without the barrier XLA's CPU fusion gathers normals and texels again for each of the three channels.
+    color, light = jax.lax.optimization_barrier((color, light))
     return color * light[..., None]
 
 

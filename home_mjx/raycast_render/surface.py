@@ -1,5 +1,6 @@
 """From a hit to what it means: model triangle, instance and the bank's tables."""
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
@@ -40,7 +41,10 @@ def normals(scene: Scene, direction: Float[Array, "*rays 3"], hit: Hit) -> Float
     local = jnp.cross(triangle[..., 1, :] - triangle[..., 0, :], triangle[..., 2, :] - triangle[..., 0, :])
     inverse = _by_instance(scene.geometry.instance_inverse[scene.house], scene.moving, scene.moving.inverse)
     # A normal transforms by the transpose of the inverse.
-    world = jnp.sum(inverse[jnp.maximum(hit.instance, 0)][..., :3] * local[..., :, None], axis=-2)
+    rows = inverse[jnp.maximum(hit.instance, 0)][..., :3]
+    # Without barriers XLA gathers and crosses again for each component of what follows.
+    local, rows = jax.lax.optimization_barrier((local, rows))
+    world = jax.lax.optimization_barrier(jnp.sum(rows * local[..., :, None], axis=-2))
     world = jnp.where(jnp.sum(world * direction, axis=-1, keepdims=True) > 0, -world, world)
     length = jnp.linalg.norm(world, axis=-1, keepdims=True)
     return jnp.where(hit.instance[..., None] < 0, 0, world / jnp.maximum(length, 1e-30))
