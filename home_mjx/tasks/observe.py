@@ -65,7 +65,7 @@ def observe_images(config: EnvConfig, bank: HouseBank, scene: Scene, pose: Agent
 
 
 def _over_agents(function: Callable[..., Any], *args: Any) -> Any:
-    """`vmap` over the agent axis; a single agent goes without, as XLA's gathers are twice as fast with one axis less."""
+    """`vmap` over the agent axis; a single agent goes without: XLA gathers twice as fast with one axis less."""
     if jax.tree.leaves(args)[0].shape[0] > 1:
         return jax.vmap(function)(*args)
     return jax.tree.map(lambda x: x[None], function(*jax.tree.map(lambda x: x[0], args)))
