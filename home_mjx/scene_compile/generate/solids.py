@@ -5,10 +5,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float, Int
 from scipy.spatial import ConvexHull
 
 from home_mjx.scene_compile.house import Material, Mesh
+from home_mjx.scene_compile.suncg.wall_prism import extrude
 
 Vector = tuple[float, float, float]
 
@@ -147,42 +148,6 @@ def rotate(piece: Solid, axis: int, angle: float, pivot: Vector = (0.0, 0.0, 0.0
     i, j = (axis + 1) % 3, (axis + 2) % 3
     turn[[i, i, j, j], [i, j, i, j]] = np.cos(angle), -np.sin(angle), np.sin(angle), np.cos(angle)
     return replace(piece, vertices=(piece.vertices - pivot) @ turn.T + np.asarray(pivot))
-
-
-def extrude(
-    us: Float[np.ndarray, " n"],
-    vs: Float[np.ndarray, " m"],
-    keep: Bool[np.ndarray, "n1 m1"],
-    depth: tuple[float, float],
-) -> tuple[Float[np.ndarray, "p 3"], Int[np.ndarray, "f 3"], Bool[np.ndarray, " f"]]:
-    """Extrudes the kept cells of a rectangular grid: rectangles with rectangular holes, and rectilinear polygons.
-
-    Using the whole grid leaves no T-junction, so the solid is watertight.
-
-    Args:
-        us: Grid lines along u, rising.
-        vs: Grid lines along v, rising.
-        keep: Which cells are solid.
-        depth: Extent along w, where (u, v, w) is right-handed.
-
-    Returns:
-        Points (u, v, w), outward triangles, and which triangles are large faces (else they are cut faces).
-    """
-    node = np.arange(len(us) * len(vs)).reshape(len(us), len(vs))
-    corner = np.stack([node[:-1, :-1], node[1:, :-1], node[1:, 1:], node[:-1, 1:]], -1)  # counter-clockwise from +w
-    padded = np.pad(keep, 1)
-    beside = np.stack([padded[1:-1, :-2], padded[2:, 1:-1], padded[1:-1, 2:], padded[:-2, 1:-1]], -1)
-    bare = keep[..., None] & ~beside
-    back, front = corner[keep], corner[keep] + node.size
-    edge = np.stack([corner, np.roll(corner, -1, -1)], -1)[bare]
-    sides = np.concatenate([edge, edge[:, ::-1] + node.size], -1)
-    quads = np.concatenate([front, back[:, ::-1], sides])
-    faces = quads[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
-    grid = np.stack(np.meshgrid(us, vs, indexing="ij"), -1).reshape(-1, 2)
-    points = np.concatenate([np.c_[grid, np.full(len(grid), w)] for w in depth])
-    used, faces = np.unique(faces, return_inverse=True)
-    large = np.arange(len(quads)) < 2 * len(front)
-    return points[used], faces.reshape(-1, 3), np.repeat(large, 2)
 
 
 def to_mesh(path: Path, pieces: Sequence[Solid], slots: Sequence[str], materials: tuple[Material, ...]) -> Mesh:

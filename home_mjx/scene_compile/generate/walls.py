@@ -9,19 +9,17 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Bool, Float
 
 from home_mjx.scene_compile.generate.palette import CUT
 from home_mjx.scene_compile.generate.placed import Placed
 from home_mjx.scene_compile.generate.rooms import RoomPlan, Wall
-from home_mjx.scene_compile.generate.solids import Solid, extrude, to_mesh
+from home_mjx.scene_compile.generate.solids import Solid, to_mesh
 from home_mjx.scene_compile.house import Material, Mesh
+from home_mjx.scene_compile.suncg import wall_prism
+from home_mjx.scene_compile.suncg.wall_prism import DEPTH, Hole, extrude, wall_prisms
 
 # All in metres.
-HALF = 0.05  # thickness of one prism; it is also half a wall
-END = 0.04  # by how much a prism reaches beyond each end of its wall
-OVERLAP = 0.0053  # of the outer prism into the inner one
-RISE = 0.035  # of walls above the nominal height
+HALF = DEPTH / 2  # thickness of one prism
 SHRINK = 0.02  # of a hole against the opening's bounding box
 FLOOR_TOP = 0.05  # also the thickness of floors and ceilings
 OUTSET = 0.02  # of floors and ceilings beyond the centre-lines
@@ -65,43 +63,24 @@ def room_meshes(
 
 def _prisms(wall: Wall, number: int, node: int, height: float, openings: Sequence[Placed]) -> Iterator[Solid]:
     """The inner and the outer prism of one wall."""
-    holes = [hole for opening in openings if (hole := carve(wall, opening)) is not None]
-    for name, low, slot in (("Inside", 0.0, 3 * number), ("Outside", OVERLAP - HALF, 3 * number + 2)):
-        points, faces, large = _panel(wall.length + 2 * END, height + RISE, holes, (low, low + HALF))
-        uv = np.where(large[:, None, None], points[faces][..., :2], points[faces][..., [0, 2]])
-        xz = wall.start + (points[:, :1] - END) * wall.direction + points[:, 2:] * wall.normal
-        vertices = np.stack([xz[:, 0], points[:, 1], xz[:, 1]], -1)
-        slots = tuple(np.where(large, slot, 3 * number + 1).tolist())
-        yield Solid(vertices, faces, uv, slots, f"Wall{name}#0_{node}_{number}")
+    holes = tuple(hole for opening in openings if (hole := carve(wall, opening)) is not None)
+    start, end = (np.array([x, 0.0, z]) for x, z in (wall.start, wall.end))
+    both = wall_prisms(wall_prism.Wall(start, end, height, holes))
+    for name, prism, slot in zip(("Inside", "Outside"), both, (3 * number, 3 * number + 2), strict=True):
+        slots = tuple(np.where(prism.large, slot, 3 * number + 1).tolist())
+        yield Solid(prism.vertices, prism.faces, prism.uv, slots, f"Wall{name}#0_{node}_{number}")
 
 
-def carve(wall: Wall, opening: Placed) -> tuple[float, float, float, float] | None:
-    """The hole that an opening makes in a wall, or None if it is not in this wall.
-
-    Returns:
-        Lower and upper distance from the start of the prism, lower and upper height [m].
-    """
+def carve(wall: Wall, opening: Placed) -> Hole | None:
+    """The hole that an opening makes in a wall, or None if it is not in this wall."""
     x, _, z = opening.position
     box = opening.box
     along = box[:, (0, 2)[wall.axis]]
     off = abs((x, z)[1 - wall.axis] - wall.line)
     if opening.quarter % 2 != wall.axis or off > HALF or along[1] < wall.span[0] or along[0] > wall.span[1]:
         return None
-    start, end = np.sort((along - wall.start[wall.axis]) * wall.direction[wall.axis]) + END
+    start, end = np.sort((along - wall.start[wall.axis]) * wall.direction[wall.axis])
     return float(start + SHRINK), float(end - SHRINK), float(box[0, 1] + SHRINK), float(box[1, 1] - SHRINK)
-
-
-def _panel(
-    length: float, height: float, holes: Sequence[tuple[float, float, float, float]], depth: tuple[float, float]
-) -> tuple[Float[np.ndarray, "p 3"], np.ndarray, Bool[np.ndarray, " f"]]:
-    """A rectangle with rectangular holes, extruded."""
-    us = np.unique([0.0, length, *(u for hole in holes for u in hole[:2])])
-    vs = np.unique([0.0, height, *(v for hole in holes for v in hole[2:])])
-    u, v = np.meshgrid((us[1:] + us[:-1]) / 2, (vs[1:] + vs[:-1]) / 2, indexing="ij")
-    keep = np.ones(u.shape, bool)
-    for left, right, low, high in holes:
-        keep &= ~((left < u) & (u < right) & (low < v) & (v < high))
-    return extrude(us, vs, keep, depth)
 
 
 def _slab(room: RoomPlan, depth: tuple[float, float], group: str) -> Solid:
