@@ -25,7 +25,8 @@ from home_mjx.scene_compile.bank import HouseBank
 def place(house=0):
     bank = HouseBank.from_compiled([shoebox()])
     body = bank.physics.body_pos[0], bank.physics.body_quat[0]
-    return make_scene(bank, jnp.int32(house), *body, jnp.zeros((1, 3)), jnp.array([[1.0, 0, 0, 0]]))
+    agent = jnp.zeros((1, 3)), jnp.array([[1.0, 0, 0, 0]])
+    return jax.jit(make_scene)(bank, jnp.int32(house), *body, *agent)
 """
 
 
@@ -115,3 +116,12 @@ except ExecutorError as error:
     print("no compiler today" in str(error))
 """)
     assert out == ["3.0", "3.0", "3.0", "1", "True"]
+
+
+def test_compiled_code_is_kept_on_disk():
+    program = """
+from home_mjx.raycast_render.ffi_handler import build_handler
+print(*(compiled.cache_hits for compiled in build_handler()))
+"""
+    run(program)
+    assert run(program) == ["1", "1"]
