@@ -22,7 +22,7 @@ class PhysicsConfig:
         turn_rate: [rad/s] at action 1.
         push_force: [N], the most that an agent's legs can give, in any direction.
         response_time: [s], time constant with which an agent takes up its target velocity.
-        friction: Sliding friction of everything but agents, which slide along what they touch.
+        friction: Sliding friction of everything but agents, which slide along what they touch; 0.4 is wood on wood.
         max_body_speed: [m/s], limit of movable bodies; a fall of 1.8 m reaches 6 m/s.
         max_body_spin: [rad/s], limit of movable bodies.
         sim_dt: [s], one physics step.
@@ -53,7 +53,7 @@ class PhysicsConfig:
     turn_rate: float = 1.5708
     push_force: float = 300.0
     response_time: float = 0.1
-    friction: float = 0.6
+    friction: float = 0.4
     max_body_speed: float = 6.0
     max_body_spin: float = 30.0
     sim_dt: float = 0.02

@@ -7,6 +7,7 @@ import numpy as np
 
 from home_mjx.physics.config import PhysicsConfig
 from home_mjx.physics.layout import Layout
+from home_mjx.scene_compile.mjcf_agent import AGENT_SOLREF, BODY_SOLREF, AgentShape, add_agent, add_motors
 
 PARKED_HEIGHT = 500.0  # [m]: bodies that a house does not use wait above it, slots as far below
 PARKED_SIZE = 0.1  # [m], half extent
@@ -33,13 +34,13 @@ def template_mjcf(config: PhysicsConfig, layout: Layout, jacobian: str) -> str:
     for name in slot_names(layout):
         ET.SubElement(world, "geom", _no_mask(name), type="box", size=_parked_size(), pos=pos, quat="0.8 0 0 0.6")
     for a in range(layout.num_agents):
-        add_agent(world, config, a)
+        _add_agent(world, config, a)
     for k in range(layout.num_bodies):
         _add_body(world, k)
     _add_pairs(ET.SubElement(root, "contact"), config, layout)
-    add_motors(root, layout.num_agents)
-    sensors = ET.SubElement(root, "sensor")
+    actuator, sensors = ET.SubElement(root, "actuator"), ET.SubElement(root, "sensor")
     for a in range(layout.num_agents):
+        add_motors(actuator, f"agent{a}")
         ET.SubElement(sensors, "contact", name=f"agent{a}_contact", geom1=f"agent{a}", data="found", num="1")
     return ET.tostring(root, encoding="unicode")
 
@@ -50,30 +51,18 @@ def slot_names(layout: Layout) -> list[str]:
     return agents + [f"body{k}_slot{s}" for k in range(layout.num_bodies) for s in range(layout.body_slots)]
 
 
-def add_agent(world: ET.Element, config: PhysicsConfig, a: int) -> None:
-    """Adds agent `a`: a capsule on three slides and a yaw hinge, and a foot, which alone meets the floor."""
-    radius, half = config.agent_radius, config.agent_height / 2 - config.agent_radius
-    body = ET.SubElement(world, "body", name=f"agent{a}")
-    for name, axis in (("x", "1 0 0"), ("y", "0 1 0"), ("z", "0 0 1")):
-        ET.SubElement(body, "joint", name=f"agent{a}_{name}", type="slide", axis=axis)
-    ET.SubElement(body, "joint", name=f"agent{a}_yaw", type="hinge", axis="0 0 1")
-    trunk, foot = _no_mask(f"agent{a}"), _no_mask(f"agent{a}_foot")
-    ET.SubElement(body, "geom", trunk, type="capsule", size=f"{radius} {half}", mass=str(config.agent_mass))
-    ET.SubElement(body, "geom", foot, type="sphere", size=str(radius), pos=f"0 0 {-half}", mass="0")
+def _add_agent(world: ET.Element, config: PhysicsConfig, a: int) -> None:
+    """An agent whose foot alone meets the floor, so that the contact sensor of its capsule counts all but the floor."""
+    shape = AgentShape(config.agent_radius, config.agent_height, config.agent_mass)
+    body = add_agent(world, shape, f"agent{a}", contype="0", conaffinity="0")
+    foot, pos = _no_mask(f"agent{a}_foot"), f"0 0 {-shape.half_length}"
+    ET.SubElement(body, "geom", foot, type="sphere", size=str(shape.radius), pos=pos, mass="0")
 
 
-def add_motors(root: ET.Element, num_agents: int) -> None:
-    """Adds the agents' motors: world-frame force [N] along x and y, torque [N m] about z."""
-    actuator = ET.SubElement(root, "actuator")
-    for a in range(num_agents):
-        for joint in ("x", "y", "yaw"):
-            ET.SubElement(actuator, "motor", name=f"agent{a}_{joint}", joint=f"agent{a}_{joint}")
-
-
-def add_pair(contact: ET.Element, config: PhysicsConfig, first: str, second: str, agent: bool) -> None:
-    """Adds the contact pair of two geoms; those of agents are frictionless."""
+def _add_pair(contact: ET.Element, config: PhysicsConfig, first: str, second: str, agent: bool) -> None:
+    kind = {"condim": "1", "solref": AGENT_SOLREF} if agent else {"condim": "3", "solref": BODY_SOLREF}
     friction = f"{config.friction} {config.friction}"
-    ET.SubElement(contact, "pair", geom1=first, geom2=second, condim="1" if agent else "3", friction=friction)
+    ET.SubElement(contact, "pair", kind, geom1=first, geom2=second, friction=friction)
 
 
 def _add_options(root: ET.Element, config: PhysicsConfig, layout: Layout, jacobian: str) -> None:
@@ -112,15 +101,15 @@ def _add_pairs(contact: ET.Element, config: PhysicsConfig, layout: Layout) -> No
     for a in range(layout.num_agents):
         others = [f"agent{a}_slot{s}" for s in range(layout.agent_slots)]
         others += [f"body{k}" for k in range(layout.num_bodies)] + [f"agent{b}" for b in range(a)]
-        add_pair(contact, config, f"agent{a}_foot", "floor", agent=True)
+        _add_pair(contact, config, f"agent{a}_foot", "floor", agent=True)
         for other in others:
-            add_pair(contact, config, f"agent{a}", other, agent=True)
+            _add_pair(contact, config, f"agent{a}", other, agent=True)
     for k in range(layout.num_bodies):
         for c in range(len(CORNERS)):
-            add_pair(contact, config, f"body{k}_corner{c}", "floor", agent=False)
+            _add_pair(contact, config, f"body{k}_corner{c}", "floor", agent=False)
         others = [f"body{k}_slot{s}" for s in range(layout.body_slots)] + [f"body{j}" for j in range(k)]
         for other in others:
-            add_pair(contact, config, f"body{k}", other, agent=False)
+            _add_pair(contact, config, f"body{k}", other, agent=False)
 
 
 def _no_mask(name: str) -> dict[str, str]:

@@ -79,5 +79,7 @@ def test_nothing_passes_through_anything_in_a_crowd(world):
     normal = np.array([np.cos(wall.yaw), np.sin(wall.yaw)])
     side = (crowd.agent_pos[:, 0, :2] - np.array(wall.pos[:2])) @ normal
     assert side.max() < -wall.size[0] - RADIUS + 5e-3
-    assert (crowd.body_pos[..., 2] > house.floor + 0.14).all()
+    # A fall of a metre presses a box a few centimetres into the floor for a moment; half its least edge is 0.15 m.
+    assert (crowd.body_pos[..., 2] > house.floor + 0.09).all()
+    assert (crowd.body_pos[-8:, :, 2] > house.floor + 0.14).all()
     assert np.isfinite(crowd.body_quat).all()

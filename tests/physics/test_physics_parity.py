@@ -71,4 +71,4 @@ def test_falling_boxes_follow_c_and_rest_where_they_do(world):
 
 def test_tilted_boxes_come_to_rest_as_in_c(world):
     _, bodies = _simulate(world.template, "free")
-    assert_allclose(world.scene("free").body_pos[-1, :2], bodies[-1, :2, :3], atol=5e-3)
+    assert_allclose(world.scene("free").body_pos[-1, :2], bodies[-1, :2, :3], atol=0.01)

@@ -1,0 +1,231 @@
+"""A compiled house as a full MJCF model: what MuJoCo's viewer shows, and what the batched physics is held to."""
+
+import shutil
+import uuid
+import xml.etree.ElementTree as ET
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+from scipy.spatial.transform import Rotation
+
+from home_mjx.errors import ConfigError
+from home_mjx.scene_compile.compiled import ARCHITECTURE, CompiledHouse, Semantic
+from home_mjx.scene_compile.mjcf_agent import AGENT_SOLREF, BODY_SOLREF, AgentShape, add_agent, add_motors
+from home_mjx.scene_compile.mjcf_assets import Assets, numbers, safe_name
+from home_mjx.scene_compile.pack_tables import box_inertia, ground_floor
+
+FILE = "house.xml"
+EYE_HEIGHT = 1.5  # [m], cameras of rooms and agent
+NYU40_CEILING = 22
+# The viewer shows groups 0 to 2 at first.
+VISUAL, COLLIDER, CEILING = "2", "3", "4"
+
+
+def to_mjcf(
+    house: CompiledHouse, *, agent: AgentShape | None = None, timestep: float = 0.005, friction: float = 0.4
+) -> tuple[str, dict[str, bytes]]:
+    """MJCF of a house and the files that it refers to.
+
+    Every object is a body `object<id>` with its visual meshes (group 2; ceilings are in group 4, so that one can look
+    in from above); movable ones have a free joint, a mass and one box (group 3). Static boxes and the floor plane
+    belong to the world. Cameras: `top`, `room<i>`, and `agent0_eye` with an agent.
+
+    Args:
+        house: A compiled house.
+        agent: Adds an agent at the first start point, with motors (see `mjcf_agent`).
+        timestep: [s]
+        friction: Sliding friction; agents have none.
+
+    Returns:
+        The XML and file contents by relative path, as `mujoco.MjModel.from_xml_string` takes them.
+
+    Raises:
+        DatasetError: A texture cannot be read.
+
+    Example:
+        >>> model = mujoco.MjModel.from_xml_string(*to_mjcf(house))  # doctest: +SKIP
+    """
+    root = ET.Element("mujoco", model=safe_name(house.id))
+    ET.SubElement(root, "option", timestep=str(timestep), integrator="implicitfast")
+    center, extent = house.box.mean(axis=0), float(np.ptp(house.box, axis=0).max())
+    ET.SubElement(root, "statistic", center=numbers(center), extent=f"{extent:.6g}")
+    default = ET.SubElement(root, "default")
+    ET.SubElement(default, "geom", condim="3", friction=f"{friction} 0.005 0.0001", solref=BODY_SOLREF)
+    world = ET.Element("worldbody")
+    _add_surroundings(world, house)
+    assets = Assets(house)
+    _add_static_boxes(world, house)
+    for instance in range(len(house.instances.model)):
+        _add_instance(world, house, instance, assets)
+    root.extend([assets.element, world])
+    if agent is not None:
+        _add_agent(root, world, house, agent)
+    ET.indent(root)
+    return ET.tostring(root, encoding="unicode"), assets.files
+
+
+def export_mjcf(house: CompiledHouse, folder: Path, agent: AgentShape | None = None) -> Path:
+    """Writes a house to `<folder>/<house id>/house.xml`, meshes and textures beside it: all of it or nothing.
+
+    Args:
+        house: A compiled house.
+        folder: Made if missing; an older export of the same house is replaced.
+        agent: As in `to_mjcf`.
+
+    Returns:
+        Path of the MJCF file.
+
+    Raises:
+        ConfigError: There is something else than an export at that place, or it cannot be written to.
+    """
+    xml, files = to_mjcf(house, agent=agent)
+    target = Path(folder) / safe_name(house.id)
+    if target.exists() and not (target / FILE).is_file():
+        raise ConfigError("there is something else than an exported house", file=target, hint="Choose another folder")
+    try:
+        _write_whole(target, {**files, FILE: xml.encode()})
+    except OSError as error:
+        raise ConfigError(f"cannot write: {error}", file=target, hint="Choose another folder") from error
+    return target / FILE
+
+
+def _write_whole(target: Path, files: Mapping[str, bytes]) -> None:
+    """Writes a folder beside its place and then moves it there."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    fresh, old = (target.with_name(f".{target.name}.{uuid.uuid4().hex}") for _ in range(2))
+    try:
+        for name, content in files.items():
+            (fresh / name).parent.mkdir(parents=True, exist_ok=True)
+            (fresh / name).write_bytes(content)
+        if target.exists():
+            target.rename(old)
+        fresh.rename(target)
+    finally:
+        if old.exists() and not target.exists():
+            old.rename(target)
+        shutil.rmtree(fresh, ignore_errors=True)
+        shutil.rmtree(old, ignore_errors=True)
+
+
+def split_linear(linear: Float[np.ndarray, "3 3"]) -> tuple[Float[np.ndarray, "3 3"], Float[np.ndarray, "3 3"]]:
+    """A rotation and the stretch before it: diagonal, negative in x for mirrors; sheared parts are all stretch.
+
+    Example:
+        >>> split_linear(np.diag([2.0, 1.0, -1.0]))[1]
+        array([[-2.,  0.,  0.],
+               [ 0.,  1.,  0.],
+               [ 0.,  0.,  1.]])
+    """
+    scale = np.linalg.norm(linear, axis=0)
+    if np.linalg.det(linear) < 0:
+        scale[0] = -scale[0]
+    if (scale == 0).any():
+        return np.eye(3), linear
+    rotation = linear / scale
+    if np.abs(rotation.T @ rotation - np.eye(3)).max() > 1e-6:
+        return np.eye(3), linear
+    return rotation, np.diag(scale)
+
+
+def _quat(rotation: Float[np.ndarray, "3 3"]) -> str:
+    return numbers(Rotation.from_matrix(rotation).as_quat(scalar_first=True))
+
+
+def _add_surroundings(world: ET.Element, house: CompiledHouse) -> None:
+    """Floor plane, light and cameras."""
+    floor = ground_floor(house.rooms)
+    ET.SubElement(world, "geom", name="floor", type="plane", size="0 0 1", pos=f"0 0 {floor:.9g}", group=COLLIDER)
+    # Without shadows light passes the ceilings.
+    ET.SubElement(world, "light", type="directional", dir="0.3 0.2 -1", castshadow="false", diffuse="0.6 0.6 0.6")
+    middle, size = house.box.mean(axis=0), np.ptp(house.box, axis=0)
+    high = house.box[1, 2] + 1.3 * max(size[:2])  # with a fovy of 45 degrees
+    ET.SubElement(world, "camera", name="top", pos=numbers(np.array([middle[0], middle[1], high])))
+    for i, (polygon, height) in enumerate(zip(house.rooms.polygon, house.rooms.floor, strict=True)):
+        pos = numbers(np.array([*polygon.mean(axis=0), height + EYE_HEIGHT]))
+        ET.SubElement(world, "camera", _looking_along_x(), name=f"room{i}", pos=pos)
+
+
+def _looking_along_x() -> dict[str, str]:
+    return {"xyaxes": "0 -1 0 0 0 1", "fovy": "75"}
+
+
+def _add_static_boxes(world: ET.Element, house: CompiledHouse) -> None:
+    boxes = house.colliders
+    for i, (pos, quat, size) in enumerate(zip(boxes.pos, boxes.quat, boxes.size, strict=True)):
+        _add_box(world, f"static{i}", size, pos=numbers(pos), quat=numbers(quat))
+
+
+def _add_box(parent: ET.Element, name: str, size: Float[np.ndarray, "3"], **place: str) -> None:
+    look = {"group": COLLIDER, "rgba": "0.3 0.8 0.3 0.3"}
+    ET.SubElement(parent, "geom", look | place, name=name, type="box", size=numbers(size))
+
+
+def _add_instance(world: ET.Element, house: CompiledHouse, instance: int, assets: Assets) -> None:
+    """Adds one instance: the architecture, a static object, or a movable one."""
+    body = int(house.instances.body[instance])
+    object_id = house.instances.object_id[instance]
+    name = "architecture" if instance == ARCHITECTURE else f"object{object_id}"
+    pose = house.instances.pose[instance]
+    if body < 0:
+        rotation, stretch = split_linear(pose[:, :3])
+        place = {"pos": numbers(pose[:, 3]), "quat": _quat(rotation)}
+        element = ET.SubElement(world, "body", place, name=name)
+        _add_visuals(element, house, instance, assets, stretch)
+    else:
+        element = _add_movable(world, house, body, name)
+        inner = house.bodies.from_model[body]
+        rotation, stretch = split_linear(inner[:, :3])
+        _add_visuals(element, house, instance, assets, stretch, pos=numbers(inner[:, 3]), quat=_quat(rotation))
+
+
+def _add_movable(world: ET.Element, house: CompiledHouse, body: int, name: str) -> ET.Element:
+    bodies = house.bodies
+    place = {"pos": numbers(bodies.pos[body]), "quat": numbers(bodies.quat[body])}
+    element = ET.SubElement(world, "body", place, name=name)
+    ET.SubElement(element, "freejoint", name=name)
+    mass, size = float(bodies.mass[body]), bodies.size[body]
+    inertia = numbers(box_inertia(bodies.mass[body : body + 1], bodies.size[body : body + 1]))
+    ET.SubElement(element, "inertial", pos="0 0 0", mass=f"{mass:.9g}", diaginertia=inertia)
+    _add_box(element, name, size)
+    return element
+
+
+def _add_visuals(
+    element: ET.Element,
+    house: CompiledHouse,
+    instance: int,
+    assets: Assets,
+    stretch: Float[np.ndarray, "3 3"],
+    **place: str,
+) -> None:
+    """Adds one mesh geom per material slot."""
+    model = house.models[house.instances.model[instance]]
+    first = int(house.instances.material[instance])
+    for slot in np.unique(model.slot).tolist():
+        mesh = assets.mesh(model, slot, stretch)
+        if mesh is not None:
+            group = CEILING if _is_ceiling(house, instance, slot) else VISUAL
+            look = {"group": group, "contype": "0", "conaffinity": "0", "mass": "0"}
+            ET.SubElement(element, "geom", look | place, type="mesh", mesh=mesh, material=assets.material(first + slot))
+
+
+def _is_ceiling(house: CompiledHouse, instance: int, slot: int) -> bool:
+    model = house.models[house.instances.model[instance]]
+    rows = house.instances.semantic[instance] + np.unique(model.part[model.slot == slot])
+    return bool((house.semantics[rows, Semantic.NYU40] == NYU40_CEILING).all())
+
+
+def _add_agent(root: ET.Element, world: ET.Element, house: CompiledHouse, shape: AgentShape) -> None:
+    """Adds an agent, frictionless towards everything, and a keyframe in which it stands at the first start point."""
+    body = add_agent(world, shape, "agent0", condim="1", priority="1", solref=AGENT_SOLREF, group=COLLIDER)
+    eye = f"0 0 {EYE_HEIGHT - shape.height / 2:.9g}"
+    ET.SubElement(body, "camera", _looking_along_x(), name="agent0_eye", pos=eye)
+    add_motors(ET.SubElement(root, "actuator"), "agent0")
+    x, y, z = house.navigation.start[0]
+    bodies = house.bodies
+    order = np.argsort(bodies.instance)  # bodies come in the order of their instances
+    free = np.concatenate([bodies.pos, bodies.quat], axis=1)[order].ravel()
+    qpos = numbers(np.concatenate([free, [x, y, z + shape.height / 2, 0.0]]))
+    ET.SubElement(ET.SubElement(root, "keyframe"), "key", name="start", qpos=qpos)
