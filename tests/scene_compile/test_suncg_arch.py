@@ -203,6 +203,7 @@ def test_neither_meshes_nor_architecture(root):
         (0, {"materials": [{"texture": "../../x"}]}, "materials[0].texture", "leads out of the dataset"),
         (0, {"id": 7}, "id", "expected a string"),
         (4, {"offset": None}, "offset", "expected a list"),
+        (4, {"points": []}, "points", "expected a polygon or more"),
         (4, {"points": [[[0, 0, 0], [1, 0, 0]]]}, "points[0]", "expected 3 corners or more"),
         (4, {"points": [[[0, 0, 0], [1, 0, 0], [2, 0, 0]]]}, "points", "polygon has no area"),
         (4, {"points": [[[0, 0, 0], [4, 0, 3], [4, 0, 0], [0, 0, 2]]]}, "points", "polygon crosses itself"),

@@ -11,7 +11,7 @@ from scene_compile.tiny_arch import edit_arch, write_tiny_v2
 from scene_compile.tiny_dataset import HOUSE_ID, TABLE, edit_house, write_tiny_dataset
 
 from home_mjx.errors import DatasetError, did_you_mean
-from home_mjx.scene_compile.suncg import files, house_json, open_dataset, place, polygons
+from home_mjx.scene_compile.suncg import arch_json, files, house_json, open_dataset, place, polygons
 from home_mjx.scene_compile.suncg.validate import validate_house
 
 NODES = "levels[0].nodes"
@@ -148,37 +148,65 @@ def test_an_object_file_is_no_material_library(root):
     assert "is not in the material library" in refused(root).message
 
 
-def test_a_material_library_that_is_named_a_thousand_times_is_read_once(root, monkeypatch):
+def test_a_material_library_that_is_named_a_thousand_times_is_read_once(root, reads):
     edit_table(root, f"mtllib {TABLE}.mtl\n", f"mtllib {TABLE}.mtl\nmtllib ./{TABLE}.mtl\n" * 500)
-    read = []
-    original = files.read_bytes
-    monkeypatch.setattr(files, "read_bytes", lambda path, *rest: read.append(path.name) or original(path, *rest))
     assert len(load(root).models[TABLE].materials) == 2
-    assert read.count(f"{TABLE}.mtl") == 1
+    assert reads.count(f"{TABLE}.mtl") == 1
 
 
-def test_the_mesh_of_a_room_that_a_thousand_nodes_show_is_read_once(root, monkeypatch):
+def repeat_node(root, index, count=100):
+    """Adds nodes that show what another one shows."""
+
     def change(document):
         nodes = document["levels"][0]["nodes"]
-        nodes += [nodes[0] | {"id": f"0_{index}", "nodeIndices": []} for index in range(5, 1_005)]
+        nodes += [nodes[index] | {"id": f"0_{number}", "nodeIndices": []} for number in range(5, 5 + count)]
+        nodes += [nodes[index]] * count
 
     edit_house(root, change)
-    read = []
+
+
+@pytest.fixture
+def reads(monkeypatch):
+    """Names of the files that are read."""
+    names = []
     original = files.read_bytes
-    monkeypatch.setattr(files, "read_bytes", lambda path, *rest: read.append(path.name) or original(path, *rest))
-    assert len(load(root).levels[0].rooms) == 1_001
-    assert read.count("fr_0rm_0w.obj") == 1
+    monkeypatch.setattr(files, "read_bytes", lambda path, *rest: names.append(path.name) or original(path, *rest))
+    return names
 
 
-def test_a_broken_architecture_is_read_once(tmp_path, monkeypatch):
+def test_a_mesh_that_many_rooms_show_is_read_once(root, reads):
+    repeat_node(root, 0)
+    assert len(load(root).levels[0].rooms) == 101
+    assert reads.count("fr_0rm_0w.obj") == 1
+
+
+@pytest.mark.parametrize(("index", "name"), [(0, f"room/{HOUSE_ID}/fr_0rm_0w.obj"), (2, f"object/{TABLE}/{TABLE}.obj")])
+def test_a_broken_mesh_that_many_nodes_show_is_read_once(root, reads, index, name):
+    repeat_node(root, index)
+    (root / name).write_text("f 1 2 3")
+    found = [finding for finding in validate_house(open_dataset(root), HOUSE_ID) if finding.rule == "unreadable"]
+    assert [finding.file for finding in found] == [str(root / name)]
+    assert reads.count(name.rpartition("/")[2]) == 1
+
+
+@pytest.mark.parametrize("change", [lambda doc: doc.update(elements=5), lambda doc: doc["elements"][3].update(id=5)])
+def test_a_broken_architecture_is_read_once(tmp_path, reads, change):
     root = write_tiny_v2(tmp_path)
-    edit_arch(root, lambda document: document.update(elements=5))
+    edit_arch(root, change)
+    repeat_node(root, 0)
+    found = [finding for finding in validate_house(open_dataset(root), HOUSE_ID) if finding.rule == "unreadable"]
+    assert len(found) == 1
+    assert reads.count(f"{HOUSE_ID}.arch.json") == 1
+
+
+def test_walls_that_many_nodes_show_are_built_once(tmp_path, monkeypatch):
+    root = write_tiny_v2(tmp_path)
     edit_house(root, lambda document: document["levels"][0]["nodes"].extend([document["levels"][0]["nodes"][0]] * 50))
-    read = []
-    original = files.read_bytes
-    monkeypatch.setattr(files, "read_bytes", lambda path, *rest: read.append(path.name) or original(path, *rest))
-    validate_house(open_dataset(root), HOUSE_ID)
-    assert read.count(f"{HOUSE_ID}.arch.json") == 1
+    built = []
+    original = arch_json.wall_prisms
+    monkeypatch.setattr(arch_json, "wall_prisms", lambda wall: built.append(wall) or original(wall))
+    load(root)
+    assert len(built) == 4
 
 
 def test_a_hint_about_names_of_a_megabyte_takes_no_hours():

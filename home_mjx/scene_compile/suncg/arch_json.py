@@ -94,6 +94,8 @@ class Architecture:
 
     def _slab(self, value: Value, kind: str, node_id: str) -> tuple[list[Piece], list[Material]]:
         x, high, z = value.member("offset").vector(3)
+        if value.member("points").data == []:
+            raise value.member("points").error("expected a polygon or more, got none")
         polygons = [_polygon(points) + np.array([x, z]) for points in value.member("points").entries()]
         low = high - self._measure(value, kind, "depth", THICKNESS[kind])
         outset = self._length(self._default("Wall", "depth"), DEPTH, 1e-3) / 5

@@ -40,12 +40,20 @@ class Assets:
             DatasetError: The OBJ is missing or broken.
         """
         if key not in self._models:
-            path = self.model_path(model_id, key)
-            if not is_file(path):
-                hint = f"Expected {path}: fetch the `object` archive of the dataset or remove the node."
-                raise place.error(f"model `{key}` has no OBJ file", hint)
-            self._models[key] = self.mesh(path)
+            self._models[key] = self.mesh(self.find_model(model_id, key, place))
         return self._models[key]
+
+    def find_model(self, model_id: str, key: str, place: Place) -> Path:
+        """Where the OBJ of a model lies; arguments as of `model`.
+
+        Raises:
+            DatasetError: There is none.
+        """
+        path = self.model_path(model_id, key)
+        if not is_file(path):
+            hint = f"Expected {path}: fetch the `object` archive of the dataset or remove the node."
+            raise place.error(f"model `{key}` has no OBJ file", hint)
+        return path
 
     def mesh(self, path: Path) -> Mesh:
         """A mesh that is not kept; raises `DatasetError` as `model`."""

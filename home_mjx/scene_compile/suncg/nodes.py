@@ -34,7 +34,7 @@ def read_object(node: Value, common: dict[str, Any], reading: Reading) -> Object
         transform=transform,
         materials=_materials(node, reading),
     )
-    mesh = reading.attempt(reading.assets.model, model_id, item.model_key, node.member("modelId"))
+    mesh = reading.attempt(reading.model, model_id, item.model_key, node.member("modelId"))
     if mesh is None:
         return None
     reading.models[item.model_key] = mesh

@@ -1,6 +1,7 @@
 """The meshes of rooms and grounds: from `room/` as in SUNCG v1, else from the architecture file of v2."""
 
 from dataclasses import replace
+from pathlib import Path
 
 from home_mjx.scene_compile.house import Mesh
 
@@ -28,17 +29,19 @@ def read_part(node: Value, kind: str, node_id: str, reading: Reading) -> Mesh | 
         return None
     stem = node.member("modelId").name() + SUFFIX[kind]
     path = reading.assets.room_path(reading.house_id, stem)
-    if not is_file(path):
-        return _built(node, kind, node_id, stem, reading)
-    if stem not in reading.parts:
-        mesh = reading.assets.mesh(path)
-        reading.parts[stem] = replace(mesh, vertices=mesh.vertices * reading.scale) if reading.scale != 1 else mesh
-    return reading.parts[stem]
+    if is_file(path):
+        return reading.once(f"room/{stem}", _mesh, path, reading)
+    return _built(node, kind, node_id, stem, reading)
+
+
+def _mesh(path: Path, reading: Reading) -> Mesh:
+    mesh = reading.assets.mesh(path)
+    return replace(mesh, vertices=mesh.vertices * reading.scale) if reading.scale != 1 else mesh
 
 
 def _built(node: Value, kind: str, node_id: str, stem: str, reading: Reading) -> Mesh | None:
     folder, architecture = reading.assets.room_path(reading.house_id, stem).parent, reading.architecture
-    mesh = architecture.mesh(kind, node_id) if architecture else None
+    mesh = reading.once(f"{kind}#{node_id}", architecture.mesh, kind, node_id) if architecture else None
     if mesh is None and architecture is None and not is_folder(folder):
         hint = (
             f"SUNCG v2 comes without room meshes: fetch them with `download_suncg.py -v v1 -t room`, "

@@ -2,8 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
-from typing import ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 from home_mjx.errors import DatasetError
 from home_mjx.scene_compile.house import Mesh, Problem
@@ -52,9 +51,9 @@ class Reading:
     materials: Value | None = None  # the house's own list, for nodes that have `materialIndices`
     scale: float = 1.0  # [m] per unit of the file
     models: dict[str, Mesh] = field(default_factory=dict)
-    parts: dict[str, Mesh] = field(default_factory=dict)  # of rooms and grounds, by the stem of their OBJ
     notes: list[tuple[Place, Problem]] = field(default_factory=list)
     errors: list[DatasetError] | None = None  # if a list, a broken node is put there and left out
+    kept: dict[str, Any] = field(default_factory=dict)  # see `once`
 
     def note(self, place: Place, rule: str, message: str) -> None:
         """Keeps an oddity that was tolerated, under the name of the rule that it breaks."""
@@ -70,6 +69,22 @@ class Reading:
             self.errors.append(error)
             return None
 
+    def once(self, key: str, read: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+        """What `read` returned or raised at the first call with this key: thousands of nodes may ask for one file."""
+        if key not in self.kept:
+            try:
+                self.kept[key] = read(*args, **kwargs)
+            except DatasetError as error:
+                self.kept[key] = error
+        if isinstance(self.kept[key], DatasetError):
+            raise self.kept[key].with_traceback(None)
+        return self.kept[key]
+
+    def model(self, model_id: str, key: str, place: Place) -> Mesh:
+        """A library model; arguments and errors as of `Assets.model`."""
+        self.assets.find_model(model_id, key, place)
+        return self.once(f"object/{key}", self.assets.model, model_id, key, place)
+
     @property
     def architecture(self) -> Architecture | None:
         """SUNCG v2's description of walls, floors and ceilings; None if the dataset has none of this house.
@@ -77,15 +92,8 @@ class Reading:
         Raises:
             DatasetError: It is broken.
         """
-        if isinstance(self._architecture, DatasetError):
-            raise self._architecture
-        return self._architecture
+        return self.once("architecture", self._read_architecture)
 
-    @cached_property
-    def _architecture(self) -> Architecture | DatasetError | None:
-        # an error is kept as well: each room of the house asks
+    def _read_architecture(self) -> Architecture | None:
         path = self.assets.root / "wall" / self.house_id / f"{self.house_id}.arch.json"
-        try:
-            return read_architecture(path, self.assets.textures, self.note) if is_file(path) else None
-        except DatasetError as error:
-            return error
+        return read_architecture(path, self.assets.textures, self.note) if is_file(path) else None

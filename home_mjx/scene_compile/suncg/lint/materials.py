@@ -17,8 +17,8 @@ KINDS = {b"\x89PNG": (".png",), b"\xff\xd8\xff": (".jpg", ".jpeg")}  # extension
 
 def check_materials(subject: Subject) -> None:
     """Slots without faces, faces without slots, textures that do not decode or are of another kind."""
-    meshes = {mesh.path: mesh for mesh in (*subject.house.models.values(), *subject.reading.parts.values())}
-    for mesh in meshes.values():
+    meshes = {mesh.path: mesh for mesh in subject.reading.kept.values() if isinstance(mesh, Mesh)}
+    for mesh in (mesh for path, mesh in meshes.items() if path.suffix == ".obj"):
         _check_slots(subject, mesh)
     for texture in sorted({m.texture for m in _materials(subject) if m.texture}):
         _check_texture(subject, texture)

@@ -72,7 +72,7 @@ class Subject:
     def _base_vertices(self, item: Object) -> Float[np.ndarray, "_ 3"] | None:
         place = Value(self.document.file, f"{item.path}.modelId", item.model_id)
         try:
-            mesh = self.reading.assets.model(item.model_id, item.model_id, place)
+            mesh = self.reading.model(item.model_id, item.model_id, place)
         except DatasetError as error:
             self.report("unreadable", place.element, error.message)
             return None
