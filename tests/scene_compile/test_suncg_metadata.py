@@ -121,6 +121,26 @@ def test_lights(folder):
     assert (line.kind, line.power, line.end) == ("LineLight", 5.5, (1.0, 1.0, 0.0))
 
 
+def test_category_table_of_v2(folder):
+    """Sixteen columns with quotes and empty cells, names that v1 lacks, and fronts that correct `models.csv`."""
+    (folder / CATEGORIES).write_text(
+        "index,model_id,fine_grained_class,coarse_grained_class,empty_struct_obj,nyuv2_40class,wnsynsetid,wnsynsetkey,"
+        "up,front,tags,variantIds,baseVariantId,isCornerPiece,setIds,componentIds\n"
+        "0,Empty,empty,empty,0,void,n03284308,empty.n.01,,,,,,,,\n"
+        f'5,{TABLE},kitchen_island,counter,2,counter,,,"0,1,0","1,0,0",__SYM_REFLECT_LR,,,,7,\n'
+        f'6,{DOOR},single_hinge_door,door,2,door,,,"0,1,0","0,0,1",,"{DOOR},{DOOR}_0",,,,\n'
+    )
+    metadata = read_metadata(folder)
+    table, closed = metadata.info(TABLE), metadata.info(f"{DOOR}_0")
+    assert (table.fine, table.coarse, table.front) == ("kitchen_island", "counter", (1.0, 0.0, 0.0))
+    assert table.dims == pytest.approx((1.2, 0.75, 0.8))
+    assert (closed.fine, closed.coarse, closed.front) == ("single_hinge_door", "door", (0.0, 0.0, 1.0))
+    assert metadata.info(f"{DOOR}_2").fine == "single_hinge_door"
+    assert categories.FINE[categories.fine_index(table.fine)] == "kitchen_island"
+    assert categories.fine_index(table.fine) >= categories.NUM_FINE_V1
+    assert categories.COARSE[categories.coarse_index(table.coarse)] == "counter"
+
+
 def test_sizes_and_lights_are_optional(folder):
     (folder / SIZES).unlink()
     (folder / LIGHTS).unlink()
@@ -150,6 +170,7 @@ def edit(path, old, new):
         (CATEGORIES, "fine_grained_class", "fine", "line 1", "lacks the column(s) fine_grained_class"),
         (CATEGORIES, ",2,table,n03201208", ",2,table", "line 3", "expected 8 cells, got 7"),
         (CATEGORIES, f"6,{DOOR}", f"6,{TABLE}", "line 4", "has two rows"),
+        (CATEGORIES, "empty_struct_obj", "front", "line 2", "expected three finite numbers, got `0`"),
         (SIZES, "-0.6, 0.0", "-0.6, nan", "line 2", "expected three finite numbers"),
         (SIZES, '"0,0,1"', '"0,1"', "line 2", "expected three finite numbers, got `0,1`"),
         (SIZES, f"{DOOR},{DOOR}_0\"", f"{DOOR},{DOOR}_0", "line 4", "not valid CSV"),
