@@ -22,7 +22,8 @@ from home_mjx.scene_compile.bank import Geometry
 from home_mjx.scene_compile.bvh import EMPTY, MAX_DEPTH
 
 LEAF = 4  # triangles tested at once
-CHUNK = 1 << 16  # rays in lock step: bounds the memory for stacks
+CHUNK_CPU = 1 << 12  # rays in lock step: few, so that their state stays in the cache
+CHUNK = 1 << 20  # many, to fill an accelerator; about 1 kB each
 
 
 class _Best(NamedTuple):
@@ -61,7 +62,7 @@ def cast_xla(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: 
     """Casts rays of shape (environments, rays per environment); see `executors.Executor`."""
     shape = rays.t_min.shape
     total = rays.t_min.size
-    chunk = min(CHUNK, max(total, 1))
+    chunk = min(CHUNK_CPU if jax.default_backend() == "cpu" else CHUNK, max(total, 1))
     count = -(-total // chunk)
 
     def split(x: Array, fill: float = 0) -> Array:

@@ -7,7 +7,7 @@ from soup import EXECUTORS, Placed, Soup, f32, in_jit, random_pose
 
 from home_mjx.raycast_render import cast
 
-N = 8192
+N = 9000  # more than the `xla` executor takes at once, and no multiple of it
 
 
 def closed_mesh():
