@@ -31,8 +31,9 @@ class PhysicsConfig:
         ls_iterations: Line-search iterations; all of them are always paid.
         agent_slots: Static boxes that an agent can touch at once.
         body_slots: Static boxes that a movable body can touch at once.
-        max_geom_pairs: Pairs of one kind (box and box, capsule and box) that are tested at once; None: by bodies.
-        max_contact_points: Contact points of one kind; None: by bodies.
+        max_geom_pairs: Pairs of one kind (box and box, capsule and box) that are tested at once, those nearest by
+            bounding spheres; None: two per body or four per agent.
+        max_contact_points: Contact points of agents, and of bodies, the deepest; None: six per body or eight per agent.
         jacobian: MuJoCo's option; "auto" is sparse on CPU, where it is a third faster, and dense elsewhere.
         impl: MJX implementation: "jax", or "warp" where it is installed.
 

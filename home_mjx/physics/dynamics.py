@@ -88,7 +88,7 @@ def step(
     def substep(data: mjx.Data, _: None) -> tuple[mjx.Data, Array]:
         data = data.replace(ctrl=_control(template, data, action))
         filled = with_slots(model, template.layout, nearest_boxes(template, static, bodies.size, data))
-        with _mjx_promotion():
+        with _as_mjx_needs():
             data = mjx.step(filled, data)
         return _settle_bodies(template, bodies, data), data.sensordata
 
@@ -197,7 +197,11 @@ def _jacobian(config: PhysicsConfig) -> str:
 
 
 @contextlib.contextmanager
-def _mjx_promotion() -> Iterator[None]:
-    """MJX mixes dtypes and ranks, which a caller's strict contexts would refuse."""
-    with jax.numpy_dtype_promotion("standard"), jax.numpy_rank_promotion("allow"):
+def _as_mjx_needs() -> Iterator[None]:
+    """MJX mixes dtypes and ranks, which strict contexts refuse, and its solver needs more than a GPU's 10-bit TF32."""
+    with (
+        jax.numpy_dtype_promotion("standard"),
+        jax.numpy_rank_promotion("allow"),
+        jax.default_matmul_precision("highest"),
+    ):
         yield

@@ -76,8 +76,8 @@ def _add_options(root: ET.Element, config: PhysicsConfig, layout: Layout, jacobi
     )
     ET.SubElement(option, "flag", eulerdamp="disable")  # no joint has damping; without the flag MJX factors M twice
     custom = ET.SubElement(root, "custom")
-    pairs = config.max_geom_pairs or max(2 * layout.num_bodies, 8)
-    points = config.max_contact_points or max(6 * layout.num_bodies, 16)
+    pairs = config.max_geom_pairs or max(2 * layout.num_bodies, 4 * layout.num_agents, 8)
+    points = config.max_contact_points or max(6 * layout.num_bodies, 8 * layout.num_agents, 16)
     ET.SubElement(custom, "numeric", name="max_geom_pairs", data=str(pairs))
     ET.SubElement(custom, "numeric", name="max_contact_points", data=str(points))
     # MJX's ray caster fails on models without a material.
