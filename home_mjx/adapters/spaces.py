@@ -5,6 +5,8 @@ import numpy as np
 
 from home_mjx.tasks.env import HouseholdEnv
 
+UNBOUNDED = 1e6  # metres, pressures, speeds: no house is larger; Gymnasium's checker warns about infinity
+
 
 def observation_space(env: HouseholdEnv) -> gymnasium.spaces.Dict:
     """One box per observation, in the order of the environment's sensors."""
@@ -27,4 +29,5 @@ def _bounds(env: HouseholdEnv, name: str) -> tuple[float, float]:
     if name.startswith("ids/"):
         return -1, np.iinfo(np.int32).max
     kind = name.rsplit("_", 1)[-1]
-    return {"rgb": (0, 255), "depth": (0, env.config.depth_max), "normal": (-1, 1)}.get(kind, (-np.inf, np.inf))
+    bounds = {"rgb": (0, 255), "depth": (0, env.config.depth_max), "normal": (-1, 1)}
+    return bounds.get(kind, (-UNBOUNDED, UNBOUNDED))

@@ -167,8 +167,9 @@ def _write_forever(path):
 
 def test_killed_writers_leave_no_half_entry(tmp_path):
     path = tmp_path / "entry.npz"
-    context = multiprocessing.get_context("fork" if os.name == "posix" else "spawn")
+    context = multiprocessing.get_context("spawn")  # JAX may run in this process: a fork of it could hang
     for _ in range(3):
+        path.unlink(missing_ok=True)
         writer = context.Process(target=_write_forever, args=(path,))
         writer.start()
         while not path.exists():
