@@ -38,7 +38,7 @@ def energy_histogram(trace: Trace, ear_gain: Float[Array, "n 2 7"], config: Audi
     before, after = _energy_at(trace, first, metres), _energy_at(trace, last, metres)
     ratio = jnp.log(jnp.maximum(before, 1e-30)) - jnp.log(jnp.maximum(after, 1e-30))
     decay = jnp.clip(ratio, 1e-3, STEEPEST) / (last - first).astype(jnp.float32)  # per bin
-    index = jnp.arange(config.num_bins)
+    index = jnp.arange(config.num_bins, dtype=jnp.int32)
     inside = ((index >= first) & (index < last)).astype(jnp.float32)
     given = jnp.einsum("k,kec->ec", inside, traced, precision="highest")
     lived = (before - after) / decay  # energy times bins between the two, falling exponentially
@@ -67,7 +67,7 @@ def _multiply(bins: Int[Array, "a n"], values: Float[Array, "a n e c"], count: i
     """Products with matrices of ones, row by row: on GPUs additions to one place have no fixed order."""
 
     def add(total: Array, row: tuple[Array, Array]) -> tuple[Array, None]:
-        member = (row[0][None] == jnp.arange(count)[:, None]).astype(jnp.float32)
+        member = (row[0][None] == jnp.arange(count, dtype=jnp.int32)[:, None]).astype(jnp.float32)
         return total + jnp.einsum("kn,nec->kec", member, row[1], precision="highest"), None
 
     return jax.lax.scan(add, jnp.zeros((count, *values.shape[2:]), values.dtype), (bins, values))[0]
@@ -91,10 +91,10 @@ def _fit_range(trace: Trace, metres: float, config: AudioConfig) -> tuple[Int[Ar
 
 def _energy_at(trace: Trace, index: Int[Array, ""], metres: float) -> Float[Array, "7"]:
     """Energy of all rays together at the start of a bin."""
-    bounces = jnp.sum(trace.travelled <= index.astype(jnp.float32) * metres, axis=0)
+    bounces = jnp.sum(trace.travelled <= index.astype(jnp.float32) * metres, axis=0, dtype=jnp.int32)
     start = jnp.full((1, *trace.remaining.shape[1:]), 1 / bounces.size, jnp.float32)
     energy = jnp.concatenate([start, trace.remaining])
-    chosen = (bounces[None] == jnp.arange(energy.shape[0])[:, None]).astype(jnp.float32)
+    chosen = (bounces[None] == jnp.arange(energy.shape[0], dtype=jnp.int32)[:, None]).astype(jnp.float32)
     return jnp.einsum("bn,bnc->c", chosen, energy, precision="highest")
 
 

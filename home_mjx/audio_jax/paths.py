@@ -105,7 +105,7 @@ def direct_path(
         own = (object_id >= 0) & ((object_id == exclude) | (object_id == emitter))
         counts = blocked & ~own & ~((barrier >= 0) & jnp.any(seen == barrier))
         energy = jnp.where(counts, energy * met.transmission[0], energy)
-        seen = jnp.where(jnp.arange(seen.size) == index, jnp.where(blocked, barrier, -1), seen)
+        seen = jnp.where(jnp.arange(seen.size, dtype=jnp.int32) == index, jnp.where(blocked, barrier, -1), seen)
         start = jnp.where(blocked, hit.t[0] + SKIN, distance)
         # Leaving out the object just met spares the casts for its other faces; architecture has to be marched through.
         skipped = jnp.where(blocked & (object_id >= 0), object_id, skipped)
@@ -114,7 +114,7 @@ def direct_path(
     steps = config.max_crossings
     seen = jnp.full(steps, -1, jnp.int32)
     start = (jnp.float32(0), exclude, seen, jnp.ones(len(BANDS), jnp.float32), jnp.bool_(True))
-    (_, _, _, energy, blocked), _ = jax.lax.scan(cross, start, jnp.arange(steps))
+    (_, _, _, energy, blocked), _ = jax.lax.scan(cross, start, jnp.arange(steps, dtype=jnp.int32))
     amplitude = jnp.sqrt(energy * jnp.exp(-air_energy(config) * distance)) / distance
     return Paths(distance[None], jnp.where(blocked, 0.0, amplitude)[None], direction)
 

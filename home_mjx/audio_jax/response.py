@@ -62,7 +62,8 @@ def impulse_response(
     energy = energy_histogram(traced, ear_gains(traced.direction, head_quat, config), config)
     late = late_response(energy, noise_key, config)
     onset = (paths.distance[0] - config.head_radius) * jnp.float32(config.sample_rate / config.speed_of_sound)
-    heard = jnp.arange(config.response_length) >= onset.astype(jnp.int32)  # nothing overtakes the direct sound
+    # nothing overtakes the direct sound
+    heard = jnp.arange(config.response_length, dtype=jnp.int32) >= onset.astype(jnp.int32)
     return early_response(paths, head_quat, config) + jnp.where(heard[None], late, 0.0)
 
 
@@ -87,8 +88,8 @@ def early_response(paths: Paths, head_quat: Float[Array, "4"], config: AudioConf
 
     def add(response: Array, path: tuple[Array, Array]) -> tuple[Array, None]:
         begin, kernel = path
-        there = jax.lax.dynamic_slice(response, (0, begin), kernel.shape)
-        return jax.lax.dynamic_update_slice(response, there + kernel, (0, begin)), None
+        there = jax.lax.dynamic_slice_in_dim(response, begin, taps, axis=1)
+        return jax.lax.dynamic_update_slice_in_dim(response, there + kernel, begin, axis=1), None
 
     # One path after the other: a scatter would add overlapping kernels in no fixed order on a GPU.
     response, _ = jax.lax.scan(add, jnp.zeros((2, length + taps), jnp.float32), (start, kernels))
@@ -103,7 +104,7 @@ def late_response(energy: Float[Array, "k 2 7"], key: Array, config: AudioConfig
     """
     noise = jnp.asarray(_noise(config))
     start = jax.random.randint(key, (), 0, noise.shape[-1] - config.response_length, jnp.int32)
-    noise = jax.lax.dynamic_slice(noise, (0, 0, start), (*noise.shape[:2], config.response_length))
+    noise = jax.lax.dynamic_slice_in_dim(noise, start, config.response_length, axis=2)
     size = config.bin_samples
     power = jnp.moveaxis(jnp.pad(energy, ((1, 1), (0, 0), (0, 0)), mode="edge"), 0, -1)[..., None] / size
     place = (jnp.arange(size, dtype=jnp.float32) + 0.5)[None, None, None] / size - 0.5  # re the bin's middle

@@ -77,7 +77,7 @@ def trace(
     turn = quat_matrix(turn / jnp.linalg.norm(turn))
     direction = jnp.matmul(jnp.asarray(_spread(config.num_rays)), turn, precision="highest")
     scattered = jax.random.normal(scatter_key, (*shape, 3), jnp.float32)
-    draws = (jnp.arange(shape[0]), jax.random.uniform(choice_key, shape, jnp.float32), scattered)
+    draws = (jnp.arange(shape[0], dtype=jnp.int32), jax.random.uniform(choice_key, shape, jnp.float32), scattered)
     walk = _Walk(bank, scene, source, config, jnp.int32(exclude), jnp.int32(emitter), executor)
     start = _Ray(
         jnp.broadcast_to(listener, direction.shape),

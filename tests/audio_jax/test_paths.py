@@ -167,10 +167,12 @@ def test_more_surfaces_than_casts_are_silence():
     assert not np.any(paths.gain[0])
 
 
-def test_batches_of_environments_equal_single_ones(rng):
+def test_vmap_and_scan_equal_single_environments(rng):
     bank, scene = scene_of(shoebox(), two_rooms())
     sources = jnp.asarray(rng.uniform([-2, -2, 0.5], [2, 2, 2.5], (6, 3)), jnp.float32)
-    many = jax.jit(jax.vmap(lambda s: early_paths(bank, scene, s, LISTENER, CONFIG)))(sources)
+    hear = lambda s: early_paths(bank, scene, s, LISTENER, CONFIG)  # noqa: E731
+    many, scanned = jax.jit(lambda s: (jax.vmap(hear)(s), jax.lax.map(hear, s)))(sources)
     for i in range(6):
         one = run(bank, scene, sources[i], LISTENER)
         np.testing.assert_allclose(many.gain[i], one.gain, rtol=1e-5, atol=1e-6)
+        np.testing.assert_allclose(scanned.gain[i], one.gain, rtol=1e-5, atol=1e-6)
