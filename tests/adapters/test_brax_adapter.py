@@ -35,7 +35,7 @@ def test_observation_sizes(brax_env):
 @pytest.mark.slow
 def test_ppo_trains_from_pixels(brax_env):
     shim.install()
-    records = []
+    records, policies = [], []
     make_networks = functools.partial(
         networks_vision.make_ppo_networks_vision,
         policy_hidden_layer_sizes=(32,),
@@ -46,7 +46,7 @@ def test_ppo_trains_from_pixels(brax_env):
         policy_obs_key="state",
         value_obs_key="state",
     )
-    _, params, metrics = train.train(
+    _, params, _ = train.train(
         brax_env,
         num_timesteps=2**12,
         episode_length=64,
@@ -62,6 +62,7 @@ def test_ppo_trains_from_pixels(brax_env):
         wrap_env_fn=wrap_for_training,
         network_factory=make_networks,
         progress_fn=lambda step, metrics: records.append((step, metrics)),
+        policy_params_fn=lambda step, make_policy, params: policies.append(jax.device_get(params)),
     )
     rewards = [float(m["eval/episode_reward"]) for _, m in records]
     losses = [float(m["training/total_loss"]) for _, m in records if "training/total_loss" in m]
@@ -70,16 +71,10 @@ def test_ppo_trains_from_pixels(brax_env):
     assert len(set(rewards)) > 1
     assert losses
     assert np.isfinite(losses).all()
-    before = jax.tree.leaves(train_start(brax_env, make_networks))
-    after = jax.tree.leaves(params[1])
-    assert any(not np.array_equal(a, b) for a, b in zip(before, after, strict=True))
-
-
-def train_start(env: BraxEnv, make_networks) -> object:
-    """The policy's parameters as `ppo.train` begins with them (same seed)."""
-    networks = make_networks(env.observation_size, env.action_size)
-    key, _ = jax.random.split(jax.random.PRNGKey(0))
-    return networks.policy_network.init(jax.random.split(key)[0])
+    # Every epoch changes the policy, and what training returns is the last.
+    first, last = (jax.tree.leaves(p[1]) for p in policies)
+    assert any(not np.array_equal(a, b) for a, b in zip(first, last, strict=True))
+    assert all(np.array_equal(a, b) for a, b in zip(last, jax.tree.leaves(params[1]), strict=True))
 
 
 def test_action_repeat_is_refused(brax_env):
