@@ -76,7 +76,7 @@ def run_demo(options: DemoOptions) -> dict[str, Any]:
         What `report.json` holds.
     """
     started = time.perf_counter()
-    steps = tqdm(total=options.num_steps + 5, desc="houses", unit="step")
+    steps = tqdm(total=options.num_steps + 6, desc="houses", unit="step")
     env: HouseholdEnv = make("PointNav-v0", options.suncg, num_houses=options.num_houses, episode_length=10**6)
     steps.set_postfix_str("compiling the step (once)")
     steps.update()

@@ -43,6 +43,8 @@ class HouseholdEnv:
         self.bank = bank
         self.config = config or EnvConfig()
         self.task = task or PointNav()
+        # Now, not in the first trace: arrays made inside `pmap` or `shard_map` belong to that mesh for ever.
+        self._template(bank)
 
     @property
     def num_agents(self) -> int:
