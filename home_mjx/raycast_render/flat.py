@@ -38,11 +38,11 @@ def flat_cast(executor: str | None, any_hit: bool) -> Flat:
         elif _any((house_batched, moving_batched)):
             places = _broadcast(size, (house, moving, rays), (house_batched, moving_batched, rays_batched))
             hits = cast(geometry, *jax.tree.map(_merge, places))
-            hits = jax.tree.map(lambda x: x.reshape(size, -1, *x.shape[1:]), hits)
+            hits = jax.tree.map(lambda x: x.reshape(size, x.shape[0] // size, x.shape[1]), hits)
         else:
             rays = _broadcast(size, rays, rays_batched)
             hits = cast(geometry, house, moving, jax.tree.map(lambda x: _merge(jnp.swapaxes(x, 0, 1), 1), rays))
-            hits = jax.tree.map(lambda x: jnp.swapaxes(x.reshape(x.shape[0], size, -1), 0, 1), hits)
+            hits = jax.tree.map(lambda x: jnp.swapaxes(x.reshape(x.shape[0], size, x.shape[1] // size), 0, 1), hits)
         return hits, jax.tree.map(lambda _: True, hits)
 
     return cast

@@ -128,6 +128,8 @@ def test_any_leading_shape_and_scalars(case):
         np.testing.assert_array_equal(a[0], c)
         assert c.shape == ()
         assert d.shape == (0,)
+    many = jax.vmap(lambda o, s: cast(s, o, o).t, (0, None))(jnp.zeros((3, 0, 3)), scene)
+    assert many.shape == (3, 0)
 
 
 @pytest.mark.parametrize("executor", EXECUTORS)
