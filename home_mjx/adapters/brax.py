@@ -5,6 +5,9 @@ Example:
     >>> ppo.train(BraxEnv(env), wrap_env_fn=wrap_for_training, num_timesteps=4096)  # doctest: +SKIP
 """
 
+# Brax annotates states as those of its own engines and wrapped environments as bare ones; ours are neither.
+# pyright: reportArgumentType=false, reportAttributeAccessIssue=false
+
 import dataclasses
 from typing import Any
 
@@ -57,8 +60,9 @@ class BraxEnv(Env):
 
     def step(self, state: BraxState, action: Array) -> BraxState:
         """One control step; running out of time is left to the wrapper."""
-        new = self.env.step(state.pipeline_state, action)
-        brax = self.to_brax(new)
+        inner: Any = state.pipeline_state  # Brax's annotation names its own physics
+        new = self.env.step(inner, action)
+        brax: Any = self.to_brax(new)
         done = new.done * (1 - new.info["truncation"])
         # Wrappers add keys of their own to metrics and info: they must come back as they went in.
         return brax.replace(done=done, metrics=dict(state.metrics, **brax.metrics), info=dict(state.info))
@@ -66,7 +70,7 @@ class BraxEnv(Env):
     def to_brax(self, state: State) -> BraxState:
         """Our state as Brax's; works on a batch as well."""
         obs = self.to_brax_obs(state.obs)
-        inner = state.replace(obs={}, info={k: v for k, v in state.info.items() if k != "final_obs"})
+        inner: Any = state.replace(obs={}, info={k: v for k, v in state.info.items() if k != "final_obs"})
         return BraxState(inner, obs, state.reward, state.done, dict(state.metrics), {})
 
     def to_brax_obs(self, obs: dict[str, Array]) -> dict[str, Array]:
@@ -90,6 +94,7 @@ class TrainingWrapper(Wrapper):
 
     def __init__(self, env: BraxEnv, episode_length: int) -> None:
         super().__init__(env)
+        self.brax_env = env
         inner = env.env
         config = dataclasses.replace(inner.config, episode_length=episode_length)
         self.auto = AutoReset(HouseholdEnv(inner.bank, config, inner.task))
@@ -104,7 +109,8 @@ class TrainingWrapper(Wrapper):
 
     def step(self, state: BraxState, action: Array) -> BraxState:
         """One step of all environments."""
-        new = self.auto.step(state.pipeline_state, action)
+        before: Any = state.pipeline_state
+        new = self.auto.step(before, action)
         fresh = 1 - state.info["episode_done"]
         totals = state.info["episode_metrics"]
         terms = {"sum_reward": new.reward, "length": jnp.ones_like(new.done), **new.metrics}
@@ -117,8 +123,9 @@ class TrainingWrapper(Wrapper):
 
     def _to_brax(self, state: State, info: dict[str, Any]) -> BraxState:
         info["truncation"] = state.info["truncation"]
-        info["final_obs"] = self.env.to_brax_obs(state.info["final_obs"])
-        return self.env.to_brax(state).replace(info=info)
+        info["final_obs"] = self.brax_env.to_brax_obs(state.info["final_obs"])
+        brax: Any = self.brax_env.to_brax(state)
+        return brax.replace(info=info)
 
 
 def wrap_for_training(

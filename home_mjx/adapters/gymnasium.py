@@ -1,5 +1,6 @@
 """Gymnasium: `gymnasium.make("home_mjx/PointNav-v0")` and its vector twin."""
 
+from collections.abc import Callable
 from typing import Any
 
 import gymnasium
@@ -33,8 +34,8 @@ class GymEnv(gymnasium.Env):
         self.render_mode = render_mode
         self.observation_space = observation_space(self.env)
         self.action_space = action_space(self.env)
-        self._reset = jax.jit(self.env.reset_in)
-        self._step = jax.jit(self.env.step_in)
+        self._reset: Callable[..., State] = jax.jit(self.env.reset_in)
+        self._step: Callable[..., State] = jax.jit(self.env.step_in)
         self._state: State | None = None
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict, dict]:
@@ -42,18 +43,19 @@ class GymEnv(gymnasium.Env):
         super().reset(seed=seed)
         key = np.asarray(self.np_random.integers(0, 2**32, 2, np.uint32))
         house = None if not options or options.get("house") is None else np.int32(options["house"])
-        self._state = self._reset(self.env.bank, key, house)
-        return to_numpy(self._state.obs), _info(self._state)
+        state: State = self._reset(self.env.bank, key, house)
+        self._state = state
+        return to_numpy(state.obs), _info(state)
 
     def step(self, action: np.ndarray) -> tuple[dict, float, bool, bool, dict]:
         """One control step."""
         if self._state is None:
             raise gymnasium.error.ResetNeeded("call reset() before step()")
-        self._state = self._step(self.env.bank, self._state, np.asarray(action, np.float32))
-        truncated = bool(self._state.info["truncation"])
-        terminated = bool(self._state.done) and not truncated
-        reward = float(np.mean(self._state.reward))
-        return to_numpy(self._state.obs), reward, terminated, truncated, _info(self._state)
+        state: State = self._step(self.env.bank, self._state, np.asarray(action, np.float32))
+        self._state = state
+        truncated = bool(state.info["truncation"])
+        terminated = bool(state.done) and not truncated
+        return to_numpy(state.obs), float(np.mean(state.reward)), terminated, truncated, _info(state)
 
     def render(self) -> np.ndarray | None:
         """The first agent's RGB image (H, W, 3) uint8."""
@@ -84,29 +86,31 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         self.observation_space = batch(self.single_observation_space, num_envs)
         self.action_space = batch(self.single_action_space, num_envs)
         auto = AutoReset(self.env)
-        self._reset = jax.jit(auto.reset_in)
-        self._step = jax.jit(auto.step_in)
+        self._reset: Callable[..., State] = jax.jit(auto.reset_in)
+        self._step: Callable[..., State] = jax.jit(auto.step_in)
         self._state: State | None = None
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict, dict]:
         """Begins an episode in every environment."""
         super().reset(seed=seed)
         keys = np.asarray(self.np_random.integers(0, 2**32, (self.num_envs, 2), np.uint32))
-        self._state = self._reset(self.env.bank, keys)
-        return to_numpy(self._state.obs), {}
+        state: State = self._reset(self.env.bank, keys)
+        self._state = state
+        return to_numpy(state.obs), {}
 
     def step(self, actions: np.ndarray) -> tuple[dict, np.ndarray, np.ndarray, np.ndarray, dict]:
         """One control step of all; `info["final_obs"]` holds the last observation of those that ended."""
         if self._state is None:
             raise gymnasium.error.ResetNeeded("call reset() before step()")
-        self._state = self._step(self.env.bank, self._state, np.asarray(actions, np.float32))
-        done = np.asarray(self._state.done) > 0
-        truncated = np.asarray(self._state.info["truncation"]) > 0
-        reward = np.asarray(self._state.reward, np.float64).reshape(self.num_envs, -1).mean(-1)
+        state: State = self._step(self.env.bank, self._state, np.asarray(actions, np.float32))
+        self._state = state
+        done = np.asarray(state.done) > 0
+        truncated = np.asarray(state.info["truncation"]) > 0
+        reward = np.asarray(state.reward, np.float64).reshape(self.num_envs, -1).mean(-1)
         info: dict[str, Any] = {}
         if done.any():
-            info = {"final_obs": to_numpy(self._state.info["final_obs"]), "_final_obs": done}
-        return to_numpy(self._state.obs), reward, done & ~truncated, truncated, info
+            info = {"final_obs": to_numpy(state.info["final_obs"]), "_final_obs": done}
+        return to_numpy(state.obs), reward, done & ~truncated, truncated, info
 
 
 def to_numpy(tree: Any) -> Any:

@@ -171,7 +171,9 @@ def measure(env: HouseholdEnv, step: Any, states: State) -> tuple[dict[str, floa
     actions = jnp.zeros((num_envs, env.action_size), jnp.float32)
     rates = {"all": num_envs * timing.calls_per_second(step, env.bank, states, actions, seconds=4.0)}
     seconds = {}
-    programs = {"physics": (jax.vmap(env.advance, (None, 0, 0)), (env.bank, states, actions))}
+    programs: dict[str, tuple[Any, tuple]] = {
+        "physics": (jax.vmap(env.advance, (None, 0, 0)), (env.bank, states, actions))
+    }
     for name, kinds in SENSORS_ALONE.items():
         alone = HouseholdEnv(env.bank, dataclasses.replace(env.config, sensors=kinds), env.task)
         programs[name] = (jax.vmap(lambda b, s, alone=alone: alone.observe_in(b, s).obs, (None, 0)), (env.bank, states))

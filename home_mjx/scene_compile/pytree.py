@@ -37,7 +37,8 @@ class Pytree:
         names = _names(type(self), True) + _names(type(self), False)
         unknown = set(changes) - set(names)
         if unknown:
-            raise TypeError(f"{type(self).__name__} has no field {', '.join(sorted(unknown))}; it has {', '.join(names)}")
+            wrong, known = ", ".join(sorted(unknown)), ", ".join(names)
+            raise TypeError(f"{type(self).__name__} has no field {wrong}; it has {known}")
         return _build(type(self), {name: getattr(self, name) for name in names} | changes)
 
 

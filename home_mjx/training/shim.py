@@ -15,7 +15,7 @@ def install() -> None:
         jax.device_put_replicated = device_put_replicated  # ty: ignore
 
 
-def device_put_replicated(tree: Any, devices: list[jax.Device]) -> Any:
+def device_put_replicated(tree: Any, devices: list[Any]) -> Any:
     """Every leaf stacked once per device, sharded along the new first axis, as the removed function did."""
     mesh = jax.sharding.Mesh(np.array(devices), ("i",))
     sharding = jax.sharding.NamedSharding(mesh, jax.sharding.PartitionSpec("i"))
