@@ -79,9 +79,9 @@ def as_bank(houses: Any, num_houses: int = 8, progress: bool = False) -> Any:
 def generated_houses(num_houses: int, progress: bool = False) -> tuple[Path, tuple[str, ...]]:
     """Root and ids of the first `num_houses` generated houses; made on first use and kept in the cache folder."""
     from home_mjx.scene_compile.cache import cache_folder
-    from home_mjx.scene_compile.generate import generate_dataset
+    from home_mjx.scene_compile.generate import VERSION, generate_dataset
 
-    root = cache_folder() / "generated"
+    root = cache_folder() / f"generated-v{VERSION}"
     return root, generate_dataset(root, range(num_houses), progress=progress)
 
 

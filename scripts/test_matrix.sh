@@ -11,7 +11,12 @@ jax0.10|3.11|0.10.2  |
 jax0.11|3.12|0.11.2  |
 jax0.12|3.12|0.12.0.1|
 '
-SUITE='tests/test_package.py tests/scene_compile tests/raycast_render tests/physics tests/audio_jax tests/tasks'
+# What touches JAX most: batching rules, FFI, sharding, MJX, random bits, the whole step. Host code is left out.
+SUITE='tests/test_package.py tests/scene_compile/test_bank.py tests/scene_compile/test_pytree.py
+tests/raycast_render/test_cast.py tests/raycast_render/test_cast_batching.py tests/raycast_render/test_hit_gradient.py
+tests/raycast_render/test_render.py tests/physics/test_physics_batch.py tests/physics/test_physics_model.py
+tests/audio_jax/test_impulse_response.py tests/audio_jax/test_stream.py tests/tasks
+tests/adapters/test_gymnasium_adapter.py'
 
 run_row() {
     local name=$1 python=$2 jax=$3 extra=$4 venv=.venv-$1

@@ -65,8 +65,13 @@ class Walk:
         return np.concatenate([obs["audio"][view] for obs in self.obs], axis=-1)
 
     def richest(self, view: int) -> dict[str, np.ndarray]:
-        """The observation that shows most different things."""
-        return max(self.obs, key=lambda obs: len(np.unique(obs["ids/head_instance"][view])))
+        """The observation that shows most different things.
+
+        Of the view's own part of the walk: agents of one house would else all be drawn before the same sight.
+        """
+        num_views = len(self.sources)
+        part = slice(len(self.obs) * view // num_views, max(len(self.obs) * (view + 1) // num_views, 1))
+        return max(self.obs[part] or self.obs, key=lambda obs: len(np.unique(obs["ids/head_instance"][view])))
 
 
 def run_demo(options: DemoOptions) -> dict[str, Any]:

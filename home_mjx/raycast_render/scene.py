@@ -1,5 +1,7 @@
 """One environment's movable objects and agents, placed."""
 
+import functools
+
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
@@ -11,6 +13,7 @@ from home_mjx.scene_compile.bank import Geometry, HouseBank
 SLACK = 1e-4  # [m], by which boxes grow: rays meet a model in its own frame, where they round differently
 
 
+@functools.partial(jax.jit, inline=True)
 def make_scene(
     bank: HouseBank,
     house: Int[Array, ""],

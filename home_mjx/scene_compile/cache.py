@@ -83,8 +83,8 @@ def load_compiled(
 def _version() -> str:
     """Name of the format and of the code that compiles, so that a changed compiler never meets old entries."""
     code = hashlib.sha256()
-    for path in sorted(Path(__file__).parent.glob("*.*")) + sorted(Path(__file__).parent.glob("data/*")):
-        if path.suffix in (".py", ".csv"):
+    for path in sorted(Path(__file__).parent.rglob("*")):
+        if path.suffix in (".py", ".csv", ".json", ".npz"):
             code.update(path.read_bytes())
     return f"v{FORMAT}-{code.hexdigest()[:12]}"
 
