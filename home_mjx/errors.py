@@ -76,7 +76,7 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
         >>> did_you_mean("deptth", ["rgb", "depth"])
         'Did you mean `depth`? Known: depth, rgb'
     """
-    known = sorted(known)
+    known = sorted(set(known))
     # names from a broken file may be megabytes long, and comparing takes the product of their lengths
     short = [candidate for candidate in known if len(candidate) <= MAX_COMPARED]
     close = difflib.get_close_matches(name[:MAX_COMPARED], short[:MAX_CANDIDATES], n=1)

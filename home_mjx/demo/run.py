@@ -80,8 +80,13 @@ def run_demo(options: DemoOptions) -> dict[str, Any]:
     Returns:
         What `report.json` holds.
     """
+    # Closed also on errors, so that their message starts on a line of its own.
+    with tqdm(total=options.num_steps + 6, desc="houses", unit="step") as steps:
+        return _run(options, steps)
+
+
+def _run(options: DemoOptions, steps: tqdm) -> dict[str, Any]:
     started = time.perf_counter()
-    steps = tqdm(total=options.num_steps + 6, desc="houses", unit="step")
     env: HouseholdEnv = make("PointNav-v0", options.suncg, num_houses=options.num_houses, episode_length=10**6)
     steps.set_postfix_str("compiling the step (once)")
     steps.update()
@@ -115,7 +120,6 @@ def run_demo(options: DemoOptions) -> dict[str, Any]:
         for file in sorted(Path(folder).iterdir()):
             shutil.move(str(file), options.out / file.name)
     steps.update()
-    steps.close()
     return report
 
 

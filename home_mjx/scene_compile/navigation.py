@@ -66,7 +66,7 @@ def free_space(
     ground = np.flatnonzero(rooms.level == rooms.level.min())
     origin, x, y = _grid([rooms.polygon[r] for r in ground], options.cell)
     room = _label_rooms(rooms, ground, passages, x, y)
-    clearance = _clearance(obstacles, rooms.floor[ground].min(), x, y, options)
+    clearance = _clearance(obstacles, rooms.floor[room], x, y, options)
     free = _largest_region((room >= 0) & (clearance >= options.agent_radius + options.margin))
     return FreeSpace(origin, x, y, room, free)
 
@@ -143,23 +143,28 @@ def _label_rooms(
 
 def _clearance(
     obstacles: BoxSet,
-    floor: float,
+    floor: Float[np.ndarray, "ny nx"],
     x: Float[np.ndarray, " nx"],
     y: Float[np.ndarray, " ny"],
     options: NavigationOptions,
 ) -> Float[np.ndarray, "ny nx"]:
-    """Distance from every cell's centre to the nearest obstacle at the height of an agent, as far as it matters [m]."""
+    """Distance from every cell's centre to the nearest obstacle at the height of an agent, as far as it matters [m].
+
+    An agent is as high as the floor of the cell's own room: rooms may lie at different heights, or lack a floor.
+    """
     reach = options.agent_radius + options.margin
     clearance = np.full((len(y), len(x)), np.inf)
     low, high = obstacles.bottom, obstacles.top
-    for i in np.flatnonzero((high > floor + options.step) & (low < floor + options.agent_height)).tolist():
+    for i in np.flatnonzero((high > floor.min() + options.step) & (low < floor.max() + options.agent_height)).tolist():
         radius = np.hypot(*obstacles.half[i, :2]) + reach
         columns = np.flatnonzero(abs(x - obstacles.center[i, 0]) <= radius)
         rows = np.flatnonzero(abs(y - obstacles.center[i, 1]) <= radius)
         if len(columns) and len(rows):
             window = np.ix_(rows, columns)
             points = np.stack(np.meshgrid(x[columns], y[rows]), axis=-1)
-            clearance[window] = np.minimum(clearance[window], footprint_distance(obstacles, i, points))
+            near = footprint_distance(obstacles, i, points)
+            met = (high[i] > floor[window] + options.step) & (low[i] < floor[window] + options.agent_height)
+            clearance[window] = np.minimum(clearance[window], np.where(met, near, np.inf))
     return clearance
 
 

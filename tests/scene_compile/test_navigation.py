@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from handmade import Furniture, shoebox, two_rooms
@@ -98,6 +100,15 @@ def test_only_what_is_at_an_agents_height_blocks(low, high, blocks):
     box = box_set((2, 2, (low + high) / 2), (0.5, 0.5, (high - low) / 2))
     space = free_space(rooms_of(square(0, 4)), box)
     assert space.free[20, 20] != blocks
+
+
+def test_floor_of_a_lower_room_does_not_block_a_higher_one():
+    """As where a room's floor mesh is missing, and its height is taken from its walls."""
+    left, right = square(0, 2), square(0, 1) + np.array([2.0, 0])
+    rooms = replace(rooms_of(left, right), floor=np.array([0.0, -0.2]))
+    slab = box_set((1, 1, -0.1), (1, 1, 0.1))  # the left room's own floor
+    space = free_space(rooms, slab)
+    assert space.free[10, 5]
 
 
 def test_passages_join_rooms_that_leave_a_gap():
