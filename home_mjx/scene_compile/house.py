@@ -3,7 +3,7 @@
 Nothing here needs JAX or MuJoCo. The compiler turns these into the world frame (Z up).
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -127,15 +127,23 @@ class House:
     problems: tuple[Problem, ...] = ()
 
 
-def base_model(model_id: str) -> str:
+def base_model(model_id: str, known: Callable[[str], bool]) -> str:
     """The model whose variant this is (`122_0` of `122`, `s__12_2` of `s__12`), or the model itself.
 
+    Ids have underscores and digits of their own, so what models there are decides, not what an id looks like.
+
+    Args:
+        model_id: The id of a model or of a variant.
+        known: Whether there is a model of that id.
+
     Example:
-        >>> base_model("122_0"), base_model("s__1296")
-        ('122', 's__1296')
+        >>> models = {"122", "s__12", "s__1296", "table_1"}
+        >>> [base_model(key, models.__contains__) for key in ("122_0", "s__12_2", "s__1296", "table_1", "table_1_0")]
+        ['122', 's__12', 's__1296', 'table_1', 'table_1']
     """
-    variant = model_id.count("_") in (1, 3) and model_id[-1:].isdigit()
-    return model_id.rsplit("_", 1)[0] if variant else model_id
+    base, _, variant = model_id.rpartition("_")
+    is_variant = len(variant) == 1 and variant in "0123456789" and not known(model_id) and known(base)
+    return base if is_variant else model_id
 
 
 @dataclass(frozen=True)
@@ -172,4 +180,4 @@ class Metadata:
 
     def info(self, model_id: str) -> ModelInfo:
         """The row of a model; variants (`_0`, `_2`) fall back to their base, the rest to `unknown`."""
-        return self.models.get(model_id) or self.models.get(base_model(model_id)) or ModelInfo(model_id)
+        return self.models.get(base_model(model_id, self.models.__contains__)) or ModelInfo(model_id)

@@ -3,38 +3,42 @@
 from home_mjx.scene_compile.house import Material
 from home_mjx.scene_compile.suncg.categories import texture_family
 
-# Planner 5D's texture families, as HoME named them for descriptions (its semantic engine) and a few of the same kind.
-TEXTURE_KINDS = {
+# The 20 families of Planner 5D's textures that HoME's paper speaks of, with the names that its code gave them.
+HOME_TEXTURE_KINDS = {
     "beam": "wood",
     "bricks": "bricks",
     "carpet": "carpet",
-    "concrete": "concrete",
     "decorstone": "decoration stone",
     "facing_stone": "facing stone",
-    "flower": "plant",
-    "glass": "glass",
-    "grass": "grass",
-    "ground": "ground",
     "laminate": "laminate",
-    "leaf": "plant",
     "leather": "leather",
-    "leaves": "plant",
     "linen": "linen",
     "lnm": "linoleum",
-    "marble": "stone",
-    "metal": "metal",
     "paneling": "wood",
     "path": "stone",
     "potang": "potang",
     "prkt": "wood",
     "solo": "wood",
-    "spruce": "plant",
     "stone": "stone",
     "stucco": "stucco",
     "textile": "textile",
     "tile": "tile",
     "wallp": "wallpaper",
     "wood": "wood",
+}
+
+# Families that HoME left without a name.
+TEXTURE_KINDS = HOME_TEXTURE_KINDS | {
+    "concrete": "concrete",
+    "flower": "plant",
+    "glass": "glass",
+    "grass": "grass",
+    "ground": "ground",
+    "leaf": "plant",
+    "leaves": "plant",
+    "marble": "stone",
+    "metal": "metal",
+    "spruce": "plant",
 }
 
 # Untextured slots: the usual material of the visible surface, by coarse category.

@@ -31,8 +31,8 @@ def rows(path):
 
 
 def test_sizes_of_the_vocabularies():
-    lists = (categories.FINE, categories.COARSE, categories.NYU40, categories.ROOM_TYPES, categories.MATERIAL_KINDS)
-    assert [len(names) for names in lists] == [187 + 52, 90 + 4, 41, 25, 20]
+    lists = (categories.FINE, categories.COARSE, categories.NYU40, categories.ROOM_TYPES)
+    assert [len(names) for names in lists] == [187 + 52, 90 + 4, 41, 25]
     assert (categories.NUM_FINE_V1, categories.NUM_COARSE_V1) == (187, 90)
     assert all(len(set(names)) == len(names) for names in lists)
     for names, first in ((categories.FINE, 187), (categories.COARSE, 90)):
@@ -48,7 +48,6 @@ def test_indices_point_at_their_names():
         (categories.coarse_index, categories.COARSE),
         (categories.nyu40_index, categories.NYU40),
         (categories.room_type_index, categories.ROOM_TYPES),
-        (categories.material_index, categories.MATERIAL_KINDS),
     ):
         assert [index(name) for name in names] == list(range(len(names)))
 
@@ -59,7 +58,6 @@ def test_names_outside_the_vocabularies():
     assert categories.COARSE[categories.coarse_index("")] == "unknown"
     assert categories.nyu40_index("unknown") == 0
     assert categories.room_type_index("living_room") == -1
-    assert categories.material_index("s") == -1
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 import trimesh
 
+from home_mjx.scene_compile.material_kinds import HOME_TEXTURE_KINDS
 from home_mjx.scene_compile.suncg import open_dataset
-from home_mjx.scene_compile.suncg.categories import MATERIAL_KINDS, material_index
+from home_mjx.scene_compile.suncg.categories import texture_family
 
 pytestmark = pytest.mark.real
 TRIANGLES = {  # per OBJ, counted in the original files
@@ -114,8 +115,8 @@ def test_every_texture_is_there_and_has_a_known_family(dataset, house):
     paths = {material.texture for materials in owners for material in materials if material.texture}
     assert paths == set((dataset.root / "texture").iterdir())
     assert len(paths) == 27
-    families = {MATERIAL_KINDS[material_index(path.stem)] for path in paths if material_index(path.stem) >= 0}
-    assert {"wood", "textile", "wallp", "laminate", "bricks", "stone", "linen"} <= families
+    families = {texture_family(path.stem) for path in paths}
+    assert {"wood", "textile", "wallp", "laminate", "bricks", "stone", "linen"} <= families & set(HOME_TEXTURE_KINDS)
 
 
 def test_overrides_of_this_house_repeat_the_models_own_textures(house):

@@ -24,9 +24,9 @@ class Assets:
 
     def model_path(self, model_id: str, key: str) -> Path:
         """Where the OBJ of a model lies; variants share the folder of their base."""
-        objects, base = self.root / "object", base_model(model_id)
-        own = is_folder(objects / model_id) or base in ("", ".", "..")
-        return objects / (model_id if own else base) / f"{key}.obj"
+        objects = self.root / "object"
+        folder = base_model(model_id, lambda name: name not in ("", ".", "..") and is_folder(objects / name))
+        return objects / folder / f"{key}.obj"
 
     def model(self, model_id: str, key: str, place: Place) -> Mesh:
         """A library model.

@@ -17,7 +17,6 @@ FINE: tuple[str, ...] = (*_LISTS["fine"], *_LISTS["fine_v2"])  # 187 + 52, each 
 COARSE: tuple[str, ...] = (*_LISTS["coarse"], *_LISTS["coarse_v2"])  # 90 + 4, each sorted by code point
 NYU40: tuple[str, ...] = tuple(_LISTS["nyu40"])  # 41 in the order of NYUv2-40; 0 is void
 ROOM_TYPES: tuple[str, ...] = tuple(_LISTS["room_types"])  # 25
-MATERIAL_KINDS: tuple[str, ...] = tuple(_LISTS["material_kinds"])  # 20 families of textures, sorted
 
 
 @cache
@@ -48,16 +47,6 @@ def nyu40_index(name: str) -> int:
 def room_type_index(name: str) -> int:
     """Position in `ROOM_TYPES`; -1 if there is none."""
     return _positions(ROOM_TYPES).get(name, -1)
-
-
-def material_index(texture: str) -> int:
-    """Position in `MATERIAL_KINDS` of a texture's family; -1 if it has none.
-
-    Example:
-        >>> MATERIAL_KINDS[material_index("laminate_1_2")], material_index("s/123")
-        ('laminate', -1)
-    """
-    return _positions(MATERIAL_KINDS).get(texture_family(texture), -1)
 
 
 def texture_family(texture: str) -> str:
