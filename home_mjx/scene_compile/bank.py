@@ -5,16 +5,16 @@ The one module of this package (with `pytree`) that knows JAX. An environment ho
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import jax.numpy as jnp
-import numpy as np
 from jaxtyping import Array, Bool, Float, Int, UInt8
 from tqdm import tqdm
 
 from home_mjx.scene_compile.cache import load_compiled
 from home_mjx.scene_compile.compile import DEFAULT_OPTIONS, CompileOptions
 from home_mjx.scene_compile.compiled import CompiledHouse, Model
-from home_mjx.scene_compile.pack import pack
+from home_mjx.scene_compile.pack import Packed, pack
 from home_mjx.scene_compile.pytree import Pytree, static
 from home_mjx.scene_compile.suncg import Dataset, open_dataset
 
@@ -112,6 +112,16 @@ class BankSpec(Pytree):
     cell: float = static()  # [m], navigation grid
 
 
+RECORDS: dict[str, type] = {
+    "geometry": Geometry,
+    "materials": Materials,
+    "physics": Physics,
+    "acoustics": Acoustics,
+    "navigation": Navigation,
+}
+SIZES = ("num_instances", "num_bodies", "num_colliders", "num_planes", "num_starts", "num_goals")
+
+
 class HouseBank(Pytree):
     """Many houses in one pytree.
 
@@ -142,17 +152,7 @@ class HouseBank(Pytree):
             CapacityError: The houses have too many triangles for one bank.
             DatasetError: A texture cannot be read.
         """
-        packed = pack(houses)
-        return cls(
-            geometry=Geometry(**_on_device(packed.geometry)),
-            materials=Materials(**_on_device(packed.materials)),
-            semantics=jnp.asarray(packed.semantics),
-            physics=Physics(**_on_device(packed.physics)),
-            acoustics=Acoustics(**_on_device(packed.acoustics)),
-            navigation=Navigation(**_on_device(packed.navigation)),
-            house_id=jnp.asarray(packed.house_id),
-            spec=BankSpec(**packed.capacity, cell=packed.cell),
-        )
+        return to_bank(pack(houses))
 
     @classmethod
     def from_dataset(
@@ -188,5 +188,13 @@ class HouseBank(Pytree):
         return self.house_id.shape[0]
 
 
-def _on_device(arrays: dict[str, np.ndarray]) -> dict[str, Array]:
-    return {name: jnp.asarray(values) for name, values in arrays.items()}
+def to_bank(packed: Packed) -> HouseBank:
+    """Packed houses on the device."""
+    tables: dict[str, dict[str, Array]] = {}
+    for name, values in packed.arrays.items():
+        record, _, field = name.partition(".")
+        tables.setdefault(record, {})[field] = jnp.asarray(values)
+    whole: dict[str, Any] = {name: table[""] for name, table in tables.items() if "" in table}
+    whole |= {name: record(**tables[name]) for name, record in RECORDS.items()}
+    sizes = {name: getattr(packed.capacity, name.removeprefix("num_")) for name in SIZES}
+    return HouseBank(**whole, spec=BankSpec(**sizes, cell=packed.cell))

@@ -1,22 +1,25 @@
 """Packs many compiled houses into the arrays of a `HouseBank`: host side, NumPy only.
 
-Geometry is concatenated (trees get absolute indices), small tables are padded. Every length but the number of houses
-is rounded up to a size class, so that similar banks have equal shapes and share one compiled step.
+Tables that rays walk are concatenated (trees get absolute indices): first what houses share, then each house's own.
+The small tables are padded. Every length but the number of houses is rounded up to a size class, so that similar banks
+have equal shapes and share one compiled step. Arrays are named by record and field of `bank.HouseBank`.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Int
 
 from home_mjx.errors import CapacityError, ConfigError
 from home_mjx.scene_compile.agent_model import agent_materials, agent_model, agent_semantics
-from home_mjx.scene_compile.compiled import CompiledHouse, Instances, Model, Tree
+from home_mjx.scene_compile.capacity import Capacity, Counts, rows_of, running_starts, shared_rows
+from home_mjx.scene_compile.compiled import ARCHITECTURE, CompiledHouse, Model
 from home_mjx.scene_compile.mesh import invert
-from home_mjx.scene_compile.pack_tables import Arrays, pack_materials, pack_navigation, pack_physics, pack_planes, shift
-from home_mjx.scene_compile.padding import concatenate, pad, size_class
-from home_mjx.scene_compile.textures import TEXTURE_SIZE
+from home_mjx.scene_compile.pack_tables import Arrays, material_rows, pack_navigation, pack_physics, pack_planes, shift
+from home_mjx.scene_compile.padding import pad, ragged_class
+from home_mjx.scene_compile.textures import TEXTURE_SIZE, load_textures
 
 LEAF_BITS = 4  # a leaf code holds `first << LEAF_BITS | count`
 MAX_TRIANGLES = 2 ** (31 - LEAF_BITS)
@@ -24,17 +27,73 @@ ID_LENGTH = 32
 
 
 @dataclass(frozen=True)
-class Packed:
-    """Arrays by record and field of `bank.HouseBank`, and the static capacities of `bank.BankSpec`."""
+class Table:
+    """A concatenated table: which tables it has its rows in common with, and what fills its end."""
 
-    geometry: Arrays
-    materials: Arrays
-    semantics: Int[np.ndarray, "q 8"]
-    physics: Arrays
-    acoustics: Arrays
-    navigation: Arrays
-    house_id: np.ndarray
-    capacity: Mapping[str, int]
+    kind: str
+    dtype: type
+    fill: float | np.ndarray
+
+
+TABLES: Mapping[str, Table] = {
+    "geometry.triangle": Table("triangle", np.float32, 0),
+    "geometry.triangle_uv": Table("triangle", np.float32, 0),
+    "geometry.triangle_slot": Table("triangle", np.int32, 0),
+    "geometry.triangle_part": Table("triangle", np.int32, 0),
+    "geometry.node_box": Table("node", np.float32, np.array([[np.inf] * 3 + [-np.inf] * 3])),
+    "geometry.node_child": Table("node", np.int32, -1),
+    "geometry.model_root": Table("model", np.int32, 0),
+    "geometry.model_box": Table("model", np.float32, 0),
+    "geometry.material_mask": Table("material", np.int32, 0),
+    "materials.albedo": Table("material", np.float32, 1),
+    "materials.texture": Table("material", np.int32, -1),
+    "materials.kind": Table("material", np.int32, -1),
+    "materials.absorption": Table("material", np.float32, 1),
+    "materials.scattering": Table("material", np.float32, 0),
+    "materials.transmission": Table("material", np.float32, 0),
+    "semantics": Table("semantic", np.int32, -1),
+}
+
+
+@dataclass(frozen=True)
+class Library:
+    """What the houses of a bank share: models by key, the agent's first, and texture files, in the bank's order."""
+
+    models: Mapping[str, Model]
+    textures: tuple[str, ...]
+
+    @classmethod
+    def of(cls, houses: Sequence[CompiledHouse]) -> "Library":
+        """Each model and texture of some houses once; a house's architecture is its own."""
+        agent = agent_model()
+        models = {agent.key: agent}
+        for house in houses:
+            for key in house.instances.model[ARCHITECTURE + 1 :]:
+                models.setdefault(key, house.models[key])
+        return cls(models, tuple(sorted({path for h in houses for path in h.materials.texture if path})))
+
+    @cached_property
+    def index(self) -> dict[str, int]:
+        """Number of each model."""
+        return {key: i for i, key in enumerate(self.models)}
+
+    @cached_property
+    def layer(self) -> dict[str, int]:
+        """Layer of each texture; -1 of no texture."""
+        return {"": -1} | {path: i for i, path in enumerate(self.textures)}
+
+    @cached_property
+    def rows(self) -> dict[str, int]:
+        """Rows of the concatenated tables that come before those of the houses."""
+        return shared_rows(self.models.values(), agent_materials(), agent_semantics())
+
+
+@dataclass(frozen=True)
+class Packed:
+    """Arrays of `bank.HouseBank` by `record.field`, and the static numbers of `bank.BankSpec`."""
+
+    arrays: Arrays
+    capacity: Capacity
     cell: float  # [m]
 
 
@@ -52,110 +111,129 @@ def pack(houses: Sequence[CompiledHouse], texture_size: int = TEXTURE_SIZE) -> P
     """
     if not houses:
         raise ConfigError("a bank needs at least one house")
-    # The agent's own rows come first, so they lie at 0 in every bank.
-    materials = [agent_materials(), *(h.materials for h in houses)]
-    semantics = [agent_semantics(), *(h.semantics for h in houses)]
-    material_start = np.cumsum([len(m.mask) for m in materials])[:-1]
-    semantic_start = np.cumsum([len(s) for s in semantics])[:-1]
-    tables = pack_materials(materials, texture_size)
-    geometry = _pack_geometry(houses, material_start, semantic_start)
-    geometry["material_mask"] = tables.pop("mask")
-    physics, acoustics, navigation = pack_physics(houses), pack_planes(houses, material_start), pack_navigation(houses)
-    sizes = {
-        "num_instances": geometry["instance_model"],
-        "num_bodies": physics["body_mass"],
-        "num_colliders": physics["collider_pos"],
-        "num_planes": acoustics["plane_valid"],
-        "num_starts": navigation["start"],
-        "num_goals": navigation["goal"],
-    }
-    return Packed(
-        geometry=geometry,
-        materials=tables,
-        semantics=concatenate(semantics, np.int32, -1),
-        physics=physics,
-        acoustics=acoustics,
-        navigation=navigation,
-        house_id=np.stack([_encode_id(h.id) for h in houses]),
-        capacity={name: array.shape[1] for name, array in sizes.items()},
-        cell=float(houses[0].navigation.cell),
-    )
+    library, capacity = Library.of(houses), Capacity.of(houses)
+    own = [rows_of(house) for house in houses]
+    starts = running_starts(library.rows, own)
+    check_triangles(library.rows["triangle"] + sum(rows["triangle"] for rows in own))
+    parts = [library_rows(library), *(house_rows(h, library, at) for h, at in zip(houses, starts, strict=True))]
+    arrays = {name: _concatenate(name, parts) for name in TABLES}
+    arrays |= library_constants(library, texture_size) | house_slots(houses, library, starts, capacity)
+    return Packed(arrays, capacity, float(houses[0].navigation.cell))
 
 
-def _library(houses: Sequence[CompiledHouse]) -> dict[str, Model]:
-    """Each model once, the agent first; the order of the rest is that of first use."""
-    agent = agent_model()
-    models = {agent.key: agent}
-    for house in houses:
-        for key in house.instances.model:
-            models.setdefault(key, house.models[key])
-    return models
-
-
-def _pack_geometry(
-    houses: Sequence[CompiledHouse], material_start: Int[np.ndarray, " h"], semantic_start: Int[np.ndarray, " h"]
-) -> Arrays:
-    library = _library(houses)
-    models = list(library.values())
-    index = {key: i for i, key in enumerate(library)}
-    instances = _pack_instances([h.instances for h in houses], index, material_start, semantic_start)
-    agent = dict.fromkeys(("agent_model", "agent_material", "agent_semantic"), np.array(0, np.int32))
-    return _pack_models(models) | _pack_trees(models, [h.top for h in houses]) | instances | agent
-
-
-def _pack_models(library: Sequence[Model]) -> Arrays:
-    count = sum(len(m.triangle) for m in library)
+def check_triangles(count: int) -> None:
+    """Raises `CapacityError` if leaf codes cannot name so many triangles."""
     if count >= MAX_TRIANGLES:
         raise CapacityError(
             f"the bank's models have {count} triangles, at most {MAX_TRIANGLES - 1} fit",
             hint="Use fewer houses in one bank.",
         )
-    return {
-        "triangle": concatenate([m.triangle for m in library], np.float32, 0),
-        "triangle_uv": concatenate([m.uv for m in library], np.float32, 0),
-        "triangle_slot": concatenate([m.slot for m in library], np.int32, 0),
-        "triangle_part": concatenate([m.part for m in library], np.int32, 0),
-        "model_box": concatenate([m.box[None] for m in library], np.float32, 0),
-    }
 
 
-def _pack_trees(models: Sequence[Model], tops: Sequence[Tree]) -> Arrays:
-    """The trees of all models, then those of all houses; the leaves of the latter keep their instance indices."""
-    trees = [*(m.tree for m in models), *tops]
-    first = np.cumsum([0, *(len(m.triangle) for m in models)])[:-1].tolist() + [0] * len(tops)
-    root = np.cumsum([0, *(len(t.child) for t in trees)])[:-1]
-    child = [_absolute(t.child, r, f) for t, r, f in zip(trees, root.tolist(), first, strict=True)]
-    never = np.array([[np.inf] * 3 + [-np.inf] * 3])
-    return {
-        "node_box": concatenate([t.box for t in trees], np.float32, never),
-        "node_child": concatenate(child, np.int32, -1),
-        "model_root": concatenate([root[: len(models)]], np.int32, 0),
-        "house_root": root[len(models) :].astype(np.int32),
+def library_rows(library: Library) -> Arrays:
+    """The first rows of each concatenated table: the library's models, then the agent's materials and semantics."""
+    models = list(library.models.values())
+    sizes = [{"node": len(m.tree.child), "triangle": len(m.triangle)} for m in models]
+    starts = running_starts({"node": 0, "triangle": 0}, sizes)
+    found = [_model_rows(model, at) for model, at in zip(models, starts, strict=True)]
+    geometry = {name: np.concatenate([rows[name] for rows in found]) for name in found[0]}
+    return geometry | material_rows(agent_materials(), library.layer) | {"semantics": agent_semantics()}
+
+
+def library_constants(library: Library, texture_size: int) -> Arrays:
+    """Texture layers, and where the agent's own rows lie."""
+    agent = dict.fromkeys(("agent_model", "agent_material", "agent_semantic"), np.array(0, np.int32))
+    textures = {"materials.textures": load_textures(library.textures, texture_size)}
+    return {f"geometry.{name}": row for name, row in agent.items()} | textures
+
+
+def house_rows(house: CompiledHouse, library: Library, start: Counts) -> Arrays:
+    """A house's own rows of each concatenated table.
+
+    Args:
+        house: The house.
+        library: What it shares with others.
+        start: Where its rows of each kind begin.
+    """
+    own = house.models[house.instances.model[ARCHITECTURE]]
+    geometry = _model_rows(own, start)
+    child = _absolute(house.top.child, start["node"] + len(own.tree.child), 0)  # leaves hold instance indices
+    geometry["geometry.node_child"] = np.concatenate([geometry["geometry.node_child"], child])
+    geometry["geometry.node_box"] = np.concatenate([geometry["geometry.node_box"], house.top.box])
+    return geometry | material_rows(house.materials, library.layer) | {"semantics": house.semantics}
+
+
+def _model_rows(model: Model, start: Counts) -> Arrays:
+    rows = {
+        "triangle": model.triangle,
+        "triangle_uv": model.uv,
+        "triangle_slot": model.slot,
+        "triangle_part": model.part,
+        "node_box": model.tree.box,
+        "node_child": _absolute(model.tree.child, start["node"], start["triangle"]),
+        "model_root": np.array([start["node"]], np.int32),
+        "model_box": model.box[None],
     }
+    return {f"geometry.{name}": values for name, values in rows.items()}
 
 
 def _absolute(child: Int[np.ndarray, "n 2"], node: int, first: int) -> Int[np.ndarray, "n 2"]:
     """Tree codes with `node` added to inner nodes and `first` to the primitives of leaves; empty leaves stay."""
     leaf = np.where(child == -1, -1, ~(~child.astype(np.int64) + (first << LEAF_BITS)))
-    return np.where(child >= 0, child + node, leaf)
+    return np.where(child >= 0, child + node, leaf).astype(np.int32)
+
+
+def _concatenate(name: str, parts: Sequence[Arrays]) -> np.ndarray:
+    table = np.concatenate([part[name] for part in parts])
+    return pad_table(name, table, ragged_class(len(table)))
+
+
+def pad_table(name: str, rows: np.ndarray, size: int) -> np.ndarray:
+    """Rows of a concatenated table with what fills it, up to `size` rows."""
+    return pad([rows], size, TABLES[name].dtype, TABLES[name].fill)[0]
+
+
+def house_slots(
+    houses: Sequence[CompiledHouse], library: Library, starts: Sequence[Counts], capacity: Capacity
+) -> Arrays:
+    """The tables that have one padded row per house.
+
+    Args:
+        houses: At least one.
+        library: What they share.
+        starts: Where the rows of each begin in the concatenated tables.
+        capacity: Sizes of the padded tables.
+    """
+    materials = [at["material"] for at in starts]
+    tops = [at["node"] + rows_of(h)["node"] - len(h.top.child) for h, at in zip(houses, starts, strict=True)]
+    tables = {
+        "geometry": {"house_root": np.array(tops, np.int32)} | _pack_instances(houses, library, starts, capacity),
+        "physics": pack_physics(houses, capacity),
+        "acoustics": pack_planes(houses, materials, capacity),
+        "navigation": pack_navigation(houses, capacity),
+    }
+    arrays = {f"{record}.{name}": rows for record, table in tables.items() for name, rows in table.items()}
+    return arrays | {"house_id": np.stack([_encode_id(h.id) for h in houses])}
 
 
 def _pack_instances(
-    instances: Sequence[Instances],
-    model_index: Mapping[str, int],
-    material_start: Int[np.ndarray, " h"],
-    semantic_start: Int[np.ndarray, " h"],
+    houses: Sequence[CompiledHouse], library: Library, starts: Sequence[Counts], capacity: Capacity
 ) -> Arrays:
-    # Agents take the object ids from `size` on, so every object's id must lie below it.
-    size = size_class(max(max(len(i.model), 1 + int(i.object_id.max())) for i in instances), 32)
+    instances, size = [h.instances for h in houses], capacity.instances
     pose = pad([i.pose for i in instances], size, np.float32, np.eye(3, 4))
+    materials = shift([i.material for i in instances], [at["material"] for at in starts])
+    semantics = shift([i.semantic for i in instances], [at["semantic"] for at in starts])
+    models = [
+        np.array([at["model"], *(library.index[key] for key in i.model[ARCHITECTURE + 1 :])])
+        for i, at in zip(instances, starts, strict=True)
+    ]
     return {
-        "instance_model": pad([np.array([model_index[k] for k in i.model]) for i in instances], size, np.int32, -1),
+        "instance_model": pad(models, size, np.int32, -1),
         "instance_pose": pose,
         "instance_inverse": invert(pose.astype(np.float64)).astype(np.float32),
         "instance_object": pad([i.object_id for i in instances], size, np.int32, -1),
-        "instance_material": pad(shift([i.material for i in instances], material_start), size, np.int32, 0),
-        "instance_semantic": pad(shift([i.semantic for i in instances], semantic_start), size, np.int32, 0),
+        "instance_material": pad(materials, size, np.int32, 0),
+        "instance_semantic": pad(semantics, size, np.int32, 0),
         "instance_body": pad([i.body for i in instances], size, np.int32, -1),
     }
 

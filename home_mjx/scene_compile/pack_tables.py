@@ -1,43 +1,44 @@
 """The padded tables of a `HouseBank`: materials, physics, mirror planes, navigation. See `pack`."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from home_mjx.errors import ConfigError
+from home_mjx.scene_compile.capacity import Capacity
 from home_mjx.scene_compile.compiled import CompiledHouse, MaterialTable, Rooms
 from home_mjx.scene_compile.material_kinds import MATERIAL_KINDS
-from home_mjx.scene_compile.padding import concatenate, pad, pad_grid, repeat, size_class
-from home_mjx.scene_compile.textures import load_textures
+from home_mjx.scene_compile.padding import pad, pad_grid, repeat
 
 Arrays = dict[str, np.ndarray]
 
 PARKED = np.array([0.0, 0.0, -100.0])  # [m], where padded boxes lie: far below any house
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 SMALL = np.full(3, 0.1)  # [m], half extents of padded boxes
-GRID_BLOCK = 32  # [cells]
+KIND_INDEX = {"": -1} | {name: i for i, name in enumerate(MATERIAL_KINDS)}
 
 
-def shift(rows: Sequence[np.ndarray], starts: Int[np.ndarray, " h"]) -> list[np.ndarray]:
+def shift(rows: Sequence[np.ndarray], starts: Sequence[int]) -> list[np.ndarray]:
     """Row numbers of each house made absolute."""
     return [row + start for row, start in zip(rows, starts, strict=True)]
 
 
-def pack_materials(tables: Sequence[MaterialTable], texture_size: int) -> Arrays:
-    """One material table and its texture layers."""
-    paths = sorted({path for table in tables for path in table.texture if path})
-    layer = {"": -1} | {path: i for i, path in enumerate(paths)}
-    kind = {"": -1} | {name: i for i, name in enumerate(MATERIAL_KINDS)}
+def material_rows(table: MaterialTable, layer: Mapping[str, int]) -> Arrays:
+    """Rows of the concatenated material tables.
+
+    Args:
+        table: Materials of one house, or of the agent.
+        layer: Texture layer by path.
+    """
     return {
-        "albedo": concatenate([linear_light(t.albedo) for t in tables], np.float32, 1),
-        "texture": concatenate([np.array([layer[p] for p in t.texture]) for t in tables], np.int32, -1),
-        "kind": concatenate([np.array([kind[k] for k in t.kind]) for t in tables], np.int32, -1),
-        "mask": concatenate([t.mask for t in tables], np.int32, 0),
-        "absorption": concatenate([t.absorption for t in tables], np.float32, 1),
-        "scattering": concatenate([t.scattering for t in tables], np.float32, 0),
-        "transmission": concatenate([t.transmission for t in tables], np.float32, 0),
-        "textures": load_textures(paths, texture_size),
+        "geometry.material_mask": table.mask,
+        "materials.albedo": linear_light(table.albedo),
+        "materials.texture": np.array([layer[path] for path in table.texture], np.int32),
+        "materials.kind": np.array([KIND_INDEX[name] for name in table.kind], np.int32),
+        "materials.absorption": table.absorption,
+        "materials.scattering": table.scattering,
+        "materials.transmission": table.transmission,
     }
 
 
@@ -48,11 +49,10 @@ def linear_light(albedo: Float[np.ndarray, "r 4"]) -> Float[np.ndarray, "r 4"]:
     return np.concatenate([linear, albedo[:, 3:]], axis=1)
 
 
-def pack_physics(houses: Sequence[CompiledHouse]) -> Arrays:
+def pack_physics(houses: Sequence[CompiledHouse], capacity: Capacity) -> Arrays:
     """Static boxes and movable bodies."""
     bodies, colliders = [h.bodies for h in houses], [h.colliders for h in houses]
-    num_bodies = size_class(max(len(b.mass) for b in bodies), 8)
-    num_colliders = size_class(max(len(c.pos) for c in colliders), 64)
+    num_bodies, num_colliders = capacity.bodies, capacity.colliders
     arrays = {
         "floor": np.array([ground_floor(h.rooms) for h in houses], np.float32),
         "collider_pos": pad([c.pos for c in colliders], num_colliders, np.float32, PARKED),
@@ -85,10 +85,9 @@ def box_inertia(mass: Float[np.ndarray, "*b"], size: Float[np.ndarray, "*b 3"]) 
     return mass[..., None] / 3 * (square.sum(axis=-1, keepdims=True) - square)
 
 
-def pack_planes(houses: Sequence[CompiledHouse], material_start: Int[np.ndarray, " h"]) -> Arrays:
+def pack_planes(houses: Sequence[CompiledHouse], material_start: Sequence[int], capacity: Capacity) -> Arrays:
     """Mirror planes."""
-    planes = [h.planes for h in houses]
-    size = size_class(max(len(p.material) for p in planes), 16)
+    planes, size = [h.planes for h in houses], capacity.planes
     return {
         "plane_valid": pad([np.ones(len(p.material)) for p in planes], size, np.bool_, False),
         "plane_center": pad([p.center for p in planes], size, np.float32, PARKED),
@@ -99,21 +98,19 @@ def pack_planes(houses: Sequence[CompiledHouse], material_start: Int[np.ndarray,
     }
 
 
-def pack_navigation(houses: Sequence[CompiledHouse]) -> Arrays:
+def pack_navigation(houses: Sequence[CompiledHouse], capacity: Capacity) -> Arrays:
     """Free space, starts and goals."""
     maps, types = [h.navigation for h in houses], [h.rooms.type for h in houses]
     if len({round(m.cell, 9) for m in maps}) > 1:
         raise ConfigError("the houses of a bank must have one navigation cell size", hint="Compile them alike.")
-    shape = np.max([m.free.shape for m in maps], axis=0)
-    ny, nx = (-(-shape // GRID_BLOCK) * GRID_BLOCK).tolist()
-    starts = size_class(max(len(m.start) for m in maps), 256)
-    goals = size_class(max(len(m.goal) for m in maps), 8)
+    ny, nx = capacity.grid_rows, capacity.grid_columns
+    starts, goals = capacity.starts, capacity.goals
     fields = [repeat(m.field, goals) for m in maps]
     return {
         "origin": np.array([m.origin for m in maps], np.float32),
         "free": np.stack([pad_grid(m.free, ny, nx, False) for m in maps]),
         "room": np.stack([pad_grid(m.room, ny, nx, -1) for m in maps]).astype(np.int32),
-        "room_type": pad(types, size_class(max(len(t) for t in types), 16), np.int32, -1),
+        "room_type": pad(types, capacity.rooms, np.int32, -1),
         "start": np.stack([repeat(m.start, starts) for m in maps]).astype(np.float32),
         "goal": np.stack([repeat(m.goal, goals) for m in maps]).astype(np.float32),
         "field": np.stack([pad_grid(f, ny, nx, np.inf) for f in fields]).astype(np.float32),

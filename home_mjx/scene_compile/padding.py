@@ -1,6 +1,6 @@
 """Tables of different lengths into arrays of a few sizes, so that similar banks share one compiled step."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -38,12 +38,6 @@ def pad(rows: Sequence[np.ndarray], size: int, dtype: type, fill: float | np.nda
     for target, values in zip(out, rows, strict=True):
         target[: len(values)] = values
     return out
-
-
-def concatenate(rows: Iterable[np.ndarray], dtype: type, fill: float | np.ndarray) -> np.ndarray:
-    """One table after the other, padded with `fill` to a `ragged_class`."""
-    table = np.concatenate(list(rows))
-    return pad([table], ragged_class(len(table)), dtype, fill)[0]
 
 
 def pad_grid(values: np.ndarray, ny: int, nx: int, fill: float) -> np.ndarray:

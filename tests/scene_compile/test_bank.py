@@ -63,9 +63,11 @@ def world_surfaces(bank: HouseBank, house: int) -> list[tuple]:
 
 
 def test_every_model_is_stored_once(bank, houses):
-    keys = {key for h in houses for key in h.instances.model}
-    used = np.unique(np.asarray(bank.geometry.instance_model))
-    assert sorted(used.tolist()) == [-1, *range(1, len(keys) + 1)]
+    keys = {key for h in houses for key in h.instances.model[1:]}
+    model = np.asarray(bank.geometry.instance_model)
+    own = model[:, ARCHITECTURE].tolist()
+    assert sorted(np.unique(model).tolist()) == [-1, *range(1, len(keys) + len(houses) + 1)]
+    assert own == [1 + len(keys) + h for h in range(len(houses))]
     assert houses[0].instances.model[2] == houses[2].instances.model[1]
     assert bank.geometry.instance_model[0, 2] == bank.geometry.instance_model[2, 1]
 
