@@ -11,9 +11,9 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int, UInt8
 from tqdm import tqdm
 
-from home_mjx.scene_compile.cache import load_compiled
+from home_mjx.scene_compile.cache import HouseCache
 from home_mjx.scene_compile.compile import DEFAULT_OPTIONS, CompileOptions
-from home_mjx.scene_compile.compiled import CompiledHouse, Model
+from home_mjx.scene_compile.compiled import CompiledHouse
 from home_mjx.scene_compile.pack import Packed, pack
 from home_mjx.scene_compile.pytree import Pytree, static
 from home_mjx.scene_compile.suncg import Dataset, open_dataset
@@ -179,8 +179,8 @@ class HouseBank(Pytree):
         dataset = root if isinstance(root, Dataset) else open_dataset(root)
         chosen = list(dataset.house_ids if ids is None else ids)[:limit]
         bar = tqdm(chosen, desc="houses", unit="house", disable=not progress)
-        library: dict[str, Model] = {}
-        return cls.from_compiled([load_compiled(dataset, house_id, options, library) for house_id in bar])
+        cache = HouseCache(dataset, options)
+        return cls.from_compiled([cache.load(house_id) for house_id in bar])
 
     @property
     def num_houses(self) -> int:

@@ -1,34 +1,33 @@
 """Compiled houses on disk, addressed by what they were compiled from.
 
 Below the cache folder lies one folder per version of the format and the compiler; in it `houses/` and `models/`, since
-houses share most models. Entries are npz files without pickle, written whole or not at all, and checked by their CRCs.
+houses share most models. Entries are written whole or not at all, and checked by their CRCs, see `entry`.
 """
 
+import contextlib
 import functools
 import hashlib
-import json
 import logging
 import os
 import re
-import tempfile
-import zipfile
-import zlib
-from collections.abc import Mapping
+import shutil
+import time
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from home_mjx.scene_compile.compile import DEFAULT_OPTIONS, CompileOptions, compile_house
 from home_mjx.scene_compile.compiled import CompiledHouse, Model
-from home_mjx.scene_compile.records import Arrays, Notes, flatten, rebuild
+from home_mjx.scene_compile.entry import BROKEN, TEMPORARY, read_entry, read_notes, write_entry
+from home_mjx.scene_compile.inputs import Inputs
+from home_mjx.scene_compile.records import Notes, flatten, rebuild
 from home_mjx.scene_compile.suncg import Dataset
 
-FORMAT = 1
+FORMAT = 2
 VARIABLE = "HOME_MJX_CACHE"
-NOTES = "notes"  # member of an npz file that holds JSON
-BROKEN = (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error)
+VERSION_FOLDER = re.compile(r"v\d+-[0-9a-f]{12}")
+DISCARDED = ".discarded-"
+KEEP_SECONDS = 30 * 24 * 3600.0  # that an unused version's folder is kept
+LEFTOVER_SECONDS = 3600.0  # no entry takes so long to write
 
 log = logging.getLogger(__name__)
 
@@ -41,15 +40,119 @@ def cache_folder() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser() / "home_mjx"
 
 
+class HouseCache:
+    """Compiled houses of one dataset, from disk if nothing that they depend on has changed.
+
+    What houses share, such as the files of a model, is looked at once; so make a new one to see changes.
+
+    Args:
+        dataset: An open dataset.
+        options: How its houses are compiled.
+        library: Models by key that other houses have brought; new ones are added, so that houses share them.
+
+    Example:
+        >>> houses = HouseCache(open_dataset("datasets/demo"))  # doctest: +SKIP
+        >>> houses.load("0004d52d1aeeb8ae6de39d6bd993e992").report["rooms"]  # doctest: +SKIP
+        4
+    """
+
+    def __init__(
+        self, dataset: Dataset, options: CompileOptions = DEFAULT_OPTIONS, library: dict[str, Model] | None = None
+    ) -> None:
+        self.dataset = dataset
+        self.options = options
+        self.library: dict[str, Model] = {} if library is None else library
+        self.compiled = 0  # houses that were not in the cache
+        self._inputs = Inputs(dataset.root)
+        self._folder = cache_folder() / _version()
+        _mark_used(self._folder)
+
+    def load(self, house_id: str) -> CompiledHouse:
+        """A compiled house.
+
+        A broken entry is compiled and written again; a folder that cannot be written to only costs time.
+
+        Raises:
+            DatasetError: The house is unknown or broken.
+        """
+        self.dataset.check_known(house_id)
+        entry = self._entry(house_id)
+        broken = False
+        try:
+            return self._read(entry)
+        except FileNotFoundError:
+            pass
+        except BROKEN as error:
+            broken = True
+            log.warning("broken cache entry %s is made again: %s", entry, error)
+        return self._compile(house_id, entry, broken)
+
+    def notes(self, house_id: str) -> Notes:
+        """What of a compiled house is no array, such as `instances.model`; it is compiled if need be."""
+        try:
+            return read_notes(self._entry(house_id))
+        except BROKEN:
+            return flatten(self.load(house_id), frozenset(("models",)))[1]
+
+    def _entry(self, house_id: str) -> Path:
+        key = hashlib.sha256(repr((house_id, self.options)).encode() + self._inputs.house(house_id)).hexdigest()
+        return self._folder / "houses" / f"{key}.npz"
+
+    def _read(self, entry: Path) -> CompiledHouse:
+        """Raises `FileNotFoundError` if there is no entry, or if an image that it shows is not as it was."""
+        arrays, notes = read_entry(entry)
+        textures = {self._absolute(path): digest for path, digest in notes.pop("textures").items()}
+        if any(self._inputs.texture(path) != digest for path, digest in textures.items()):
+            raise FileNotFoundError(entry)
+        keys = dict.fromkeys(notes["instances.model"])
+        for key in keys:
+            if key not in self.library:
+                self.library[key] = rebuild(Model, *read_entry(self._model_path(key)))
+        house = rebuild(CompiledHouse, arrays, notes, models={key: self.library[key] for key in keys})
+        texture = tuple(map(self._absolute, house.materials.texture))
+        return replace(house, materials=replace(house.materials, texture=texture))
+
+    def _compile(self, house_id: str, entry: Path, broken: bool) -> CompiledHouse:
+        house = compile_house(self.dataset.load_house(house_id), self.dataset.metadata, self.options)
+        self.compiled += 1
+        try:
+            self._write(house, entry, broken)
+        except OSError as error:
+            log.warning("compiled house is not cached: %s", error)
+        return replace(house, models={key: self.library.setdefault(key, model) for key, model in house.models.items()})
+
+    def _write(self, house: CompiledHouse, entry: Path, broken: bool) -> None:
+        """Writes those of the house's models that are not there yet, or all to mend what is broken; then the house."""
+        _claim(self._folder)
+        for key, model in house.models.items():
+            path = self._model_path(key)
+            if broken or not path.is_file():
+                write_entry(path, *flatten(model))
+        arrays, notes = flatten(house, skip=frozenset(("models",)))
+        paths = house.materials.texture
+        notes["materials.texture"] = [self._relative(path) for path in paths]
+        notes["textures"] = {self._relative(path): self._inputs.texture(path) for path in sorted(set(paths)) if path}
+        write_entry(entry, arrays, notes)
+
+    def _relative(self, path: str) -> str:
+        """A texture's path as it is kept: datasets may move."""
+        root = self.dataset.root
+        return str(Path(path).relative_to(root)) if path and Path(path).is_relative_to(root) else path
+
+    def _absolute(self, path: str) -> str:
+        return str(self.dataset.root / path) if path else ""
+
+    def _model_path(self, key: str) -> Path:
+        return self._folder / "models" / f"{hashlib.sha256(key.encode()).hexdigest()}.npz"
+
+
 def load_compiled(
     dataset: Dataset,
     house_id: str,
     options: CompileOptions = DEFAULT_OPTIONS,
     library: dict[str, Model] | None = None,
 ) -> CompiledHouse:
-    """A compiled house, from the cache if nothing it depends on has changed.
-
-    A broken entry is compiled and written again; a folder that cannot be written to only costs time.
+    """One compiled house; for several, `HouseCache` looks at what they share once.
 
     Args:
         dataset: An open dataset.
@@ -60,23 +163,7 @@ def load_compiled(
     Raises:
         DatasetError: The house is unknown or broken.
     """
-    library = {} if library is None else library
-    folder = cache_folder() / _version()
-    entry = folder / "houses" / f"{_key(dataset.root, house_id, options)}.npz"
-    broken = False
-    try:
-        return _read_house(entry, folder / "models", dataset.root, library)
-    except FileNotFoundError:
-        pass
-    except BROKEN as error:
-        broken = True
-        log.warning("broken cache entry %s is made again: %s", entry, error)
-    house = compile_house(dataset.load_house(house_id), dataset.metadata, options)
-    try:
-        _write_house(house, entry, folder / "models", dataset.root, broken)
-    except OSError as error:
-        log.warning("compiled house is not cached: %s", error)
-    return replace(house, models={key: library.setdefault(key, model) for key, model in house.models.items()})
+    return HouseCache(dataset, options, library).load(house_id)
 
 
 @functools.cache
@@ -89,85 +176,35 @@ def _version() -> str:
     return f"v{FORMAT}-{code.hexdigest()[:12]}"
 
 
-def _key(root: Path, house_id: str, options: CompileOptions) -> str:
-    """Digest of the options and of every file that the house is read from."""
-    digest = hashlib.sha256(repr((house_id, options)).encode())
-    for path in _inputs(root, house_id):
-        digest.update(str(path.relative_to(root)).encode() + _digest_of(path))
-    return digest.hexdigest()
+def _mark_used(folder: Path) -> None:
+    """Notes on a version's folder, if there is one, that it is in use."""
+    with contextlib.suppress(OSError):  # not there yet, or someone else's
+        os.utime(folder)
 
 
-def _inputs(root: Path, house_id: str) -> list[Path]:
-    document = root / "house" / house_id / "house.json"
-    text = document.read_text(encoding="utf-8", errors="replace") if document.is_file() else ""
-    models = set(re.findall(r'"modelId"\s*:\s*"([\w.-]+)"', text))
-    folders = [root / "house" / house_id, root / "room" / house_id, root / "metadata"]
-    folders += [root / "object" / model for model in models]
-    files = [path for folder in folders if folder.is_dir() for path in folder.iterdir() if path.is_file()]
-    return sorted(files)
+def _claim(folder: Path) -> None:
+    """Makes a version's folder; with a new version, those that were not used for a month go."""
+    if folder.is_dir():
+        return
+    folder.mkdir(parents=True, exist_ok=True)
+    for other in folder.parent.iterdir():
+        old = VERSION_FOLDER.fullmatch(other.name) and time.time() - other.stat().st_mtime > KEEP_SECONDS
+        if other.name.startswith(DISCARDED) or old:
+            discard(other)
 
 
-def _digest_of(path: Path) -> bytes:
-    status = path.stat()
-    return _digest(path, status.st_size, status.st_mtime_ns)
-
-
-@functools.lru_cache(maxsize=1 << 14)
-def _digest(path: Path, size: int, changed: int) -> bytes:
-    """Digest of a file; size and time of change only keep a process from reading the same file for every house."""
-    return hashlib.sha256(path.read_bytes()).digest()
-
-
-def _write_house(house: CompiledHouse, entry: Path, models: Path, root: Path, mend: bool) -> None:
-    """Writes the house and those of its models that are not there yet, or all of them to mend what is broken."""
-    for key, model in house.models.items():
-        path = _model_path(models, key)
-        if mend or not path.is_file():
-            _write(path, *flatten(model))
-    arrays, notes = flatten(house, skip=frozenset(("models",)))
-    notes["materials.texture"] = [_relative(path, root) for path in house.materials.texture]
-    _write(entry, arrays, notes)
-
-
-def _read_house(entry: Path, models: Path, root: Path, library: dict[str, Model]) -> CompiledHouse:
-    arrays, notes = _read(entry)
-    keys = dict.fromkeys(notes["instances.model"])
-    for key in keys:
-        if key not in library:
-            library[key] = rebuild(Model, *_read(_model_path(models, key)))
-    house = rebuild(CompiledHouse, arrays, notes, models={key: library[key] for key in keys})
-    texture = tuple(_absolute(path, root) for path in house.materials.texture)
-    return replace(house, materials=replace(house.materials, texture=texture))
-
-
-def _relative(path: str, root: Path) -> str:
-    """A texture's path as it is kept: datasets may move."""
-    return str(Path(path).relative_to(root)) if path and Path(path).is_relative_to(root) else path
-
-
-def _absolute(path: str, root: Path) -> str:
-    return str(root / path) if path else ""
-
-
-def _model_path(models: Path, key: str) -> Path:
-    return models / f"{hashlib.sha256(key.encode()).hexdigest()}.npz"
-
-
-def _write(path: Path, arrays: Arrays, notes: Notes) -> None:
-    """Writes to a file beside the target and then renames it, so that no reader ever meets half an entry."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=".tmp")
+def discard(folder: Path) -> None:
+    """Removes a folder of the cache; renamed first, so that nobody meets it half removed."""
+    hidden = folder.with_name(DISCARDED + folder.name.removeprefix(DISCARDED))
     try:
-        with os.fdopen(handle, "wb") as file:
-            members: Mapping[str, Any] = {**arrays, NOTES: np.frombuffer(json.dumps(notes).encode(), np.uint8)}
-            np.savez(file, **members)
-        os.replace(name, path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
+        folder.replace(hidden)
+        shutil.rmtree(hidden)
+    except OSError as error:  # another process may be at it
+        log.warning("old cache folder %s is not removed: %s", folder, error)
 
 
-def _read(path: Path) -> tuple[Arrays, Notes]:
-    with path.open("rb") as file, np.load(file, allow_pickle=False) as members:
-        arrays = {name: members[name] for name in members.files}
-    return arrays, json.loads(arrays.pop(NOTES).tobytes())
+def remove_leftovers() -> None:
+    """Removes what killed writers have left in the folder of this version."""
+    for path in (cache_folder() / _version()).glob(f"*/.*{TEMPORARY}"):
+        if time.time() - path.stat().st_mtime > LEFTOVER_SECONDS:
+            path.unlink(missing_ok=True)

@@ -1,6 +1,7 @@
 """Host records to plain arrays and back, without pickle."""
 
 import dataclasses
+import functools
 import typing
 from collections.abc import Mapping
 from typing import Any, TypeVar
@@ -53,7 +54,7 @@ def rebuild(cls: type[T], arrays: Mapping[str, np.ndarray], notes: Notes, prefix
     Raises:
         KeyError: A field is missing.
     """
-    hints = typing.get_type_hints(cls)
+    hints = _hints(cls)
     values = dict(given)
     for field in dataclasses.fields(typing.cast(Any, cls)):
         name = prefix + field.name
@@ -66,6 +67,11 @@ def rebuild(cls: type[T], arrays: Mapping[str, np.ndarray], notes: Notes, prefix
         else:
             values[field.name] = _from_note(name, notes[name], hints[field.name], arrays)
     return cls(**values)
+
+
+@functools.cache
+def _hints(cls: type) -> dict[str, Any]:
+    return typing.get_type_hints(cls)
 
 
 def _from_note(name: str, note: Any, hint: Any, arrays: Mapping[str, np.ndarray]) -> Any:

@@ -6,12 +6,17 @@ import time
 
 import numpy as np
 import pytest
-from tiny_dataset import HOUSE_ID, TABLE, edit_house, write_tiny_dataset
+from PIL import Image
+from tiny_arch import arch_path, write_tiny_v2
+from tiny_dataset import DOOR, HOUSE_ID, TABLE, edit_house, write_tiny_dataset
 
+from home_mjx.errors import DatasetError
 from home_mjx.scene_compile import cache
 from home_mjx.scene_compile.bank import HouseBank
 from home_mjx.scene_compile.cache import cache_folder, load_compiled
 from home_mjx.scene_compile.compile import DEFAULT_OPTIONS, CompileOptions, compile_house
+from home_mjx.scene_compile.entry import read_entry, read_notes, write_entry
+from home_mjx.scene_compile.inputs import Inputs
 from home_mjx.scene_compile.movables import MovableOptions
 from home_mjx.scene_compile.records import flatten
 from home_mjx.scene_compile.suncg import open_dataset
@@ -112,6 +117,79 @@ def test_a_changed_input_is_compiled_again(root, compiles, change):
     assert len(compiles) == 2
 
 
+def rename_model(root, new: str):
+    folder = root / "object" / new
+    (root / "object" / TABLE).rename(folder)
+    (folder / f"{TABLE}.obj").rename(folder / f"{new}.obj")
+    edit_house(root, lambda house: house["levels"][0]["nodes"][2].update(modelId=new))
+
+
+@pytest.mark.parametrize("name", ["s__12", "my table", 'quo"te', "tüsch", "1+1=2"])
+def test_a_model_of_any_legal_name_is_an_input(root, compiles, name):
+    rename_model(root, name)
+    load(root)
+    load(root)
+    assert len(compiles) == 1
+    replace_in(root / "object" / name / f"{TABLE}.mtl", "0.8", "0.7")
+    load(root)
+    assert len(compiles) == 2
+
+
+def test_a_variant_named_by_itself_is_an_input(root, compiles):
+    """Its files lie in the folder of its base."""
+    edit_house(root, lambda house: house["levels"][0]["nodes"][3].update(modelId=f"{DOOR}_0", state=0))
+    load(root)
+    replace_in(root / "object" / DOOR / f"{DOOR}.mtl", "0.5", "0.6")
+    load(root)
+    assert len(compiles) == 2
+
+
+def test_a_material_library_elsewhere_is_an_input(root, compiles):
+    shared = root / "object" / "shared.mtl"
+    shared.write_bytes((root / "object" / TABLE / f"{TABLE}.mtl").read_bytes())
+    replace_in(root / "object" / TABLE / f"{TABLE}.obj", f"mtllib {TABLE}.mtl", "mtllib ../shared.mtl")
+    replace_in(shared, "../../texture//", "../texture/")
+    load(root)
+    replace_in(shared, "0.8", "0.7")
+    load(root)
+    assert len(compiles) == 2
+
+
+def test_an_architecture_file_is_an_input(tmp_path, monkeypatch, compiles):
+    monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path / "cache"))
+    root = write_tiny_v2(tmp_path / "data")
+    load(root)
+    path = arch_path(root, HOUSE_ID)
+    path.write_text(path.read_text() + "\n")
+    load(root)
+    assert len(compiles) == 2
+
+
+@pytest.mark.parametrize("change", ["other picture", "missing"])
+def test_a_changed_texture_never_serves_an_old_house(root, compiles, change):
+    """The texture is named by the MTL of a model, not by the house."""
+    before = load(root)
+    path = root / "texture" / "wood_1.png"
+    assert str(path) in before.materials.texture
+    path.unlink()
+    if change == "missing":
+        with pytest.raises(DatasetError, match="wood_1"):
+            load(root)
+        return
+    Image.new("RGB", (2, 2), (0, 0, 255)).save(path)
+    load(root)
+    load(root)
+    assert len(compiles) == 2
+
+
+def test_model_names_that_lead_elsewhere_are_not_looked_at(root, tmp_path):
+    """Outside the dataset lies a pipe, which nobody could read to its end."""
+    os.mkfifo(tmp_path / "pipe")
+    edit_house(root, lambda house: house["levels"][0]["nodes"][2].update(modelId="../../pipe"))
+    inputs = Inputs(root)
+    assert inputs.house(HOUSE_ID) == inputs.house(HOUSE_ID)
+
+
 def test_changed_options_are_compiled_again(root, compiles):
     load(root)
     load(root, CompileOptions(movables=MovableOptions(max_bodies=0)))
@@ -162,7 +240,7 @@ def test_an_unwritable_folder_only_costs_time(root, compiles, tmp_path, monkeypa
 def _write_forever(path):
     arrays = {"a": np.zeros((1000, 1000))}
     while True:
-        cache._write(path, arrays, {})
+        write_entry(path, arrays, {})
 
 
 def test_killed_writers_leave_no_half_entry(tmp_path):
@@ -177,9 +255,64 @@ def test_killed_writers_leave_no_half_entry(tmp_path):
         time.sleep(0.02)
         os.kill(writer.pid, signal.SIGKILL)
         writer.join()
-        arrays, _ = cache._read(path)
+        arrays, _ = read_entry(path)
         assert arrays["a"].shape == (1000, 1000)
     assert [p.name for p in tmp_path.glob("*.npz")] == ["entry.npz"]
+
+
+def old_version(name: str, days: float):
+    folder = cache_folder() / name
+    (folder / "houses").mkdir(parents=True)
+    (folder / "houses" / "x.npz").write_text("x")
+    os.utime(folder, times=(time.time() - days * 86400,) * 2)
+    return folder
+
+
+def test_a_new_version_drops_those_unused_for_a_month(root):
+    stale, recent = old_version("v1-0123456789ab", 31), old_version("v1-ba9876543210", 29)
+    half_removed = old_version(".discarded-v1-aaaaaaaaaaaa", 0)
+    others = [old_version(name, 99) for name in ("generated-v1", "v1-short", "mine")]
+    load(root)
+    assert not stale.exists()
+    assert not half_removed.exists()
+    assert all(folder.exists() for folder in [recent, *others])
+
+
+def test_a_version_in_use_is_not_stale(root):
+    load(root)
+    (folder,) = [path for path in cache_folder().iterdir() if cache.VERSION_FOLDER.fullmatch(path.name)]
+    os.utime(folder, times=(0, 0))
+    load(root)
+    assert time.time() - folder.stat().st_mtime < 60
+
+
+def test_leftovers_of_killed_writers_are_removed(root):
+    load(root)
+    folder = entries()[0].parent
+    old, new = folder / ".old.tmp", folder / ".new.tmp"
+    for path in (old, new):
+        path.write_text("half")
+    os.utime(old, times=(0, 0))
+    cache.remove_leftovers()
+    assert not old.exists()
+    assert new.exists()
+
+
+def test_entries_keep_every_kind_of_array(tmp_path, rng):
+    arrays = {
+        "empty": np.zeros((0, 3)),
+        "scalar": np.float32(2.5)[None][0:1].reshape(()),
+        "flags": rng.random((3, 5)) < 0.5,
+        "small": np.arange(7, dtype=np.uint16).reshape(7, 1),
+        "strided": rng.random((4, 6))[:, ::2],
+    }
+    write_entry(tmp_path / "a.npz", arrays, {"x": [1, "ü"]})
+    back, notes = read_entry(tmp_path / "a.npz")
+    assert notes == read_notes(tmp_path / "a.npz") == {"x": [1, "ü"]}
+    assert back.keys() == arrays.keys()
+    for name, array in arrays.items():
+        assert back[name].dtype == array.dtype
+        np.testing.assert_array_equal(back[name], array)
 
 
 def test_folder_follows_the_environment(monkeypatch, tmp_path):
