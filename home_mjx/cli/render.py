@@ -29,12 +29,12 @@ def run(args: argparse.Namespace) -> int:
     import jax
     import jax.numpy as jnp
 
-    from home_mjx.raycast_render import Camera, render
+    from home_mjx.raycast_render import Camera, Lens, render
 
     view = stand(args)
     camera = Camera(jnp.asarray(view.position), jnp.asarray(view.head_quat), jnp.float32(np.deg2rad(args.fovy)))
     width, height = args.size
-    look = jax.jit(functools.partial(render, width=width, height=height, kinds=KINDS, depth_max=DEPTH_MAX))
+    look = jax.jit(functools.partial(render, lens=Lens(width, height), kinds=KINDS, depth_max=DEPTH_MAX))
     images = look(view.bank, view.scene, camera)
     args.out.mkdir(parents=True, exist_ok=True)
     for kind in KINDS:

@@ -9,7 +9,7 @@ from jaxtyping import Array, Bool, Float, UInt8
 from PIL import Image, ImageDraw
 
 from home_mjx.raycast_render import cast
-from home_mjx.raycast_render.shading import albedo, encode
+from home_mjx.raycast_render.image.shading import albedo, encode
 from home_mjx.raycast_render.types import Scene
 from home_mjx.scene_compile.bank import HouseBank
 from home_mjx.scene_compile.compiled import ARCHITECTURE

@@ -1,13 +1,14 @@
 """Environments: tasks on houses, with observations, rewards and resets."""
 
 from home_mjx.tasks.autoreset import AutoReset
-from home_mjx.tasks.config import SENSORS, EnvConfig, make_config
+from home_mjx.tasks.config import SENSORS, AgentCamera, EnvConfig, make_config
 from home_mjx.tasks.env import HouseholdEnv
 from home_mjx.tasks.point_nav import PointNav
 from home_mjx.tasks.state import State, World
 
 __all__ = [
     "SENSORS",
+    "AgentCamera",
     "AutoReset",
     "EnvConfig",
     "HouseholdEnv",

@@ -1,18 +1,57 @@
 """What can be chosen about an environment; everything here is fixed when its step is compiled."""
 
 import dataclasses
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
 from home_mjx.audio_jax import CLIPS, AudioConfig
 from home_mjx.errors import ConfigError, check_known
 from home_mjx.physics import PhysicsConfig
+from home_mjx.raycast_render import Lens
 
 PIXEL_KINDS = ("rgb", "depth", "normal")
+CAMERA_KINDS = ("intrinsics", "pose", "valid")
 ID_KINDS = ("instance", "fine", "coarse", "nyu40", "room", "level", "material")
 VECTOR_SENSORS = ("audio", "state", "goal")
-SENSORS = PIXEL_KINDS + ID_KINDS + VECTOR_SENSORS
+VIEW_KINDS = PIXEL_KINDS + ID_KINDS + CAMERA_KINDS
+SENSORS = VIEW_KINDS + VECTOR_SENSORS
 DEFAULT_SENSORS = ("rgb", "depth", "instance", "fine", "audio", "state", "goal")
+
+
+@dataclass(frozen=True)
+class AgentCamera:
+    """A camera on an agent's head.
+
+    Attributes:
+        name: First part of its observations' names.
+        kinds: What it gives, from `VIEW_KINDS`.
+        lens: How it images.
+        fovy: Vertical field of view [degrees]; of an orthographic camera the height of the image [m].
+        offset: From the eyes [m], forward, left and up of the body.
+        yaw: Turned to the left of straight ahead [degrees].
+        pitch: Turned up [degrees].
+        looks: It follows the agent's looking up and down.
+
+    Example:
+        >>> AgentCamera("scanner", ("depth",), Lens(360, 16, "lidar"), looks=False).lens.shape
+        (16, 360)
+    """
+
+    name: str
+    kinds: tuple[str, ...] = ("rgb", "depth")
+    lens: Lens = field(default_factory=Lens)
+    fovy: float = 90.0
+    offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    yaw: float = 0.0
+    pitch: float = 0.0
+    looks: bool = True
+
+    def __post_init__(self) -> None:
+        check_known("kind of view", self.kinds, VIEW_KINDS)
+        limit = math.inf if self.lens.model == "orthographic" else 180
+        if not (0 < self.fovy < limit):
+            raise ConfigError(f"`fovy` of camera `{self.name}` must be in (0, {limit}), got {self.fovy}")
 
 
 @dataclass(frozen=True)
@@ -24,6 +63,8 @@ class EnvConfig:
         width: Image width [px].
         height: Image height [px].
         fovy: Vertical field of view [degrees].
+        samples: Rays per pixel of the colour image.
+        cameras: Further cameras, beside the `head` camera of the sensors.
         eye_height: Camera and ears above the floor [m].
         depth_max: Observed depth is clipped here [m].
         look_rate: Fastest change of pitch [rad/s].
@@ -40,6 +81,8 @@ class EnvConfig:
     width: int = 64
     height: int = 64
     fovy: float = 90.0
+    samples: int = 1
+    cameras: tuple[AgentCamera, ...] = ()
     eye_height: float = 1.5
     depth_max: float = 10.0
     look_rate: float = 1.5
@@ -54,16 +97,21 @@ class EnvConfig:
     def __post_init__(self) -> None:
         check_known("sensor", self.sensors, SENSORS)
         check_known("clip", [self.clip], CLIPS)
-        for name in ("width", "height", "episode_length"):
+        for name in ("width", "height", "samples", "episode_length"):
             if getattr(self, name) < 1:
                 raise ConfigError(f"`{name}` must be at least 1, got {getattr(self, name)}")
         if not 1 <= self.fovy < 180:
             raise ConfigError(f"`fovy` must be in [1, 180) degrees, got {self.fovy}")
+        names = [camera.name for camera in self.views]
+        if len({*names, "head"}) < len(self.cameras) + 1:
+            raise ConfigError(f"`cameras` must have names of their own, none of them `head`; got {', '.join(names)}")
 
     @property
-    def image_kinds(self) -> tuple[str, ...]:
-        """The sensors that need camera rays."""
-        return tuple(s for s in self.sensors if s in PIXEL_KINDS + ID_KINDS)
+    def views(self) -> tuple[AgentCamera, ...]:
+        """All cameras of an agent: the head's, if any sensor needs it, then `cameras`."""
+        kinds = tuple(s for s in self.sensors if s in VIEW_KINDS)
+        head = AgentCamera("head", kinds, Lens(self.width, self.height, samples=self.samples), self.fovy)
+        return (*((head,) if kinds else ()), *self.cameras)
 
 
 def make_config(**options: Any) -> EnvConfig:
@@ -83,8 +131,8 @@ def make_config(**options: Any) -> EnvConfig:
     for part, cls in parts.items():
         flat = {name: value for name, value in options.items() if name in nested[part] and name not in top}
         top[part] = dataclasses.replace(top.get(part, cls()), **flat)
-    if "sensors" in top:
-        top["sensors"] = tuple(top["sensors"])
+    for name in {"sensors", "cameras"} & set(top):
+        top[name] = tuple(top[name])
     return EnvConfig(**top)
 
 

@@ -4,6 +4,8 @@ For one environment with A agents every value has a leading agent axis:
 
 * `pixels/head_<kind>` for rgb (uint8, H W 3), depth (float32 [m], H W 1, clipped) and normal (float32, H W 3)
 * `ids/head_<kind>` int32 (H W): instance, fine, coarse, nyu40, room, level, material; -1 on a miss
+* `camera/head_intrinsics` float32 (3, 3), `camera/head_pose` float32 (4, 4): world from camera, `camera/head_valid`: bool
+* the same of further cameras, by their names
 * `audio` float32 (2, frame): left and right ear [pressure re 1 m of the source]
 * `state` float32 (10,): x, y, z [m], cos and sin of yaw, pitch [rad], forward and left speed [m/s], yaw rate [rad/s],
   1 while touching anything but the floor
@@ -19,10 +21,10 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.audio_jax import clip_samples, impulse_response, sound_frame
-from home_mjx.raycast_render import Camera, render
+from home_mjx.raycast_render import Camera, intrinsics, render, world_from_camera
 from home_mjx.raycast_render.types import Scene
 from home_mjx.scene_compile.bank import HouseBank
-from home_mjx.tasks.config import PIXEL_KINDS, EnvConfig
+from home_mjx.tasks.config import CAMERA_KINDS, PIXEL_KINDS, AgentCamera, EnvConfig
 from home_mjx.tasks.keys import SOUND, fold
 from home_mjx.tasks.pose import AgentPose, camera_quat
 from home_mjx.tasks.state import World
@@ -41,27 +43,54 @@ def agent_ids(bank: HouseBank, num_agents: int) -> Array:
 
 def observe_images(config: EnvConfig, bank: HouseBank, scene: Scene, pose: AgentPose) -> dict[str, Array]:
     """The camera sensors of every agent."""
-    if not config.image_kinds:
-        return {}
-    fovy = jnp.full(pose.yaw.shape, jnp.deg2rad(jnp.float32(config.fovy)))
-    camera = jax.vmap(Camera)(eye_position(config, pose), jax.vmap(camera_quat)(pose.yaw, pose.pitch), fovy)
-
-    def view(camera: Camera, own: Array) -> dict[str, Array]:
-        return render(
-            bank,
-            scene,
-            camera,
-            width=config.width,
-            height=config.height,
-            kinds=config.image_kinds,
-            exclude=own,
-            depth_max=config.depth_max,
-            executor=config.executor,
-        )
-
     own = agent_ids(bank, config.physics.num_agents)
-    images = _over_agents(view, camera, own)
-    return {_name(kind): images[kind] for kind in config.image_kinds}
+    obs: dict[str, Array] = {}
+    for view in config.views:
+
+        def look(camera: Camera, own: Array, view: AgentCamera = view) -> dict[str, Array]:
+            return _look(config, view, bank, scene, camera, own)
+
+        obs |= _over_agents(look, place_cameras(config, view, pose), own)
+    return obs
+
+
+def place_cameras(config: EnvConfig, view: AgentCamera, pose: AgentPose) -> Camera:
+    """One of the cameras of every agent, with a leading agent axis."""
+    yaw = pose.yaw + float(np.deg2rad(view.yaw))
+    pitch = float(np.deg2rad(view.pitch)) + (pose.pitch if view.looks else jnp.zeros_like(pose.pitch))
+    forward, left, up = view.offset
+    shift = jnp.stack(
+        [
+            forward * jnp.cos(pose.yaw) - left * jnp.sin(pose.yaw),
+            forward * jnp.sin(pose.yaw) + left * jnp.cos(pose.yaw),
+            jnp.full_like(pose.yaw, up),
+        ],
+        axis=-1,
+    )
+    size = view.fovy if view.lens.model == "orthographic" else float(np.deg2rad(view.fovy))
+    fovy = jnp.full(pose.yaw.shape, size, jnp.float32)
+    return jax.vmap(Camera)(eye_position(config, pose) + shift, jax.vmap(camera_quat)(yaw, pitch), fovy)
+
+
+def _look(
+    config: EnvConfig, view: AgentCamera, bank: HouseBank, scene: Scene, camera: Camera, own: Array
+) -> dict[str, Array]:
+    """What one camera of one agent gives, by the names of the observations."""
+    images = render(
+        bank,
+        scene,
+        camera,
+        view.lens,
+        kinds=tuple(kind for kind in view.kinds if kind not in ("intrinsics", "pose")),
+        exclude=own,
+        depth_max=config.depth_max,
+        executor=config.executor,
+    )
+    if "intrinsics" in view.kinds:
+        images["intrinsics"] = intrinsics(camera, view.lens)
+    if "pose" in view.kinds:
+        images["pose"] = world_from_camera(camera)
+    return {_name(view.name, kind): images[kind] for kind in view.kinds}
 
 
 def _over_agents(function: Callable[..., Any], *args: Any) -> Any:
@@ -71,8 +100,9 @@ def _over_agents(function: Callable[..., Any], *args: Any) -> Any:
     return jax.tree.map(lambda x: x[None], function(*jax.tree.map(lambda x: x[0], args)))
 
 
-def _name(kind: str) -> str:
-    return f"pixels/head_{kind}" if kind in PIXEL_KINDS else f"ids/head_{kind}"
+def _name(camera: str, kind: str) -> str:
+    folder = "pixels" if kind in PIXEL_KINDS else "camera" if kind in CAMERA_KINDS else "ids"
+    return f"{folder}/{camera}_{kind}"
 
 
 def hear(config: EnvConfig, bank: HouseBank, scene: Scene, pose: AgentPose, world: World) -> Float[Array, "a 2 l"]:

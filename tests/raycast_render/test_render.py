@@ -7,7 +7,8 @@ import pytest
 from handmade import Furniture, shoebox
 
 from home_mjx.errors import ConfigError
-from home_mjx.raycast_render import KINDS, Camera, make_scene, render, shading
+from home_mjx.raycast_render import KINDS, Camera, Lens, make_scene, render
+from home_mjx.raycast_render.image import shading
 from home_mjx.scene_compile.bank import HouseBank
 from home_mjx.scene_compile.compiled import Semantic
 
@@ -40,7 +41,7 @@ def look(bank):
         if key not in programs:
             programs[key] = jax.jit(
                 lambda bank, scene, camera, exclude: render(
-                    bank, scene, camera, width=SIZE, height=SIZE, kinds=kinds, exclude=exclude, **options
+                    bank, scene, camera, Lens(SIZE, SIZE), kinds=kinds, exclude=exclude, **options
                 )
             )
         camera = Camera(jnp.asarray(pos, jnp.float32), jnp.asarray(quat, jnp.float32), jnp.float32(np.pi / 2))
@@ -94,7 +95,9 @@ def test_depth_is_clipped_or_infinite_outside(look):
 
 
 def test_shapes_and_types(look):
-    for kind, image in look().items():
+    images = look()
+    assert images.pop("valid").item() is True
+    for kind, image in images.items():
         channels = {"rgb": (3,), "albedo": (3,), "normal": (3,), "depth": (1,), "distance": (1,)}.get(kind, ())
         dtype = np.uint8 if kind == "rgb" else np.float32 if channels else np.int32
         assert image.shape == (SIZE, SIZE, *channels), kind
@@ -190,12 +193,12 @@ def test_only_what_is_asked_for_is_computed(bank):
     camera = Camera(jnp.zeros(3), jnp.asarray(LEVEL, jnp.float32), jnp.float32(1.0))
 
     def uses_textures(kinds):
-        program = jax.make_jaxpr(lambda b, s, c: render(b, s, c, width=4, height=4, kinds=kinds))
+        program = jax.make_jaxpr(lambda b, s, c: render(b, s, c, Lens(4, 4), kinds=kinds))
         return any("u8[" in str(eqn) for eqn in program(bank, place(bank), camera).eqns)
 
     assert uses_textures(("depth", "rgb"))
     assert not uses_textures(("depth", "normal", "fine"))
-    camera_ids = jax.jit(lambda b, s, c: render(b, s, c, width=4, height=4, kinds=("fine",)))(bank, place(bank), camera)
+    camera_ids = jax.jit(lambda b, s, c: render(b, s, c, Lens(4, 4), kinds=("fine",)))(bank, place(bank), camera)
     assert list(camera_ids) == ["fine"]
 
 

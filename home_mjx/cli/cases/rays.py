@@ -10,7 +10,7 @@ import numpy as np
 from home_mjx.cli.cases.batch import eye_at, own_body, rate_per_environment, scene_at
 from home_mjx.cli.cases.record import Record, Settings, make_record
 from home_mjx.demo import timing
-from home_mjx.raycast_render import Camera, cast, render
+from home_mjx.raycast_render import Camera, Lens, cast, render
 from home_mjx.scene_compile.bank import HouseBank
 from home_mjx.scene_compile.compiled import CompiledHouse
 
@@ -34,9 +34,7 @@ def images(settings: Settings) -> Record:
 
     def look(bank: HouseBank, house: jax.Array, start: jax.Array) -> Any:
         camera = Camera(*eye_at(start), jnp.float32(np.pi / 2))
-        return render(
-            bank, scene_at(bank, house, start), camera, width=SIZE, height=SIZE, kinds=KINDS, exclude=own_body(bank)
-        )
+        return render(bank, scene_at(bank, house, start), camera, Lens(SIZE, SIZE), kinds=KINDS, exclude=own_body(bank))
 
     value, seconds = rate_per_environment(settings, look)
     note = f"{SIZE}x{SIZE} {', '.join(KINDS)}; {settings.houses}"

@@ -1,0 +1,1 @@
+"""Images from rays: cameras, what they see, and how it is shaded."""
