@@ -4,7 +4,7 @@ For one environment with A agents every value has a leading agent axis:
 
 * `pixels/head_<kind>` for rgb (uint8, H W 3), depth (float32 [m], H W 1, clipped) and normal (float32, H W 3)
 * `ids/head_<kind>` int32 (H W): instance, fine, coarse, nyu40, room, level, material; -1 on a miss
-* `camera/head_intrinsics` float32 (3, 3); `camera/head_pose` float32 (4, 4), world from camera; `camera/head_valid` bool ()
+* `camera/head_intrinsics` float32 (3, 3), `camera/head_pose` float32 (4, 4): world from camera; `camera/head_valid`
 * the same of further cameras, by their names
 * `audio` float32 (2, frame): left and right ear [pressure re 1 m of the source]
 * `state` float32 (10,): x, y, z [m], cos and sin of yaw, pitch [rad], forward and left speed [m/s], yaw rate [rad/s],
