@@ -29,7 +29,7 @@ def agent_materials() -> MaterialTable:
     return material_table([Surface((0.15, 0.35, 0.75), kind="textile"), Surface((0.95, 0.75, 0.1), kind="plastic")])
 
 
-def agent_semantics() -> Int[np.ndarray, "1 8"]:
+def agent_semantics() -> Int[np.ndarray, "1 23"]:
     """The one semantic row of agents; which agent it was is the instance that the ray hit."""
     return semantic_row("person", "person", "person")[None]
 

@@ -42,6 +42,7 @@ class Geometry(Pytree):
     instance_material: Int[Array, "h i"]  # first material row, absolute
     instance_semantic: Int[Array, "h i"]  # first semantic row, absolute
     instance_body: Int[Array, "h i"]  # movable slot or -1 static
+    object_semantic: Int[Array, "h i"]  # semantic row of each object id, absolute; -1 none
     material_mask: Int[Array, " r"]  # Ray bits that each material row stops
     agent_model: Int[Array, ""]  # library model of an agent (unit: its real size)
     agent_material: Int[Array, ""]
@@ -133,7 +134,7 @@ class HouseBank(Pytree):
 
     geometry: Geometry
     materials: Materials
-    semantics: Int[Array, "q 8"]  # columns: compiled.Semantic
+    semantics: Int[Array, "q 23"]  # columns: compiled.Semantic
     physics: Physics
     acoustics: Acoustics
     navigation: Navigation
@@ -186,6 +187,26 @@ class HouseBank(Pytree):
     def num_houses(self) -> int:
         """Number of houses."""
         return self.house_id.shape[0]
+
+    def semantics_of(self, house: Int[Array, ""] | int, object_id: Int[Array, "*n"], column: int) -> Int[Array, "*n"]:
+        """What objects are, by their ids: those of an instance image, say.
+
+        Args:
+            house: Index of the house in the bank.
+            object_id: Object ids; `spec.num_instances` + a for agent a.
+            column: One of `compiled.Semantic`; `semantics.vocabularies()` has the names of its numbers.
+
+        Returns:
+            The numbers; -1 for none, and for ids that the house has not, such as -1 of its architecture.
+
+        Example:
+            >>> sizes = bank.semantics_of(0, images["instance"], Semantic.SIZE)  # doctest: +SKIP
+        """
+        rows = self.geometry.object_semantic[house]
+        known = jnp.clip(object_id, 0, rows.shape[0] - 1)
+        row = jnp.where(object_id < rows.shape[0], rows[known], self.geometry.agent_semantic)
+        found = self.semantics[:, column][jnp.maximum(row, 0)]
+        return jnp.where((object_id < 0) | (row < 0), -1, found)
 
 
 def to_bank(packed: Packed) -> HouseBank:

@@ -22,7 +22,7 @@ from home_mjx.scene_compile.inputs import Inputs
 from home_mjx.scene_compile.records import Notes, flatten, rebuild
 from home_mjx.scene_compile.suncg import Dataset
 
-FORMAT = 2
+FORMAT = 3
 VARIABLE = "HOME_MJX_CACHE"
 VERSION_FOLDER = re.compile(r"v\d+-[0-9a-f]{12}")
 DISCARDED = ".discarded-"

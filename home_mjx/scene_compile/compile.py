@@ -28,6 +28,9 @@ from home_mjx.scene_compile.pack_tables import ground_floor
 from home_mjx.scene_compile.planes import build_planes
 from home_mjx.scene_compile.rooms import extract_rooms, ground_offset
 from home_mjx.scene_compile.semantics import semantic_row
+from home_mjx.scene_compile.semantics.engine import describe_house
+from home_mjx.scene_compile.semantics.options import SemanticOptions
+from home_mjx.scene_compile.semantics.table import with_meaning
 from home_mjx.scene_compile.top_tree import instance_box, top_tree
 
 
@@ -38,6 +41,7 @@ class CompileOptions:
     navigation: NavigationOptions = field(default_factory=NavigationOptions)
     colliders: ColliderOptions = field(default_factory=ColliderOptions)
     movables: MovableOptions = field(default_factory=MovableOptions)
+    semantics: SemanticOptions = field(default_factory=SemanticOptions)
 
 
 DEFAULT_OPTIONS = CompileOptions()
@@ -70,6 +74,8 @@ def compile_house(house: House, metadata: Metadata, options: CompileOptions = DE
     slot = {c.item.object_id: i for i, c in enumerate(solid.movable)}
     instances = _instances(shell, objects, rows, slot)
     models = {m.key: m for m in (shell.model, *(o.model for o in objects))}
+    meaning = describe_house(house, shell, objects, rooms, metadata, options.semantics)
+    semantics = np.concatenate([shell.semantics, *(_object_row(o, slot)[None] for o in objects)])
     return CompiledHouse(
         id=house.id,
         offset=offset,
@@ -77,7 +83,7 @@ def compile_house(house: House, metadata: Metadata, options: CompileOptions = DE
         instances=instances,
         top=top_tree(instances, models),
         materials=material_table(rows.surfaces),
-        semantics=np.concatenate([shell.semantics, *(_object_row(o, slot)[None] for o in objects)]),
+        semantics=with_meaning(semantics, meaning),
         colliders=solid.static.colliders(),
         bodies=make_bodies(solid.movable, {o.object_id: i + 1 for i, o in enumerate(objects)}),
         planes=build_planes(shell, rooms),
@@ -152,6 +158,7 @@ def _report(house: House, shell: Architecture, objects: Sequence[Placed], solid:
         "levels": len(house.levels),
         "rooms": sum(len(level.rooms) for level in house.levels),
         "objects": len(objects),
+        "objects_outside": sum(o.room < 0 for o in objects),
         "architecture_parts": shell.num_meshes,
         "surfaces": len(shell.parts),
         "partitions": int(shell.partition.max()) + 1,

@@ -34,6 +34,21 @@ class Semantic(IntEnum):
     LEVEL = 5
     PARTITION = 6  # physical wall or slab: sound pays its transmission once per crossing
     MOVABLE = 7  # movable slot
+    ROOM_TYPE = 8  # index into ROOM_TYPES
+    MATERIAL = 9  # index into MATERIAL_KINDS
+    SIZE = 10  # within the category, index into SIZES
+    BASIC = 11  # colour of most area, index into the palette of 16; two more that cover enough follow
+    BASIC_2 = 12
+    BASIC_3 = 13
+    CSS = 14  # the same of the palette of 139
+    CSS_2 = 15
+    CSS_3 = 16
+    XKCD = 17  # and of 949
+    XKCD_2 = 18
+    XKCD_3 = 19
+    SUPPORT = 20  # index into SUPPORTS
+    SUPPORTER = 21  # object id of what it stands or lies on
+    CONTAINER = 22  # object id of what it is in
 
 
 @dataclass(frozen=True)
@@ -152,7 +167,7 @@ class CompiledHouse:
     instances: Instances
     top: Tree  # over static instances
     materials: MaterialTable
-    semantics: Int[np.ndarray, "q 8"]  # columns: Semantic
+    semantics: Int[np.ndarray, "q 23"]  # columns: Semantic
     colliders: Colliders
     bodies: Bodies
     planes: Planes

@@ -15,7 +15,7 @@ from jaxtyping import Int
 from home_mjx.errors import CapacityError, ConfigError
 from home_mjx.scene_compile.agent_model import agent_materials, agent_model, agent_semantics
 from home_mjx.scene_compile.capacity import Capacity, Counts, rows_of, running_starts, shared_rows
-from home_mjx.scene_compile.compiled import ARCHITECTURE, CompiledHouse, Model
+from home_mjx.scene_compile.compiled import ARCHITECTURE, CompiledHouse, Instances, Model
 from home_mjx.scene_compile.mesh import invert
 from home_mjx.scene_compile.pack_tables import Arrays, material_rows, pack_navigation, pack_physics, pack_planes, shift
 from home_mjx.scene_compile.padding import pad, ragged_class
@@ -235,7 +235,15 @@ def _pack_instances(
         "instance_material": pad(materials, size, np.int32, 0),
         "instance_semantic": pad(semantics, size, np.int32, 0),
         "instance_body": pad([i.body for i in instances], size, np.int32, -1),
+        "object_semantic": np.stack([_object_rows(i, s, size) for i, s in zip(instances, semantics, strict=True)]),
     }
+
+
+def _object_rows(instances: Instances, semantic: Int[np.ndarray, " i"], size: int) -> Int[np.ndarray, " o"]:
+    """Semantic row of each object id."""
+    rows = np.full(size, -1, np.int32)
+    rows[instances.object_id[ARCHITECTURE + 1 :]] = semantic[ARCHITECTURE + 1 :]
+    return rows
 
 
 def _encode_id(house_id: str) -> np.ndarray:

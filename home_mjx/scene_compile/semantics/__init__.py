@@ -7,7 +7,20 @@ import importlib
 from typing import Any
 
 _PUBLIC = {
+    "HOME": "options",
+    "HouseSemantics": "types",
+    "ObjectSemantics": "types",
+    "PartSemantics": "types",
+    "Relation": "relations",
+    "RoomSemantics": "types",
+    "SemanticOptions": "options",
+    "Viewpoint": "relations",
+    "describe_object": "describe",
+    "house_semantics": "engine",
+    "names_of": "vocabulary",
+    "number_of": "vocabulary",
     "semantic_row": "rows",
+    "vocabularies": "vocabulary",
 }
 
 __all__ = list(_PUBLIC)  # pyright: ignore[reportUnsupportedDunderAll]

@@ -12,7 +12,7 @@ from PIL import Image
 from home_mjx.scene_compile.color_space import decode_srgb, linear_to_lab
 from home_mjx.scene_compile.material_kinds import TEXTURE_KINDS
 from home_mjx.scene_compile.materials import Surface
-from home_mjx.scene_compile.semantics.color_names import LEVELS, nearest_by_look, palettes
+from home_mjx.scene_compile.semantics.color_names import LEVELS, names_by_look
 from home_mjx.scene_compile.semantics.options import SemanticOptions
 from home_mjx.scene_compile.suncg.categories import texture_family
 from home_mjx.scene_compile.textures import open_texture
@@ -92,7 +92,7 @@ def _sample(area: Float[np.ndarray, " t"], uv: Float[np.ndarray, "t 3 2"]) -> Fl
 
 
 def _texels(path: str, uv: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 4"]:
-    """sRGB and alpha, 0..1, of a repeated image; v = 0 is its bottom."""
+    """Colour in sRGB and alpha, 0..1, of a repeated image; v = 0 is its bottom."""
     changed = Path(path).stat().st_mtime_ns if Path(path).is_file() else 0
     image = _image(path, changed)
     column, row = ((uv % 1) * IMAGE_SIDE).astype(int).clip(0, IMAGE_SIDE - 1).T
@@ -136,8 +136,7 @@ def _names(
     colors: Float[np.ndarray, "c 3"], weights: Float[np.ndarray, " c"], level: str, least: float
 ) -> tuple[str, ...]:
     """Names of the colours that cover enough, or else of the foremost; colours of one name add up."""
-    names = [palettes()[level].names[i] for i in nearest_by_look(colors, level)]
-    share = shares(names, weights)
+    share = shares(names_by_look(colors, level), weights)
     return at_least(share, least) or at_least(share, 0)[:1]
 
 

@@ -1,6 +1,6 @@
 """Names of colours at HoME's three levels: 16 basic ones, 139 of CSS, and 949 of the XKCD survey.
 
-`data/color_names.csv` holds Matplotlib's `CSS4_COLORS` and `XKCD_COLORS`: of the former without the nine names that HoME
+`data/color_names.csv` holds Matplotlib's `CSS4_COLORS` and `XKCD_COLORS`: the former without the nine names that HoME
 lacked (British spellings, `fuchsia`, `rebeccapurple`) and with the words of each name set apart.
 
 The nearest name is that of least CIEDE2000 difference. Among 464 XKCD colours whose last word is a basic colour ("olive
@@ -11,11 +11,11 @@ sRGB for 27 %; of 103 XKCD colours that CSS names alike, 28, 22, 22 and 25 % get
 import csv
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from importlib.resources import files
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from home_mjx.scene_compile.color_space import ciede2000, srgb_to_lab
 
@@ -49,21 +49,34 @@ def _palette(rows: list[dict[str, str]]) -> Palette:
     return Palette(tuple(row["name"] for row in rows), srgb, srgb_to_lab(srgb))
 
 
-def nearest_by_look(lab: Float[np.ndarray, "n 3"], level: str) -> Int[np.ndarray, " n"]:
-    """Positions in the palette of the colours that look most alike.
+def names_by_look(lab: Float[np.ndarray, "n 3"], level: str) -> list[str]:
+    """Names of the palette's colours that look most alike.
 
     Args:
         lab: CIELAB colours.
         level: One of `LEVELS`.
 
     Example:
-        >>> palette = palettes()["css"]
-        >>> palette.names[nearest_by_look(srgb_to_lab(np.array([[0.95, 0.1, 0.1]])), "css")[0]]
-        'red'
+        >>> names_by_look(srgb_to_lab(np.array([[0.95, 0.1, 0.1]])), "css")
+        ['red']
     """
-    return ciede2000(lab[:, None], palettes()[level].lab).argmin(axis=1)
+    return [_name_by_look(color, level) for color in map(tuple, lab.round(1).tolist())]
 
 
-def nearest_in_srgb(srgb: Float[np.ndarray, "n 3"], level: str) -> Int[np.ndarray, " n"]:
-    """Positions in the palette by HoME's rule: the Euclidean distance of sRGB values."""
-    return np.linalg.norm(srgb[:, None] - palettes()[level].srgb, axis=-1).argmin(axis=1)
+@lru_cache(maxsize=1 << 14)
+def _name_by_look(lab: tuple[float, float, float], level: str) -> str:
+    """One name; the same few colours come again in house after house."""
+    palette = palettes()[level]
+    return palette.names[int(ciede2000(np.array(lab), palette.lab).argmin())]
+
+
+def names_in_srgb(srgb: Float[np.ndarray, "n 3"], level: str) -> list[str]:
+    """Names by HoME's rule: least Euclidean distance of sRGB values.
+
+    Args:
+        srgb: Colours, 0..1.
+        level: One of `LEVELS`.
+    """
+    palette = palettes()[level]
+    nearest = np.linalg.norm(srgb[:, None] - palette.srgb, axis=-1).argmin(axis=1)
+    return [palette.names[i] for i in nearest]

@@ -17,8 +17,8 @@ def semantic_row(
     level: int = -1,
     partition: int = -1,
     movable: int = -1,
-) -> Int[np.ndarray, "8"]:
-    """One row; columns are those of `Semantic`.
+) -> Int[np.ndarray, " c"]:
+    """One row; columns are those of `Semantic`. Those that the semantic engine fills are -1.
 
     Args:
         fine: Fine v1 category; `unknown` for names that v1 lacks.

@@ -1,0 +1,92 @@
+"""Text about objects, from what the records say."""
+
+from collections.abc import Sequence
+
+from home_mjx.scene_compile.semantics.appearance import Appearance
+from home_mjx.scene_compile.semantics.color_names import LEVELS
+from home_mjx.scene_compile.semantics.types import HouseSemantics, ObjectSemantics
+
+CSS = LEVELS.index("css")
+NAMELESS = ("empty", "unknown")  # fine categories that are no word for a thing
+MOST_NEIGHBOURS = 3
+HOLDS = {"floor": "stands on the floor", "wall": "is on the wall", "ceiling": "hangs from the ceiling", "": "is"}
+
+
+def short_text(size: str, look: Appearance, category: str) -> str:
+    """Size unless normal, CSS colours, fine category and materials that textures tell, as HoME put it.
+
+    Args:
+        size: One of `SIZES`, or "".
+        look: Colours and materials.
+        category: Fine category.
+
+    Example:
+        >>> look = Appearance((("white",), ("linen",), ("off white",)), ("wood",), textured=True)
+        >>> short_text("small", look, "coffee_table")
+        'small linen coffee table made of wood'
+    """
+    words = [size] * (size not in ("", "normal")) + [_listed(look.colors[CSS])] * bool(look.colors[CSS])
+    made = f" made of {_listed(look.materials)}" if look.textured and look.materials else ""
+    return " ".join([*words, _noun(category)]) + made
+
+
+def describe_object(house: HouseSemantics, object_id: int) -> str:
+    """Two or three sentences: what an object is and how large, where it is, what is near.
+
+    Args:
+        house: Where the object is.
+        object_id: One of `house.by_id`.
+
+    Raises:
+        KeyError: There is no such object.
+
+    Example:
+        >>> describe_object(meaning, 46)  # doctest: +SKIP
+        'A gray sofa made of leather, 1.31 m wide, 1.01 m deep and 0.80 m high. It stands on the floor in the bedroom …'
+    """
+    item = house.by_id[object_id]
+    width, depth, height = (2 * item.box.half[0]).tolist()
+    x, y, z = item.position
+    short = item.description
+    article = "An" if short[0] in "aeiou" else "A"
+    return " ".join(
+        [
+            f"{article} {short}, {width:.2f} m wide, {depth:.2f} m deep and {height:.2f} m high.",
+            f"It {_holds(house, item)} {_where(item)} at x {x:.2f}, y {y:.2f}, z {z:.2f} m.",
+            *_near(house, item),
+        ]
+    )
+
+
+def _holds(house: HouseSemantics, item: ObjectSemantics) -> str:
+    held = item.support
+    if held.container >= 0:
+        return f"is in the {_noun(house.by_id[held.container].fine)}"
+    return f"is on the {_noun(house.by_id[held.supporter].fine)}" if held.supporter >= 0 else HOLDS[held.kind]
+
+
+def _where(item: ObjectSemantics) -> str:
+    if item.room < 0:
+        return f"outside of every room of level {item.level}"
+    kind = (
+        "a room of unknown type" if item.room_type == "unknown" else f"the {item.room_type.replace('_', ' ').lower()}"
+    )
+    return f"in {kind} (room {item.room}, level {item.level})"
+
+
+def _near(house: HouseSemantics, item: ObjectSemantics) -> list[str]:
+    beside = [
+        house.by_id[r.object] for r in house.relations if r.subject == item.object_id and r.predicate == "next to"
+    ]
+    beside.sort(key=lambda other: sum((a - b) ** 2 for a, b in zip(item.position, other.position, strict=True)))
+    names = [f"the {other.description}" for other in beside[:MOST_NEIGHBOURS]]
+    return [f"Next to it: {', '.join(names)}."] if names else []
+
+
+def _noun(category: str) -> str:
+    return "object" if category in NAMELESS else category.replace("_", " ")
+
+
+def _listed(words: Sequence[str]) -> str:
+    *first, last = words
+    return f"{', '.join(first)} and {last}" if first else last

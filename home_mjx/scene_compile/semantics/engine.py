@@ -1,0 +1,168 @@
+"""The semantic engine: from a house as the dataset says it to what everything in it is."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from home_mjx.scene_compile.architecture import Architecture, build_architecture, inner_normal
+from home_mjx.scene_compile.compiled import Rooms
+from home_mjx.scene_compile.house import House, Metadata, Object
+from home_mjx.scene_compile.masses import surface_areas
+from home_mjx.scene_compile.materials import surface
+from home_mjx.scene_compile.objects import Placed, place_objects
+from home_mjx.scene_compile.plan import polygon_area
+from home_mjx.scene_compile.rooms import extract_rooms, ground_offset, house_rooms
+from home_mjx.scene_compile.semantics.appearance import Appearance, Skin, appearance
+from home_mjx.scene_compile.semantics.describe import short_text
+from home_mjx.scene_compile.semantics.home import home_appearance
+from home_mjx.scene_compile.semantics.options import SemanticOptions
+from home_mjx.scene_compile.semantics.sizes import SizeTable, size_table
+from home_mjx.scene_compile.semantics.supports import Support, find_supports
+from home_mjx.scene_compile.semantics.types import (
+    UNKNOWN,
+    HouseSemantics,
+    ObjectSemantics,
+    PartSemantics,
+    RoomSemantics,
+)
+from home_mjx.scene_compile.suncg.categories import ROOM_TYPES
+
+DEFAULT_OPTIONS = SemanticOptions()
+
+
+def house_semantics(house: House, metadata: Metadata, options: SemanticOptions = DEFAULT_OPTIONS) -> HouseSemantics:
+    """What everything in a house is, where, of which colours and materials, how large, and next to what.
+
+    Args:
+        house: What the dataset says.
+        metadata: Categories and sizes of its models.
+        options: How colours, materials and sizes are decided.
+
+    Raises:
+        DatasetError: The house has no room with a mesh, or a texture cannot be read.
+
+    Example:
+        >>> dataset = open_dataset("/data/suncg")  # doctest: +SKIP
+        >>> meaning = house_semantics(dataset.load_house(dataset.house_ids[0]), dataset.metadata)  # doctest: +SKIP
+        >>> meaning.objects[0].description  # doctest: +SKIP
+        'dark gray window'
+    """
+    offset = ground_offset(house)
+    rooms = extract_rooms(house, offset)
+    shell = build_architecture(house, rooms, offset)
+    return describe_house(house, shell, place_objects(house, metadata, rooms, offset), rooms, metadata, options)
+
+
+def describe_house(
+    house: House,
+    shell: Architecture,
+    objects: Sequence[Placed],
+    rooms: Rooms,
+    metadata: Metadata,
+    options: SemanticOptions = DEFAULT_OPTIONS,
+) -> HouseSemantics:
+    """As `house_semantics`, of a house that is already built in the world frame.
+
+    Args:
+        house: What the dataset says.
+        shell: Its architecture.
+        objects: Its objects.
+        rooms: Its rooms.
+        metadata: Categories and sizes of its models.
+        options: How colours, materials and sizes are decided.
+    """
+    sizes, supports = size_table(metadata), find_supports(objects, rooms)
+    return HouseSemantics(
+        id=house.id,
+        rooms=tuple(
+            RoomSemantics(i, room.types, level, polygon_area(rooms.polygon[i]))
+            for i, (level, room) in enumerate(house_rooms(house))
+        ),
+        parts=tuple(_part(shell, i, rooms, options) for i in range(len(shell.parts))),
+        objects=tuple(
+            _object(item, support, house, rooms, sizes, options)
+            for item, support in zip(objects, supports, strict=True)
+        ),
+    )
+
+
+def _part(shell: Architecture, index: int, rooms: Rooms, options: SemanticOptions) -> PartSemantics:
+    part, model = shell.parts[index], shell.model
+    seen = np.flatnonzero((model.part == index) & (model.slot == shell.facing[index]))
+    triangles = model.triangle[seen].astype(np.float64)
+    area = surface_areas(triangles) * _faces(triangles, inner_normal(part, rooms))
+    look = _look(Skin(area, model.uv[seen], model.slot[seen], shell.surfaces), options)
+    category = "floor" if part.kind == "ground" else part.kind
+    return PartSemantics(
+        index=index,
+        category=category,
+        room=part.room,
+        room_type=room_type(rooms, part.room),
+        level=part.level,
+        partition=int(shell.partition[index]),
+        look=look,
+        area=float(area.sum()),
+        description=short_text("", look, category),
+    )
+
+
+def _faces(triangles: Float[np.ndarray, "t 3 3"], toward: Float[np.ndarray, "3"]) -> Bool[np.ndarray, " t"]:
+    normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    return normal @ toward > 0.7 * np.linalg.norm(normal, axis=1)
+
+
+def _object(
+    item: Placed, support: Support, house: House, rooms: Rooms, sizes: SizeTable, options: SemanticOptions
+) -> ObjectSemantics:
+    look = _look(_skin(item, house, options), options)
+    size = sizes.as_home(item.info) if options.size == "home" else sizes.look(_volume(item), item.info)
+    return ObjectSemantics(
+        object_id=item.object_id,
+        node=item.node.id,
+        model=item.node.model_id if isinstance(item.node, Object) else "",
+        fine=item.info.fine,
+        coarse=item.info.coarse,
+        nyu40=item.info.nyu40,
+        room=item.room,
+        room_type=room_type(rooms, item.room),
+        level=item.level,
+        box=item.box,
+        look=look,
+        size=size,
+        support=support,
+        description=short_text(size, look, item.info.fine),
+    )
+
+
+def _skin(item: Placed, house: House, options: SemanticOptions) -> Skin:
+    surfaces = item.surfaces
+    if options.color == "home" and isinstance(item.node, Object):
+        own = house.models[item.node.model_key].materials
+        surfaces = tuple(surface(slot, item.info.fine, item.info.coarse) for slot in own)
+    return Skin(surface_areas(item.triangles), item.model.uv, item.model.slot, surfaces)
+
+
+def _look(skin: Skin, options: SemanticOptions) -> Appearance:
+    if skin.area.sum() <= 0:
+        # A mesh of lines and points has no surface to weigh by.
+        skin = replace(skin, area=np.ones_like(skin.area))
+    return home_appearance(skin, options) if options.color == "home" else appearance(skin, options)
+
+
+def _volume(item: Placed) -> float:
+    """Of the model's own box as scaled [m^3]; a flat one counts as a millimetre thick."""
+    edges = np.ptp(item.model.box.astype(np.float64), axis=0) * np.linalg.norm(item.pose[:, :3], axis=0)
+    return float(np.maximum(edges, 1e-3).prod())
+
+
+def room_type(rooms: Rooms, room: int) -> str:
+    """Label of a room, by index; `unknown` where there is none.
+
+    Args:
+        rooms: Of the house.
+        room: Room index; -1 for none.
+    """
+    kind = int(rooms.type[room]) if room >= 0 else -1
+    return ROOM_TYPES[kind] if kind >= 0 else UNKNOWN

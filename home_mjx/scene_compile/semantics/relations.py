@@ -1,0 +1,133 @@
+"""Where objects are to one another: on, in, next to; and left of, right of, in front of and behind for an observer."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Int
+
+from home_mjx.scene_compile.boxes import BoxSet, footprint, footprint_distance
+from home_mjx.scene_compile.semantics.supports import Support
+
+NEXT_TO = 0.5  # [m] between the footprints of neighbours
+APART = 0.1  # [m]: objects nearer to one line of sight than this are neither left nor right of one another
+OPPOSITE = {"left of": "right of", "in front of": "behind"}
+
+
+@dataclass(frozen=True)
+class Relation:
+    """One object and another, by object id: `subject` is on, in, next to, left of … `object`."""
+
+    subject: int
+    predicate: str
+    object: int
+
+
+@dataclass(frozen=True)
+class Viewpoint:
+    """Where an observer is.
+
+    Attributes:
+        x: In the world [m].
+        y: In the world [m].
+        heading: Direction of view about +z, 0 along +x [rad].
+    """
+
+    x: float
+    y: float
+    heading: float = 0.0
+
+    def side(self, point: Sequence[float]) -> str:
+        """On which side of the observer a point is: `ahead`, `left`, `behind` or `right`, a quarter of the circle each.
+
+        Args:
+            point: World x and y, and what follows, which does not count [m].
+
+        Example:
+            >>> Viewpoint(0.0, 0.0, heading=np.pi / 2).side((-2.0, 0.5))
+            'left'
+        """
+        bearing = np.arctan2(point[1] - self.y, point[0] - self.x) - self.heading
+        return ("ahead", "left", "behind", "right")[int(np.round(bearing / (np.pi / 2))) % 4]
+
+
+def relations_at_rest(
+    ids: Sequence[int], boxes: BoxSet, places: Int[np.ndarray, "o 2"], supports: Sequence[Support]
+) -> tuple[Relation, ...]:
+    """Relations that hold for every observer.
+
+    `on` and `in` are those of the supports; `next to` holds both ways for objects of one room whose footprints are at
+    most `NEXT_TO` apart, that reach into a common height, and of which neither is on or in the other.
+
+    Args:
+        ids: Object ids.
+        boxes: Their upright boxes.
+        places: Level and room of each.
+        supports: What holds each.
+    """
+    held = [
+        Relation(i, "in", s.container) if s.container >= 0 else Relation(i, "on", s.supporter)
+        for i, s in zip(ids, supports, strict=True)
+        if s.kind == "object"
+    ]
+    apart = {frozenset((r.subject, r.object)) for r in held}
+    near = [
+        Relation(ids[a], "next to", ids[b])
+        for a, b in _pairs(places)
+        if frozenset((ids[a], ids[b])) not in apart and _share_height(boxes, a, b) and gap(boxes, a, b) <= NEXT_TO
+    ]
+    return (*held, *(r for pair in near for r in (pair, Relation(pair.object, pair.predicate, pair.subject))))
+
+
+def _pairs(places: Int[np.ndarray, "o 2"]) -> list[tuple[int, int]]:
+    """Pairs of objects of one room."""
+    together = (places[:, None] == places).all(axis=-1) & (places[:, 1] >= 0)
+    return [(int(a), int(b)) for a, b in np.argwhere(np.triu(together, 1))]
+
+
+def _share_height(boxes: BoxSet, a: int, b: int) -> bool:
+    return bool(min(boxes.top[a], boxes.top[b]) > max(boxes.bottom[a], boxes.bottom[b]))
+
+
+def gap(boxes: BoxSet, a: int, b: int) -> float:
+    """Distance between the footprints of two boxes [m]; 0 where a corner or the middle of one lies in the other."""
+    ends = [np.concatenate([footprint(boxes, i), boxes.center[i : i + 1, :2]]) for i in (a, b)]
+    return float(min(footprint_distance(boxes, b, ends[0]).min(), footprint_distance(boxes, a, ends[1]).min()))
+
+
+def relations_seen(
+    ids: Sequence[int], boxes: BoxSet, places: Int[np.ndarray, "o 2"], viewpoint: Viewpoint
+) -> tuple[Relation, ...]:
+    """One relation each way for every two objects of a room, as an observer sees them.
+
+    Of the two distances between their middles, across the line of sight (mean range times difference of bearings) and
+    along it (difference of ranges), the greater decides: left of or right of, else in front of (nearer) or behind.
+
+    Args:
+        ids: Object ids.
+        boxes: Their upright boxes.
+        places: Level and room of each.
+        viewpoint: The observer.
+
+    Example:
+        >>> boxes = box_set([[2.0, 1.0, 0.0], [2.0, -1.0, 0.0]], [0.2, 0.2, 0.2])  # doctest: +SKIP
+        >>> relations_seen([7, 8], boxes, np.zeros((2, 2), int), Viewpoint(0.0, 0.0))[0]  # doctest: +SKIP
+        Relation(subject=7, predicate='left of', object=8)
+    """
+    way = boxes.center[:, :2] - (viewpoint.x, viewpoint.y)
+    reach, bearing = np.hypot(way[:, 0], way[:, 1]), np.arctan2(way[:, 1], way[:, 0])
+    found = []
+    for a, b in _pairs(places):
+        turn = (bearing[a] - bearing[b] + np.pi) % (2 * np.pi) - np.pi
+        found += _order(ids[a], ids[b], float(turn * (reach[a] + reach[b]) / 2), float(reach[b] - reach[a]))
+    return tuple(found)
+
+
+def _order(a: int, b: int, leftward: float, nearer: float) -> list[Relation]:
+    """Both relations of a pair; none if their middles coincide."""
+    across = abs(leftward) >= abs(nearer)
+    way, predicate = (leftward, "left of") if across else (nearer, "in front of")
+    if abs(way) < APART:
+        return []
+    first, second = (a, b) if way > 0 else (b, a)
+    return [Relation(first, predicate, second), Relation(second, OPPOSITE[predicate], first)]

@@ -1,0 +1,81 @@
+"""Whether an object is small or large for what it is, against the models of its category in the dataset's tables."""
+
+import math
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from home_mjx.scene_compile.house import Metadata, ModelInfo
+
+SIZES = ("tiny", "small", "normal", "large", "huge")
+LIMITS = (-2.0, -1.0, 1.0, 2.0)  # standard deviations between them, HoME's
+NORMAL = SIZES.index("normal")
+MIN_PEERS = 5  # models of a category that say what is usual
+MIN_SPREAD = 0.1  # of log volume: less than 10 % is no difference
+HOME_FRONT = (0.0, 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class SizeTable:
+    """Volumes [m^3] of the boxes of all models of a dataset, by category."""
+
+    fine: dict[str, Float[np.ndarray, " _"]]
+    coarse: dict[str, Float[np.ndarray, " _"]]
+    home: dict[str, Float[np.ndarray, " _"]]  # by coarse category, of models that face +z
+
+    def look(self, volume: float, info: ModelInfo) -> str:
+        """One of `SIZES` by the logarithm of volume, since volumes differ by factors; "" if there are too few peers.
+
+        Args:
+            volume: Of the object as placed [m^3].
+            info: Its categories.
+        """
+        for peers in (self.fine.get(info.fine), self.coarse.get(info.coarse)):
+            if peers is not None and len(peers) >= MIN_PEERS and info.coarse != "unknown":
+                logs = np.log(peers)
+                return _size((np.log(volume) - logs.mean()) / max(float(logs.std()), MIN_SPREAD))
+        return ""
+
+    def as_home(self, info: ModelInfo) -> str:
+        """HoME's tag, which never was `tiny`; "" for models that it could not compare.
+
+        Args:
+            info: The model's row.
+        """
+        peers = self.home.get(info.coarse)
+        if peers is None or info.dims is None or info.front != HOME_FRONT:
+            return ""
+        above = math.prod(info.dims) - float(peers.mean())
+        spread = float(peers.std())
+        if above < LIMITS[1] * spread:
+            return "small"
+        return SIZES[NORMAL + (above > LIMITS[2] * spread) + (above > LIMITS[3] * spread)]
+
+
+def size_table(metadata: Metadata) -> SizeTable:
+    """What sizes there are.
+
+    Args:
+        metadata: The dataset's tables; models without a box, or with a flat one, are no peers.
+    """
+    sized = [(info, math.prod(info.dims)) for info in metadata.models.values() if info.dims is not None]
+    solid = [(info, volume) for info, volume in sized if volume > 0]
+    return SizeTable(
+        fine=_grouped([(info.fine, volume) for info, volume in solid]),
+        coarse=_grouped([(info.coarse, volume) for info, volume in solid]),
+        home=_grouped([(info.coarse, volume) for info, volume in sized if info.front == HOME_FRONT]),
+    )
+
+
+def _grouped(items: Sequence[tuple[str, float]]) -> dict[str, Float[np.ndarray, " _"]]:
+    groups: dict[str, list[float]] = defaultdict(list)
+    for category, volume in items:
+        groups[category].append(volume)
+    return {category: np.array(volumes) for category, volumes in groups.items()}
+
+
+def _size(deviation: float) -> str:
+    return SIZES[int(np.searchsorted(LIMITS, deviation))]

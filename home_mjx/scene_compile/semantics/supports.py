@@ -1,0 +1,170 @@
+"""What holds an object where it is: the floor, a wall, the ceiling, or another object that it stands on or lies in."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from home_mjx.scene_compile.boxes import BoxSet, footprint_distance, join, yaw_matrix
+from home_mjx.scene_compile.compiled import Rooms
+from home_mjx.scene_compile.mesh import bounds
+from home_mjx.scene_compile.objects import Placed
+
+SUPPORTS = ("floor", "wall", "ceiling", "object")
+TOUCH = 0.05  # [m]: SUNCG's furniture hovers or sinks by as much
+SOLE = 0.02  # [m]: what of an object lies this low touches what it stands on
+RESTING = 0.5  # least part of those points that another object bears
+MAX_POINTS = 64
+WALL_REACH = 0.12  # [m] from a room's outline, which runs inside the wall, to what touches the wall
+CEILING_REACH = 0.1  # [m]
+OUTLINE_STEP = 0.1  # [m]
+INSIDE = 0.9  # least part of an object's box that lies in that of what it is in
+
+# What is in the wall or hangs before it, even where it reaches the floor; on the wall, even where something is below.
+OPENINGS = {"arch", "curtain", "door", "garage_door", "window"}
+WALL_HUNG = {"air_conditioner", "hanging_kitchen_cabinet", "mirror", "picture_frame", "whiteboard"}
+CEILING_HUNG = {"ceiling_fan", "chandelier"}
+CONTAINERS = {
+    *("bathtub", "cart", "dresser", "fireplace", "hanging_kitchen_cabinet", "kitchen_appliance", "kitchen_cabinet"),
+    *("kitchen_set", "mailbox", "pool", "safe", "shelving", "shoes_cabinet", "shower", "sink", "storage_bench"),
+    *("trash_can", "tv_stand", "vase", "vehicle", "wardrobe_cabinet"),
+}
+
+
+@dataclass(frozen=True)
+class Support:
+    """What holds an object."""
+
+    kind: str = ""  # one of SUPPORTS; "" if nothing near does
+    supporter: int = -1  # object id of what it stands or lies on
+    container: int = -1  # object id of what it is in
+
+
+def find_supports(objects: Sequence[Placed], rooms: Rooms) -> list[Support]:
+    """The support of each object.
+
+    Args:
+        objects: All objects of a house.
+        rooms: Its rooms.
+    """
+    boxes = join(o.box for o in objects)
+    limits = np.array([bounds(o.triangles) for o in objects]).reshape(-1, 2, 3)
+    outlines = {level: _outline_points(rooms, level) for level in {o.level for o in objects}}
+    return [_support(i, objects, boxes, limits, rooms, outlines[o.level]) for i, o in enumerate(objects)]
+
+
+def _support(
+    index: int,
+    objects: Sequence[Placed],
+    boxes: BoxSet,
+    limits: Float[np.ndarray, "o 2 3"],
+    rooms: Rooms,
+    outline: Float[np.ndarray, "p 2"],
+) -> Support:
+    item = objects[index]
+    if item.info.coarse in OPENINGS:
+        return Support("wall")
+    low, high = limits[index, :, 2]
+    floor, ceiling = _heights(item, rooms)
+    on_floor = bool(low < floor + TOUCH)
+    at_wall = bool((footprint_distance(boxes, index, outline) < WALL_REACH).any())
+    if item.info.coarse in WALL_HUNG and at_wall and not on_floor:
+        return Support("wall")
+    bearer, container = _bearer(index, objects, limits), _container(index, objects, boxes)
+    if bearer >= 0 or container >= 0:
+        held = objects[bearer if bearer >= 0 else container].object_id
+        return Support("object", held, objects[container].object_id if container >= 0 else -1)
+    if on_floor:
+        return Support("floor")
+    if high > ceiling - CEILING_REACH and (item.info.fine in CEILING_HUNG or not at_wall):
+        return Support("ceiling")
+    return Support("wall" if at_wall else "")
+
+
+def _heights(item: Placed, rooms: Rooms) -> tuple[float, float]:
+    """Floor and ceiling of an object's room [m]; outdoors, the lowest floor of its level and no ceiling."""
+    if item.room >= 0:
+        return float(rooms.floor[item.room]), float(rooms.ceiling[item.room])
+    floors = rooms.floor[rooms.level == item.level]
+    return float(floors.min(initial=np.inf)) if len(floors) else 0.0, np.inf
+
+
+def _outline_points(rooms: Rooms, level: int) -> Float[np.ndarray, "p 2"]:
+    """Points along the walls of a level."""
+    points = [np.zeros((0, 2))]
+    for start in (p for p, at in zip(rooms.polygon, rooms.level, strict=True) if at == level):
+        for a, b in zip(start, np.roll(start, -1, axis=0), strict=True):
+            count = int(np.ceil(np.linalg.norm(b - a) / OUTLINE_STEP)) + 1
+            points.append(a + np.linspace(0, 1, count)[:, None] * (b - a))
+    return np.concatenate(points)
+
+
+def _bearer(index: int, objects: Sequence[Placed], limits: Float[np.ndarray, "o 2 3"]) -> int:
+    """The object whose upper sides lie under most of the lowest points of another; -1 if none bears enough."""
+    low, high = limits[index]
+    near = ((limits[:, 0, :2] < high[:2]) & (limits[:, 1, :2] > low[:2])).all(axis=1)
+    near &= (limits[:, 0, 2] < low[2] + TOUCH) & (limits[:, 1, 2] > low[2] - TOUCH)
+    near[index] = False
+    if not near.any():
+        return -1
+    points = _soles(objects[index])
+    borne = {i: _borne(points, objects[i], float(high[2])).mean() for i in np.flatnonzero(near).tolist()}
+    best = max(borne, key=lambda i: borne[i])
+    return best if borne[best] >= RESTING else -1
+
+
+def _soles(item: Placed) -> Float[np.ndarray, "p 3"]:
+    """Some of the lowest points of an object."""
+    points = item.triangles.reshape(-1, 3)
+    points = np.unique(points[points[:, 2] < points[:, 2].min() + SOLE].round(4), axis=0)
+    return points[np.linspace(0, len(points) - 1, min(len(points), MAX_POINTS)).astype(int)]
+
+
+def _borne(points: Float[np.ndarray, "p 3"], below: Placed, top: float) -> Bool[np.ndarray, " p"]:
+    """Whether an upper side of an object is within `TOUCH` of each point, vertically, and below `top`."""
+    triangles = below.triangles
+    normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    normal *= np.sign(np.linalg.det(below.pose[:, :3]))  # a mirrored model is inside out
+    level = points[:, 2].min()
+    near = (triangles[:, :, 2].min(axis=1) < level + SOLE + TOUCH) & (triangles[:, :, 2].max(axis=1) > level - TOUCH)
+    upper = near & (normal[:, 2] > 0.5 * np.linalg.norm(normal, axis=1)) & (normal[:, 2] > 1e-12)
+    a, b, c = triangles[upper].transpose(1, 0, 2)
+    weight = _barycentric(points[:, None, :2], a[:, :2], b[:, :2], c[:, :2])
+    height = np.sum(weight * np.stack([a[:, 2], b[:, 2], c[:, 2]], axis=-1), axis=-1)
+    found = (weight >= -1e-6).all(axis=-1) & (abs(height - points[:, None, 2]) <= TOUCH) & (height < top)
+    return found.any(axis=1)
+
+
+def _barycentric(
+    point: Float[np.ndarray, "p 1 2"],
+    a: Float[np.ndarray, "t 2"],
+    b: Float[np.ndarray, "t 2"],
+    c: Float[np.ndarray, "t 2"],
+) -> Float[np.ndarray, "p t 3"]:
+    """Weights of the corners of triangles in the plan."""
+    u, v, w = b - a, c - a, point - a
+    whole = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+    second = (w[..., 0] * v[:, 1] - w[..., 1] * v[:, 0]) / whole
+    third = (u[:, 0] * w[..., 1] - u[:, 1] * w[..., 0]) / whole
+    return np.stack([1 - second - third, second, third], axis=-1)
+
+
+def _container(index: int, objects: Sequence[Placed], boxes: BoxSet) -> int:
+    """The smallest container whose box holds an object's; -1 if none does."""
+    volume = 8 * boxes.half.prod(axis=1)
+    holding = [
+        i
+        for i, o in enumerate(objects)
+        if i != index and o.info.coarse in CONTAINERS and volume[i] > volume[index] and _held(boxes, index, i) >= INSIDE
+    ]
+    return min(holding, key=lambda i: volume[i], default=-1)
+
+
+def _held(boxes: BoxSet, inner: int, outer: int) -> float:
+    """Part of a box that lies in another, by its extent along the sides of that one."""
+    turn = yaw_matrix(boxes.yaw[outer] - boxes.yaw[inner])
+    half = abs(turn) @ boxes.half[inner]
+    middle = yaw_matrix(boxes.yaw[outer]).T @ (boxes.center[inner] - boxes.center[outer])
+    overlap = np.minimum(middle + half, boxes.half[outer]) - np.maximum(middle - half, -boxes.half[outer])
+    return float((np.maximum(overlap, 0) / np.maximum(2 * half, 1e-9)).prod())

@@ -1,0 +1,154 @@
+"""What the engine says about a house, as plain frozen records."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from home_mjx.scene_compile.boxes import BoxSet, join
+from home_mjx.scene_compile.semantics.appearance import Appearance
+from home_mjx.scene_compile.semantics.relations import Relation, Viewpoint, relations_at_rest, relations_seen
+from home_mjx.scene_compile.semantics.supports import Support
+
+UNKNOWN = "unknown"
+
+
+@dataclass(frozen=True)
+class RoomSemantics:
+    """One room.
+
+    Attributes:
+        index: Position in the house.
+        types: Labels as in the file, such as ("Bedroom",); empty if unknown.
+        level: Level index.
+        area: Of its floor [m^2].
+    """
+
+    index: int
+    types: tuple[str, ...]
+    level: int
+    area: float
+
+
+@dataclass(frozen=True)
+class PartSemantics:
+    """One surface of the architecture: a floor, a ceiling, a ground, or a wall of one room.
+
+    Attributes:
+        index: Semantic part, which is also its row in the house's semantic table.
+        category: `wall`, `floor` or `ceiling`, in all three vocabularies.
+        room: Room index; -1 outdoors.
+        room_type: First label of the room, or `unknown`.
+        level: Level index.
+        partition: Physical wall or slab.
+        look: Colours and materials of the side that its room sees.
+        area: Of that side [m^2].
+        description: Short text, such as `white wall made of wallpaper`.
+    """
+
+    index: int
+    category: str
+    room: int
+    room_type: str
+    level: int
+    partition: int
+    look: Appearance
+    area: float
+    description: str
+
+
+@dataclass(frozen=True)
+class ObjectSemantics:
+    """One object or box.
+
+    Attributes:
+        object_id: Node index in file order over all levels, as in the instance image.
+        node: Id in the file.
+        model: Library model; "" for boxes.
+        fine: One of the 187 fine v1 categories, or one of v2.
+        coarse: Coarse category.
+        nyu40: NYUv2-40 class.
+        room: Room index; -1 outside of every room.
+        room_type: First label of the room, or `unknown`.
+        level: Level index.
+        box: The upright box around it, in the world [m, rad].
+        look: Colours and materials.
+        size: One of `SIZES` within its category; "" if there is nothing to compare with.
+        support: What holds it.
+        description: Short text, such as `small linen coffee table made of wood`.
+    """
+
+    object_id: int
+    node: str
+    model: str
+    fine: str
+    coarse: str
+    nyu40: str
+    room: int
+    room_type: str
+    level: int
+    box: BoxSet
+    look: Appearance
+    size: str
+    support: Support
+    description: str
+
+    @property
+    def position(self) -> tuple[float, float, float]:
+        """Middle of its box in the world [m]."""
+        x, y, z = self.box.center[0].tolist()
+        return x, y, z
+
+
+@dataclass(frozen=True)
+class HouseSemantics:
+    """Everything that is said about one house.
+
+    Attributes:
+        id: The house.
+        rooms: In file order.
+        parts: Surfaces of the architecture, in the order of their rows.
+        objects: In file order.
+    """
+
+    id: str
+    rooms: tuple[RoomSemantics, ...]
+    parts: tuple[PartSemantics, ...]
+    objects: tuple[ObjectSemantics, ...]
+
+    @cached_property
+    def by_id(self) -> Mapping[int, ObjectSemantics]:
+        """Objects by id."""
+        return {item.object_id: item for item in self.objects}
+
+    @property
+    def outside(self) -> tuple[ObjectSemantics, ...]:
+        """Objects that are in no room."""
+        return tuple(item for item in self.objects if item.room < 0)
+
+    @cached_property
+    def relations(self) -> tuple[Relation, ...]:
+        """Which objects are on, in and next to which: true from everywhere."""
+        return relations_at_rest(self._ids, self._boxes, self._places, [item.support for item in self.objects])
+
+    def relations_seen_from(self, viewpoint: Viewpoint) -> tuple[Relation, ...]:
+        """Which objects of one room are left of, right of, in front of and behind which, as an agent sees them.
+
+        Args:
+            viewpoint: Where the agent is; which way it looks does not matter.
+        """
+        return relations_seen(self._ids, self._boxes, self._places, viewpoint)
+
+    @property
+    def _ids(self) -> list[int]:
+        return [item.object_id for item in self.objects]
+
+    @cached_property
+    def _boxes(self) -> BoxSet:
+        return join(item.box for item in self.objects)
+
+    @property
+    def _places(self) -> np.ndarray:
+        """A number for each object that two of one room share."""
+        return np.array([(item.level, item.room) for item in self.objects]).reshape(-1, 2)

@@ -1,0 +1,71 @@
+"""What the numbers in the semantic table stand for."""
+
+from collections.abc import Mapping
+from functools import cache
+
+import numpy as np
+from jaxtyping import Int
+
+from home_mjx.scene_compile.compiled import Semantic
+from home_mjx.scene_compile.material_kinds import MATERIAL_KINDS
+from home_mjx.scene_compile.semantics.color_names import palettes
+from home_mjx.scene_compile.semantics.sizes import SIZES
+from home_mjx.scene_compile.semantics.supports import SUPPORTS
+from home_mjx.scene_compile.suncg.categories import COARSE, FINE, NYU40, ROOM_TYPES
+
+MAX_COLORS = 3  # columns of each level
+FIRST_COLOR = {"basic": Semantic.BASIC, "css": Semantic.CSS, "xkcd": Semantic.XKCD}
+
+
+@cache
+def vocabularies() -> Mapping[Semantic, tuple[str, ...]]:
+    """Names by number, for each column that has names.
+
+    Example:
+        >>> vocabularies()[Semantic.SIZE]
+        ('tiny', 'small', 'normal', 'large', 'huge')
+    """
+    named = {
+        Semantic.FINE: FINE,
+        Semantic.COARSE: COARSE,
+        Semantic.NYU40: NYU40,
+        Semantic.ROOM_TYPE: ROOM_TYPES,
+        Semantic.MATERIAL: MATERIAL_KINDS,
+        Semantic.SIZE: SIZES,
+        Semantic.SUPPORT: SUPPORTS,
+    }
+    for level, first in FIRST_COLOR.items():
+        named |= {Semantic(first + i): palettes()[level].names for i in range(MAX_COLORS)}
+    return named
+
+
+@cache
+def _numbers(column: Semantic) -> Mapping[str, int]:
+    return {name: number for number, name in enumerate(vocabularies()[column])}
+
+
+def number_of(column: Semantic, name: str) -> int:
+    """Number of a name in a column; -1 if the column has no such name.
+
+    Args:
+        column: One that has names.
+        name: Such as `wood` in `Semantic.MATERIAL`.
+
+    Example:
+        >>> number_of(Semantic.SIZE, "large"), number_of(Semantic.SIZE, "")
+        (3, -1)
+    """
+    return _numbers(column).get(name, -1)
+
+
+def names_of(row: Int[np.ndarray, " c"]) -> dict[str, str | int]:
+    """A row of the semantic table by name of the column, with names for numbers; what is -1 is left out.
+
+    Args:
+        row: One entry per `Semantic`.
+    """
+    named = vocabularies()
+    found = {column: int(row[column]) for column in Semantic if row[column] >= 0}
+    return {
+        column.name.lower(): named[column][number] if column in named else number for column, number in found.items()
+    }
