@@ -5,13 +5,13 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from home_mjx.scene_compile.architecture import Architecture, Wall
 from home_mjx.scene_compile.box_fit import components, fit_boxes, narrowest_box
 from home_mjx.scene_compile.boxes import BoxSet, box_of, footprint, join, no_boxes, yaw_matrix
-from home_mjx.scene_compile.compiled import Rooms
-from home_mjx.scene_compile.mesh import bounds
+from home_mjx.scene_compile.compiled import Model, Rooms
+from home_mjx.scene_compile.mesh import bounds, transform
 from home_mjx.scene_compile.objects import Placed
 from home_mjx.scene_compile.slabs import wall_boxes
 
@@ -60,21 +60,25 @@ def floor_colliders(rooms: Rooms, floor: float, options: ColliderOptions) -> Box
 
 
 def object_colliders(item: Placed, floor: float, options: ColliderOptions) -> tuple[BoxSet, list[BoxSet]]:
-    """The boxes that stand for one object that cannot be moved, and those of its open door leaves.
+    """The boxes that stand for one object that cannot be moved, and those of its door leaves, one each.
+
+    Of a door whose hinges are known these are all leaves, in the order of its parts; of any other the open ones.
 
     Args:
         item: The object.
         floor: Height of the ground floor [m].
         options: How many boxes, and how high.
     """
-    boxes, leaves = no_boxes(), ()
+    boxes, leaves = no_boxes(), []
     if item.info.coarse == "window":
         boxes = item.box
     elif item.info.coarse not in SOFT and bounds(item.triangles)[0, 2] < floor + options.height:
         sill = floor + SILL - item.pose[2, 3] if item.info.coarse in PORTALS else None
-        boxes, leaves = _fit_shape(_shape(item), sill, options.boxes_per_object)
+        frame, *hinged = item.parts
+        boxes, leaves = _fit_shape(_shape(item, frame.model), sill, options.boxes_per_object)
         boxes, leaves = _place(boxes, item), [_place(leaf, item) for leaf in leaves]
-    return keep_reachable(boxes, floor, options), [keep_reachable(leaf, floor, options) for leaf in leaves]
+        leaves = [leaf_box(item, part.model) for part in hinged] or leaves
+    return keep_reachable(boxes, floor, options), leaves
 
 
 @dataclass(frozen=True)
@@ -86,10 +90,18 @@ class _Shape:
     triangles: Float[np.ndarray, "t 3 3"] = field(compare=False)  # [m], around the origin, turned to yaw 0
 
 
-def _shape(item: Placed) -> _Shape:
-    local = (item.triangles - item.pose[:, 3]) @ yaw_matrix(item.yaw)
+def _shape(item: Placed, model: Model) -> _Shape:
+    """The shape of an object, or of a part of it."""
     linear = yaw_matrix(-item.yaw) @ item.pose[:, :3]
-    return _Shape(item.model.key, np.round(linear, 6).tobytes(), local)
+    return _Shape(model.key, np.round(linear, 6).tobytes(), model.triangle.astype(np.float64) @ linear.T)
+
+
+def leaf_box(item: Placed, leaf: Model) -> BoxSet:
+    """The narrowest box around the largest piece of a leaf, so without its handles, in the world."""
+    triangles = transform(item.pose, leaf.triangle.astype(np.float64))
+    part = components(triangles)
+    boxes = [narrowest_box(triangles[part == p].reshape(-1, 3)) for p in np.unique(part)]
+    return max(boxes, key=lambda box: float(box.half.prod()))
 
 
 @lru_cache(maxsize=1 << 12)
@@ -169,8 +181,8 @@ def passable_leaves(leaves: Sequence[BoxSet], free_area: Callable[[BoxSet], floa
     return list(leaves)
 
 
-def without_hidden(boxes: BoxSet) -> BoxSet:
-    """Boxes without those that nothing on the floor can touch before it touches another one.
+def not_hidden(boxes: BoxSet) -> Bool[np.ndarray, " n"]:
+    """All boxes but those that nothing on the floor can touch before it touches another one.
 
     A box is such if its footprint lies in that of another which begins no higher: what reaches up to the first one
     from the floor meets the second one on the way, as a vase on a table is behind the table's edge.
@@ -183,4 +195,4 @@ def without_hidden(boxes: BoxSet) -> BoxSet:
         inside[i] = False
         if kept[i]:
             kept &= ~inside
-    return boxes[kept]
+    return kept

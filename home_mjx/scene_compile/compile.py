@@ -7,30 +7,21 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.scene_compile.architecture import Architecture, build_architecture
-from home_mjx.scene_compile.boxes import BoxSet, join
-from home_mjx.scene_compile.colliders import (
-    ColliderOptions,
-    floor_colliders,
-    keep_reachable,
-    object_colliders,
-    passable_leaves,
-    passages,
-    wall_colliders,
-    without_hidden,
-)
-from home_mjx.scene_compile.compiled import CompiledHouse, Instances, Model, Rooms
+from home_mjx.scene_compile.colliders import ColliderOptions, leaf_box
+from home_mjx.scene_compile.compiled import CompiledHouse, Doors, Instances, Model
+from home_mjx.scene_compile.doors import make_doors, place_leaf
 from home_mjx.scene_compile.house import House, Metadata
 from home_mjx.scene_compile.materials import SurfaceRows, material_table
-from home_mjx.scene_compile.movables import Candidate, MovableOptions, choose_movables, make_bodies
-from home_mjx.scene_compile.navigation import FreeSpace, NavigationOptions, build_navigation, free_space
+from home_mjx.scene_compile.movables import MovableOptions, make_bodies
+from home_mjx.scene_compile.navigation import NavigationOptions, build_navigation
 from home_mjx.scene_compile.objects import Placed, place_objects
-from home_mjx.scene_compile.pack_tables import ground_floor
 from home_mjx.scene_compile.planes import build_planes
 from home_mjx.scene_compile.rooms import extract_rooms, ground_offset
 from home_mjx.scene_compile.semantics import semantic_row
 from home_mjx.scene_compile.semantics.engine import describe_house
 from home_mjx.scene_compile.semantics.options import SemanticOptions
 from home_mjx.scene_compile.semantics.table import with_meaning
+from home_mjx.scene_compile.solid import Solid, make_solid
 from home_mjx.scene_compile.top_tree import instance_box, top_tree
 
 
@@ -68,12 +59,13 @@ def compile_house(house: House, metadata: Metadata, options: CompileOptions = DE
     rooms = extract_rooms(house, offset)
     shell = build_architecture(house, rooms, offset)
     objects = place_objects(house, metadata, rooms, offset)
-    solid = _make_solid(shell, rooms, objects, options)
+    solid = make_solid(shell, rooms, objects, options.colliders, options.movables, options.navigation)
     rows = SurfaceRows()
     rows.add(shell.surfaces)
     slot = {c.item.object_id: i for i, c in enumerate(solid.movable)}
     instances = _instances(shell, objects, rows, slot)
-    models = {m.key: m for m in (shell.model, *(o.model for o in objects))}
+    models = {m.key: m for m in (shell.model, *(part.model for o in objects for part in o.parts))}
+    first = _first_instances(objects)
     meaning = describe_house(house, shell, objects, rooms, metadata, options.semantics)
     semantics = np.concatenate([shell.semantics, *(_object_row(o, slot)[None] for o in objects)])
     return CompiledHouse(
@@ -85,54 +77,43 @@ def compile_house(house: House, metadata: Metadata, options: CompileOptions = DE
         materials=material_table(rows.surfaces),
         semantics=with_meaning(semantics, meaning),
         colliders=solid.static.colliders(),
-        bodies=make_bodies(solid.movable, {o.object_id: i + 1 for i, o in enumerate(objects)}),
+        bodies=make_bodies(solid.movable, first),
         planes=build_planes(shell, rooms),
         rooms=rooms,
         navigation=build_navigation(house.id, rooms, solid.space, options.navigation),
         models=models,
         report=_report(house, shell, objects, solid),
+        doors=_doors(objects, first, solid),
     )
 
 
-@dataclass(frozen=True)
-class _Solid:
-    """What of a house stops bodies."""
-
-    static: BoxSet
-    movable: list[Candidate]
-    space: FreeSpace
-    report: dict[str, int]
-
-
-def _make_solid(shell: Architecture, rooms: Rooms, objects: Sequence[Placed], options: CompileOptions) -> _Solid:
-    floor, level, limits = ground_floor(rooms), int(rooms.level.min()), options.colliders
-    walls = join([wall_colliders(shell, limits), floor_colliders(rooms, floor, limits)])
-    walls = keep_reachable(walls, floor, limits)
-    fitted = {o.object_id: object_colliders(o, floor, limits) for o in objects}
-    boxes = {i: found for i, (found, _) in fitted.items()}
-    leaves = [leaf for _, found in fitted.values() for leaf in found if len(leaf)]
-    movable, stuck = choose_movables(objects, boxes, join([walls, *leaves]), floor, level, options.movables)
-    moving = {c.item.object_id for c in movable}
-    static = join([walls, *(b for i, b in boxes.items() if i not in moving)])
-    obstacles = join([static, *(c.box for c in movable)])
-
-    def space(leaf_boxes: BoxSet) -> FreeSpace:
-        return free_space(rooms, join([obstacles, leaf_boxes]), passages(objects), options.navigation)
-
-    kept = passable_leaves(leaves, lambda boxes: space(boxes).free.sum() * options.navigation.cell**2)
-    counts = {"movable_but_stuck": stuck, "leaves_not_solid": len(leaves) - len(kept)}
-    return _Solid(without_hidden(join([static, *kept])), movable, space(join(kept)), counts)
+def _first_instances(objects: Sequence[Placed]) -> dict[int, int]:
+    """Index of the first instance of each object; the architecture is instance 0."""
+    counts = [1, *(len(o.parts) for o in objects)]
+    return dict(zip((o.object_id for o in objects), np.cumsum(counts).tolist(), strict=False))
 
 
 def _instances(shell: Architecture, objects: Sequence[Placed], rows: SurfaceRows, slot: Mapping[int, int]) -> Instances:
+    """One instance per part of an object; the parts share its materials and meaning."""
+    parts = [(row, o, part) for row, o in enumerate(objects) for part in o.parts]
+    material = [rows.add(o.surfaces) for o in objects]
     return Instances(
-        model=(shell.model.key, *(o.model.key for o in objects)),
-        pose=np.stack([np.eye(3, 4), *(o.pose for o in objects)]),
-        object_id=np.array([-1, *(o.object_id for o in objects)], np.int32),
-        material=np.array([0, *(rows.add(o.surfaces) for o in objects)], np.int32),
-        semantic=np.array([0, *(len(shell.semantics) + np.arange(len(objects)))], np.int32),
-        body=np.array([-1, *(slot.get(o.object_id, -1) for o in objects)], np.int32),
+        model=(shell.model.key, *(part.model.key for _, _, part in parts)),
+        pose=np.stack([np.eye(3, 4), *(o.pose for _, o, _ in parts)]),
+        object_id=np.array([-1, *(o.object_id for _, o, _ in parts)], np.int32),
+        material=np.array([0, *(material[row] for row, _, _ in parts)], np.int32),
+        semantic=np.array([0, *(len(shell.semantics) + row for row, _, _ in parts)], np.int32),
+        body=np.array([-1, *(slot.get(o.object_id, -1) for _, o, _ in parts)], np.int32),
     )
+
+
+def _doors(objects: Sequence[Placed], first: Mapping[int, int], solid: Solid) -> Doors:
+    leaves, rows = [], []
+    for o in objects:
+        for number, part in enumerate(o.parts[1:]):
+            leaves.append(place_leaf(part, o.pose, first[o.object_id] + 1 + number, leaf_box(o, part.model)))
+            rows.append(solid.leaf_row.get((o.object_id, number), -1))
+    return make_doors(leaves, rows)
 
 
 def _object_row(item: Placed, slot: Mapping[int, int]) -> np.ndarray:
@@ -152,7 +133,7 @@ def _bounds(instances: Instances, models: Mapping[str, Model]) -> Float[np.ndarr
     return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
 
 
-def _report(house: House, shell: Architecture, objects: Sequence[Placed], solid: _Solid) -> dict[str, int]:
+def _report(house: House, shell: Architecture, objects: Sequence[Placed], solid: Solid) -> dict[str, int]:
     """Counts: of the input as it is and of what became of it."""
     return {
         "levels": len(house.levels),
@@ -166,6 +147,7 @@ def _report(house: House, shell: Architecture, objects: Sequence[Placed], solid:
         "triangles": sum(len(o.model.triangle) for o in objects) + len(shell.model.triangle),
         "colliders": len(solid.static),
         "bodies": len(solid.movable),
+        "hinged_leaves": sum(len(o.parts) - 1 for o in objects),
         "problems": len(house.problems),
         **solid.report,
     }

@@ -4,7 +4,7 @@
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum, IntFlag
 
 import numpy as np
@@ -123,6 +123,29 @@ class Bodies:
 
 
 @dataclass(frozen=True)
+class Doors:
+    """Leaves of doors, each an instance of its own on a vertical hinge; at angle 0 a leaf stands as placed."""
+
+    instance: Int[np.ndarray, " h"]
+    pivot: Float[np.ndarray, "h 2"]  # [m], where the hinge meets the plan
+    closed: Float[np.ndarray, " h"]  # [rad], angle about +z at which the leaf is closed
+    wide: Float[np.ndarray, " h"]  # [rad], angle at which it is wide open
+    pos: Float[np.ndarray, "h 3"]  # [m], centre of the leaf's box, as placed
+    quat: Float[np.ndarray, "h 4"]  # wxyz
+    size: Float[np.ndarray, "h 3"]  # [m], half extents
+    mass: Float[np.ndarray, " h"]  # [kg]
+    collider: Int[np.ndarray, " h"]  # row of Colliders that stands for the leaf; -1 if it is not felt
+
+    @staticmethod
+    def none() -> "Doors":
+        """No doors."""
+        flat = np.zeros(0)
+        box = {"pos": np.zeros((0, 3)), "quat": np.zeros((0, 4)), "size": np.zeros((0, 3))}
+        rows = np.zeros(0, np.int32)
+        return Doors(rows, np.zeros((0, 2)), flat, flat, **box, mass=flat, collider=rows)
+
+
+@dataclass(frozen=True)
 class Planes:
     """Rectangles of walls, floors and ceilings that mirror sound, facing the room."""
 
@@ -175,6 +198,7 @@ class CompiledHouse:
     navigation: Navigation
     models: Mapping[str, Model]
     report: Mapping[str, int]  # counts: levels, rooms, objects, parts, triangles, ...
+    doors: Doors = field(default_factory=Doors.none)
 
 
 TextureArray = UInt8[np.ndarray, "l s s 4"]

@@ -60,6 +60,11 @@ class Object(Node):
         return self.model_id if not self.state else f"{self.model_id}_{self.state - 1}"
 
     @property
+    def other_key(self) -> str:
+        """Stem of the OBJ of the other state: closed for what is shown open, else open."""
+        return self.model_id if self.state else f"{self.model_id}_0"
+
+    @property
     def mirrored(self) -> bool:
         """Whether the transform turns the model inside out."""
         return bool(np.linalg.det(self.transform[:3, :3]) < 0)
@@ -124,6 +129,7 @@ class House:
     path: Path  # house.json
     levels: tuple[Level, ...]
     models: Mapping[str, Mesh]  # by Object.model_key
+    others: Mapping[str, Mesh] = field(default_factory=dict)  # by Object.other_key, where there is another state
     problems: tuple[Problem, ...] = ()
 
 

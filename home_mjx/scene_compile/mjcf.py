@@ -14,13 +14,13 @@ from home_mjx.errors import ConfigError
 from home_mjx.scene_compile.compiled import ARCHITECTURE, CompiledHouse, Semantic
 from home_mjx.scene_compile.mjcf_agent import AGENT_SOLREF, BODY_SOLREF, AgentShape, add_agent, add_motors
 from home_mjx.scene_compile.mjcf_assets import Assets, numbers, safe_name
+from home_mjx.scene_compile.mjcf_boxes import COLLIDER, MEETS_LEAVES, add_box, add_leaf
 from home_mjx.scene_compile.pack_tables import box_inertia, ground_floor
 
 FILE = "house.xml"
 EYE_HEIGHT = 1.5  # [m], cameras of rooms and agent
 NYU40_CEILING = 22
-# The viewer shows groups 0 to 2 at first.
-VISUAL, COLLIDER, CEILING = "2", "3", "4"
+VISUAL, CEILING = "2", "4"  # the viewer shows groups 0 to 2 at first
 
 
 def to_mjcf(
@@ -29,8 +29,9 @@ def to_mjcf(
     """MJCF of a house and the files that it refers to.
 
     Every object is a body `object<id>` with its visual meshes (group 2; ceilings are in group 4, so that one can look
-    in from above); movable ones have a free joint, a mass and one box (group 3). Static boxes and the floor plane
-    belong to the world. Cameras: `top`, `room<i>`, and `agent0_eye` with an agent.
+    in from above). Movable ones have a free joint, a mass and one box (group 3); a leaf of a door is a body
+    `object<id>_leaf<instance>` on a hinge of the same name. Static boxes and the floor plane belong to the world.
+    Cameras: `top`, `room<i>`, and `agent0_eye` with an agent.
 
     Args:
         house: A compiled house.
@@ -152,24 +153,23 @@ def _looking_along_x() -> dict[str, str]:
 
 
 def _add_static_boxes(world: ET.Element, house: CompiledHouse) -> None:
-    boxes = house.colliders
+    """All colliders but those of leaves, which are bodies of their own here."""
+    boxes, leaves = house.colliders, set(house.doors.collider.tolist())
     for i, (pos, quat, size) in enumerate(zip(boxes.pos, boxes.quat, boxes.size, strict=True)):
-        _add_box(world, f"static{i}", size, pos=numbers(pos), quat=numbers(quat))
-
-
-def _add_box(parent: ET.Element, name: str, size: Float[np.ndarray, "3"], **place: str) -> None:
-    look = {"group": COLLIDER, "rgba": "0.3 0.8 0.3 0.3"}
-    ET.SubElement(parent, "geom", look | place, name=name, type="box", size=numbers(size))
+        if i not in leaves:
+            add_box(world, f"static{i}", size, pos=numbers(pos), quat=numbers(quat))
 
 
 def _add_instance(world: ET.Element, house: CompiledHouse, instance: int, assets: Assets) -> None:
     """Adds one instance: the architecture, a static object, or a movable one."""
-    body = int(house.instances.body[instance])
-    object_id = house.instances.object_id[instance]
-    name = "architecture" if instance == ARCHITECTURE else f"object{object_id}"
+    body, leaf = int(house.instances.body[instance]), np.flatnonzero(house.doors.instance == instance)
+    name = "architecture" if instance == ARCHITECTURE else f"object{house.instances.object_id[instance]}"
     pose = house.instances.pose[instance]
-    if body < 0:
-        rotation, stretch = split_linear(pose[:, :3])
+    rotation, stretch = split_linear(pose[:, :3])
+    if len(leaf):
+        element, origin = add_leaf(world, house.doors, int(leaf[0]), f"{name}_leaf{instance}")
+        _add_visuals(element, house, instance, assets, stretch, pos=numbers(pose[:, 3] - origin), quat=_quat(rotation))
+    elif body < 0:
         place = {"pos": numbers(pose[:, 3]), "quat": _quat(rotation)}
         element = ET.SubElement(world, "body", place, name=name)
         _add_visuals(element, house, instance, assets, stretch)
@@ -188,7 +188,7 @@ def _add_movable(world: ET.Element, house: CompiledHouse, body: int, name: str) 
     mass, size = float(bodies.mass[body]), bodies.size[body]
     inertia = numbers(box_inertia(bodies.mass[body : body + 1], bodies.size[body : body + 1]))
     ET.SubElement(element, "inertial", pos="0 0 0", mass=f"{mass:.9g}", diaginertia=inertia)
-    _add_box(element, name, size)
+    add_box(element, name, size, **MEETS_LEAVES)
     return element
 
 
@@ -219,13 +219,14 @@ def _is_ceiling(house: CompiledHouse, instance: int, slot: int) -> bool:
 
 def _add_agent(root: ET.Element, world: ET.Element, house: CompiledHouse, shape: AgentShape) -> None:
     """Adds an agent, frictionless towards everything, and a keyframe in which it stands at the first start point."""
-    body = add_agent(world, shape, "agent0", condim="1", priority="1", solref=AGENT_SOLREF, group=COLLIDER)
+    look = {"condim": "1", "priority": "1", "solref": AGENT_SOLREF, "group": COLLIDER}
+    body = add_agent(world, shape, "agent0", **look, **MEETS_LEAVES)
     eye = f"0 0 {EYE_HEIGHT - shape.height / 2:.9g}"
     ET.SubElement(body, "camera", _looking_along_x(), name="agent0_eye", pos=eye)
     add_motors(ET.SubElement(root, "actuator"), "agent0")
     x, y, z = house.navigation.start[0]
-    bodies = house.bodies
-    order = np.argsort(bodies.instance)  # bodies come in the order of their instances
-    free = np.concatenate([bodies.pos, bodies.quat], axis=1)[order].ravel()
-    qpos = numbers(np.concatenate([free, [x, y, z + shape.height / 2, 0.0]]))
+    moving = zip(house.bodies.instance, np.c_[house.bodies.pos, house.bodies.quat], strict=True)
+    start = {int(i): pose for i, pose in moving} | {int(i): np.zeros(1) for i in house.doors.instance}
+    joints = [start[i] for i in sorted(start)]  # in the order of their instances
+    qpos = numbers(np.concatenate([*joints, [x, y, z + shape.height / 2, 0.0]]))
     ET.SubElement(ET.SubElement(root, "keyframe"), "key", name="start", qpos=qpos)

@@ -9,6 +9,7 @@ from jaxtyping import Float
 
 from home_mjx.scene_compile.boxes import BoxSet, box_of
 from home_mjx.scene_compile.compiled import Model, Rooms
+from home_mjx.scene_compile.doors import DoorModel, Part, keeps_hinges, take_apart
 from home_mjx.scene_compile.house import Box, House, Level, Material, Mesh, Metadata, ModelInfo, Object
 from home_mjx.scene_compile.materials import Surface, override, surface
 from home_mjx.scene_compile.mesh import Z_UP, box_triangles, make_model, to_z_up, transform
@@ -27,6 +28,7 @@ class Placed:
     node: Object | Box
     info: ModelInfo
     model: Model
+    parts: tuple[Part, ...]  # what of it moves as one: the whole, or a door's frame and leaves
     slots: tuple[Material, ...]  # of its mesh, after overrides
     pose: Float[np.ndarray, "3 4"]  # world from model [m]
     object_id: int
@@ -71,13 +73,15 @@ def place_objects(house: House, metadata: Metadata, rooms: Rooms, offset: Float[
     for level in house.levels:
         for node in sorted((*level.objects, *level.boxes), key=lambda n: n.index):
             model = cube if isinstance(node, Box) else models[node.model_key]
+            info = ModelInfo("Box") if isinstance(node, Box) else metadata.info(node.model_id)
             pose = _pose(node, offset)
             room = _room(node, level, rooms, transform(pose, model.box.astype(np.float64).mean(axis=0)))
             placed.append(
                 Placed(
                     node=node,
-                    info=ModelInfo("Box") if isinstance(node, Box) else metadata.info(node.model_id),
+                    info=info,
                     model=model,
+                    parts=_parts(node, info, model, pose, house.others),
                     slots=_slots(node, house.models),
                     pose=pose,
                     object_id=first + node.index,
@@ -89,6 +93,15 @@ def place_objects(house: House, metadata: Metadata, rooms: Rooms, offset: Float[
     return placed
 
 
+def _parts(
+    node: Object | Box, info: ModelInfo, model: Model, pose: Float[np.ndarray, "3 4"], others: Mapping[str, Mesh]
+) -> tuple[Part, ...]:
+    if isinstance(node, Box) or info.coarse != "door" or node.other_key not in others or not keeps_hinges(pose):
+        return (Part(model),)
+    other = others[node.other_key]
+    return take_apart(DoorModel(model.key, other.path, bool(node.state), model, triangles_z_up(other)))
+
+
 def _num_nodes(level: Level) -> int:
     """Length of the level's node list in the file, as far as its nodes could be read."""
     nodes = (*level.rooms, *level.objects, *level.boxes, *level.grounds)
@@ -97,8 +110,12 @@ def _num_nodes(level: Level) -> int:
 
 def library_model(key: str, mesh: Mesh) -> Model:
     """A mesh as a library model, Z up."""
-    triangles = to_z_up(mesh.vertices.astype(np.float64))[mesh.faces]
-    return make_model(key, triangles, mesh.uv, mesh.slot)
+    return make_model(key, triangles_z_up(mesh), mesh.uv, mesh.slot)
+
+
+def triangles_z_up(mesh: Mesh) -> Float[np.ndarray, "f 3 3"]:
+    """Triangles of a mesh, Z up [m]."""
+    return to_z_up(mesh.vertices.astype(np.float64))[mesh.faces]
 
 
 def unit_cube() -> Model:

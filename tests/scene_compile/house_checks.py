@@ -10,7 +10,14 @@ from home_mjx.scene_compile.suncg.categories import COARSE
 
 
 def name_of(compiled: CompiledHouse, i: int) -> str:
-    return compiled.instances.model[i].partition(":")[0]
+    """The model of an instance; a door's frame and leaves are `<model>/frame` and `<model>/leaf`."""
+    return compiled.instances.model[i].partition(":")[0].partition("/")[0]
+
+
+def object_instances(compiled: CompiledHouse) -> list[list[int]]:
+    """The instances of each object, the architecture left out."""
+    ids = compiled.instances.object_id
+    return [np.flatnonzero(ids == i).tolist() for i in dict.fromkeys(ids[1:].tolist())]
 
 
 def row_of(compiled: CompiledHouse, i: int) -> np.ndarray:

@@ -17,7 +17,7 @@ from home_mjx.scene_compile.box_fit import (
     sample_surface,
 )
 from home_mjx.scene_compile.boxes import BoxSet, box_of, box_set, footprint, footprint_distance, yaw_matrix
-from home_mjx.scene_compile.colliders import door_boxes, passable_leaves, without_hidden
+from home_mjx.scene_compile.colliders import door_boxes, not_hidden, passable_leaves
 from home_mjx.scene_compile.mesh import box_triangles
 from home_mjx.scene_compile.plan import polygon_area
 from home_mjx.scene_compile.rectangles import cell_centers, cluster, cover, in_triangles, split
@@ -161,12 +161,12 @@ def test_only_boxes_behind_others_are_hidden():
     shelf, chair = box_set((0, 0, 1.0), (0.6, 0.2, 0.1)), box_set((0, 0.3, 0.2), (0.1, 0.1, 0.2))
     boxes = [table, vase, lamp, shelf, chair]
     joined = BoxSet(*(np.concatenate([getattr(b, n) for b in boxes]) for n in ("center", "half", "yaw")))
-    kept = without_hidden(joined)
+    kept = joined[not_hidden(joined)]
     np.testing.assert_allclose(kept.center, joined.center[[0, 2, 3]])
 
 
 def test_of_equal_boxes_one_stays():
-    assert len(without_hidden(box_set(np.zeros((3, 3)), 1.0))) == 1
+    assert not_hidden(box_set(np.zeros((3, 3)), 1.0)).sum() == 1
 
 
 def wall(length: float, holes, yaw: float = 0.0, shift=(0, 0, 0), thickness: float = 0.1) -> np.ndarray:

@@ -11,6 +11,7 @@ from house_checks import (
     mujoco_contacts,
     name_of,
     nearest,
+    object_instances,
     obstacle_points,
     row_of,
     world_triangles,
@@ -86,14 +87,14 @@ def test_ground_floor_is_around_the_origin(compiled):
 
 @pytest.mark.parametrize("model", sorted({g[0] for g in golden()}))
 def test_poses_are_those_that_home_had(compiled, model):
-    instances = [i for i in range(1, len(compiled.instances.model)) if name_of(compiled, i) == model]
+    objects = [parts for parts in object_instances(compiled) if name_of(compiled, parts[0]) == model]
     expected = [g for g in golden() if g[0] == model]
-    assert len(instances) == len(expected)
+    assert len(objects) == len(expected)
     for _, center, heading, mirrored, room in expected:
-        box = compiled.models[compiled.instances.model[instances[0]]].box.astype(float)
-        middles = [transform(compiled.instances.pose[i], box.mean(axis=0)) for i in instances]
+        box = bounds(np.array([compiled.models[compiled.instances.model[i]].box for i in objects[0]], float))
+        middles = [transform(compiled.instances.pose[parts[0]], box.mean(axis=0)) for parts in objects]
         gaps = np.linalg.norm(np.array(middles) - compiled.offset - center, axis=1)
-        i = instances.pop(int(gaps.argmin()))
+        i = objects.pop(int(gaps.argmin()))[0]
         pose = compiled.instances.pose[i, :, :3]
         assert gaps.min() < 1e-3
         assert (np.linalg.det(pose) < 0) == mirrored
@@ -105,8 +106,8 @@ def test_poses_are_those_that_home_had(compiled, model):
 
 def test_boxes_are_those_of_the_file(compiled, house):
     for node in house.levels[0].objects:
-        i = int(np.flatnonzero(compiled.instances.object_id == node.index)[0])
-        low, high = bounds(world_triangles(compiled, i)) - compiled.offset
+        parts = np.flatnonzero(compiled.instances.object_id == node.index)
+        low, high = bounds(np.concatenate([world_triangles(compiled, i) for i in parts])) - compiled.offset
         expected = node.bbox
         np.testing.assert_allclose([low[0], low[2], -high[1]], expected[0], atol=1e-4)
         np.testing.assert_allclose([high[0], high[2], -low[1]], expected[1], atol=1e-4)

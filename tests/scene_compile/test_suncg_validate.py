@@ -131,6 +131,11 @@ FILE_CHANGES = {  # file, what is done to it, element
         lambda path: edit_text(path, f"5,{TABLE},", "5,777,"),
         f"{NODES}[2].modelId",
     ),
+    "broken-variant": (
+        f"object/{DOOR}/{DOOR}_0.obj",
+        lambda path: edit_text(path, "f ", "f 9"),
+        f"{NODES}[3].modelId",
+    ),
     "unused-slot": (
         f"object/{TABLE}/{TABLE}.mtl",
         lambda path: path.write_text(path.read_text() + "newmtl spare\n"),

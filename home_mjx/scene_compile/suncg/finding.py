@@ -34,6 +34,7 @@ RULES: Mapping[str, Rule] = {
     "mirror-flag": Rule("error", "isMirrored says other than the sign of the transform's determinant"),
     "missing-mirror-flag": Rule("warning", "a mirrored node without isMirrored"),
     "missing-variant": Rule("error", "a state for which the model has no variant"),
+    "broken-variant": Rule("error", "a broken variant of a model that is shown in another state"),
     "flat-box": Rule("error", "a box without volume"),
     "backdrop": Rule("warning", "a box of 20 m and more, that is, a landscape"),
     "unknown-model": Rule("warning", "a model without a row in ModelCategoryMapping.csv"),

@@ -58,6 +58,7 @@ def build_house(document: Value, reading: Reading) -> House:
         path=document.file,
         levels=tuple(level for level in levels if level is not None),
         models=reading.models,
+        others=reading.others,
         problems=tuple(problem for _, problem in reading.notes),
     )
 

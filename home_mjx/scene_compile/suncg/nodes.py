@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from home_mjx.errors import DatasetError
 from home_mjx.scene_compile.house import Box, Ground, Material, Node, Object, Room
 
 from .categories import ROOM_TYPES
@@ -38,10 +39,21 @@ def read_object(node: Value, common: dict[str, Any], reading: Reading) -> Object
     if mesh is None:
         return None
     reading.models[item.model_key] = mesh
+    _read_other(item, node, reading)
     if len(item.materials) > len(mesh.materials):
         extra = f"{len(item.materials)} materials for {len(mesh.materials)} slots: the rest is ignored"
         reading.note(node.member("materials"), "extra-materials", extra)
     return item
+
+
+def _read_other(item: Object, node: Value, reading: Reading) -> None:
+    """The object's other state, if there is one; since nobody sees it, a broken one is only noted."""
+    key = item.other_key
+    if key not in reading.others and is_file(reading.assets.model_path(item.model_id, key)):
+        try:
+            reading.others[key] = reading.model(item.model_id, key, node)
+        except DatasetError as error:
+            reading.note(node.member("modelId"), "broken-variant", f"other state is not used: {error}")
 
 
 def read_box(node: Value, common: dict[str, Any], reading: Reading) -> Box | None:

@@ -51,6 +51,7 @@ class Reading:
     materials: Value | None = None  # the house's own list, for nodes that have `materialIndices`
     scale: float = 1.0  # [m] per unit of the file
     models: dict[str, Mesh] = field(default_factory=dict)
+    others: dict[str, Mesh] = field(default_factory=dict)
     notes: list[tuple[Place, Problem]] = field(default_factory=list)
     errors: list[DatasetError] | None = None  # if a list, a broken node is put there and left out
     kept: dict[str, Any] = field(default_factory=dict)  # see `once`
