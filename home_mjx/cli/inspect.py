@@ -1,4 +1,4 @@
-"""Count what a house holds, as read and as compiled, or validate it."""
+"""Count what a house holds, as read and as compiled, say what everything in it is, or validate it."""
 
 import argparse
 import json
@@ -12,7 +12,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the options of `home-mjx inspect`."""
     add_house_arguments(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
-    parser.add_argument(
+    doing = parser.add_mutually_exclusive_group()
+    doing.add_argument("--semantics", action="store_true", help="instead say what everything is, looks like and is on")
+    doing.add_argument("--home", action="store_true", help="as --semantics, by the rules of HoME's code of 2017")
+    doing.add_argument(
         "--validate", action="store_true", help="instead report everything that is wrong; exit code 1 if errors are"
     )
 
@@ -21,6 +24,8 @@ def run(args: argparse.Namespace) -> int:
     """Prints the counts and everything odd that was tolerated, or with `--validate` what is wrong."""
     if args.validate:
         return _validate(args)
+    if args.semantics or args.home:
+        return _semantics(args)
     from home_mjx.scene_compile.compile import compile_house
 
     house, metadata = load_house(args)
@@ -36,6 +41,31 @@ def run(args: argparse.Namespace) -> int:
     for problem in problems:
         sys.stdout.write(f"tolerated: {problem}\n")
     return 0
+
+
+def _semantics(args: argparse.Namespace) -> int:
+    """Prints a line per surface and object, or one JSON object with all that the semantic engine says."""
+    from home_mjx.scene_compile.semantics import HOME, SemanticOptions, house_semantics
+    from home_mjx.scene_compile.semantics.records import house_record
+
+    meaning = house_semantics(*load_house(args), HOME if args.home else SemanticOptions())
+    if args.json:
+        sys.stdout.write(json.dumps(house_record(meaning)) + "\n")
+        return 0
+    for part in meaning.parts:
+        sys.stdout.write(_line(f"part {part.index}", part.room_type, "", part.description))
+    for item in meaning.objects:
+        held = meaning.by_id.get(max(item.support.supporter, item.support.container))
+        on = f"{held.fine} {held.object_id}" if held else item.support.kind
+        sys.stdout.write(
+            _line(f"object {item.object_id}", item.room_type if item.room >= 0 else "outside", on, item.description)
+        )
+    sys.stdout.write(f"{len(meaning.outside)} objects outside of every room, {len(meaning.relations)} relations\n")
+    return 0
+
+
+def _line(name: str, room: str, support: str, description: str) -> str:
+    return f"{name:<12}{room:<16}{support:<22}{description}\n"
 
 
 def _validate(args: argparse.Namespace) -> int:

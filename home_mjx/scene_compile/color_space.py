@@ -53,7 +53,8 @@ def ciede2000(a: Float[np.ndarray, "*n 3"], b: Float[np.ndarray, "*m 3"]) -> Flo
     chroma_a, hue_a = _polar(a[..., 1] * stretch, a[..., 2])
     chroma_b, hue_b = _polar(b[..., 1] * stretch, b[..., 2])
     gray = chroma_a * chroma_b == 0
-    turn = np.where(gray, 0, (hue_b - hue_a + 180) % 360 - 180)  # [deg], the short way around
+    turn = hue_b - hue_a  # [deg]
+    turn = np.where(gray, 0, np.where(abs(turn) > 180, turn - 360 * np.sign(turn), turn))
     hue = np.where(gray, hue_a + hue_b, hue_a + turn / 2)
     lightness, chroma = (a[..., 0] + b[..., 0]) / 2 - 50, (chroma_a + chroma_b) / 2
     dl = (b[..., 0] - a[..., 0]) / (1 + 0.015 * lightness**2 / np.sqrt(20 + lightness**2))

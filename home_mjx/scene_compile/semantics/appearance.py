@@ -69,7 +69,7 @@ def surface_colors(skin: Skin) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarr
 def _slot_colors(skin: Skin, slot: int) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, " n"]]:
     """Colours in linear light and opacities: one of a plain slot, `SAMPLES` spread evenly by area of a textured one."""
     surface = skin.surfaces[slot]
-    diffuse = decode_srgb(np.array([surface.color]))
+    diffuse = decode_srgb(np.array([surface.color], float))
     if not surface.texture:
         return diffuse, np.array([surface.opacity])
     mine = skin.slot == slot

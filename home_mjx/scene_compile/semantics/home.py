@@ -37,7 +37,7 @@ def home_appearance(skin: Skin, options: SemanticOptions) -> Appearance:
 
 def _color(surface: Surface) -> Float[np.ndarray, " 3"]:
     """Mean of the whole image, else the diffuse colour; never their product."""
-    return _mean(surface.texture) if surface.texture else np.array(surface.color)
+    return _mean(surface.texture) if surface.texture else np.array(surface.color, float)
 
 
 @lru_cache(maxsize=1 << 12)

@@ -11,6 +11,7 @@ from home_mjx.scene_compile.semantics.supports import Support
 
 NEXT_TO = 0.5  # [m] between the footprints of neighbours
 APART = 0.1  # [m]: objects nearer to one line of sight than this are neither left nor right of one another
+WIDEST = np.deg2rad(135)  # between two objects; no look takes in what is farther around
 OPPOSITE = {"left of": "right of", "in front of": "behind"}
 
 
@@ -101,7 +102,8 @@ def relations_seen(
     """One relation each way for every two objects of a room, as an observer sees them.
 
     Of the two distances between their middles, across the line of sight (mean range times difference of bearings) and
-    along it (difference of ranges), the greater decides: left of or right of, else in front of (nearer) or behind.
+    along it (difference of ranges), the greater decides: left of or right of, else in front of (nearer) or behind. Of
+    objects on opposite sides of the observer, or where it stands, nothing is said.
 
     Args:
         ids: Object ids.
@@ -119,6 +121,8 @@ def relations_seen(
     found = []
     for a, b in _pairs(places):
         turn = (bearing[a] - bearing[b] + np.pi) % (2 * np.pi) - np.pi
+        if abs(turn) > WIDEST or min(reach[a], reach[b]) < APART:
+            continue
         found += _order(ids[a], ids[b], float(turn * (reach[a] + reach[b]) / 2), float(reach[b] - reach[a]))
     return tuple(found)
 

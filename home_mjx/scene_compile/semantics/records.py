@@ -1,0 +1,60 @@
+"""What the engine says as plain dictionaries, which JSON can hold."""
+
+from typing import Any
+
+from home_mjx.scene_compile.semantics.appearance import Appearance
+from home_mjx.scene_compile.semantics.color_names import LEVELS
+from home_mjx.scene_compile.semantics.describe import describe_object
+from home_mjx.scene_compile.semantics.types import HouseSemantics, ObjectSemantics, PartSemantics
+
+Record = dict[str, Any]
+
+
+def house_record(house: HouseSemantics) -> Record:
+    """Rooms, parts, objects and the relations that hold from everywhere.
+
+    Args:
+        house: What the engine says.
+    """
+    return {
+        "id": house.id,
+        "rooms": [{"room": r.index, "types": list(r.types), "level": r.level, "area": r.area} for r in house.rooms],
+        "parts": [_part(part) for part in house.parts],
+        "objects": [_object(item) | {"text": describe_object(house, item.object_id)} for item in house.objects],
+        "relations": [[r.subject, r.predicate, r.object] for r in house.relations],
+        "objects_outside": [item.object_id for item in house.outside],
+    }
+
+
+def _part(part: PartSemantics) -> Record:
+    place = {"part": part.index, "category": part.category, "room": part.room, "room_type": part.room_type}
+    size = {"level": part.level, "partition": part.partition, "area": part.area, "description": part.description}
+    return place | size | _look(part.look)
+
+
+def _object(item: ObjectSemantics) -> Record:
+    return {
+        "object_id": item.object_id,
+        "node": item.node,
+        "model": item.model,
+        "fine": item.fine,
+        "coarse": item.coarse,
+        "nyu40": item.nyu40,
+        "room": item.room,
+        "room_type": item.room_type,
+        "level": item.level,
+        "position": list(item.position),
+        "edges": (2 * item.box.half[0]).tolist(),
+        "yaw": float(item.box.yaw[0]),
+        "size": item.size,
+        "support": item.support.kind,
+        "supporter": item.support.supporter,
+        "container": item.support.container,
+        "description": item.description,
+        **_look(item.look),
+    }
+
+
+def _look(look: Appearance) -> Record:
+    colors = {level: list(names) for level, names in zip(LEVELS, look.colors, strict=True)}
+    return {"colors": colors, "materials": list(look.materials), "textured": look.textured}
