@@ -58,7 +58,7 @@ def stand(args: argparse.Namespace) -> Viewpoint:
 def longest_view(bank: HouseBank, feet: np.ndarray) -> float:
     """The direction [rad] in which one could walk farthest from `feet` (3,) in the bank's first house."""
     navigation, cell = bank.navigation, bank.spec.cell
-    free, origin = np.asarray(navigation.free[0]), np.asarray(navigation.origin[0])
+    free, origin = np.asarray(navigation.region[0, 0] == 0), np.asarray(navigation.origin[0])
     yaw = np.linspace(-np.pi, np.pi, 72, endpoint=False)
     reach = np.arange(1, max(free.shape)) * cell
     points = feet[:2] + reach[None, :, None] * np.stack([np.cos(yaw), np.sin(yaw)], -1)[:, None]

@@ -63,7 +63,7 @@ class TopView:
 
 def _extent(bank: HouseBank, house: int) -> tuple[np.ndarray, float]:
     """Lower corner and side of the square around a house's rooms [m]."""
-    inside = np.argwhere(np.asarray(bank.navigation.room[house]) >= 0)
+    inside = np.argwhere(np.asarray(bank.navigation.room[house, 0]) >= 0)
     low, high = inside.min(0)[::-1] * bank.spec.cell, (inside.max(0)[::-1] + 1) * bank.spec.cell
     side = float((high - low).max()) + 2 * MARGIN
     return np.asarray(bank.navigation.origin[house]) + (low + high) / 2 - side / 2, side

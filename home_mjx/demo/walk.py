@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.scene_compile.bank import HouseBank
+from home_mjx.tasks.grid import ground_fields
 
 LOOK_AHEAD = 5  # cells
 
@@ -70,7 +71,7 @@ class Walker:
 def make_walker(bank: HouseBank, house: int, pos: Float[np.ndarray, " 3"], turn_per_step: float) -> Walker:
     """A walker that visits other rooms first, the nearest before the farther, and no room twice before all once."""
     navigation = bank.navigation
-    fields = np.asarray(navigation.field[house])
+    fields = ground_fields(bank, house)
     walker = Walker(fields, np.asarray(navigation.origin[house]), bank.spec.cell, [0], turn_per_step)
     rooms = [_room(bank, house, goal) for goal in np.asarray(navigation.goal[house])]
     seen = [_room(bank, house, pos)]
@@ -81,6 +82,6 @@ def make_walker(bank: HouseBank, house: int, pos: Float[np.ndarray, " 3"], turn_
 
 
 def _room(bank: HouseBank, house: int, pos: np.ndarray) -> int:
-    grid = np.asarray(bank.navigation.room[house])
+    grid = np.asarray(bank.navigation.room[house, 0])
     x, y = np.floor((pos[:2] - np.asarray(bank.navigation.origin[house])) / bank.spec.cell).astype(int)
     return int(grid[np.clip(y, 0, grid.shape[0] - 1), np.clip(x, 0, grid.shape[1] - 1)])

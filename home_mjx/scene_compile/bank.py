@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float, Int, UInt8
+from jaxtyping import Array, Bool, Float, Int, UInt8, UInt16
 from tqdm import tqdm
 
 from home_mjx.scene_compile.cache import HouseCache
@@ -90,15 +90,28 @@ class Acoustics(Pytree):
 
 
 class Navigation(Pytree):
-    """Free space, starts and goals of every house."""
+    """Grids of every house and level, starts, goals, portals; see `compiled.Navigation`.
 
-    origin: Float[Array, "h 2"]  # [m]
-    free: Bool[Array, "h ny nx"]
-    room: Int[Array, "h ny nx"]
+    Cells in which agents can be (those of the home region) are numbered through all houses.
+    """
+
+    origin: Float[Array, "h 2"]  # [m], corner of cell (0, 0) of a house's grids
+    floor: Float[Array, "h l"]  # [m], of each level that has rooms, from below; inf padding
+    first_cell: Int[Array, " h"]
+    num_cells: Int[Array, " h"]
+    cell: Int[Array, "h l ny nx"]  # row of `place` and `field`; -1 where agents cannot be
+    place: Int[Array, "c 3"]  # level, row and column
+    field: UInt16[Array, "c g"]  # [FIELD_UNIT], geodesic distance to each goal of the cell's house; FIELD_FAR no path
+    region: Int[Array, "h l ny nx"]  # 0 the home region, then by area; -1 where nobody can stand
+    room: Int[Array, "h l ny nx"]  # -1 outside
     room_type: Int[Array, "h rooms"]
     start: Float[Array, "h s 3"]  # [m], on the floor
     goal: Float[Array, "h g 3"]
-    field: Float[Array, "h g ny nx"]  # [m], geodesic distance; inf unreachable
+    portal_room: Int[Array, "h p 2"]  # -1 outdoors, and padding
+    portal_pos: Float[Array, "h p 3"]  # [m]
+    portal_width: Float[Array, "h p"]  # [m], that agents can cross; 0: closed to them, and padding
+    portal_kind: Int[Array, "h p"]  # compiled.PortalKind; -1 padding
+    room_hops: Int[Array, "h rooms rooms"]  # portals on the way from room to room; -1 no way
 
 
 class BankSpec(Pytree):

@@ -12,7 +12,18 @@ from home_mjx.scene_compile.padding import ragged_class, size_class
 Counts = Mapping[str, int]  # rows by kind of table
 
 GRID_BLOCK = 32  # [cells]
-SMALLEST = {"instances": 32, "bodies": 8, "colliders": 64, "planes": 16, "starts": 256, "goals": 8, "rooms": 16}
+# of what is rounded up to a power of two times this
+SMALLEST = {
+    "instances": 32,
+    "bodies": 8,
+    "colliders": 64,
+    "planes": 16,
+    "starts": 256,
+    "goals": 8,
+    "rooms": 16,
+    "levels": 1,
+    "portals": 16,
+}
 
 
 @dataclass(frozen=True)
@@ -26,6 +37,8 @@ class Capacity:
     starts: int
     goals: int
     rooms: int
+    portals: int
+    levels: int
     grid_rows: int
     grid_columns: int
 
@@ -47,7 +60,7 @@ def _rounded(name: str, count: int) -> int:
 
 def needs(house: CompiledHouse) -> dict[str, int]:
     """What a house needs of each field of `Capacity`."""
-    rows, columns = house.navigation.free.shape
+    levels, rows, columns = house.navigation.region.shape
     return {
         # Agents take the object ids from `instances` on, so every object's id must lie below it.
         "instances": max(len(house.instances.model), 1 + int(house.instances.object_id.max())),
@@ -57,6 +70,8 @@ def needs(house: CompiledHouse) -> dict[str, int]:
         "starts": len(house.navigation.start),
         "goals": len(house.navigation.goal),
         "rooms": len(house.rooms.type),
+        "portals": len(house.navigation.portals.width),
+        "levels": levels,
         "grid_rows": rows,
         "grid_columns": columns,
     }
@@ -69,6 +84,7 @@ def rows_of(house: CompiledHouse) -> dict[str, int]:
         "node": len(own.tree.child) + len(house.top.child),
         "material": len(house.materials.mask),
         "semantic": len(house.semantics),
+        "cell": len(house.navigation.field),
     }
 
 
@@ -81,7 +97,7 @@ def model_rows(models: Iterable[Model]) -> dict[str, int]:
 
 def shared_rows(models: Iterable[Model], materials: MaterialTable, semantics: np.ndarray) -> dict[str, int]:
     """Rows that come before those of all houses: the library's models, and the agent's materials and semantics."""
-    return model_rows(models) | {"material": len(materials.mask), "semantic": len(semantics)}
+    return model_rows(models) | {"material": len(materials.mask), "semantic": len(semantics), "cell": 0}
 
 
 def row_stride(houses: Sequence[CompiledHouse], headroom: float) -> dict[str, int]:

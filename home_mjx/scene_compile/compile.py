@@ -22,6 +22,7 @@ from home_mjx.scene_compile.semantics.engine import describe_house
 from home_mjx.scene_compile.semantics.options import SemanticOptions
 from home_mjx.scene_compile.semantics.table import with_meaning
 from home_mjx.scene_compile.solid import Solid, make_solid
+from home_mjx.scene_compile.storeys import find_storeys
 from home_mjx.scene_compile.top_tree import instance_box, top_tree
 
 
@@ -60,6 +61,7 @@ def compile_house(house: House, metadata: Metadata, options: CompileOptions = DE
     shell = build_architecture(house, rooms, offset)
     objects = place_objects(house, metadata, rooms, offset)
     solid = make_solid(shell, rooms, objects, options.colliders, options.movables, options.navigation)
+    storeys = find_storeys(shell, rooms, objects, options.colliders, options.navigation)
     rows = SurfaceRows()
     rows.add(shell.surfaces)
     slot = {c.item.object_id: i for i, c in enumerate(solid.movable)}
@@ -80,7 +82,7 @@ def compile_house(house: House, metadata: Metadata, options: CompileOptions = DE
         bodies=make_bodies(solid.movable, first),
         planes=build_planes(shell, rooms),
         rooms=rooms,
-        navigation=build_navigation(house.id, rooms, solid.space, options.navigation),
+        navigation=build_navigation(house.id, rooms, solid.space, options.navigation, storeys),
         models=models,
         report=_report(house, shell, objects, solid),
         doors=_doors(objects, first, solid),

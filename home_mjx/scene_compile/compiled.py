@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from enum import IntEnum, IntFlag
 
 import numpy as np
-from jaxtyping import Bool, Float, Int, UInt8
+from jaxtyping import Bool, Float, Int, UInt8, UInt16
 
 ARCHITECTURE = 0  # instance index of walls, floors and ceilings in every house
 NUM_BANDS = 7  # octaves 125 .. 8000 Hz
@@ -167,17 +167,64 @@ class Rooms:
     ceiling: Float[np.ndarray, " r"]  # [m], height of the ceiling's underside
 
 
+class PortalKind(IntEnum):
+    """What joins two rooms."""
+
+    OPENING = 0
+    DOOR = 1
+    STAIRS = 2
+
+
+@dataclass(frozen=True)
+class Portals:
+    """Where rooms meet."""
+
+    room: Int[np.ndarray, "p 2"]  # room indices, the lower first; -1 outdoors
+    pos: Float[np.ndarray, "p 3"]  # [m], middle, on the floor
+    width: Float[np.ndarray, " p"]  # [m], over which an agent's axis can cross; 0: agents cannot
+    kind: Int[np.ndarray, " p"]  # PortalKind
+
+
+FIELD_UNIT = 0.0025  # [m], of stored geodesic distances
+FIELD_FAR = 65535  # stored distance where there is no path
+
+
 @dataclass(frozen=True)
 class Navigation:
-    """Where an agent can stand on the ground floor; row = y, column = x."""
+    """Where an agent can stand: one grid per level that has rooms, the lowest first; row = y, column = x.
 
-    origin: Float[np.ndarray, " 2"]  # [m], corner of cell (0, 0)
+    Starts and goals lie in region 0, the home region: the largest one of the ground floor, and where agents climb
+    stairs, of the levels that are joined to it. Its cells are numbered in the order of the grids.
+    """
+
+    origin: Float[np.ndarray, " 2"]  # [m], corner of cell (0, 0) of every grid
     cell: float  # [m]
-    free: Bool[np.ndarray, "ny nx"]  # connected interior where the agent's axis may be
-    room: Int[np.ndarray, "ny nx"]  # room index; -1 outside
-    start: Float[np.ndarray, "s 3"]  # [m], sampled free points on the floor
+    level: Int[np.ndarray, " l"]  # level index of each grid
+    floor: Float[np.ndarray, " l"]  # [m], lowest floor of each level
+    region: Int[np.ndarray, "l ny nx"]  # connected region where the agent's axis may be, larger before smaller; -1 none
+    region_area: Float[np.ndarray, " n"]  # [m^2]
+    room: Int[np.ndarray, "l ny nx"]  # room index; -1 outside
+    start: Float[np.ndarray, "s 3"]  # [m], sampled points of the home region, on the floor
     goal: Float[np.ndarray, "g 3"]
-    field: Float[np.ndarray, "g ny nx"]  # [m], geodesic distance to each goal; inf where unreachable
+    field: UInt16[np.ndarray, "c g"]  # [FIELD_UNIT], geodesic distance of each home cell to each goal; FIELD_FAR
+    portals: Portals
+    room_hops: Int[np.ndarray, "r r"]  # least number of portals on the way between two rooms; -1 no way
+
+    @property
+    def free(self) -> Bool[np.ndarray, "l ny nx"]:
+        """The home region."""
+        return self.region == 0
+
+    @property
+    def place(self) -> Int[np.ndarray, "c 3"]:
+        """Grid, row and column of each home cell."""
+        return np.argwhere(self.free)
+
+    def distance(self, goal: int) -> Float[np.ndarray, "l ny nx"]:
+        """Geodesic distance to a goal [m]; inf where there is no path."""
+        field = np.full(self.region.shape, np.inf)
+        field[self.free] = np.where(self.field[:, goal] == FIELD_FAR, np.inf, self.field[:, goal] * FIELD_UNIT)
+        return field
 
 
 @dataclass(frozen=True)

@@ -1,52 +1,71 @@
-"""Shortest paths over a grid of free cells."""
+"""Shortest paths over grids of free cells."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
+STEPS = ((0, 1), (1, 0), (1, 1), (1, -1))  # rows and columns to half of a cell's neighbours
+
+
+@dataclass(frozen=True)
+class Link:
+    """A way between two cells that are no neighbours, such as stairs."""
+
+    start: tuple[int, int, int]  # grid, row, column
+    end: tuple[int, int, int]
+    length: float  # [m]
+
 
 def distance_fields(
-    free: Bool[np.ndarray, "ny nx"], goals: Int[np.ndarray, "g 2"], cell: float
-) -> Float[np.ndarray, "g ny nx"]:
+    free: Bool[np.ndarray, "l ny nx"], goals: Int[np.ndarray, "g 3"], cell: float, links: Sequence[Link] = ()
+) -> Float[np.ndarray, "c g"]:
     """Length of the shortest 8-connected path over free cells to each goal; no corner is cut.
 
     Args:
         free: Cells that may be crossed.
-        goals: Row and column of each goal; free cells.
+        goals: Grid, row and column of each goal; free cells.
         cell: [m].
+        links: Ways between grids; those that do not begin and end at free cells do not count.
 
     Returns:
-        [m]; inf where there is no path.
+        Of each free cell, in the order of the grids [m]; inf where there is no path.
     """
-    index = np.arange(free.size).reshape(free.shape)
-    sources, targets, lengths = [], [], []
-    for dy, dx in ((0, 1), (1, 0), (1, 1), (1, -1)):
-        a, b = _shifted(index, dy, dx)
-        open_ = _shifted(free, dy, dx)
-        ways = open_[0] & open_[1]
-        if dy and dx:
-            corner = _shifted_corners(free, dx)
-            ways &= corner[0] & corner[1]
-        sources.append(a[ways])
-        targets.append(b[ways])
-        lengths.append(np.full(ways.sum(), cell * np.hypot(dy, dx)))
-    edges = (np.concatenate(sources), np.concatenate(targets))
-    graph = csr_matrix((np.concatenate(lengths), edges), shape=(free.size, free.size))
-    rows = np.ravel_multi_index(goals.T, free.shape)
-    return dijkstra(graph, directed=False, indices=rows).reshape(len(goals), *free.shape)
+    number = np.where(free, np.cumsum(free).reshape(free.shape) - 1, -1)
+    edges = [_neighbours(free, number, step, cell) for step in STEPS]
+    edges += [(number[link.start][None], number[link.end][None], np.array([link.length])) for link in links]
+    sources, targets, lengths = (np.concatenate(parts) for parts in zip(*edges, strict=True))
+    known = (sources >= 0) & (targets >= 0)
+    graph = csr_matrix((lengths[known], (sources[known], targets[known])), shape=(int(free.sum()),) * 2)
+    return dijkstra(graph, directed=False, indices=number[tuple(goals.T)]).T
 
 
-def _shifted(grid: np.ndarray, dy: int, dx: int) -> tuple[np.ndarray, np.ndarray]:
-    """Two views of equal shape whose entries are neighbours by (dy, dx)."""
-    ny, nx = grid.shape
-    if dx < 0:
-        return grid[: ny - dy, -dx:], grid[dy:, : nx + dx]
-    return grid[: ny - dy, : nx - dx], grid[dy:, dx:]
+def _neighbours(
+    free: Bool[np.ndarray, "l ny nx"], number: Int[np.ndarray, "l ny nx"], step: tuple[int, int], cell: float
+) -> tuple[Int[np.ndarray, " e"], Int[np.ndarray, " e"], Float[np.ndarray, " e"]]:
+    """Pairs of free cells that are one step apart, and how long it is."""
+    here, there = _shifted(*step)
+    way = free[here] & free[there]
+    if all(step):
+        for corner in ((step[0], 0), (0, step[1])):
+            way &= free[_corner(step, corner)]
+    return number[here][way], number[there][way], np.full(int(way.sum()), cell * np.hypot(*step))
 
 
-def _shifted_corners(free: np.ndarray, dx: int) -> tuple[np.ndarray, np.ndarray]:
-    """The two cells that a diagonal step passes between."""
-    if dx < 0:
-        return free[:-1, :-1], free[1:, 1:]
-    return free[:-1, 1:], free[1:, :-1]
+def _shifted(dy: int, dx: int) -> tuple[tuple, tuple]:
+    """Slices of all cells that have a neighbour (dy, dx) away, and of those neighbours."""
+    return (slice(None), _span(0, dy), _span(0, dx)), (slice(None), _span(dy, dy), _span(dx, dx))
+
+
+def _corner(step: tuple[int, int], corner: tuple[int, int]) -> tuple:
+    """Slice of the cells `corner` away from those that have a neighbour `step` away."""
+    return slice(None), _span(corner[0], step[0]), _span(corner[1], step[1])
+
+
+def _span(at: int, step: int) -> slice:
+    """Positions, shifted by `at`, that have a neighbour `step` away."""
+    low, high = max(0, -step), min(0, -step)
+    return slice(low + at, high + at or None)

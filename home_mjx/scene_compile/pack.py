@@ -15,9 +15,17 @@ from jaxtyping import Int
 from home_mjx.errors import CapacityError, ConfigError
 from home_mjx.scene_compile.agent_model import agent_materials, agent_model, agent_semantics
 from home_mjx.scene_compile.capacity import Capacity, Counts, rows_of, running_starts, shared_rows
-from home_mjx.scene_compile.compiled import ARCHITECTURE, CompiledHouse, Instances, Model
+from home_mjx.scene_compile.compiled import ARCHITECTURE, FIELD_FAR, CompiledHouse, Instances, Model
 from home_mjx.scene_compile.mesh import invert
-from home_mjx.scene_compile.pack_tables import Arrays, material_rows, pack_navigation, pack_physics, pack_planes, shift
+from home_mjx.scene_compile.pack_tables import (
+    Arrays,
+    material_rows,
+    navigation_rows,
+    pack_navigation,
+    pack_physics,
+    pack_planes,
+    shift,
+)
 from home_mjx.scene_compile.padding import pad, ragged_class
 from home_mjx.scene_compile.textures import TEXTURE_SIZE, load_textures
 
@@ -52,6 +60,8 @@ TABLES: Mapping[str, Table] = {
     "materials.scattering": Table("material", np.float32, 0),
     "materials.transmission": Table("material", np.float32, 0),
     "semantics": Table("semantic", np.int32, -1),
+    "navigation.place": Table("cell", np.int16, 0),
+    "navigation.field": Table("cell", np.uint16, FIELD_FAR),
 }
 
 
@@ -115,7 +125,10 @@ def pack(houses: Sequence[CompiledHouse], texture_size: int = TEXTURE_SIZE) -> P
     own = [rows_of(house) for house in houses]
     starts = running_starts(library.rows, own)
     check_triangles(library.rows["triangle"] + sum(rows["triangle"] for rows in own))
-    parts = [library_rows(library), *(house_rows(h, library, at) for h, at in zip(houses, starts, strict=True))]
+    parts = [
+        library_rows(library),
+        *(house_rows(h, library, at, capacity) for h, at in zip(houses, starts, strict=True)),
+    ]
     arrays = {name: _concatenate(name, parts) for name in TABLES}
     arrays |= library_constants(library, texture_size) | house_slots(houses, library, starts, capacity)
     return Packed(arrays, capacity, float(houses[0].navigation.cell))
@@ -147,20 +160,22 @@ def library_constants(library: Library, texture_size: int) -> Arrays:
     return {f"geometry.{name}": row for name, row in agent.items()} | textures
 
 
-def house_rows(house: CompiledHouse, library: Library, start: Counts) -> Arrays:
+def house_rows(house: CompiledHouse, library: Library, start: Counts, capacity: Capacity) -> Arrays:
     """A house's own rows of each concatenated table.
 
     Args:
         house: The house.
         library: What it shares with others.
         start: Where its rows of each kind begin.
+        capacity: For the number of goals.
     """
     own = house.models[house.instances.model[ARCHITECTURE]]
     geometry = _model_rows(own, start)
     child = _absolute(house.top.child, start["node"] + len(own.tree.child), 0)  # leaves hold instance indices
     geometry["geometry.node_child"] = np.concatenate([geometry["geometry.node_child"], child])
     geometry["geometry.node_box"] = np.concatenate([geometry["geometry.node_box"], house.top.box])
-    return geometry | material_rows(house.materials, library.layer) | {"semantics": house.semantics}
+    rows = geometry | material_rows(house.materials, library.layer) | navigation_rows(house, capacity)
+    return rows | {"semantics": house.semantics}
 
 
 def _model_rows(model: Model, start: Counts) -> Arrays:
@@ -184,7 +199,7 @@ def _absolute(child: Int[np.ndarray, "n 2"], node: int, first: int) -> Int[np.nd
 
 
 def _concatenate(name: str, parts: Sequence[Arrays]) -> np.ndarray:
-    table = np.concatenate([part[name] for part in parts])
+    table = np.concatenate([part[name] for part in parts if name in part])
     return pad_table(name, table, ragged_class(len(table)))
 
 
@@ -210,7 +225,7 @@ def house_slots(
         "geometry": {"house_root": np.array(tops, np.int32)} | _pack_instances(houses, library, starts, capacity),
         "physics": pack_physics(houses, capacity),
         "acoustics": pack_planes(houses, materials, capacity),
-        "navigation": pack_navigation(houses, capacity),
+        "navigation": pack_navigation(houses, [at["cell"] for at in starts], capacity),
     }
     arrays = {f"{record}.{name}": rows for record, table in tables.items() for name, rows in table.items()}
     return arrays | {"house_id": np.stack([_encode_id(h.id) for h in houses])}

@@ -3,13 +3,13 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from home_mjx.errors import ConfigError
 from home_mjx.scene_compile.capacity import Capacity
-from home_mjx.scene_compile.compiled import CompiledHouse, MaterialTable, Rooms
+from home_mjx.scene_compile.compiled import CompiledHouse, MaterialTable, Navigation, Rooms
 from home_mjx.scene_compile.material_kinds import MATERIAL_KINDS
-from home_mjx.scene_compile.padding import pad, pad_grid, repeat
+from home_mjx.scene_compile.padding import pad, repeat
 
 Arrays = dict[str, np.ndarray]
 
@@ -98,20 +98,48 @@ def pack_planes(houses: Sequence[CompiledHouse], material_start: Sequence[int], 
     }
 
 
-def pack_navigation(houses: Sequence[CompiledHouse], capacity: Capacity) -> Arrays:
-    """Free space, starts and goals."""
+def navigation_rows(house: CompiledHouse, capacity: Capacity) -> Arrays:
+    """Rows of the concatenated tables of cells in which an agent can stand."""
+    n = house.navigation
+    return {"navigation.place": n.place, "navigation.field": repeat(n.field.T, capacity.goals).T}
+
+
+def pack_navigation(houses: Sequence[CompiledHouse], first_cell: Sequence[int], capacity: Capacity) -> Arrays:
+    """Grids, rooms, starts and goals."""
     maps, types = [h.navigation for h in houses], [h.rooms.type for h in houses]
     if len({round(m.cell, 9) for m in maps}) > 1:
         raise ConfigError("the houses of a bank must have one navigation cell size", hint="Compile them alike.")
-    ny, nx = capacity.grid_rows, capacity.grid_columns
-    starts, goals = capacity.starts, capacity.goals
-    fields = [repeat(m.field, goals) for m in maps]
+    portals, size = [m.portals for m in maps], capacity.portals
     return {
         "origin": np.array([m.origin for m in maps], np.float32),
-        "free": np.stack([pad_grid(m.free, ny, nx, False) for m in maps]),
-        "room": np.stack([pad_grid(m.room, ny, nx, -1) for m in maps]).astype(np.int32),
+        "floor": pad([m.floor for m in maps], capacity.levels, np.float32, np.inf),
+        "first_cell": np.array(first_cell, np.int32),
+        "num_cells": np.array([len(m.field) for m in maps], np.int32),
+        "cell": pad_grids([_cell_numbers(m, at) for m, at in zip(maps, first_cell, strict=True)], capacity, np.int32),
+        "region": pad_grids([m.region for m in maps], capacity, np.int16),
+        "room": pad_grids([m.room for m in maps], capacity, np.int16),
         "room_type": pad(types, capacity.rooms, np.int32, -1),
-        "start": np.stack([repeat(m.start, starts) for m in maps]).astype(np.float32),
-        "goal": np.stack([repeat(m.goal, goals) for m in maps]).astype(np.float32),
-        "field": np.stack([pad_grid(f, ny, nx, np.inf) for f in fields]).astype(np.float32),
+        "start": np.stack([repeat(m.start, capacity.starts) for m in maps]).astype(np.float32),
+        "goal": np.stack([repeat(m.goal, capacity.goals) for m in maps]).astype(np.float32),
+        "portal_room": pad([p.room for p in portals], size, np.int32, -1),
+        "portal_pos": pad([p.pos for p in portals], size, np.float32, 0),
+        "portal_width": pad([p.width for p in portals], size, np.float32, 0),
+        "portal_kind": pad([p.kind for p in portals], size, np.int32, -1),
+        "room_hops": np.stack([_square(m.room_hops, capacity.rooms) for m in maps]).astype(np.int16),
     }
+
+
+def _cell_numbers(n: Navigation, first: int) -> Int[np.ndarray, "l ny nx"]:
+    return np.where(n.free, first + np.cumsum(n.free).reshape(n.free.shape) - 1, -1)
+
+
+def pad_grids(grids: Sequence[Int[np.ndarray, "_ _ _"]], capacity: Capacity, dtype: type) -> np.ndarray:
+    """Grids of all levels, stacked, with -1 around."""
+    out = np.full((len(grids), capacity.levels, capacity.grid_rows, capacity.grid_columns), -1, dtype)
+    for target, (layers, rows, columns), grid in zip(out, [g.shape for g in grids], grids, strict=True):
+        target[:layers, :rows, :columns] = grid
+    return out
+
+
+def _square(table: Int[np.ndarray, "r r"], size: int) -> Int[np.ndarray, "s s"]:
+    return np.pad(table, (0, size - len(table)), constant_values=-1)

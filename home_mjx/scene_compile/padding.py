@@ -40,13 +40,6 @@ def pad(rows: Sequence[np.ndarray], size: int, dtype: type, fill: float | np.nda
     return out
 
 
-def pad_grid(values: np.ndarray, ny: int, nx: int, fill: float) -> np.ndarray:
-    """Pads the last two axes at their ends."""
-    rows, columns = values.shape[-2:]
-    widths = [(0, 0)] * (values.ndim - 2) + [(0, ny - rows), (0, nx - columns)]
-    return np.pad(values, widths, constant_values=fill)
-
-
 def repeat(rows: np.ndarray, size: int) -> np.ndarray:
     """Rows in turn up to `size`, so that every slot is valid and each row is drawn about equally often."""
     return rows[np.arange(size) % len(rows)]

@@ -9,7 +9,7 @@ from scipy import ndimage
 
 from home_mjx.errors import DatasetError
 from home_mjx.scene_compile.boxes import box_set, no_boxes
-from home_mjx.scene_compile.compiled import Rooms
+from home_mjx.scene_compile.compiled import FIELD_UNIT, Rooms
 from home_mjx.scene_compile.geodesic import distance_fields
 from home_mjx.scene_compile.navigation import NavigationOptions, build_navigation, free_space
 from home_mjx.scene_compile.plan import inside_polygon, polygon_area, smallest_room
@@ -48,16 +48,18 @@ def relaxed(free: np.ndarray, goal: tuple[int, int], cell: float) -> np.ndarray:
 def test_distances_are_those_of_relaxation(seed):
     rng = np.random.default_rng(seed)
     free = rng.random((7, 9)) < 0.7
-    goals = np.argwhere(free)[:3]
-    fields = distance_fields(free, goals, 0.1)
-    for goal, field in zip(goals, fields, strict=True):
-        np.testing.assert_allclose(field[free], relaxed(free, tuple(goal), 0.1)[free], rtol=1e-12)
+    goals = np.argwhere(free[None])[:3]
+    fields = distance_fields(free[None], goals, 0.1)
+    assert fields.shape == (free.sum(), len(goals))
+    for goal, field in zip(goals, fields.T, strict=True):
+        np.testing.assert_allclose(field, relaxed(free, tuple(goal[1:]), 0.1)[free], rtol=1e-12)
 
 
 def test_way_around_a_wall_has_its_closed_form():
     free = np.ones((3, 5), bool)
     free[:2, 2] = False
-    field = distance_fields(free, np.array([[0, 0]]), 1.0)[0]
+    field = np.full(free.shape, np.inf)
+    field[free] = distance_fields(free[None], np.array([[0, 0, 0]]), 1.0)[:, 0]
     # Down the left side, straight below the wall since no corner is cut, and up again.
     assert field[0, 4] == pytest.approx(2 * np.sqrt(2) - np.sqrt(2) + 1 + 2 + np.sqrt(2) + 1)
 
@@ -125,15 +127,17 @@ def test_starts_and_goals_are_free_spread_and_repeatable():
     n = house.navigation
     for points in (n.start, n.goal):
         column, row = ((points[:, :2] - n.origin) / n.cell).astype(int).T
-        assert n.free[row, column].all()
+        assert n.free[0, row, column].all()
         assert (points[:, 2] == 0).all()
     halves = np.mean(n.start[:, 0] > 0)
     assert 0.3 < halves < 0.7
+    assert len(n.goal) == 32
     gaps = np.linalg.norm(n.goal[:, None] - n.goal[None], axis=-1) + 9 * np.eye(len(n.goal))
-    assert gaps.min() > 0.8
+    assert gaps[:8, :8].min() > 0.8
+    assert gaps.min() > 0.3
     for g, goal in enumerate(n.goal):
         column, row = ((goal[:2] - n.origin) / n.cell).astype(int)
-        assert n.field[g, row, column] == 0
+        assert n.distance(g)[0, row, column] == 0
     np.testing.assert_array_equal(n.start, shoebox(furniture=[Furniture((1.0, 1.0), (1.0, 1.0, 1.0))]).navigation.start)
 
 
@@ -145,10 +149,11 @@ def test_goals_visit_all_rooms():
 
 def test_field_is_never_shorter_than_the_straight_way():
     n = two_rooms().navigation
-    points = (np.stack(np.indices(n.free.shape)[::-1], axis=-1) + 0.5) * n.cell + n.origin
-    straight = np.linalg.norm(points[None] - n.goal[:, None, None, :2], axis=-1)
-    assert (n.field[:, n.free] >= straight[:, n.free] - 1e-5).all()
-    assert (n.field[:, n.free] <= 1.09 * straight[:, n.free] + 1e-5).all()  # octile distance in a convex room
+    points = (n.place[:, :0:-1] + 0.5) * n.cell + n.origin
+    straight = np.linalg.norm(points[:, None] - n.goal[None, :, :2], axis=-1)
+    field = n.field * FIELD_UNIT
+    assert (field >= straight - FIELD_UNIT).all()
+    assert (field <= 1.09 * straight + FIELD_UNIT).all()  # octile distance in a convex room
 
 
 def test_a_house_without_a_place_is_refused():
