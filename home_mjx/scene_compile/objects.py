@@ -13,9 +13,10 @@ from home_mjx.scene_compile.doors import DoorModel, Part, keeps_hinges, take_apa
 from home_mjx.scene_compile.house import Box, House, Level, Material, Mesh, Metadata, ModelInfo, Object
 from home_mjx.scene_compile.materials import Surface, override, surface
 from home_mjx.scene_compile.mesh import Z_UP, box_triangles, make_model, to_z_up, transform
-from home_mjx.scene_compile.plan import polygon_area, smallest_room
+from home_mjx.scene_compile.plan import polygon_area, polygon_distance, smallest_room
 
 UPRIGHT = 1e-3  # most that the vertical axis of an object may lean while it still counts as turned about it only
+STRAY = 1.0  # [m]: what is farther from a room than this is not in it, whatever the file says
 PLAIN = Material("box", diffuse=(0.8, 0.8, 0.8), opacity=1.0)
 # Slot of each face of a Box (-x, +x, -y, +y, -z, +z in the world): GAPS's order is +y, -y, -x, +x, +z, -z in the file.
 BOX_SLOTS = (2, 3, 4, 5, 1, 0)
@@ -142,9 +143,13 @@ def _slots(node: Object | Box, models: Mapping[str, Mesh]) -> tuple[Material, ..
 
 
 def _room(node: Object | Box, level: Level, rooms: Rooms, center: Float[np.ndarray, "3"]) -> int:
-    """The smallest room that lists the node, else the smallest one that its middle is in; -1 if none."""
+    """The smallest room that lists the node and is near it, else the smallest one that its middle is in; -1 if none.
+
+    Lists come first since the middle of an open door, or of what hangs on a wall, may be in the room behind.
+    """
     here = np.flatnonzero(rooms.level == level.index)
     listed = [int(r) for r, room in zip(here, level.rooms, strict=True) if node.index in room.members]
-    if listed:
-        return min(listed, key=lambda r: polygon_area(rooms.polygon[r]))
+    near = [r for r in listed if polygon_distance(rooms.polygon[r], center[:2]) <= STRAY]
+    if near:
+        return min(near, key=lambda r: polygon_area(rooms.polygon[r]))
     return int(smallest_room(rooms, here, center[:2]))

@@ -23,6 +23,16 @@ def inside_polygon(polygon: Float[np.ndarray, "n 2"], points: Float[np.ndarray, 
     return inside
 
 
+def polygon_distance(polygon: Float[np.ndarray, "n 2"], point: Float[np.ndarray, "2"]) -> float:
+    """Distance from a point to a simple polygon [m]; 0 inside, and infinite if the polygon has no corner."""
+    if inside_polygon(polygon, point):
+        return 0.0
+    way = np.roll(polygon, -1, axis=0) - polygon
+    along = np.sum((point - polygon) * way, axis=1) / np.maximum(np.sum(way**2, axis=1), 1e-12)
+    nearest = polygon + np.clip(along, 0, 1)[:, None] * way
+    return float(np.linalg.norm(nearest - point, axis=1).min(initial=np.inf))
+
+
 def smallest_room(
     rooms: Rooms, candidates: Int[np.ndarray, " r"], points: Float[np.ndarray, "*p 2"]
 ) -> Int[np.ndarray, "*p"]:

@@ -21,6 +21,7 @@ from home_mjx.scene_compile.semantics.home import home_appearance
 from home_mjx.scene_compile.semantics.options import HOME, SemanticOptions
 
 QUAD = np.array([[[0, 0], [1, 0], [1, 1]], [[0, 0], [1, 1], [0, 1]]], float)  # texture coordinates of a whole image
+DEFAULT = SemanticOptions()
 RED, WHITE = (255, 0, 0), (255, 255, 255)
 
 
@@ -41,8 +42,8 @@ def picture(tmp_path):
     return write
 
 
-def css(item: Skin, options: SemanticOptions = SemanticOptions()) -> tuple[str, ...]:
-    return appearance(item, options).colors[1]
+def css(item: Skin, options: SemanticOptions = DEFAULT) -> tuple[str, ...]:
+    return appearance(item, options).colors["css"]
 
 
 def test_colours_come_by_area():
@@ -140,15 +141,18 @@ def test_home_takes_the_mean_of_the_whole_image_and_no_diffuse_colour(picture):
     halves = picture("wood_1", [[RED] * 4] * 2 + [[(0, 0, 255)] * 4] * 2)
     upper = QUAD * [1, 0.5] + [0, 0.5]
     look = home_appearance(skin([1.0], [Surface((0, 1, 0), texture=halves)], upper), HOME)
-    assert look.colors[0] == ("purple",)
+    assert look.colors["basic"] == ("purple",)
     assert look.materials == ("wood",)
 
 
 def test_home_adds_up_slots_of_one_colour_and_drops_small_ones():
     reds = [Surface((1, 0, 0))] * 2
     look = home_appearance(skin([0.15, 0.15, 0.7], [*reds, Surface((0, 0, 1))]), HOME)
-    assert look.colors[1] == ("blue", "red")
-    assert home_appearance(skin([0.1] * 10, [Surface((x, 0, 0)) for x in np.linspace(0, 1, 10)]), HOME).colors[0] == ()
+    assert look.colors["css"] == ("blue", "red")
+    assert (
+        home_appearance(skin([0.1] * 10, [Surface((x, 0, 0)) for x in np.linspace(0, 1, 10)]), HOME).colors["basic"]
+        == ()
+    )
 
 
 def test_the_twenty_families_of_the_paper_are_a_subset_of_the_one_table():

@@ -73,7 +73,7 @@ def test_rows_say_what_the_records_say(meanings, compiled):
             assert named.get("room", -1) == item.room
             assert named["level"] == item.level
             assert named.get("material", "") == next(iter(item.look.materials), "")
-            for level, colors in zip(FIRST, item.look.colors, strict=True):
+            for level, colors in item.look.colors.items():
                 columns = [Semantic(FIRST[level] + i).name.lower() for i in range(3)]
                 assert tuple(named[c] for c in columns if c in named) == colors[:3]
                 assert columns[0] in named
@@ -117,14 +117,14 @@ def test_home_s_rules_are_an_option_of_the_compiler(houses, dataset):
     meaning = house_semantics(house, dataset.metadata, HOME)
     rows = compile_house(house, dataset.metadata, CompileOptions(semantics=HOME)).semantics[len(meaning.parts) :]
     colors = [row[Semantic.CSS] for row in rows]
-    assert colors == [number_of(Semantic.CSS, next(iter(i.look.colors[1]), "")) for i in meaning.objects]
+    assert colors == [number_of(Semantic.CSS, next(iter(i.look.colors["css"]), "")) for i in meaning.objects]
     default = compile_house(house, dataset.metadata).semantics[len(meaning.parts) :, Semantic.CSS]
     assert (np.array(colors) != default).any()
 
 
 def test_colours_that_the_generator_gave_are_found(meanings):
     """Plain surfaces of the generated library: their names follow from its own palette."""
-    found = {item.fine: item.look.colors[0] for meaning in meanings for item in meaning.objects}
+    found = {item.fine: item.look.colors["basic"] for meaning in meanings for item in meaning.objects}
     assert found["television"] == ("black",)
     assert found["toilet"] == found["bathtub"] == ("white",)
     materials = {item.fine: item.look.materials for meaning in meanings for item in meaning.objects}
@@ -148,7 +148,7 @@ def test_texts_hold_what_the_records_hold(meanings):
         for item in meaning.objects:
             text = describe_object(meaning, item.object_id)
             assert item.description in text
-            assert all(color in item.description for color in item.look.colors[1])
+            assert all(color in item.description for color in item.look.colors["css"])
             assert item.room_type.replace("_", " ").lower() in text
             width, depth, height = 2 * item.box.half[0]
             assert f"{width:.2f} m wide, {depth:.2f} m deep and {height:.2f} m high" in text
@@ -172,7 +172,7 @@ def test_records_are_json(meanings):
         record = json.loads(json.dumps(house_record(meaning)))
         assert len(record["objects"]) == len(meaning.objects)
         assert len(record["relations"]) == len(meaning.relations)
-        assert record["objects"][3]["colors"]["xkcd"] == list(meaning.objects[3].look.colors[2])
+        assert record["objects"][3]["colors"]["xkcd"] == list(meaning.objects[3].look.colors["xkcd"])
 
 
 def test_an_object_outside_of_every_room_is_reported(houses, dataset):
@@ -200,7 +200,7 @@ def test_the_real_house(suncg_root):
     assert len(meaning.objects) == 43
     assert {item.model for item in meaning.outside} == {"135", "365"}  # as HoME left them to the level
     assert [room.area for room in meaning.rooms] == pytest.approx([26.3, 19.3, 16.0, 20.4], abs=0.1)
-    walls = {part.room: part.look.colors[1] for part in meaning.parts if part.category == "wall"}
+    walls = {part.room: part.look.colors["css"] for part in meaning.parts if part.category == "wall"}
     assert walls[0] == ("crimson",)  # white wallpaper times Kd .90 .11 .32
     assert walls[2] == walls[3] == ("white",)
     assert {part.look.materials for part in meaning.parts if part.category == "floor"} == {("laminate",)}

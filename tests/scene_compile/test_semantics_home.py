@@ -65,7 +65,7 @@ def test_golden_rows(row, meaning):
     assert items
     for item in items:
         assert (item.fine, item.size) == (fine, size)
-        found = [*item.look.colors, item.look.materials]
+        found = [*item.look.colors.values(), item.look.materials]
         assert [set(f) for f in found] == [set(text.split(",")) if text else set() for text in names]
         assert all(len(set(f)) == len(f) for f in found)
 
@@ -77,10 +77,11 @@ def test_the_description_that_home_asserted(meaning):
 
 def test_the_other_values_that_home_asserted(meaning, house):
     trash, toilet = (next(i for i in meaning.objects if i.model == model) for model in ("317", "83"))
-    assert [trash.look.colors, trash.look.materials] == [(("silver",), ("navajo white",), ("light peach",)), ("wood",)]
-    assert toilet.look.colors[0] == ("white",)
+    assert trash.look.colors == {"basic": ("silver",), "css": ("navajo white",), "xkcd": ("light peach",)}
+    assert trash.look.materials == ("wood",)
+    assert toilet.look.colors["basic"] == ("white",)
     everything = house_semantics_of_model(house, "317", SemanticOptions("home", "share", "home", share=1e-6))
-    assert everything.colors[1] == ("navajo white", "dark slate gray")
+    assert everything.colors["css"] == ("navajo white", "dark slate gray")
     assert everything.materials == ("wood",)
 
 
@@ -97,7 +98,7 @@ def test_a_lamp_that_no_table_names(dataset):
     slots = tuple(surface(slot, "unknown", "unknown") for slot in mesh.materials)
     look = home_appearance(Skin(surface_areas(model.triangle.astype(float)), model.uv, model.slot, slots), HOME)
     wanted = [{"black", "silver"}, {"black", "gainsboro"}, {"light grey", "almost black"}, {"linen"}]
-    assert [set(names) for names in (*look.colors, look.materials)] == wanted
+    assert [set(names) for names in (*look.colors.values(), look.materials)] == wanted
 
 
 def test_sizes_with_the_samples_own_tables(meaning):

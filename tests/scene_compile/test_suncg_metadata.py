@@ -8,6 +8,7 @@ from scene_compile.tiny_dataset import DOOR, TABLE, write_tiny_dataset
 
 from home_mjx.errors import DatasetError
 from home_mjx.scene_compile.house import Light
+from home_mjx.scene_compile.semantics import names_of, semantic_row
 from home_mjx.scene_compile.suncg import categories, open_dataset
 from home_mjx.scene_compile.suncg.metadata import CATEGORIES, LIGHTS, SIZES, read_metadata
 
@@ -100,6 +101,17 @@ def test_every_row_of_the_full_metadata_parses(full):
     assert (len(metadata.lights), len(kinds)) == (185, 382)
     assert [kinds.count(kind) for kind in ("SpotLight", "PointLight", "LineLight")] == [232, 142, 8]
     assert all(light.end is not None for ls in metadata.lights.values() for light in ls if light.kind == "LineLight")
+
+
+@pytest.mark.real
+def test_every_row_of_the_full_metadata_has_its_numbers_and_names(full):
+    """Categories of all 2,592 models and variants, and of the five pseudo models, survive the semantic table."""
+    metadata = read_metadata(full)
+    for info in metadata.models.values():
+        named = names_of(semantic_row(info.fine, info.coarse, info.nyu40))
+        assert (named["fine"], named["coarse"], named["nyu40"]) == (info.fine, info.coarse, info.nyu40)
+    assert {info.fine for info in metadata.models.values()} == set(categories.FINE[: categories.NUM_FINE_V1])
+    assert len(metadata.models) == 2_592 + 5
 
 
 def test_tables_are_joined(folder):

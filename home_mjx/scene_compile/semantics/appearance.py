@@ -37,7 +37,7 @@ class Skin:
 class Appearance:
     """Names of a surface's colours and materials, largest area first."""
 
-    colors: tuple[tuple[str, ...], ...]  # by level of `LEVELS`
+    colors: Mapping[str, tuple[str, ...]]  # by level of `LEVELS`
     materials: tuple[str, ...]  # of MATERIAL_KINDS
     textured: bool  # whether textures tell the materials; else they are those usual for the category
 
@@ -52,7 +52,8 @@ def appearance(skin: Skin, options: SemanticOptions) -> Appearance:
     lab, weight = surface_colors(skin)
     colors, weights = dominant_colors(lab, weight)
     materials, textured = surface_materials(skin, options)
-    return Appearance(tuple(_names(colors, weights, level, options.share) for level in LEVELS), materials, textured)
+    names = {level: _names(colors, weights, level, options.share) for level in LEVELS}
+    return Appearance(names, materials, textured)
 
 
 def surface_colors(skin: Skin) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, " n"]]:
@@ -94,16 +95,15 @@ def _sample(area: Float[np.ndarray, " t"], uv: Float[np.ndarray, "t 3 2"]) -> Fl
 def _texels(path: str, uv: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 4"]:
     """Colour in sRGB and alpha, 0..1, of a repeated image; v = 0 is its bottom."""
     changed = Path(path).stat().st_mtime_ns if Path(path).is_file() else 0
-    image = _image(path, changed)
     column, row = ((uv % 1) * IMAGE_SIDE).astype(int).clip(0, IMAGE_SIDE - 1).T
-    return image[IMAGE_SIDE - 1 - row, column] / 255
+    return _image(path, changed)[IMAGE_SIDE - 1 - row, column] / 255
 
 
 @lru_cache(maxsize=1 << 12)
 def _image(path: str, changed: int) -> np.ndarray:
     """A small copy; `changed` only makes a file that was written anew be read anew."""
     image = open_texture(Path(path)).resize((IMAGE_SIDE, IMAGE_SIDE), Image.Resampling.BOX)
-    return np.asarray(image).astype(float)
+    return np.asarray(image)
 
 
 def dominant_colors(

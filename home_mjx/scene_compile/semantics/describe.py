@@ -3,10 +3,8 @@
 from collections.abc import Sequence
 
 from home_mjx.scene_compile.semantics.appearance import Appearance
-from home_mjx.scene_compile.semantics.color_names import LEVELS
 from home_mjx.scene_compile.semantics.types import HouseSemantics, ObjectSemantics
 
-CSS = LEVELS.index("css")
 NAMELESS = ("empty", "unknown")  # fine categories that are no word for a thing
 MOST_NEIGHBOURS = 3
 HOLDS = {"floor": "stands on the floor", "wall": "is on the wall", "ceiling": "hangs from the ceiling", "": "is"}
@@ -21,11 +19,12 @@ def short_text(size: str, look: Appearance, category: str) -> str:
         category: Fine category.
 
     Example:
-        >>> look = Appearance((("white",), ("linen",), ("off white",)), ("wood",), textured=True)
+        >>> look = Appearance({"css": ("linen",)}, ("wood",), textured=True)
         >>> short_text("small", look, "coffee_table")
         'small linen coffee table made of wood'
     """
-    words = [size] * (size not in ("", "normal")) + [_listed(look.colors[CSS])] * bool(look.colors[CSS])
+    colors = look.colors["css"]
+    words = [size] * (size not in ("", "normal")) + [_listed(colors)] * bool(colors)
     made = f" made of {_listed(look.materials)}" if look.textured and look.materials else ""
     return " ".join([*words, _noun(category)]) + made
 

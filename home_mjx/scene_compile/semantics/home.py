@@ -31,7 +31,7 @@ def home_appearance(skin: Skin, options: SemanticOptions) -> Appearance:
     order = sorted((key for key in share if share[key] >= options.share), key=lambda key: -share[key])
     found = np.array([color[key] for key in order]).reshape(-1, 3)
     materials, textured = surface_materials(skin, options)
-    colors = tuple(tuple(dict.fromkeys(names_in_srgb(found, level))) for level in LEVELS)
+    colors = {level: tuple(dict.fromkeys(names_in_srgb(found, level))) for level in LEVELS}
     return Appearance(colors, materials, textured)
 
 

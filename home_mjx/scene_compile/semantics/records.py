@@ -3,7 +3,6 @@
 from typing import Any
 
 from home_mjx.scene_compile.semantics.appearance import Appearance
-from home_mjx.scene_compile.semantics.color_names import LEVELS
 from home_mjx.scene_compile.semantics.describe import describe_object
 from home_mjx.scene_compile.semantics.types import HouseSemantics, ObjectSemantics, PartSemantics
 
@@ -56,5 +55,5 @@ def _object(item: ObjectSemantics) -> Record:
 
 
 def _look(look: Appearance) -> Record:
-    colors = {level: list(names) for level, names in zip(LEVELS, look.colors, strict=True)}
+    colors = {level: list(names) for level, names in look.colors.items()}
     return {"colors": colors, "materials": list(look.materials), "textured": look.textured}

@@ -74,20 +74,21 @@ def relations_at_rest(
     apart = {frozenset((r.subject, r.object)) for r in held}
     near = [
         Relation(ids[a], "next to", ids[b])
-        for a, b in _pairs(places)
-        if frozenset((ids[a], ids[b])) not in apart and _share_height(boxes, a, b) and gap(boxes, a, b) <= NEXT_TO
+        for a in range(len(ids))
+        for b in _neighbours(a, boxes, places)
+        if frozenset((ids[a], ids[b])) not in apart
     ]
     return (*held, *(r for pair in near for r in (pair, Relation(pair.object, pair.predicate, pair.subject))))
 
 
-def _pairs(places: Int[np.ndarray, "o 2"]) -> list[tuple[int, int]]:
-    """Pairs of objects of one room."""
-    together = (places[:, None] == places).all(axis=-1) & (places[:, 1] >= 0)
-    return [(int(a), int(b)) for a, b in np.argwhere(np.triu(together, 1))]
-
-
-def _share_height(boxes: BoxSet, a: int, b: int) -> bool:
-    return bool(min(boxes.top[a], boxes.top[b]) > max(boxes.bottom[a], boxes.bottom[b]))
+def _neighbours(index: int, boxes: BoxSet, places: Int[np.ndarray, "o 2"]) -> list[int]:
+    """Later objects of the same room that are next to one."""
+    reach = np.hypot(boxes.half[:, 0], boxes.half[:, 1])
+    apart = np.hypot(*(boxes.center[:, :2] - boxes.center[index, :2]).T)
+    near = (places == places[index]).all(axis=1) & (places[:, 1] >= 0) & (apart < reach + reach[index] + NEXT_TO)
+    near &= np.minimum(boxes.top, boxes.top[index]) > np.maximum(boxes.bottom, boxes.bottom[index])
+    later = np.flatnonzero(near)
+    return [b for b in later[later > index].tolist() if gap(boxes, index, b) <= NEXT_TO]
 
 
 def gap(boxes: BoxSet, a: int, b: int) -> float:
@@ -125,6 +126,12 @@ def relations_seen(
             continue
         found += _order(ids[a], ids[b], float(turn * (reach[a] + reach[b]) / 2), float(reach[b] - reach[a]))
     return tuple(found)
+
+
+def _pairs(places: Int[np.ndarray, "o 2"]) -> list[tuple[int, int]]:
+    """Pairs of objects of one room."""
+    together = (places[:, None] == places).all(axis=-1) & (places[:, 1] >= 0)
+    return [(int(a), int(b)) for a, b in np.argwhere(np.triu(together, 1))]
 
 
 def _order(a: int, b: int, leftward: float, nearer: float) -> list[Relation]:

@@ -18,7 +18,8 @@ RESTING = 0.5  # least part of those points that another object bears
 MAX_POINTS = 64
 WALL_REACH = 0.12  # [m] from a room's outline, which runs inside the wall, to what touches the wall
 CEILING_REACH = 0.1  # [m]
-OUTLINE_STEP = 0.1  # [m]
+OUTLINE_STEP = 0.1  # [m] between points of a room's outline …
+MAX_STEPS = 1_000  # … of which an edge has no more
 INSIDE = 0.9  # least part of an object's box that lies in that of what it is in
 
 # What is in the wall or hangs before it, even where it reaches the floor; on the wall, even where something is below.
@@ -71,7 +72,7 @@ def _support(
     at_wall = bool((footprint_distance(boxes, index, outline) < WALL_REACH).any())
     if item.info.coarse in WALL_HUNG and at_wall and not on_floor:
         return Support("wall")
-    bearer, container = _bearer(index, objects, limits), _container(index, objects, boxes)
+    bearer, container = _bearer(index, objects, limits), _container(index, objects, boxes, limits)
     if bearer >= 0 or container >= 0:
         held = objects[bearer if bearer >= 0 else container].object_id
         return Support("object", held, objects[container].object_id if container >= 0 else -1)
@@ -95,7 +96,7 @@ def _outline_points(rooms: Rooms, level: int) -> Float[np.ndarray, "p 2"]:
     points = [np.zeros((0, 2))]
     for start in (p for p, at in zip(rooms.polygon, rooms.level, strict=True) if at == level):
         for a, b in zip(start, np.roll(start, -1, axis=0), strict=True):
-            count = int(np.ceil(np.linalg.norm(b - a) / OUTLINE_STEP)) + 1
+            count = int(np.ceil(min(np.linalg.norm(b - a) / OUTLINE_STEP, MAX_STEPS))) + 1
             points.append(a + np.linspace(0, 1, count)[:, None] * (b - a))
     return np.concatenate(points)
 
@@ -150,13 +151,14 @@ def _barycentric(
     return np.stack([1 - second - third, second, third], axis=-1)
 
 
-def _container(index: int, objects: Sequence[Placed], boxes: BoxSet) -> int:
+def _container(index: int, objects: Sequence[Placed], boxes: BoxSet, limits: Float[np.ndarray, "o 2 3"]) -> int:
     """The smallest container whose box holds an object's; -1 if none does."""
-    volume = 8 * boxes.half.prod(axis=1)
+    middle, volume = boxes.center[index], boxes.half.prod(axis=1)
+    around = (limits[:, 0] <= middle).all(axis=1) & (limits[:, 1] >= middle).all(axis=1) & (volume > volume[index])
     holding = [
         i
-        for i, o in enumerate(objects)
-        if i != index and o.info.coarse in CONTAINERS and volume[i] > volume[index] and _held(boxes, index, i) >= INSIDE
+        for i in np.flatnonzero(around).tolist()
+        if objects[i].info.coarse in CONTAINERS and _held(boxes, index, i) >= INSIDE
     ]
     return min(holding, key=lambda i: volume[i], default=-1)
 

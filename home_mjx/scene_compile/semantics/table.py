@@ -30,6 +30,6 @@ def _fill_look(row: Int[np.ndarray, " c"], item: ObjectSemantics | PartSemantics
     """Room type, first material and first colours of each level."""
     row[Semantic.ROOM_TYPE] = number_of(Semantic.ROOM_TYPE, item.room_type)
     row[Semantic.MATERIAL] = number_of(Semantic.MATERIAL, next(iter(item.look.materials), ""))
-    for first, names in zip(FIRST_COLOR.values(), item.look.colors, strict=True):
-        found = [number_of(first, name) for name in names[:MAX_COLORS]]
+    for level, first in FIRST_COLOR.items():
+        found = [number_of(first, name) for name in item.look.colors[level][:MAX_COLORS]]
         row[first : first + len(found)] = found
