@@ -55,6 +55,7 @@ def _geometry() -> Geometry:
         instance_material=jnp.zeros((1, 1), jnp.int32),
         instance_semantic=jnp.zeros((1, 1), jnp.int32),
         instance_body=jnp.full((1, 1), -1, jnp.int32),
+        object_semantic=jnp.full((1, 1), -1, jnp.int32),
         material_mask=jnp.ones(1, jnp.int32),
         agent_model=jnp.zeros((), jnp.int32),
         agent_material=jnp.zeros((), jnp.int32),
