@@ -164,8 +164,11 @@ def texture_kind(texture: str) -> str:
 
 def shares(names: Sequence[str], area: Float[np.ndarray, " n"]) -> dict[str, float]:
     """Share of all area by name; what has no name or no area counts only in the whole."""
-    covered = {name: float(area[np.array(names) == name].sum()) for name in names if name}
-    return {name: part / float(area.sum()) for name, part in covered.items() if part > 0}
+    covered: dict[str, float] = {}
+    for name, part in zip(names, (area / area.sum()).tolist(), strict=True):
+        if name and part > 0:
+            covered[name] = covered.get(name, 0.0) + part
+    return covered
 
 
 def at_least(share: Mapping[str, float], least: float) -> tuple[str, ...]:

@@ -1,7 +1,7 @@
 """The semantic engine: from a house as the dataset says it to what everything in it is."""
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -73,27 +73,41 @@ def describe_house(
         metadata: Categories and sizes of its models.
         options: How colours, materials and sizes are decided.
     """
-    sizes, supports = size_table(metadata), find_supports(objects, rooms)
+    sizes, supports, looks = size_table(metadata), find_supports(objects, rooms), _Looks(options)
     return HouseSemantics(
         id=house.id,
         rooms=tuple(
             RoomSemantics(i, room.types, level, polygon_area(rooms.polygon[i]))
             for i, (level, room) in enumerate(house_rooms(house))
         ),
-        parts=tuple(_part(shell, i, rooms, options) for i in range(len(shell.parts))),
+        parts=tuple(_part(shell, i, rooms, looks) for i in range(len(shell.parts))),
         objects=tuple(
-            _object(item, support, house, rooms, sizes, options)
-            for item, support in zip(objects, supports, strict=True)
+            _object(item, support, house, rooms, sizes, looks) for item, support in zip(objects, supports, strict=True)
         ),
     )
 
 
-def _part(shell: Architecture, index: int, rooms: Rooms, options: SemanticOptions) -> PartSemantics:
+@dataclass(frozen=True)
+class _Looks:
+    """Appearances of a house, each found once: chairs come in fours, and a room's walls are of one paper."""
+
+    options: SemanticOptions
+    found: dict[Hashable, Appearance] = field(default_factory=dict)
+
+    def of(self, key: Hashable, skin: Skin) -> Appearance:
+        """The appearance of a skin; equal keys are for like skins."""
+        if key not in self.found:
+            self.found[key] = _look(skin, self.options)
+        return self.found[key]
+
+
+def _part(shell: Architecture, index: int, rooms: Rooms, looks: _Looks) -> PartSemantics:
     part, model = shell.parts[index], shell.model
     seen = np.flatnonzero((model.part == index) & (model.slot == shell.facing[index]))
     triangles = model.triangle[seen].astype(np.float64)
     area = surface_areas(triangles) * _faces(triangles, inner_normal(part, rooms))
-    look = _look(Skin(area, model.uv[seen], model.slot[seen], shell.surfaces), options)
+    skin = Skin(area, model.uv[seen], model.slot[seen], shell.surfaces)
+    look = looks.of(shell.surfaces[shell.facing[index]], skin)
     category = "floor" if part.kind == "ground" else part.kind
     return PartSemantics(
         index=index,
@@ -114,10 +128,12 @@ def _faces(triangles: Float[np.ndarray, "t 3 3"], toward: Float[np.ndarray, "3"]
 
 
 def _object(
-    item: Placed, support: Support, house: House, rooms: Rooms, sizes: SizeTable, options: SemanticOptions
+    item: Placed, support: Support, house: House, rooms: Rooms, sizes: SizeTable, looks: _Looks
 ) -> ObjectSemantics:
-    look = _look(_skin(item, house, options), options)
-    size = sizes.as_home(item.info) if options.size == "home" else sizes.look(_volume(item), item.info)
+    skin = _skin(item, house, looks.options)
+    stretch = (item.pose[:, :3].T @ item.pose[:, :3]).round(6)  # areas follow from it, whichever way the object faces
+    look = looks.of((item.model.key, skin.surfaces, stretch.tobytes()), skin)
+    size = sizes.as_home(item.info) if looks.options.size == "home" else sizes.look(_volume(item), item.info)
     return ObjectSemantics(
         object_id=item.object_id,
         node=item.node.id,
