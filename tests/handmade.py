@@ -143,7 +143,7 @@ def build_house(
         top=top_tree(instances, {m.key: m for m in models}),
         materials=_join_tables(table, material_table([Surface(f.color, kind="wood") for f in furniture])),
         semantics=np.array([*semantics, *_furniture_rows(furniture, instances.body, rooms)]),
-        colliders=join([shell, boxes[fixed]]).colliders(),
+        colliders=join([shell, boxes[fixed]]).colliders(np.append(np.full(len(shell), -1), np.flatnonzero(fixed))),
         bodies=_bodies(furniture, boxes, instances.pose[1:]),
         planes=planes,
         rooms=rooms,

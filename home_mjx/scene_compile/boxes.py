@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from home_mjx.scene_compile.compiled import Colliders
 
@@ -33,9 +33,9 @@ class BoxSet:
     def __getitem__(self, rows: np.ndarray | slice) -> "BoxSet":
         return BoxSet(self.center[rows], self.half[rows], self.yaw[rows])
 
-    def colliders(self) -> Colliders:
-        """The boxes as the physics takes them."""
-        return Colliders(pos=self.center, quat=yaw_quat(self.yaw), size=self.half)
+    def colliders(self, object_id: Int[np.ndarray, " n"]) -> Colliders:
+        """The boxes as the physics takes them, with the object that each stands for."""
+        return Colliders(pos=self.center, quat=yaw_quat(self.yaw), size=self.half, object_id=object_id)
 
 
 def box_set(center: object, half: object, yaw: object = 0.0) -> BoxSet:

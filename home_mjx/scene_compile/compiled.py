@@ -108,6 +108,7 @@ class Colliders:
     pos: Float[np.ndarray, "c 3"]  # [m], centre
     quat: Float[np.ndarray, "c 4"]  # wxyz
     size: Float[np.ndarray, "c 3"]  # [m], half extents
+    object_id: Int[np.ndarray, " c"]  # Semantic.OBJECT of what the box stands for; -1 for the architecture
 
 
 @dataclass(frozen=True)

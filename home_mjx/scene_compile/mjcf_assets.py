@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.scene_compile.compiled import CompiledHouse, Model
+from home_mjx.scene_compile.convex import convex_pieces
 from home_mjx.scene_compile.textures import open_texture
 
 LEAST_AREA = 1e-12  # [m^2]: smaller triangles are dropped, MuJoCo refuses meshes of nothing else
@@ -26,6 +27,7 @@ class Assets:
         self._house = house
         self._element = ET.Element("asset")
         self._meshes: dict[tuple, str | None] = {}
+        self._pieces: dict[tuple, list[str]] = {}
         self._textures: dict[str, str] = {}
         self._materials: dict[int, str] = {}
 
@@ -67,6 +69,25 @@ class Assets:
         self.files[file] = obj_bytes(triangle[solid], uv[solid])
         # A shell has a legal inertia even if the mesh is open or flat; the geoms have no mass anyway.
         ET.SubElement(self._element, "mesh", name=name, file=file, inertia="shell")
+        return name
+
+    def pieces(self, model: Model, stretch: Float[np.ndarray, "3 3"]) -> list[str]:
+        """Names of the convex pieces of a model, scaled, mirrored or sheared.
+
+        Raises:
+            ConfigError: As `convex_pieces`.
+        """
+        key = (model.key, tuple(np.round(stretch, 6).ravel() + 0.0))
+        if key not in self._pieces:
+            pieces = [piece @ stretch.T for piece in convex_pieces(model)]
+            self._pieces[key] = [self._add_piece(f"{safe_name(model.key)}_piece{i}", p) for i, p in enumerate(pieces)]
+        return self._pieces[key]
+
+    def _add_piece(self, name: str, piece: Float[np.ndarray, "f 3 3"]) -> str:
+        name = f"{name}_{len(self.files)}"
+        file = f"meshes/{name}.obj"
+        self.files[file] = obj_bytes(piece, np.zeros((len(piece), 3, 2)))
+        ET.SubElement(self._element, "mesh", name=name, file=file, inertia="convex")
         return name
 
     def _texture(self, path: str) -> str:

@@ -1,4 +1,4 @@
-"""Collision boxes and door leaves as MJCF."""
+"""Collision boxes, convex pieces and door leaves as MJCF."""
 
 import xml.etree.ElementTree as ET
 
@@ -21,6 +21,12 @@ def add_box(parent: ET.Element, name: str, size: Float[np.ndarray, "3"], **more:
     """Adds a collision box of half extents `size` [m]."""
     look = {"group": COLLIDER, "rgba": "0.3 0.8 0.3 0.3"}
     ET.SubElement(parent, "geom", look | more, name=name, type="box", size=numbers(size))
+
+
+def add_piece(parent: ET.Element, name: str, mesh: str, **more: str) -> None:
+    """Adds a convex piece as a collision geom."""
+    look = {"group": COLLIDER, "rgba": "0.3 0.8 0.3 0.3"}
+    ET.SubElement(parent, "geom", look | more, name=name, type="mesh", mesh=mesh, mass="0")
 
 
 def add_leaf(world: ET.Element, doors: Doors, row: int, name: str) -> tuple[ET.Element, Float[np.ndarray, "3"]]:

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Int
 
 from home_mjx.scene_compile.architecture import Architecture
 from home_mjx.scene_compile.boxes import BoxSet, join
@@ -41,6 +42,7 @@ class Solid:
 
     Attributes:
         static: Boxes that stay; those of door leaves as they stand are the last.
+        object_id: Of each of them; -1 for the architecture.
         leaf_row: Row of `static` by object id and number of a leaf; -1 if it is behind other boxes.
         movable: Objects that can be pushed.
         space: Where an agent can stand.
@@ -48,6 +50,7 @@ class Solid:
     """
 
     static: BoxSet
+    object_id: Int[np.ndarray, " n"]
     leaf_row: Mapping[tuple[int, int], int]
     movable: list[Candidate]
     space: FreeSpace
@@ -83,10 +86,13 @@ def make_solid(
     felt = passable_leaves(opened, lambda boxes: space(boxes).free.sum() * navigation.cell**2)
     kept = closed + [leaf for leaf in leaves if any(leaf.box is box for box in felt)]
     static = join([static, *(leaf.box for leaf in kept)])
+    counts = [(-1, len(walls)), *((i, len(b)) for i, b in boxes.items() if i not in moving)]
+    owners = np.repeat(*np.array(counts + [(leaf.object_id, 1) for leaf in kept], np.int32).T)
     shown = not_hidden(static)
     rows = np.where(shown, np.cumsum(shown) - 1, -1)[len(static) - len(kept) :].tolist()
     return Solid(
         static=static[shown],
+        object_id=owners[shown],
         leaf_row={(leaf.object_id, leaf.number): row for leaf, row in zip(kept, rows, strict=True)},
         movable=movable,
         space=space(join(felt)),
