@@ -10,20 +10,20 @@ from home_mjx.scene_compile.bank import HouseBank
 
 def object_ids(scene: Scene, hit: Hit) -> Int[Array, "*rays"]:
     """Object ids; -1 for the architecture and on a miss."""
-    ids = _by_instance(scene.geometry.instance_object[scene.house], scene.moving, scene.moving.object_id)
+    ids = by_instance(scene.geometry.instance_object[scene.house], scene.moving, scene.moving.object_id)
     return jnp.where(hit.instance < 0, -1, ids[jnp.maximum(hit.instance, 0)])
 
 
 def material_rows(scene: Scene, hit: Hit) -> Int[Array, "*rays"]:
     """Rows in the bank's material table; -1 on a miss."""
-    first = _by_instance(scene.geometry.instance_material[scene.house], scene.moving, scene.moving.material)
+    first = by_instance(scene.geometry.instance_material[scene.house], scene.moving, scene.moving.material)
     rows = first[jnp.maximum(hit.instance, 0)] + scene.geometry.triangle_slot[jnp.maximum(hit.triangle, 0)]
     return jnp.where(hit.instance < 0, -1, rows)
 
 
 def semantics(bank: HouseBank, scene: Scene, hit: Hit, column: int) -> Int[Array, "*rays"]:
     """A column of the semantic table (`compiled.Semantic`); -1 on a miss."""
-    first = _by_instance(scene.geometry.instance_semantic[scene.house], scene.moving, scene.moving.semantic)
+    first = by_instance(scene.geometry.instance_semantic[scene.house], scene.moving, scene.moving.semantic)
     rows = first[jnp.maximum(hit.instance, 0)] + scene.geometry.triangle_part[jnp.maximum(hit.triangle, 0)]
     return jnp.where(hit.instance < 0, -1, bank.semantics[:, column][rows])
 
@@ -39,7 +39,7 @@ def normals(scene: Scene, direction: Float[Array, "*rays 3"], hit: Hit) -> Float
     """Unit normals of the flat triangles in the world, turned against the rays; zero on a miss."""
     triangle = scene.geometry.triangle[jnp.maximum(hit.triangle, 0)]
     local = jnp.cross(triangle[..., 1, :] - triangle[..., 0, :], triangle[..., 2, :] - triangle[..., 0, :])
-    inverse = _by_instance(scene.geometry.instance_inverse[scene.house], scene.moving, scene.moving.inverse)
+    inverse = by_instance(scene.geometry.instance_inverse[scene.house], scene.moving, scene.moving.inverse)
     # A normal transforms by the transpose of the inverse.
     rows = inverse[jnp.maximum(hit.instance, 0)][..., :3]
     # Without barriers XLA gathers and crosses again for each component of what follows.
@@ -50,7 +50,7 @@ def normals(scene: Scene, direction: Float[Array, "*rays 3"], hit: Hit) -> Float
     return jnp.where(hit.instance[..., None] < 0, 0, world / jnp.maximum(length, 1e-30))
 
 
-def _by_instance(static: Array, moving: Moving, moved: Array) -> Array:
+def by_instance(static: Array, moving: Moving, moved: Array) -> Array:
     """A table over all instance numbers of one environment: the house's, then the agents'."""
     size = static.shape[0] + moving.instance.shape[0]
     table = jnp.concatenate([static, jnp.zeros((size - static.shape[0], *static.shape[1:]), static.dtype)])

@@ -58,7 +58,7 @@ class Materials(Pytree):
     absorption: Float[Array, "r 7"]  # energy fractions, octaves 125 .. 8000 Hz
     scattering: Float[Array, "r 7"]
     transmission: Float[Array, "r 7"]
-    textures: UInt8[Array, "l s s 4"]  # sRGB and alpha; row 0 is the top of the image (v = 1)
+    textures: UInt8[Array, "l p 4"]  # sRGB and alpha, mip levels after one another; row 0 is the top (v = 1)
 
 
 class Physics(Pytree):
@@ -114,6 +114,32 @@ class Navigation(Pytree):
     room_hops: Int[Array, "h rooms rooms"]  # portals on the way from room to room; -1 no way
 
 
+class Finish(Pytree):
+    """How surfaces take light besides their diffuse colour."""
+
+    normal: Float[Array, "t 3 3"]  # unit, of the corners of `Geometry.triangle`, model frame
+    specular: Float[Array, "r 3"]  # linear light, by material row
+    shininess: Float[Array, " r"]  # Blinn-Phong exponent
+    mirror: Bool[Array, " r"]
+
+
+class Lights(Pytree):
+    """The lights of every house, in the frames of the instances that carry them; see `lighting.LightTable`."""
+
+    pos: Float[Array, "h l 3"]  # [m]
+    axis_u: Float[Array, "h l 3"]  # [m], half extents
+    axis_v: Float[Array, "h l 3"]
+    direction: Float[Array, "h l 3"]
+    intensity: Float[Array, "h l 3"]  # [W/sr]; of daylight [m^2], times the sky's radiance; 0 padding
+    exponent: Float[Array, "h l"]
+    cutoff: Float[Array, "h l"]
+    area: Float[Array, "h l"]  # [m^2]
+    daylight: Bool[Array, "h l"]
+    instance: Int[Array, "h l"]  # -1 padding
+    room: Int[Array, "h l"]
+    ambient: Float[Array, "h rooms_and_none 2 3"]  # [W/m^2] by room + 1 and source: lamps, daylight
+
+
 class BankSpec(Pytree):
     """Static capacities, rounded to size classes so that similar banks share one compiled step."""
 
@@ -132,6 +158,8 @@ RECORDS: dict[str, type] = {
     "physics": Physics,
     "acoustics": Acoustics,
     "navigation": Navigation,
+    "finish": Finish,
+    "lights": Lights,
 }
 SIZES = ("num_instances", "num_bodies", "num_colliders", "num_planes", "num_starts", "num_goals")
 
@@ -151,6 +179,8 @@ class HouseBank(Pytree):
     physics: Physics
     acoustics: Acoustics
     navigation: Navigation
+    finish: Finish
+    lights: Lights
     house_id: UInt8[Array, "h 32"]  # ASCII of the dataset's house id
     spec: BankSpec = static()
 

@@ -23,6 +23,7 @@ SMALLEST = {
     "rooms": 16,
     "levels": 1,
     "portals": 16,
+    "lights": 16,
 }
 
 
@@ -37,6 +38,7 @@ class Capacity:
     starts: int
     goals: int
     rooms: int
+    lights: int
     portals: int
     levels: int
     grid_rows: int
@@ -70,6 +72,7 @@ def needs(house: CompiledHouse) -> dict[str, int]:
         "starts": len(house.navigation.start),
         "goals": len(house.navigation.goal),
         "rooms": len(house.rooms.type),
+        "lights": len(house.lights.instance),
         "portals": len(house.navigation.portals.width),
         "levels": levels,
         "grid_rows": rows,

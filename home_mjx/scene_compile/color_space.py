@@ -16,6 +16,12 @@ def decode_srgb(color: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
     return np.where(color <= 0.04045, color / 12.92, ((color + 0.055) / 1.055) ** 2.4)
 
 
+def encode_srgb(linear: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
+    """Encoded sRGB from linear light, both in 0..1 (IEC 61966-2-1)."""
+    curve = 1.055 * np.maximum(linear, 0.0031308) ** (1 / 2.4) - 0.055
+    return np.where(linear <= 0.0031308, 12.92 * linear, curve)
+
+
 def linear_to_lab(color: Float[np.ndarray, "*n 3"]) -> Float[np.ndarray, "*n 3"]:
     """CIELAB (L 0..100, a, b; white D65) of colours in linear sRGB (CIE 15:2004).
 

@@ -10,7 +10,9 @@ from home_mjx.scene_compile.architecture import Architecture, build_architecture
 from home_mjx.scene_compile.colliders import ColliderOptions, leaf_box
 from home_mjx.scene_compile.compiled import CompiledHouse, Doors, Instances, Model
 from home_mjx.scene_compile.doors import make_doors, place_leaf
+from home_mjx.scene_compile.gloss import gloss_table
 from home_mjx.scene_compile.house import House, Metadata
+from home_mjx.scene_compile.lights import LightOptions, build_lights
 from home_mjx.scene_compile.materials import SurfaceRows, material_table
 from home_mjx.scene_compile.movables import MovableOptions, make_bodies
 from home_mjx.scene_compile.navigation import NavigationOptions, build_navigation
@@ -34,6 +36,7 @@ class CompileOptions:
     colliders: ColliderOptions = field(default_factory=ColliderOptions)
     movables: MovableOptions = field(default_factory=MovableOptions)
     semantics: SemanticOptions = field(default_factory=SemanticOptions)
+    lights: LightOptions = field(default_factory=LightOptions)
 
 
 DEFAULT_OPTIONS = CompileOptions()
@@ -86,7 +89,14 @@ def compile_house(house: House, metadata: Metadata, options: CompileOptions = DE
         models=models,
         report=_report(house, shell, objects, solid),
         doors=_doors(objects, first, solid),
+        lights=build_lights(objects, first, rooms, metadata, options.lights),
+        gloss=gloss_table(rows.surfaces, objects, house.models, _first_rows(objects, first, instances)),
     )
+
+
+def _first_rows(objects: Sequence[Placed], first: Mapping[int, int], instances: Instances) -> list[int]:
+    """First material row of each object."""
+    return [int(instances.material[first[o.object_id]]) for o in objects]
 
 
 def _first_instances(objects: Sequence[Placed]) -> dict[int, int]:

@@ -10,6 +10,8 @@ from enum import IntEnum, IntFlag
 import numpy as np
 from jaxtyping import Bool, Float, Int, UInt8, UInt16
 
+from home_mjx.scene_compile.lighting import Gloss, LightTable
+
 ARCHITECTURE = 0  # instance index of walls, floors and ceilings in every house
 NUM_BANDS = 7  # octaves 125 .. 8000 Hz
 
@@ -83,6 +85,7 @@ class Model:
     key: str  # content-addressed: file stem, variant and digest
     triangle: Float[np.ndarray, "t 3 3"]  # [m]
     uv: Float[np.ndarray, "t 3 2"]
+    normal: Float[np.ndarray, "t 3 3"]  # unit, of the corners; smooth where the surface is meant to be round
     slot: Int[np.ndarray, " t"]  # material slot
     part: Int[np.ndarray, " t"]  # semantic part; 0 for objects
     tree: Tree
@@ -247,6 +250,8 @@ class CompiledHouse:
     models: Mapping[str, Model]
     report: Mapping[str, int]  # counts: levels, rooms, objects, parts, triangles, ...
     doors: Doors = field(default_factory=Doors.none)
+    lights: LightTable = field(default_factory=LightTable.none)
+    gloss: Gloss = field(default_factory=lambda: Gloss.matt(0))  # of the first rows of `materials`; the rest is matt
 
 
-TextureArray = UInt8[np.ndarray, "l s s 4"]
+TextureArray = UInt8[np.ndarray, "l p 4"]  # layers, texels of all mip levels

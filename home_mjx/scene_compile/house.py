@@ -19,6 +19,8 @@ class Material:
     diffuse: tuple[float, float, float] | None = None  # sRGB, 0..1
     texture: Path | None = None  # existing image file
     opacity: float | None = None  # 1 = opaque
+    specular: tuple[float, float, float] | None = None  # linear light, `Ks`
+    shininess: float | None = None  # `Ns`, Blinn-Phong exponent
 
 
 @dataclass(frozen=True)
@@ -175,6 +177,7 @@ class Light:
     direction: tuple[float, float, float] | None = None
     cutoff: float | None = None  # [rad]
     end: tuple[float, float, float] | None = None  # [m], second end of a LineLight
+    dropoff: float = 0.0  # exponent of the cosine from `direction`; light falls with the square of the distance
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from jaxtyping import Float, Int
 
 from home_mjx.scene_compile.bvh import build_triangle_tree
 from home_mjx.scene_compile.compiled import Model
+from home_mjx.scene_compile.normals import crease_normals
 
 Z_UP = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])  # world from file axes: (x, y, z) -> (x, -z, y)
 
@@ -61,6 +62,7 @@ def make_model(
     uv: Float[np.ndarray, "t 3 2"] | None = None,
     slot: Int[np.ndarray, " t"] | None = None,
     part: Int[np.ndarray, " t"] | None = None,
+    normal: Float[np.ndarray, "t 3 3"] | None = None,
 ) -> Model:
     """A library model with its tree.
 
@@ -70,6 +72,7 @@ def make_model(
         uv: Texture coordinates per corner; 0 if none.
         slot: Material slot; 0 if none.
         part: Semantic part; 0 if none.
+        normal: Unit normals of the corners; if none, those of `crease_normals`.
     """
     count = len(triangles)
     # Rounded before the tree is built, so that its boxes hold the very numbers that the rays meet.
@@ -77,12 +80,14 @@ def make_model(
     uv = np.zeros((count, 3, 2), np.float32) if uv is None else uv.astype(np.float32)
     slot = np.zeros(count, np.int32) if slot is None else slot.astype(np.int32)
     part = np.zeros(count, np.int32) if part is None else part.astype(np.int32)
+    normal = (crease_normals(triangles) if normal is None else normal).astype(np.float32)
     tree, order = build_triangle_tree(triangle)
-    digest = hashlib.sha256(b"".join(a.tobytes() for a in (triangle, uv, slot, part))).hexdigest()[:16]
+    digest = hashlib.sha256(b"".join(a.tobytes() for a in (triangle, uv, slot, part, normal))).hexdigest()[:16]
     return Model(
         key=f"{name}:{digest}",
         triangle=triangle[order],
         uv=uv[order],
+        normal=normal[order],
         slot=slot[order],
         part=part[order],
         tree=tree,

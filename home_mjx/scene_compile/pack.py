@@ -16,11 +16,14 @@ from home_mjx.errors import CapacityError, ConfigError
 from home_mjx.scene_compile.agent_model import agent_materials, agent_model, agent_semantics
 from home_mjx.scene_compile.capacity import Capacity, Counts, rows_of, running_starts, shared_rows
 from home_mjx.scene_compile.compiled import ARCHITECTURE, FIELD_FAR, CompiledHouse, Instances, Model
+from home_mjx.scene_compile.lighting import Gloss
 from home_mjx.scene_compile.mesh import invert
 from home_mjx.scene_compile.pack_tables import (
     Arrays,
+    gloss_rows,
     material_rows,
     navigation_rows,
+    pack_lights,
     pack_navigation,
     pack_physics,
     pack_planes,
@@ -60,6 +63,10 @@ TABLES: Mapping[str, Table] = {
     "materials.scattering": Table("material", np.float32, 0),
     "materials.transmission": Table("material", np.float32, 0),
     "semantics": Table("semantic", np.int32, -1),
+    "finish.normal": Table("triangle", np.float32, 0),
+    "finish.specular": Table("material", np.float32, 0),
+    "finish.shininess": Table("material", np.float32, 1),
+    "finish.mirror": Table("material", np.bool_, False),
     "navigation.place": Table("cell", np.int16, 0),
     "navigation.field": Table("cell", np.uint16, FIELD_FAR),
 }
@@ -150,7 +157,9 @@ def library_rows(library: Library) -> Arrays:
     starts = running_starts({"node": 0, "triangle": 0}, sizes)
     found = [_model_rows(model, at) for model, at in zip(models, starts, strict=True)]
     geometry = {name: np.concatenate([rows[name] for rows in found]) for name in found[0]}
-    return geometry | material_rows(agent_materials(), library.layer) | {"semantics": agent_semantics()}
+    agent = agent_materials()
+    materials = material_rows(agent, library.layer) | gloss_rows(Gloss.matt(0), len(agent.mask))
+    return geometry | materials | {"semantics": agent_semantics()}
 
 
 def library_constants(library: Library, texture_size: int) -> Arrays:
@@ -174,7 +183,8 @@ def house_rows(house: CompiledHouse, library: Library, start: Counts, capacity: 
     child = _absolute(house.top.child, start["node"] + len(own.tree.child), 0)  # leaves hold instance indices
     geometry["geometry.node_child"] = np.concatenate([geometry["geometry.node_child"], child])
     geometry["geometry.node_box"] = np.concatenate([geometry["geometry.node_box"], house.top.box])
-    rows = geometry | material_rows(house.materials, library.layer) | navigation_rows(house, capacity)
+    materials = material_rows(house.materials, library.layer) | gloss_rows(house.gloss, len(house.materials.mask))
+    rows = geometry | materials | navigation_rows(house, capacity)
     return rows | {"semantics": house.semantics}
 
 
@@ -189,7 +199,7 @@ def _model_rows(model: Model, start: Counts) -> Arrays:
         "model_root": np.array([start["node"]], np.int32),
         "model_box": model.box[None],
     }
-    return {f"geometry.{name}": values for name, values in rows.items()}
+    return {f"geometry.{name}": values for name, values in rows.items()} | {"finish.normal": model.normal}
 
 
 def _absolute(child: Int[np.ndarray, "n 2"], node: int, first: int) -> Int[np.ndarray, "n 2"]:
@@ -226,6 +236,7 @@ def house_slots(
         "physics": pack_physics(houses, capacity),
         "acoustics": pack_planes(houses, materials, capacity),
         "navigation": pack_navigation(houses, [at["cell"] for at in starts], capacity),
+        "lights": pack_lights(houses, capacity),
     }
     arrays = {f"{record}.{name}": rows for record, table in tables.items() for name, rows in table.items()}
     return arrays | {"house_id": np.stack([_encode_id(h.id) for h in houses])}

@@ -8,6 +8,7 @@ from jaxtyping import Float, Int
 from home_mjx.errors import ConfigError
 from home_mjx.scene_compile.capacity import Capacity
 from home_mjx.scene_compile.compiled import CompiledHouse, MaterialTable, Navigation, Rooms
+from home_mjx.scene_compile.lighting import Gloss
 from home_mjx.scene_compile.material_kinds import MATERIAL_KINDS
 from home_mjx.scene_compile.padding import pad, repeat
 
@@ -39,6 +40,37 @@ def material_rows(table: MaterialTable, layer: Mapping[str, int]) -> Arrays:
         "materials.absorption": table.absorption,
         "materials.scattering": table.scattering,
         "materials.transmission": table.transmission,
+    }
+
+
+def gloss_rows(gloss: Gloss, count: int) -> Arrays:
+    """Rows of the concatenated gloss tables, as many as there are materials."""
+    missing = count - len(gloss.mirror)
+    return {
+        "finish.specular": np.pad(gloss.specular, ((0, missing), (0, 0))),
+        "finish.shininess": np.pad(gloss.shininess, (0, missing), constant_values=1),
+        "finish.mirror": np.pad(gloss.mirror, (0, missing)),
+    }
+
+
+def pack_lights(houses: Sequence[CompiledHouse], capacity: Capacity) -> Arrays:
+    """Lights, and the ambient light of the rooms."""
+    tables, size = [h.lights for h in houses], capacity.lights
+    ambient = [t.ambient for t in tables]
+    down = np.array([0.0, 0.0, -1.0])
+    return {
+        "pos": pad([t.pos for t in tables], size, np.float32, PARKED),
+        "axis_u": pad([t.axis_u for t in tables], size, np.float32, 0),
+        "axis_v": pad([t.axis_v for t in tables], size, np.float32, 0),
+        "direction": pad([t.direction for t in tables], size, np.float32, down),
+        "intensity": pad([t.intensity for t in tables], size, np.float32, 0),
+        "exponent": pad([t.exponent for t in tables], size, np.float32, 0),
+        "cutoff": pad([t.cutoff for t in tables], size, np.float32, -2),
+        "area": pad([t.area for t in tables], size, np.float32, 0),
+        "daylight": pad([t.daylight for t in tables], size, np.bool_, False),
+        "instance": pad([t.instance for t in tables], size, np.int32, -1),
+        "room": pad([t.room for t in tables], size, np.int32, -1),
+        "ambient": pad(ambient, capacity.rooms + 1, np.float32, 0),
     }
 
 

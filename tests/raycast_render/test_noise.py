@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from home_mjx.raycast_render import kinect_depth, sensor_rgb
-from home_mjx.raycast_render.image.shading import DECODE
+from home_mjx.raycast_render.image.texture import DECODE
 
 SIZE = 200
 

@@ -8,9 +8,10 @@ from handmade import Furniture, shoebox
 
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render import KINDS, Camera, Lens, make_scene, render
-from home_mjx.raycast_render.image import shading
+from home_mjx.raycast_render.image import shading, texture
 from home_mjx.scene_compile.bank import HouseBank
 from home_mjx.scene_compile.compiled import Semantic
+from home_mjx.scene_compile.textures import mip_levels
 
 SIZE = 32
 LEVEL = np.array([0.5**0.5, 0.5**0.5, 0, 0])  # looks along +y
@@ -146,11 +147,12 @@ def textured(bank, size=4):
     """The bank with a random texture on everything; u and v count 2 m along x and z."""
     rng = np.random.default_rng(0)
     texels = rng.integers(0, 256, size=(2, size, size, 4), dtype=np.uint8)
+    levels = np.stack([mip_levels(image) for image in texels])
     corner = np.asarray(bank.geometry.triangle)
     geometry = bank.geometry.replace(triangle_uv=jnp.asarray(corner[..., [0, 2]] / 2))
     rows = bank.materials.texture.shape[0]
     materials = bank.materials.replace(
-        textures=jnp.asarray(texels), texture=jnp.ones(rows, jnp.int32), albedo=jnp.ones((rows, 4))
+        textures=jnp.asarray(levels), texture=jnp.ones(rows, jnp.int32), albedo=jnp.ones((rows, 4))
     )
     return bank.replace(geometry=geometry, materials=materials), texels
 
@@ -172,7 +174,7 @@ def test_every_pixel_shows_its_texel(bank, look):
 
 def test_srgb_bytes_survive_decoding_and_encoding():
     every = np.repeat(np.arange(256)[:, None], 3, axis=1)
-    linear = jnp.asarray(shading.DECODE)[jnp.asarray(every)]
+    linear = jnp.asarray(texture.DECODE)[jnp.asarray(every)]
     np.testing.assert_array_equal(shading.encode(linear), every)
 
 

@@ -49,8 +49,7 @@ def test_layers_are_srgb_with_alpha_and_the_first_row_on_top(write):
     pixels[:2], pixels[2:] = (200, 10, 30, 255), (0, 0, 255, 128)
     path = write(encoded(Image.fromarray(pixels)))
     layers = load_textures([str(path)], size=4)
-    np.testing.assert_array_equal(layers[0, 0], pixels[0])
-    np.testing.assert_array_equal(layers[0, 3], pixels[3])
+    np.testing.assert_array_equal(layers[0, :16].reshape(4, 4, 4), pixels)
 
 
 @pytest.mark.parametrize("mode", ["L", "LA", "P", "RGB", "1", "CMYK"])

@@ -4,7 +4,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, UInt8
 
-from home_mjx.raycast_render.image.shading import DECODE, encode
+from home_mjx.raycast_render.image.shading import encode
+from home_mjx.raycast_render.image.texture import DECODE
 
 BASELINE = 351.3  # [m], by which the published model divides to get disparities (it has 35130 and centimetres)
 SHIFT = 0.5  # [px], standard deviation of the shift of a reading

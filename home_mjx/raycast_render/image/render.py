@@ -1,17 +1,17 @@
 """Images of one camera."""
 
-import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Array, Float, Int
 
 from home_mjx.errors import check_known
 from home_mjx.raycast_render import surface
-from home_mjx.raycast_render.cast import cast
 from home_mjx.raycast_render.image import shading
-from home_mjx.raycast_render.image.camera import Camera, Lens, camera_rays
-from home_mjx.raycast_render.types import Hit, Scene
+from home_mjx.raycast_render.image.camera import Camera, Lens
+from home_mjx.raycast_render.image.preset import Preset, resolve
+from home_mjx.raycast_render.image.view import View
+from home_mjx.raycast_render.types import Scene
 from home_mjx.scene_compile.bank import HouseBank
-from home_mjx.scene_compile.compiled import Ray, Semantic
+from home_mjx.scene_compile.compiled import Semantic
 
 SEMANTIC_KINDS = {
     "fine": Semantic.FINE,
@@ -32,6 +32,7 @@ def render(
     lens: Lens = LENS,
     *,
     kinds: tuple[str, ...] = ("rgb", "depth"),
+    preset: Preset = "fast",
     exclude: Int[Array, ""] | int = -1,
     depth_max: float | None = 10.0,
     executor: str | None = None,
@@ -40,7 +41,8 @@ def render(
 
     Row 0 is at the top; H, W is `lens.shape`. Kinds:
 
-    * rgb: uint8 (H, W, 3), sRGB; textured albedo under a light at the camera, fixed exposure.
+    * rgb: uint8 (H, W, 3), sRGB, as the preset draws it: "fast", textured albedo under a light at the camera; "lit",
+      or a `Lit` with options, under the lights of the house.
     * albedo: float32 (H, W, 3), linear light.
     * depth: float32 (H, W, 1), t of the camera's rays [m]: along the optical axis for pinholes, cubes and orthographic
       cameras, along the ray for others; distance: along the ray [m]. inf on a miss, unless clipped.
@@ -55,12 +57,13 @@ def render(
         camera: Where the camera is.
         lens: How it images.
         kinds: Which images.
+        preset: How rgb is lit.
         exclude: Object id that the camera does not see, such as its own agent; -1 none.
         depth_max: Greatest value of depth and distance images [m]; None leaves them as they are.
         executor: See `cast`.
 
     Raises:
-        ConfigError: A kind or an executor is unknown.
+        ConfigError: A kind, a preset or an executor is unknown.
 
     Example:
         >>> images = render(bank, scene, camera, Lens(64, 64), kinds=("rgb", "depth", "fine"))  # doctest: +SKIP
@@ -68,65 +71,46 @@ def render(
         ((64, 64, 3), (64, 64, 1), (64, 64))
     """
     check_known("image kind", kinds, KINDS)
-    valid = finite(scene, camera)
-    origin, direction = camera_rays(camera, lens)
-    t_max = jnp.where(valid, jnp.inf, -1.0)
-    hit = cast(scene, origin, direction, t_max=t_max, exclude=exclude, mask=Ray.CAMERA, executor=executor)
-    # Without the barrier XLA fuses the camera's rays into every image and computes them again for each component.
-    direction, hit = jax.lax.optimization_barrier((direction, hit))
-    images = _Images(bank, scene, direction, hit, depth_max, valid)
+    view = View(bank, scene, camera, lens, resolve(preset), exclude, executor)
+    images = _Images(view, depth_max)
     return {kind: images.of(kind) for kind in kinds}
 
 
-def finite(scene: Scene, camera: Camera) -> Bool[Array, ""]:
-    """Whether the poses of the camera and of everything that moves are numbers."""
-    leaves = [*jax.tree.leaves(camera), scene.moving.pose]
-    return jnp.all(jnp.stack([jnp.all(jnp.isfinite(leaf)) for leaf in leaves]))
-
-
 class _Images:
-    """Images of one cast, each made when asked for."""
+    """Images of one view, each made when asked for."""
 
-    def __init__(
-        self,
-        bank: HouseBank,
-        scene: Scene,
-        direction: Float[Array, "*image 3"],
-        hit: Hit,
-        depth_max: float | None,
-        valid: Bool[Array, ""],
-    ) -> None:
-        self._bank, self._scene, self._direction, self._hit = bank, scene, direction, hit
-        self._depth_max, self._is_valid = depth_max, valid
+    def __init__(self, view: View, depth_max: float | None) -> None:
+        self._view, self._depth_max = view, depth_max
+        self._bank, self._scene, self._rays = view.bank, view.scene, view.middle
 
     def of(self, kind: str) -> Array:
         if kind in SEMANTIC_KINDS:
-            return surface.semantics(self._bank, self._scene, self._hit, SEMANTIC_KINDS[kind])
+            return surface.semantics(self._bank, self._scene, self._rays.hit, SEMANTIC_KINDS[kind])
         return getattr(self, f"_{kind}")()
 
     def _rgb(self) -> Array:
-        return shading.encode(shading.head_light(self._albedo(), self._normal(), self._direction))
+        return self._view.rgb()
 
     def _albedo(self) -> Array:
-        return shading.albedo(self._bank, self._scene, self._hit)
+        return shading.albedo(self._bank, self._scene, self._rays.hit)
 
     def _normal(self) -> Array:
-        return surface.normals(self._scene, self._direction, self._hit)
+        return surface.normals(self._scene, self._rays.direction, self._rays.hit)
 
     def _depth(self) -> Array:
-        return self._clip(self._hit.t)
+        return self._clip(self._rays.hit.t)
 
     def _distance(self) -> Array:
-        return self._clip(self._hit.t * jnp.linalg.norm(self._direction, axis=-1))
+        return self._clip(self._rays.hit.t * jnp.linalg.norm(self._rays.direction, axis=-1))
 
     def _clip(self, distance: Float[Array, "*image"]) -> Array:
         return (distance if self._depth_max is None else jnp.minimum(distance, self._depth_max))[..., None]
 
     def _instance(self) -> Array:
-        return surface.object_ids(self._scene, self._hit)
+        return surface.object_ids(self._scene, self._rays.hit)
 
     def _material(self) -> Array:
-        return surface.material_rows(self._scene, self._hit)
+        return surface.material_rows(self._scene, self._rays.hit)
 
     def _valid(self) -> Array:
-        return self._is_valid
+        return self._view.valid

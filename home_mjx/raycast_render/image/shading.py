@@ -2,9 +2,9 @@
 
 import jax
 import jax.numpy as jnp
-import numpy as np
-from jaxtyping import Array, Float, Int, UInt8
+from jaxtyping import Array, Float, UInt8
 
+from home_mjx.raycast_render.image import texture
 from home_mjx.raycast_render.surface import material_rows, texture_coordinates
 from home_mjx.raycast_render.types import Hit, Scene
 from home_mjx.scene_compile.bank import HouseBank
@@ -19,23 +19,10 @@ def albedo(bank: HouseBank, scene: Scene, hit: Hit) -> Float[Array, "*rays 3"]:
     """Diffuse reflectance in linear light: the material's colour times its texture; the sky's colour on a miss."""
     row = jnp.maximum(material_rows(scene, hit), 0)
     layer = bank.materials.texture[row]
-    texel = sample(bank.materials.textures, jnp.maximum(layer, 0), texture_coordinates(scene, hit))
+    texel = texture.nearest(bank.materials.textures, jnp.maximum(layer, 0), texture_coordinates(scene, hit))
+    texel = jnp.asarray(texture.DECODE)[texel[..., :3].astype(jnp.int32)]
     color = bank.materials.albedo[row][..., :3] * jnp.where(layer[..., None] < 0, 1, texel)
     return jnp.where(hit.instance[..., None] < 0, jnp.array(SKY, jnp.float32), color)
-
-
-def sample(
-    textures: UInt8[Array, "l s s 4"], layer: Int[Array, "*rays"], uv: Float[Array, "*rays 2"]
-) -> Float[Array, "*rays 3"]:
-    """The nearest texel in linear light, the texture repeating; v = 0 is the bottom row.
-
-    Nearest, because at 64x64 pixels textures are minified and bilinear taps would cost four gathers and still alias.
-    """
-    size = textures.shape[1]
-    texel = jnp.floor((uv - jnp.floor(uv)) * size).astype(jnp.int32)
-    column, row = (jnp.minimum(texel[..., i], size - 1) for i in range(2))
-    color = textures[layer, size - 1 - row, column]
-    return jnp.asarray(DECODE)[color[..., :3].astype(jnp.int32)]
 
 
 def head_light(
@@ -57,12 +44,3 @@ def encode(linear: Float[Array, "*rays 3"]) -> UInt8[Array, "*rays 3"]:
     curve = 1.055 * jnp.power(jnp.maximum(exposed, 0.0031308), 1 / 2.4) - 0.055
     encoded = jnp.where(exposed <= 0.0031308, 12.92 * exposed, curve)
     return jnp.round(encoded * 255).astype(jnp.uint8)
-
-
-def _decode_table() -> Float[np.ndarray, "256"]:
-    """Linear light of each sRGB byte (IEC 61966-2-1)."""
-    value = np.arange(256) / 255
-    return np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4).astype(np.float32)
-
-
-DECODE = _decode_table()

@@ -104,7 +104,7 @@ def _light(value: Value) -> Light:
     kind = value.member("type").text()
     if kind not in LIGHT_KINDS:
         raise value.member("type").error(f"unknown light `{kind}`", f"Known: {', '.join(LIGHT_KINDS)}.")
-    cutoff = value.member("cutoffAngle")
+    cutoff, dropoff = value.member("cutoffAngle"), value.member("dropoffRate")
     return Light(
         kind=kind,
         power=value.member("power").number(),
@@ -112,6 +112,7 @@ def _light(value: Value) -> Light:
         position=_point(value.member("position")),
         direction=_optional_point(value.member("direction")),
         cutoff=cutoff.number() if cutoff.present else None,
+        dropoff=dropoff.number() if dropoff.present else 0.0,
         end=_optional_point(value.member("position2")),
     )
 

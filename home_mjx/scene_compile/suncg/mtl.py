@@ -9,6 +9,8 @@ from .files import read_text
 from .place import Place
 from .textures import Textures
 
+MAX_SHININESS = 1000.0  # as the MTL format has it
+
 
 def read_mtl(path: Path, textures: Textures, hint: str | None = None) -> tuple[Material, ...]:
     """The materials of an MTL in file order, which is the order of SUNCG's material slots.
@@ -45,7 +47,7 @@ def _new_name(name: str, known: dict, place: Place) -> str:
     return name
 
 
-def _numbers(text: str, count: int, place: Place) -> list[float]:
+def _numbers(text: str, count: int, place: Place, largest: float = 1.0) -> list[float]:
     words = text.split()[:count]
     try:
         numbers = [float(word) for word in words]
@@ -53,7 +55,7 @@ def _numbers(text: str, count: int, place: Place) -> list[float]:
         numbers = []
     if len(numbers) != count or not all(map(math.isfinite, numbers)):
         raise place.error(f"expected {count} finite number(s), got `{text[:60]}`")
-    return [min(max(x, 0.0), 1.0) for x in numbers]
+    return [min(max(x, 0.0), largest) for x in numbers]
 
 
 def _diffuse(text: str, _: Textures, place: Place) -> dict:
@@ -69,10 +71,26 @@ def _transparency(text: str, _: Textures, place: Place) -> dict:
     return {"opacity": 1.0 - _numbers(text, 1, place)[0]}
 
 
+def _specular(text: str, _: Textures, place: Place) -> dict:
+    red, green, blue = _numbers(text, 3, place)
+    return {"specular": (red, green, blue)}
+
+
+def _shininess(text: str, _: Textures, place: Place) -> dict:
+    return {"shininess": _numbers(text, 1, place, MAX_SHININESS)[0]}
+
+
 def _color_map(text: str, textures: Textures, place: Place) -> dict:
     if not text or text.startswith("-"):
         raise place.error(f"expected a file name, got `{text[:60]}`", "Options of map_Kd are not supported.")
     return {"texture": textures.mapped(text, place.file.parent, place)}
 
 
-_PROPERTIES = {"Kd": _diffuse, "d": _opacity, "Tr": _transparency, "map_Kd": _color_map}
+_PROPERTIES = {
+    "Kd": _diffuse,
+    "d": _opacity,
+    "Tr": _transparency,
+    "Ks": _specular,
+    "Ns": _shininess,
+    "map_Kd": _color_map,
+}

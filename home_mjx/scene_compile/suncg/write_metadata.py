@@ -98,6 +98,7 @@ def _light(light: Light, model_id: str) -> dict[str, Any]:
         "position2": light.end,
         "direction": light.direction,
         "cutoffAngle": light.cutoff,
+        "dropoffRate": light.dropoff or None,
         "attenuation": [0, 0, 1],
     }
     return {key: value for key, value in entry.items() if value is not None}

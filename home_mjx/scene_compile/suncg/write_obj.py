@@ -74,7 +74,11 @@ def mtl_text(materials: tuple[Material, ...]) -> str:
 def _newmtl(material: Material) -> str:
     color = " ".join(f"{x:.6g}" for x in material.diffuse or (1.0, 1.0, 1.0))
     opacity = 1.0 if material.opacity is None else material.opacity
-    lines = [f"newmtl {material.name}", "illum 2", f"d {opacity:g}", "Ns 30", f"Kd {color}", "Ks 0.067 0.067 0.067"]
+    lines = [f"newmtl {material.name}", "illum 2", f"d {opacity:g}", f"Kd {color}"]
+    if material.shininess is not None:
+        lines.append(f"Ns {material.shininess:g}")
+    if material.specular is not None:
+        lines.append("Ks " + " ".join(f"{x:.6g}" for x in material.specular))
     if material.texture is not None:
         lines.append(f"map_Kd ../../texture/{material.texture.name}")
     return "\n".join(lines) + "\n"

@@ -1,0 +1,22 @@
+"""Well spread points for the rays of a pixel: the same in every run, image and batch."""
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+# The golden ratio's sibling in two dimensions; M. Roberts, "The unreasonable effectiveness of quasirandom sequences".
+PLASTIC = 1.32471795724474602596
+STEP = np.array([1 / PLASTIC, 1 / PLASTIC**2], np.float32)
+
+
+def point(sample: Int[Array, ""] | int) -> Float[Array, "2"]:
+    """The sample's point in the unit square; sample 0 is its middle."""
+    shift = jnp.asarray(STEP) * jnp.asarray(sample, jnp.float32) + 0.5
+    return shift - jnp.floor(shift)
+
+
+def points(sample: Int[Array, ""] | int, shape: tuple[int, ...], seed: int) -> Float[Array, "*image 2"]:
+    """The sample's point for each pixel, moved by a random number of its own, so that errors look like grain."""
+    own = np.random.default_rng(seed).random((*shape, 2), np.float32)
+    moved = jnp.broadcast_to(point(sample), own.shape) + own
+    return moved - jnp.floor(moved)

@@ -1,0 +1,107 @@
+"""What one camera sees of one environment: its rays, and their colours under a preset."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int, UInt8
+
+from home_mjx.raycast_render import surface
+from home_mjx.raycast_render.cast import cast
+from home_mjx.raycast_render.image import lit, sampling, shading
+from home_mjx.raycast_render.image.camera import Camera, Lens, camera_rays, pixel_width
+from home_mjx.raycast_render.image.optics import Sight
+from home_mjx.raycast_render.image.preset import Lit
+from home_mjx.raycast_render.types import Hit, Scene
+from home_mjx.scene_compile.bank import HouseBank
+from home_mjx.scene_compile.compiled import Ray
+from home_mjx.scene_compile.pytree import Pytree
+
+
+class CameraRays(Pytree):
+    """One ray per pixel, and what it meets first."""
+
+    origin: Float[Array, "*image 3"]
+    direction: Float[Array, "*image 3"]
+    hit: Hit
+
+
+@dataclass(frozen=True)
+class View:
+    """A camera in an environment; `options` None is the fast preset."""
+
+    bank: HouseBank
+    scene: Scene
+    camera: Camera
+    lens: Lens
+    options: Lit | None
+    exclude: Int[Array, ""] | int
+    executor: str | None
+
+    @cached_property
+    def valid(self) -> Bool[Array, ""]:
+        """Whether the poses of the camera and of everything that moves are numbers."""
+        leaves = [*jax.tree.leaves(self.camera), self.scene.moving.pose]
+        return jnp.all(jnp.stack([jnp.all(jnp.isfinite(leaf)) for leaf in leaves]))
+
+    @cached_property
+    def middle(self) -> CameraRays:
+        """Through the middle of every pixel."""
+        return self.cast(sampling.point(0))
+
+    def cast(self, at: Float[Array, "2"]) -> CameraRays:
+        """Through a point of every pixel; nothing is met where a pose is no number."""
+        origin, direction = camera_rays(self.camera, self.lens, at)
+        reach = jnp.where(self.valid, jnp.inf, -1.0)
+        found = cast(
+            self.scene,
+            origin,
+            direction,
+            t_max=reach,
+            exclude=self.exclude,
+            mask=Ray.CAMERA,
+            executor=self.executor,
+        )
+        # Without the barrier XLA fuses the camera's rays into every image and computes them again for each component.
+        direction, found = jax.lax.optimization_barrier((direction, found))
+        return CameraRays(origin, direction, found)
+
+    def rgb(self) -> UInt8[Array, "*image 3"]:
+        """sRGB: the mean of the samples of each pixel as they would be shown."""
+        first = self._shown(self.middle, 0)
+        if self.lens.samples == 1:
+            return shading.encode(first)
+
+        def add(total: Float[Array, "*image 3"], sample: Int[Array, ""]) -> tuple[Float[Array, "*image 3"], None]:
+            return total + self._shown(self.cast(sampling.point(sample)), sample), None
+
+        total, _ = jax.lax.scan(add, first, jnp.arange(1, self.lens.samples, dtype=jnp.int32))
+        return shading.encode(total / self.lens.samples)
+
+    def _shown(self, rays: CameraRays, sample: Int[Array, ""] | int) -> Float[Array, "*image 3"]:
+        """Linear light on a display, 0..1."""
+        if self.options is None:
+            albedo = shading.albedo(self.bank, self.scene, rays.hit)
+            normal = surface.normals(self.scene, rays.direction, rays.hit)
+            return jnp.clip(shading.head_light(albedo, normal, rays.direction), 0, 1)
+        start, growth = pixel_width(self.camera, self.lens)
+        shape = rays.hit.t.shape
+        sight = Sight(rays.origin, rays.direction, rays.hit, jnp.full(shape, start), jnp.ones((*shape, 3)))
+        light = lit.radiance(
+            self.bank,
+            self.scene,
+            sight,
+            growth,
+            self._spread(shape, sample),
+            self.options,
+            self.exclude,
+            self.executor,
+        )
+        return lit.tone_map(light, self.options.exposure)
+
+    def _spread(self, shape: tuple[int, ...], sample: Int[Array, ""] | int) -> Float[Array, "*image 2"]:
+        """Where on a light its light comes from, -1..1: its middle, unless several samples can be told apart."""
+        if self.lens.samples == 1 and not (self.options and self.options.corners):
+            return jnp.zeros((*shape, 2), jnp.float32)
+        return 2 * sampling.points(sample, shape, seed=1) - 1

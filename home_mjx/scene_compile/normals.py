@@ -1,0 +1,48 @@
+"""Normals of the corners of triangles, smooth across edges that are meant to be round."""
+
+import numpy as np
+from jaxtyping import Float, Int
+
+CREASE = np.cos(np.deg2rad(40.0))  # sharper edges stay edges
+WELD = 1e-4  # [m]: corners nearer than this are one
+MANY = 64  # faces around a corner, from which on it is a knot of leaves rather than a surface
+
+
+def crease_normals(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "t 3 3"]:
+    """Unit normals of corners: the mean of the faces around each that turn by less than the crease angle.
+
+    Faces count by their area. A face without area has zero normals.
+
+    Args:
+        triangles: Corners, counter-clockwise outwards [m].
+
+    Example:
+        >>> flat = crease_normals(np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]]))
+        >>> flat[0, 0].tolist()
+        [0.0, 0.0, 1.0]
+    """
+    area = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    length = np.linalg.norm(area, axis=1, keepdims=True)
+    flat = np.divide(area, length, out=np.zeros_like(area), where=length > 0)
+    corner, other = _neighbours(triangles)
+    face = corner // 3
+    joined = np.einsum("ni,ni->n", flat[face], flat[other]) > CREASE
+    total = np.zeros((len(triangles) * 3, 3))
+    for axis in range(3):
+        total[:, axis] = np.bincount(corner[joined], area[other[joined], axis], len(total))
+    size = np.linalg.norm(total, axis=1, keepdims=True)
+    smooth = np.divide(total, size, out=np.repeat(flat, 3, axis=0), where=size > 1e-12)
+    return smooth.reshape(-1, 3, 3)
+
+
+def _neighbours(triangles: Float[np.ndarray, "t 3 3"]) -> tuple[Int[np.ndarray, " n"], Int[np.ndarray, " n"]]:
+    """Pairs of a corner (face * 3 + k) and a face that has a corner at the same place, itself included."""
+    places = np.round(triangles.reshape(-1, 3) / WELD).astype(np.int64)
+    place = np.unique(places, axis=0, return_inverse=True)[1].reshape(-1)
+    order = np.argsort(place, kind="stable")
+    count = np.bincount(place)
+    start = np.cumsum(count) - count
+    mine = np.where(count[place] <= MANY, count[place], 0)
+    corner = np.repeat(np.arange(len(place)), mine)
+    step = np.arange(len(corner)) - np.repeat(np.cumsum(mine) - mine, mine)
+    return corner, order[start[place[corner]] + step] // 3
