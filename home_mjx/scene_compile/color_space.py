@@ -41,7 +41,7 @@ def srgb_to_lab(color: Float[np.ndarray, "*n 3"]) -> Float[np.ndarray, "*n 3"]:
 
 
 def ciede2000(a: Float[np.ndarray, "*n 3"], b: Float[np.ndarray, "*m 3"]) -> Float[np.ndarray, "..."]:
-    """Perceived difference of CIELAB colours, broadcast over leading axes.
+    """Perceived difference of CIELAB colours, broadcast over leading axes, of which there must be one.
 
     Formula and names: Sharma, Wu, Dalal, "The CIEDE2000 Color-Difference Formula", Color Research & Application 30
     (2005), equations 2 to 22, with all three parametric factors 1.
@@ -51,8 +51,8 @@ def ciede2000(a: Float[np.ndarray, "*n 3"], b: Float[np.ndarray, "*m 3"]) -> Flo
         b: CIELAB colours.
 
     Example:
-        >>> ciede2000(np.array([50.0, 2.5, 0.0]), np.array([73.0, 25.0, -18.0])).round(4)
-        27.1492
+        >>> ciede2000(np.array([[50.0, 2.5, 0.0]]), np.array([[73.0, 25.0, -18.0], [50.0, 0.0, -2.5]])).round(4)
+        array([27.1492,  4.3065])
     """
     a, b = np.broadcast_arrays(a, b)
     stretch = 1.5 - 0.5 * _saturation((np.hypot(a[..., 1], a[..., 2]) + np.hypot(b[..., 1], b[..., 2])) / 2)
