@@ -99,6 +99,20 @@ def _executors() -> Iterator[Finding]:
     problem = cpu_problem()
     detail = f"does not work: {problem}; `xla` takes its place, slower on a CPU" if problem else "compiled by Numba"
     yield Finding("executor cpu", NOTE if problem else OK, detail)
+    yield _cuda_executor()
+
+
+def _cuda_executor() -> Finding:
+    from home_mjx.raycast_render import nvrtc
+    from home_mjx.raycast_render.cuda import cuda_devices, cuda_problem
+
+    if not cuda_devices():
+        return Finding("executor cuda", NOTE, "JAX has no NVIDIA GPU here")
+    problem = cuda_problem()
+    if problem:
+        return Finding("executor cuda", NOTE, f"does not work: {problem}; `xla` takes its place, slower")
+    version = ".".join(map(str, nvrtc.version(nvrtc.find_library())))
+    return Finding("executor cuda", OK, f"compiled by NVRTC {version}, kept in {nvrtc.cache_folder() / 'kernels'}")
 
 
 def _ffmpeg() -> Iterator[Finding]:

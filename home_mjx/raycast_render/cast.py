@@ -41,7 +41,7 @@ def cast(
         t_max: The other end; rays with t_max < t_min hit nothing at no cost.
         exclude: Object id, or I + a for agent a, that the ray passes through; -1 none.
         mask: `Ray` bits; materials that stop none of them are passed through.
-        executor: "xla", "cpu" or None, which chooses by the platform that the program is compiled for.
+        executor: "xla", "cpu", "cuda" or None, which chooses by the platform that the program is compiled for.
 
     Returns:
         The hits, with the leading shape of `origin`.
@@ -97,6 +97,7 @@ def _rays(origin: Array, direction: Array, t_min: Distance, t_max: Distance, exc
         t_max=fill(t_max, jnp.float32),
         exclude=fill(exclude, jnp.int32),
         mask=fill(mask, jnp.int32),
+        width=shape[-1] if len(shape) > 1 else 0,
     )
 
 

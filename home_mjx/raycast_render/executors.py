@@ -6,8 +6,9 @@ from collections.abc import Callable
 import jax
 from jaxtyping import Array, Int
 
-from home_mjx.errors import ExecutorError, check_known
+from home_mjx.errors import check_known
 from home_mjx.raycast_render.cpu import cast_cpu, cpu_available
+from home_mjx.raycast_render.cuda import cast_cuda, cuda_available
 from home_mjx.raycast_render.types import Moving, RawHit, Rays
 from home_mjx.raycast_render.xla import cast_xla
 from home_mjx.scene_compile.bank import Geometry
@@ -21,21 +22,11 @@ Ray [e, r] belongs to environment e. With `any_hit` a ray may stop at the first 
 
 def cast_auto(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, any_hit: bool) -> RawHit:
     """The best executor of the platform that the program is lowered for."""
-    if not cpu_available():
-        return cast_xla(geometry, house, moving, rays, any_hit)
-    return jax.lax.platform_dependent(
-        geometry,
-        house,
-        moving,
-        rays,
-        cpu=functools.partial(cast_cpu, any_hit=any_hit),
-        default=functools.partial(cast_xla, any_hit=any_hit),
-    )
-
-
-def cast_cuda(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, any_hit: bool) -> RawHit:
-    """Not there yet."""
-    raise ExecutorError("the `cuda` executor is not there yet", hint="Use executor=None, which runs `xla` on GPUs.")
+    special = {"cpu": cast_cpu} if cpu_available() else {}
+    special |= {"cuda": cast_cuda} if cuda_available() else {}
+    branches = {name: functools.partial(cast, any_hit=any_hit) for name, cast in special.items()}
+    default = functools.partial(cast_xla, any_hit=any_hit)
+    return jax.lax.platform_dependent(geometry, house, moving, rays, default=default, **branches)
 
 
 EXECUTORS: dict[str | None, Executor] = {None: cast_auto, "xla": cast_xla, "cpu": cast_cpu, "cuda": cast_cuda}

@@ -5,7 +5,7 @@ from typing import NamedTuple
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.scene_compile.bank import Geometry
-from home_mjx.scene_compile.pytree import Pytree
+from home_mjx.scene_compile.pytree import Pytree, static
 
 
 class Moving(Pytree):
@@ -38,10 +38,14 @@ class Rays(Pytree):
     t_max: Float[Array, "*rays"]  # no hit can be found where t_max < t_min
     exclude: Int[Array, "*rays"]  # object id (I + a for agent a) that the ray passes through; -1 none
     mask: Int[Array, "*rays"]  # `compiled.Ray` bits
+    width: int = static(default=0)  # of the image whose rows the rays are; 0 if they are none
 
 
 class RawHit(NamedTuple):
-    """What executors return, of shape (environments, rays per environment)."""
+    """What executors return, of shape (environments, rays per environment).
+
+    After casting for any hit only `instance` counts, and of that only whether it is >= 0.
+    """
 
     t: Array  # MISS on a miss
     instance: Array

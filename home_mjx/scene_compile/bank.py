@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int, UInt8, UInt16
 from tqdm import tqdm
@@ -14,6 +15,7 @@ from tqdm import tqdm
 from home_mjx.scene_compile.cache import HouseCache
 from home_mjx.scene_compile.compile import DEFAULT_OPTIONS, CompileOptions
 from home_mjx.scene_compile.compiled import CompiledHouse
+from home_mjx.scene_compile.gpu_geometry import GpuGeometry, gpu_geometry
 from home_mjx.scene_compile.pack import Packed, pack
 from home_mjx.scene_compile.pytree import Pytree, static
 from home_mjx.scene_compile.suncg import Dataset, open_dataset
@@ -47,6 +49,7 @@ class Geometry(Pytree):
     agent_model: Int[Array, ""]  # library model of an agent (unit: its real size)
     agent_material: Int[Array, ""]
     agent_semantic: Int[Array, ""]
+    gpu: GpuGeometry | None = None  # the same once more for the `cuda` ray executor; None: it lays it out at each cast
 
 
 class Materials(Pytree):
@@ -254,10 +257,12 @@ class HouseBank(Pytree):
 
 def to_bank(packed: Packed) -> HouseBank:
     """Packed houses on the device."""
-    tables: dict[str, dict[str, Array]] = {}
+    tables: dict[str, dict[str, Any]] = {}
     for name, values in packed.arrays.items():
         record, _, field = name.partition(".")
         tables.setdefault(record, {})[field] = jnp.asarray(values)
+    if jax.default_backend() == "gpu":
+        tables["geometry"]["gpu"] = gpu_geometry(Geometry(**tables["geometry"]))
     whole: dict[str, Any] = {name: table[""] for name, table in tables.items() if "" in table}
     whole |= {name: record(**tables[name]) for name, record in RECORDS.items()}
     sizes = {name: getattr(packed.capacity, name.removeprefix("num_")) for name in SIZES}

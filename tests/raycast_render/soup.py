@@ -1,17 +1,24 @@
 """Scenes of random triangles by hand, and a brute-force caster in float64 that knows nothing of trees."""
 
+import os
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pytest
 
 from home_mjx.raycast_render.types import Moving, Scene
 from home_mjx.scene_compile.bank import Geometry
 from home_mjx.scene_compile.bvh import build_tree, build_triangle_tree
 
-EXECUTORS = ("xla", "cpu")
+# `JAX_PLATFORMS=cuda,cpu python -m pytest tests/raycast_render` includes the GPU.
+needs_gpu = pytest.mark.skipif(
+    "cuda" not in os.environ.get("JAX_PLATFORMS", ""), reason="needs an NVIDIA GPU: JAX_PLATFORMS=cuda,cpu"
+)
+CUDA = pytest.param("cuda", marks=needs_gpu)
+EXECUTORS = ("xla", "cpu", CUDA)
 
 
 @dataclass
@@ -92,6 +99,7 @@ class Soup:
             instance_material=i32(columns["material"][None]),
             instance_semantic=i32(np.zeros((1, len(pose)))),
             instance_body=i32(np.full((1, len(pose)), -1)),
+            object_semantic=i32(np.full((1, len(pose)), -1)),
             material_mask=i32(self.material_mask),
             agent_model=i32(0),
             agent_material=i32(0),
@@ -204,6 +212,8 @@ def brute_force(soup, origin, direction, t_min=0.0, t_max=np.inf, exclude=-1, ma
 
 
 def in_jit(function, *args, **static):
-    """Under jit and under JAX's strictest rules for mixing types and ranks."""
+    """Under jit and under JAX's strictest rules for mixing types and ranks; the `cpu` executor on a CPU."""
+    device = jax.devices("cpu")[0] if static.get("executor") == "cpu" else jax.devices()[0]
+    args = jax.device_put(args, device)
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
         return jax.tree.map(np.asarray, jax.jit(lambda *a: function(*a, **static))(*args))

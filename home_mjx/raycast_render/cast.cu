@@ -1,0 +1,418 @@
+// The kernel of the `cuda` executor: two-level traversal, one ray per thread. nvrtc.py compiles it at run time.
+//
+// It does what xla.py and native.py do, and tests triangles with the same roundings as they, so that all three agree;
+// boxes are tested otherwise, which decides no hit.
+//
+// Sources: S. Woop, C. Benthin, I. Wald, "Watertight ray/triangle intersection", JCGT 2(1), 2013; T. Ize, "Robust BVH
+// ray traversal", JCGT 2(2), 2013; T. Aila, S. Laine, "Understanding the efficiency of ray traversal on GPUs", HPG 2009
+// (both children's boxes in the parent, the nearer child first, a stack per ray); S. Boulos, I. Wald, P. Shirley,
+// "Geometric and arithmetic culling methods for entire ray packets", 2006 (boxes against all rays of a warp).
+
+#define INLINE __device__ __forceinline__
+
+constexpr int BLOCK = 64;          // threads; cuda.py launches as many
+constexpr int BLOCKS_PER_SM = 18;  // keeps the compiler to 56 registers, for many warps hide the memory's latency
+constexpr int GROUP = 32;          // moving instances that are looked at together
+constexpr int TILE_WIDTH = 8;      // pixels of an image that a warp casts
+constexpr int TILE_HEIGHT = 4;
+constexpr int EMPTY = -1;          // code of an empty leaf; on the stack, the bottom of a tree
+constexpr int MAX_DEPTH = 32;      // of a tree, as in bvh.py
+constexpr float MISS = 3e38f;      // as in limits.py, like the next two
+constexpr float FAR_SLACK = 1 + 6e-7f;
+constexpr float TINY = 1e-20f;
+#define INF __int_as_float(0x7f800000)
+
+#ifndef WARP_SIZE  // tests compile this file for a CPU, with warps of one thread
+constexpr int WARP_SIZE = 32;
+constexpr unsigned ALL_LANES = 0xffffffffu;
+
+INLINE float fast_reciprocal(float x) {
+  float y;
+  asm("rcp.approx.ftz.f32 %0, %1;" : "=f"(y) : "f"(x));
+  return y;
+}
+
+INLINE int reduce_min(int x) {
+#if __CUDA_ARCH__ >= 800
+  return __reduce_min_sync(ALL_LANES, x);
+#else
+  for (int step = WARP_SIZE / 2; step > 0; step /= 2) x = min(x, __shfl_xor_sync(ALL_LANES, x, step));
+  return x;
+#endif
+}
+
+// Maps a float's bits to integers of the same order, which hardware can reduce, and back.
+INLINE int in_order(int bits) { return bits ^ ((bits >> 31) & 0x7fffffff); }
+
+INLINE float warp_min(float x) { return __int_as_float(in_order(reduce_min(in_order(__float_as_int(x))))); }
+
+INLINE float warp_max(float x) { return -warp_min(-x); }
+
+INLINE unsigned warp_ballot(bool x) { return __ballot_sync(ALL_LANES, x); }
+#endif
+
+// The arrays of gpu_geometry.py, and one environment's part of those that cuda.py makes
+struct World {
+  const float4* __restrict__ node;      // 4 a node: centre and half size of each child's box, then the children's codes
+  const float4* __restrict__ triangle;  // 3 a triangle: its corners, the slot in the first one's fourth place
+  const int* __restrict__ material_mask;
+  const float4* __restrict__ fixed;   // 4 a static instance: rows of its inverse, then root, number, object, material
+  const float4* __restrict__ moving;  // the same of moving instances
+  const float2* __restrict__ box;     // 3 a moving instance: its bounds in the world
+  int root;                           // of the tree over the static instances
+  int num_moving;
+};
+
+struct Ray {
+  float ox, oy, oz, dx, dy, dz, t_min;
+  int exclude, mask;
+};
+
+// A ray prepared for boxes: 1 / direction and origin / direction
+struct Slopes {
+  float ix, iy, iz, cx, cy, cz;
+};
+
+// A ray prepared for triangles: the axis along which it is longest changes places with z
+struct Shear {
+  int axis;
+  float ox, oy, oz, dx, dy, iz;
+};
+
+struct Best {
+  float t;
+  int instance, triangle;
+  float u, v;
+  bool front;
+};
+
+// Boxes ----------------------------------------------------------------------------------------------------------
+
+INLINE float reciprocal(float x) { return fast_reciprocal(copysignf(fmaxf(fabsf(x), TINY), x)); }
+
+INLINE Slopes slopes_of(float ox, float oy, float oz, float dx, float dy, float dz) {
+  float ix = reciprocal(dx), iy = reciprocal(dy), iz = reciprocal(dz);
+  return {ix, iy, iz, ox * ix, oy * iy, oz * iz};
+}
+
+INLINE Slopes slopes_of(const Ray& ray) { return slopes_of(ray.ox, ray.oy, ray.oz, ray.dx, ray.dy, ray.dz); }
+
+// Whether a ray is in a box between t_min and limit, and from where on. An empty box has half size -inf.
+INLINE bool meets(const Slopes& s, float cx, float cy, float cz, float hx, float hy, float hz, float t_min, float limit,
+                  float& near) {
+  float x = fmaf(cx, s.ix, -s.cx), y = fmaf(cy, s.iy, -s.cy), z = fmaf(cz, s.iz, -s.cz);
+  float ax = fabsf(s.ix), ay = fabsf(s.iy), az = fabsf(s.iz);
+  near = fmaxf(fmaxf(fmaf(-hx, ax, x), fmaf(-hy, ay, y)), fmaxf(fmaf(-hz, az, z), t_min));
+  float far = fminf(fminf(fmaf(hx, ax, x), fmaf(hy, ay, y)), fmaf(hz, az, z));
+  return near <= fminf(far * FAR_SLACK, limit);
+}
+
+// The stack holds codes, each with the distance at which the ray gets there.
+INLINE void push(int2*& top, int code, float t) { *top++ = make_int2(code, __float_as_int(t)); }
+
+INLINE void push_bottom(int2*& top) { push(top, EMPTY, -INF); }
+
+// What was put off last and still lies before the best hit, or the bottom
+INLINE int pop(int2*& top, float limit) {
+  int2 entry;
+  do {
+    entry = *--top;
+  } while (__int_as_float(entry.y) > limit);
+  return entry.x;
+}
+
+// From a node on to the nearer child that the ray meets, or to what it put off last
+INLINE int descend(const World& world, int node, const Slopes& s, float t_min, float limit, int2*& top) {
+  const float4* at = world.node + 4ll * node;
+  float4 p = __ldg(at), q = __ldg(at + 1), r = __ldg(at + 2);
+  int2 child = __ldg(reinterpret_cast<const int2*>(at + 3));
+  float t0, t1;
+  bool meets0 = meets(s, p.x, p.y, p.z, p.w, q.x, q.y, t_min, limit, t0);
+  bool meets1 = meets(s, q.z, q.w, r.x, r.y, r.z, r.w, t_min, limit, t1);
+  if (meets0 && meets1) {
+    bool swap = t1 < t0;
+    push(top, swap ? child.x : child.y, swap ? t0 : t1);
+    return swap ? child.y : child.x;
+  }
+  return meets0 ? child.x : meets1 ? child.y : pop(top, limit);
+}
+
+// Triangles ---------------------------------------------------------------------------------------------------------
+// The _rn functions keep the compiler from fusing multiplication and addition: what triangles say of an edge that they
+// share must round alike.
+
+INLINE Shear shear_of(float ox, float oy, float oz, float dx, float dy, float dz) {
+  float x = fabsf(dx), y = fabsf(dy), z = fabsf(dz);
+  int axis = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
+  float longest = axis == 0 ? dx : axis == 1 ? dy : dz;
+  return {axis,
+          axis == 0 ? oz : ox,
+          axis == 1 ? oz : oy,
+          axis == 0 ? ox : axis == 1 ? oy : oz,
+          axis == 0 ? dz : dx,
+          axis == 1 ? dz : dy,
+          __fdiv_rn(1, longest)};
+}
+
+// A corner, sheared so that the ray runs along z through the origin; z counts in units of t
+INLINE float3 corner_of(const Shear& s, const float4& p) {
+  float z = __fmul_rn(__fsub_rn(s.axis == 0 ? p.x : s.axis == 1 ? p.y : p.z, s.oz), s.iz);
+  float x = __fsub_rn(__fsub_rn(s.axis == 0 ? p.z : p.x, s.ox), __fmul_rn(s.dx, z));
+  float y = __fsub_rn(__fsub_rn(s.axis == 1 ? p.z : p.y, s.oy), __fmul_rn(s.dy, z));
+  return make_float3(x, y, z);
+}
+
+// Equal distances go to the lower instance and triangle, so that the order of traversal does not matter.
+INLINE bool comes_first(float t, int instance, int triangle, const Best& best) {
+  if (t != best.t || best.instance < 0) return t <= best.t;
+  return instance == best.instance ? triangle < best.triangle : instance < best.instance;
+}
+
+INLINE void test(const World& world, int triangle, int instance, int material, const Ray& ray, const Shear& s,
+                 Best& best) {
+  const float4* at = world.triangle + 3ll * triangle;
+  float4 first = __ldg(at);
+  float3 a = corner_of(s, first), b = corner_of(s, __ldg(at + 1)), c = corner_of(s, __ldg(at + 2));
+  // Edge functions. Their signs come from comparing the products.
+  float u0 = __fmul_rn(c.x, b.y), u1 = __fmul_rn(c.y, b.x);
+  float v0 = __fmul_rn(a.x, c.y), v1 = __fmul_rn(a.y, c.x);
+  float w0 = __fmul_rn(b.x, a.y), w1 = __fmul_rn(b.y, a.x);
+  bool positive = u0 >= u1 && v0 >= v1 && w0 >= w1;
+  if (!positive && !(u0 <= u1 && v0 <= v1 && w0 <= w1)) return;
+  float u = __fsub_rn(u0, u1), v = __fsub_rn(v0, v1), w = __fsub_rn(w0, w1);
+  float total = __fadd_rn(__fadd_rn(u, v), w);
+  if (total == 0) return;
+  float t = __fdiv_rn(__fadd_rn(__fadd_rn(__fmul_rn(u, a.z), __fmul_rn(v, b.z)), __fmul_rn(w, c.z)), total);
+  if (!(t >= ray.t_min) || !comes_first(t, instance, triangle, best)) return;
+  if ((__ldg(world.material_mask + material + __float_as_int(first.w)) & ray.mask) == 0) return;
+  bool mirrored = s.axis != 2;  // by changing places with z
+  bool front = positive == ((s.iz > 0) != mirrored);
+  best = {t, instance, triangle, __fdiv_rn(v, total), __fdiv_rn(w, total), front};
+}
+
+// Instances -----------------------------------------------------------------------------------------------------------
+
+INLINE float dot(const float4& row, float x, float y, float z) {
+  return __fadd_rn(__fadd_rn(__fmul_rn(row.x, x), __fmul_rn(row.y, y)), __fmul_rn(row.z, z));
+}
+
+// Takes a ray into the frame of an instance
+INLINE void enter(const float4* instance, const Ray& ray, Slopes& slopes, Shear& shear) {
+  float4 x = __ldg(instance), y = __ldg(instance + 1), z = __ldg(instance + 2);
+  float ox = __fadd_rn(dot(x, ray.ox, ray.oy, ray.oz), x.w), dx = dot(x, ray.dx, ray.dy, ray.dz);
+  float oy = __fadd_rn(dot(y, ray.ox, ray.oy, ray.oz), y.w), dy = dot(y, ray.dx, ray.dy, ray.dz);
+  float oz = __fadd_rn(dot(z, ray.ox, ray.oy, ray.oz), z.w), dz = dot(z, ray.dx, ray.dy, ray.dz);
+  slopes = slopes_of(ox, oy, oz, dx, dy, dz);
+  shear = shear_of(ox, oy, oz, dx, dy, dz);
+}
+
+// Casts a ray at what `code` leads to in the tree over the static instances, then at those moving instances, counted
+// from `moving`, whose bits are set in `pending`. One loop serves both levels, so that rays of a warp that are in
+// different instances, or in none, walk down nodes together.
+template <bool ANY_HIT>
+INLINE void traverse(const World& world, const Ray& ray, int code, const float4* moving, unsigned pending, Best& best) {
+  int2 stack[2 * MAX_DEPTH + 4];
+  int2* top = stack;
+  push_bottom(top);
+  Slopes slopes = slopes_of(ray);
+  Shear shear{};
+  int instance = -1, material = 0;
+  for (;;) {
+    while (code >= 0) code = descend(world, code, slopes, ray.t_min, best.t, top);
+    if (instance >= 0 && code != EMPTY) {  // at triangles
+      int triangle = ~code >> 4;
+      for (int count = ~code & 15; count > 0; --count) test(world, triangle++, instance, material, ray, shear, best);
+      if (ANY_HIT && best.instance >= 0) return;
+      code = pop(top, best.t);
+    } else if (instance >= 0) {  // through with an instance
+      instance = -1;
+      slopes = slopes_of(ray);
+      code = pop(top, best.t);
+    } else {  // at static instances, or through with them
+      const float4* next;
+      if (code != EMPTY) {
+        int index = ~code >> 4, more = (~code & 15) - 1;
+        if (more > 0) push(top, ~((index + 1) << 4 | more), ray.t_min);
+        next = world.fixed + 4 * index;
+      } else {
+        if (pending == 0) return;
+        push_bottom(top);
+        next = moving + 4 * (__ffs(pending) - 1);
+        pending &= pending - 1;
+      }
+      int4 record = __ldg(reinterpret_cast<const int4*>(next + 3));
+      if (ray.exclude >= 0 && record.z == ray.exclude) {
+        code = pop(top, best.t);
+      } else {
+        push_bottom(top);
+        enter(next, ray, slopes, shear);
+        code = record.x;
+        instance = record.y;
+        material = record.w;
+      }
+    }
+  }
+}
+
+// Moving instances -----------------------------------------------------------------------------------------------------
+
+// Bounds of the origins of a warp's rays along an axis, and of 1 / direction
+struct Span {
+  float low, high, least, most;
+};
+
+INLINE Span span_of(bool alive, float origin, float slope) {
+  return {warp_min(alive ? origin : INF), warp_max(alive ? origin : -INF), warp_min(alive ? slope : INF),
+          warp_max(alive ? slope : -INF)};
+}
+
+// Narrows [near, far] to where any of the rays may be between two planes, by interval arithmetic
+INLINE void narrow(const Span& s, float low, float high, float& near, float& far) {
+  if (s.least < 0 && s.most > 0) return;
+  float a = low - s.high, b = high - s.low;
+  float p = a * s.least, q = a * s.most, r = b * s.least, t = b * s.most;
+  near = fmaxf(near, fminf(fminf(p, q), fminf(r, t)));
+  far = fminf(far, fmaxf(fmaxf(p, q), fmaxf(r, t)));
+}
+
+struct Box {
+  float2 p, q, r;  // (x0, y0), (z0, x1), (y1, z1)
+};
+
+INLINE Box box_at(const float2* at) { return {__ldg(at), __ldg(at + 1), __ldg(at + 2)}; }
+
+// Which moving instances of a group any ray of the warp may meet; each lane looks at one box for all the rays.
+INLINE unsigned find_candidates(const float2* boxes, int count, bool alive, const Ray& ray, const Slopes& s,
+                                float limit) {
+  Span x = span_of(alive, ray.ox, s.ix), y = span_of(alive, ray.oy, s.iy), z = span_of(alive, ray.oz, s.iz);
+  float start = warp_min(alive ? ray.t_min : INF), end = warp_max(alive ? limit : -INF);
+  unsigned candidates = 0;
+  for (int first = 0; first < count; first += WARP_SIZE) {
+    int i = first + threadIdx.x % WARP_SIZE;
+    bool may = false;
+    if (i < count) {
+      Box box = box_at(boxes + 3 * i);
+      float near = start, far = end;
+      narrow(x, box.p.x, box.q.y, near, far);
+      narrow(y, box.p.y, box.r.x, near, far);
+      narrow(z, box.q.x, box.r.y, near, far);
+      // Boxes of unused slots are inside out, and those of poses that are no numbers have no order.
+      may = near <= far * (1 + 1e-5f) && box.p.x <= box.q.y && box.p.y <= box.r.x && box.q.x <= box.r.y;
+    }
+    candidates |= warp_ballot(may) << first;
+  }
+  return candidates;
+}
+
+// Which moving instances of a group this ray meets
+INLINE unsigned find_moving(const float2* boxes, int count, bool alive, const Ray& ray, float limit) {
+  Slopes s = slopes_of(ray);
+  unsigned found = 0;
+  for (unsigned left = find_candidates(boxes, count, alive, ray, s, limit); left; left &= left - 1) {
+    int i = __ffs(left) - 1;
+    Box box = box_at(boxes + 3 * i);
+    float x0 = fmaf(box.p.x, s.ix, -s.cx), x1 = fmaf(box.q.y, s.ix, -s.cx);
+    float y0 = fmaf(box.p.y, s.iy, -s.cy), y1 = fmaf(box.r.x, s.iy, -s.cy);
+    float z0 = fmaf(box.q.x, s.iz, -s.cz), z1 = fmaf(box.r.y, s.iz, -s.cz);
+    float near = fmaxf(fmaxf(fminf(x0, x1), fminf(y0, y1)), fmaxf(fminf(z0, z1), ray.t_min));
+    float far = fminf(fminf(fmaxf(x0, x1), fmaxf(y0, y1)), fmaxf(z0, z1));
+    if (alive && near <= fminf(far * FAR_SLACK, limit)) found |= 1u << i;
+  }
+  return found;
+}
+
+// Rays ------------------------------------------------------------------------------------------------------------------
+
+// The static instances first: walls hide most of what moves.
+template <bool ANY_HIT>
+INLINE Best cast(const World& world, bool alive, const Ray& ray, float t_max) {
+  Best best{fminf(t_max, MISS), -1, -1, 0, 0, false};
+  if (alive) traverse<ANY_HIT>(world, ray, world.root, world.moving, 0, best);
+  for (int first = 0; first < world.num_moving; first += GROUP) {
+    int count = min(world.num_moving - first, GROUP);
+    bool open = alive && !(ANY_HIT && best.instance >= 0);
+    unsigned pending = find_moving(world.box + 3 * first, count, open, ray, best.t);
+    if (pending) traverse<ANY_HIT>(world, ray, EMPTY, world.moving + 4 * first, pending, best);
+  }
+  return best;
+}
+
+// Which of its environment's rays this thread casts, or -1. Warps take tiles of the image, if there is one.
+INLINE int ray_of_thread(int rays_per_env, int width) {
+  int lane = threadIdx.x % WARP_SIZE, warp = blockIdx.x * (BLOCK / WARP_SIZE) + threadIdx.x / WARP_SIZE;
+  int x = lane, y = 0;
+  if (width > 0) {
+    int across = (width + TILE_WIDTH - 1) / TILE_WIDTH, down = warp / across;
+    x = (warp - down * across) * TILE_WIDTH + lane % TILE_WIDTH;
+    y = down * TILE_HEIGHT + lane / TILE_WIDTH;
+    if (x >= width) return -1;
+  } else {
+    x += warp * WARP_SIZE;
+  }
+  int ray = y * width + x;
+  return ray < rays_per_env ? ray : -1;
+}
+
+struct Rays {
+  const float *__restrict__ origin, *__restrict__ direction, *__restrict__ t_min, *__restrict__ t_max;
+  const int *__restrict__ exclude, *__restrict__ mask;
+};
+
+INLINE Ray load(const Rays& rays, long long row) {
+  const float *o = rays.origin + 3 * row, *d = rays.direction + 3 * row;
+  return {__ldg(o),         __ldg(o + 1),          __ldg(o + 2),            __ldg(d),
+          __ldg(d + 1),     __ldg(d + 2),          __ldg(rays.t_min + row), __ldg(rays.exclude + row),
+          __ldg(rays.mask + row)};
+}
+
+// A number times zero is zero: what is infinite or no number is not, and such a ray hits nothing.
+INLINE bool is_finite(const Ray& ray) { return (ray.ox + ray.oy + ray.oz + ray.dx + ray.dy + ray.dz) * 0 == 0; }
+
+// Offsets to this thread's environment and ray; false for threads that have none. `size` holds the number of
+// environments, rays per environment, static and moving instances per environment, and pixels in a row.
+template <bool ANY_HIT>
+INLINE bool run(World world, const int* __restrict__ house_root, const int* __restrict__ house, const Rays& rays,
+                const int* __restrict__ size, long long& row, Best& best) {
+  int env = blockIdx.y + gridDim.y * blockIdx.z;
+  if (env >= __ldg(size)) return false;
+  int number = ray_of_thread(__ldg(size + 1), __ldg(size + 4)), at = __ldg(house + env);
+  row = (long long)env * __ldg(size + 1) + max(number, 0);
+  world.num_moving = __ldg(size + 3);
+  world.root = __ldg(house_root + at);
+  world.fixed += 4ll * at * __ldg(size + 2);
+  world.moving += 4ll * env * world.num_moving;
+  world.box += 3ll * env * world.num_moving;
+  Ray ray = load(rays, row);
+  float t_max = __ldg(rays.t_max + row);
+  best = cast<ANY_HIT>(world, number >= 0 && is_finite(ray) && ray.t_min <= t_max, ray, t_max);
+  return number >= 0;
+}
+
+// Operands as cuda.py gives them
+#define OPERANDS                                                                                                     \
+  const float4 *node, const float4 *corner, const int *material_mask, const float4 *fixed, const float4 *moving,     \
+      const float2 *box, const int *house_root, const int *house, const float *origin, const float *direction,       \
+      const float *t_min, const float *t_max, const int *exclude, const int *mask, const int *size
+#define WORLD \
+  World { node, corner, material_mask, fixed, moving, box, 0, 0 }
+#define RAYS \
+  Rays { origin, direction, t_min, t_max, exclude, mask }
+
+extern "C" __global__ void __launch_bounds__(BLOCK, BLOCKS_PER_SM)
+    cast_closest(OPERANDS, float* t, int* instance, int* triangle, float* u, float* v, bool* front) {
+  long long row;
+  Best best;
+  if (!run<false>(WORLD, house_root, house, RAYS, size, row, best)) return;
+  t[row] = best.instance < 0 ? MISS : best.t;
+  instance[row] = best.instance;
+  triangle[row] = best.triangle;
+  u[row] = best.u;
+  v[row] = best.v;
+  front[row] = best.front;
+}
+
+extern "C" __global__ void __launch_bounds__(BLOCK, BLOCKS_PER_SM) cast_any(OPERANDS, int* instance) {
+  long long row;
+  Best best;
+  if (run<true>(WORLD, house_root, house, RAYS, size, row, best)) instance[row] = best.instance;
+}
