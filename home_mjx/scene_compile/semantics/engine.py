@@ -133,7 +133,7 @@ def _object(
     skin = _skin(item, house, looks.options)
     stretch = (item.pose[:, :3].T @ item.pose[:, :3]).round(6)  # areas follow from it, whichever way the object faces
     look = looks.of((item.model.key, skin.surfaces, stretch.tobytes()), skin)
-    size = sizes.as_home(item.info) if looks.options.size == "home" else sizes.look(_volume(item), item.info)
+    size = sizes.as_home(item.info) if looks.options.size == "home" else sizes.by_log_volume(_volume(item), item.info)
     return ObjectSemantics(
         object_id=item.object_id,
         node=item.node.id,

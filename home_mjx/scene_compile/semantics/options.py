@@ -6,7 +6,7 @@ from home_mjx.errors import ConfigError, check_known
 
 COLOR_RULES = ("look", "home")
 MATERIAL_RULES = ("largest", "share")
-SIZE_RULES = ("look", "home")
+SIZE_RULES = ("log", "home")
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,7 @@ class SemanticOptions:
             without the overrides of house.json, nearest name in sRGB.
         material: `largest`: the texture of the largest area, as in HoME's paper. `share`: every texture of at least
             `share`, as in HoME's code.
-        size: `look`: volume as placed, on a logarithmic scale, within the fine category, or the coarse one if that has
+        size: `log`: volume as placed, on a logarithmic scale, within the fine category, or the coarse one if that has
             too few models. `home`: the model's volume within the coarse category.
         share: Least part of the area that a colour or, by the rule `share`, a material covers.
 
@@ -29,7 +29,7 @@ class SemanticOptions:
 
     color: str = "look"
     material: str = "largest"
-    size: str = "look"
+    size: str = "log"
     share: float = 0.2
 
     def __post_init__(self) -> None:

@@ -26,7 +26,7 @@ class SizeTable:
     coarse: dict[str, Float[np.ndarray, " _"]]
     home: dict[str, Float[np.ndarray, " _"]]  # by coarse category, of models that face +z
 
-    def look(self, volume: float, info: ModelInfo) -> str:
+    def by_log_volume(self, volume: float, info: ModelInfo) -> str:
         """One of `SIZES` by the logarithm of volume, since volumes differ by factors; "" if there are too few peers.
 
         Args:
