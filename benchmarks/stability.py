@@ -1,0 +1,60 @@
+"""How still houses stand: drift of every movable object over 10 s, untouched, with boxes and with convex pieces.
+
+    python benchmarks/stability.py [--suncg ROOT] [--houses 100] [--seconds 10]
+
+Prints one JSON line per house and kind of collision, then the shares of objects that drift less than 2 cm.
+"""
+
+import argparse
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from tqdm import tqdm
+
+from home_mjx.registry import generated_houses
+from home_mjx.scene_compile.cache import HouseCache
+from home_mjx.scene_compile.compiled import CompiledHouse
+from home_mjx.scene_compile.mjcf import COLLISIONS, OVERLAPS, to_mjcf
+from home_mjx.scene_compile.stability import rest_drift
+from home_mjx.scene_compile.suncg import open_dataset
+
+LIMIT = 0.02  # [m]
+
+
+def houses(root: Path | None, count: int) -> Iterator[CompiledHouse]:
+    """Those of a dataset, then generated ones."""
+    if root is not None:
+        dataset = open_dataset(root)
+        yield from map(HouseCache(dataset).load, dataset.house_ids)
+    generated, ids = generated_houses(count, progress=True)
+    yield from map(HouseCache(open_dataset(generated)).load, ids)
+
+
+def main() -> None:
+    """Runs the benchmark."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--suncg", type=Path, help="root of a dataset that is looked at as well")
+    parser.add_argument("--houses", type=int, default=100, help="generated houses (default: 100)")
+    parser.add_argument("--seconds", type=float, default=10.0, help="simulated time (default: 10)")
+    args = parser.parse_args()
+    drifts: dict[str, list[float]] = {name: [] for name in COLLISIONS}
+    for house in tqdm(houses(args.suncg, args.houses), unit="house"):
+        for collision in COLLISIONS:
+            xml, files = to_mjcf(house, collision=collision)
+            drift = rest_drift(xml, files, args.seconds)
+            drifts[collision] += drift.values()
+            overlaps = json.loads(files.get(OVERLAPS, b"[]"))
+            excluded = sum(len(entry["excluded"]) for entry in overlaps)
+            print(json.dumps({"house": house.id, "collision": collision, "excluded": excluded, "drift": drift}))
+    for collision, values in drifts.items():
+        share = np.mean(np.array(values) < LIMIT)
+        print(
+            f"{collision}: {share:.2%} of {len(values)} objects drift less than {100 * LIMIT:.0f} cm in "
+            f"{args.seconds:g} s; median {1000 * np.median(values):.2f} mm, most {1000 * np.max(values):.1f} mm"
+        )
+
+
+if __name__ == "__main__":
+    main()
