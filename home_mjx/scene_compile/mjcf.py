@@ -16,6 +16,7 @@ from home_mjx.scene_compile.compiled import ARCHITECTURE, CompiledHouse, Semanti
 from home_mjx.scene_compile.mjcf_agent import AGENT_SOLREF, BODY_SOLREF, AgentShape, add_agent, add_motors
 from home_mjx.scene_compile.mjcf_assets import Assets, numbers, safe_name
 from home_mjx.scene_compile.mjcf_boxes import COLLIDER, MEETS_LEAVES, add_box, add_leaf, add_piece
+from home_mjx.scene_compile.mjcf_lights import add_lamps
 from home_mjx.scene_compile.mjcf_overlaps import part_overlaps
 from home_mjx.scene_compile.pack_tables import box_inertia, ground_floor
 
@@ -41,7 +42,7 @@ def to_mjcf(
     Every object is a body `object<id>` with its visual meshes (group 2; ceilings are in group 4, so that one can look
     in from above). Movable ones have a free joint, a mass and one box or convex pieces (group 3); a leaf of a door is
     a body `object<id>_leaf<instance>` on a hinge of the same name. Static boxes and the floor plane belong to the
-    world. Cameras: `top`, `room<i>`, and `agent0_eye` with an agent.
+    world. Cameras: `top`, `room<i>`, and `agent0_eye` with an agent. Lights: `lamp<i>`, and a faint one from above.
 
     Args:
         house: A compiled house.
@@ -70,6 +71,7 @@ def to_mjcf(
     ET.SubElement(default, "geom", condim="3", friction=f"{friction} 0.005 0.0001", solref=BODY_SOLREF)
     world = ET.Element("worldbody")
     _add_surroundings(world, house)
+    add_lamps(world, house)
     assets = Assets(house)
     exact = collision == "exact"
     _add_static_boxes(world, house, exact)
@@ -159,7 +161,7 @@ def _add_surroundings(world: ET.Element, house: CompiledHouse) -> None:
     floor = ground_floor(house.rooms)
     ET.SubElement(world, "geom", name="floor", type="plane", size="0 0 1", pos=f"0 0 {floor:.9g}", group=COLLIDER)
     # Without shadows light passes the ceilings.
-    ET.SubElement(world, "light", type="directional", dir="0.3 0.2 -1", castshadow="false", diffuse="0.6 0.6 0.6")
+    ET.SubElement(world, "light", type="directional", dir="0.3 0.2 -1", castshadow="false", diffuse="0.4 0.4 0.4")
     middle, size = house.box.mean(axis=0), np.ptp(house.box, axis=0)
     high = house.box[1, 2] + 1.3 * max(size[:2])  # with a fovy of 45 degrees
     ET.SubElement(world, "camera", name="top", pos=numbers(np.array([middle[0], middle[1], high])))

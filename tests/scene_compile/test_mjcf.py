@@ -19,6 +19,7 @@ from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.scene_compile.bank import HouseBank
 from home_mjx.scene_compile.compile import compile_house
 from home_mjx.scene_compile.compiled import ARCHITECTURE
+from home_mjx.scene_compile.lighting import LightTable
 from home_mjx.scene_compile.mesh import transform
 from home_mjx.scene_compile.mjcf import AgentShape, export_mjcf, split_linear, to_mjcf
 from home_mjx.scene_compile.mjcf_assets import LEAST_AREA, obj_bytes
@@ -131,6 +132,30 @@ def test_ceilings_can_be_hidden(house):
     high = [np.mean(_triangles(model, data, g)[..., 2]) > 2.9 for g in geoms]
     assert_array_equal(model.geom_group[geoms] == 4, high)
     assert any(high)
+
+
+def test_lamps_hang_where_the_renderer_has_them(house):
+    pose = house.instances.pose[1]
+    lamp = dataclasses.replace(
+        LightTable.none(),
+        pos=np.array([[0.1, 0.2, 0.3], [0, 0, 0], [0, 0, 1.0]]),
+        axis_u=np.zeros((3, 3)),
+        axis_v=np.zeros((3, 3)),
+        direction=np.array([[0, 0, -1.0], [1.0, 0, 0], [0, 0, -1.0]]),
+        intensity=np.array([[4, 2, 0], [2, 2, 2], [9, 9, 9.0]]),
+        exponent=np.array([0.0, 3.0, 1.0]),
+        cutoff=np.array([-2.0, 0.5, 0.0]),
+        area=np.zeros(3),
+        daylight=np.array([False, False, True]),
+        instance=np.array([1, 0, 0], np.int32),
+        room=np.zeros(3, np.int32),
+    )
+    model = _compile(dataclasses.replace(house, lights=lamp))
+    assert [model.light(i).name for i in range(model.nlight)] == ["", "lamp0", "lamp1"]
+    assert_allclose(model.light("lamp0").pos, transform(pose, lamp.pos[0]), atol=1e-6)
+    assert_allclose(model.light("lamp0").diffuse, [0.7, 0.35, 0], rtol=1e-5)
+    assert_allclose(model.light("lamp1").dir, [1, 0, 0], atol=1e-6)
+    assert model.light("lamp1").cutoff == pytest.approx(60)
 
 
 def test_top_camera_sees_the_whole_house(house):
