@@ -1,5 +1,6 @@
 """Environment ids and how to make them."""
 
+import itertools
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -38,7 +39,16 @@ def list_envs() -> tuple[str, ...]:
     return tuple(sorted(_REGISTRY))
 
 
-def make(env_id: str, houses: Any = None, *, num_houses: int = 8, progress: bool = False, **options: Any) -> Any:
+def make(
+    env_id: str,
+    houses: Any = None,
+    *,
+    num_houses: int = 8,
+    split: str | None = None,
+    where: Any = None,
+    progress: bool = False,
+    **options: Any,
+) -> Any:
     """An environment by id.
 
     Args:
@@ -46,6 +56,8 @@ def make(env_id: str, houses: Any = None, *, num_houses: int = 8, progress: bool
         houses: A `HouseBank`, the root folder of a SUNCG dataset, or None: then generated houses, made once and kept
             in the cache folder.
         num_houses: How many houses of a dataset or generator to use.
+        split: Only houses of `train`, `val` or `test`.
+        where: A `HouseFilter`: only houses of a dataset that have all this.
         progress: Show a progress bar while houses are made and compiled.
         **options: Fields of `EnvConfig`, `PhysicsConfig` and `AudioConfig`.
 
@@ -61,28 +73,44 @@ def make(env_id: str, houses: Any = None, *, num_houses: int = 8, progress: bool
     """
     if env_id not in _REGISTRY:
         raise ConfigError(f"unknown environment `{env_id}`", hint=did_you_mean(env_id, _REGISTRY))
-    return _REGISTRY[env_id](lambda: as_bank(houses, num_houses, progress), **options)
+    return _REGISTRY[env_id](lambda: as_bank(houses, num_houses, progress, split, where), **options)
 
 
-def as_bank(houses: Any, num_houses: int = 8, progress: bool = False) -> Any:
-    """A `HouseBank` from what `make` takes as `houses`."""
+def as_bank(
+    houses: Any, num_houses: int = 8, progress: bool = False, split: str | None = None, where: Any = None
+) -> Any:
+    """A `HouseBank` from what `make` takes as `houses`.
+
+    Raises:
+        ConfigError: A selection was asked for of houses that are already a bank, or a filter of generated ones.
+    """
     from home_mjx.scene_compile.bank import HouseBank
 
     if isinstance(houses, HouseBank):
+        if split is not None or where is not None:
+            raise ConfigError("`split` and `where` choose houses of a dataset, not of a bank that is made")
         return houses
     if houses is not None:
-        return HouseBank.from_dataset(Path(houses), limit=num_houses, progress=progress)
-    root, ids = generated_houses(num_houses, progress)
+        return HouseBank.from_dataset(Path(houses), limit=num_houses, progress=progress, split=split, where=where)
+    if where is not None:
+        hint = "Write some with `home-mjx generate OUT`, then pass houses=OUT."
+        raise ConfigError("`where` chooses among the houses of a dataset", hint=hint)
+    root, ids = generated_houses(num_houses, progress, split)
     return HouseBank.from_dataset(root, ids=ids, progress=progress)
 
 
-def generated_houses(num_houses: int, progress: bool = False) -> tuple[Path, tuple[str, ...]]:
-    """Root and ids of the first `num_houses` generated houses; made on first use and kept in the cache folder."""
+def generated_houses(num_houses: int, progress: bool = False, split: str | None = None) -> tuple[Path, tuple[str, ...]]:
+    """Root and ids of the first `num_houses` generated houses; made on first use and kept in the cache folder.
+
+    With `split`, of the first ones that belong to it.
+    """
     from home_mjx.scene_compile.cache import cache_folder
-    from home_mjx.scene_compile.generate import VERSION, generate_dataset
+    from home_mjx.scene_compile.generate import VERSION, generate_dataset, house_id
+    from home_mjx.scene_compile.selection import select_ids
 
     root = cache_folder() / f"generated-v{VERSION}"
-    return root, generate_dataset(root, range(num_houses), progress=progress)
+    seeds = (seed for seed in itertools.count() if select_ids([house_id(seed)], split))
+    return root, generate_dataset(root, list(itertools.islice(seeds, num_houses)), progress=progress)
 
 
 def _point_nav(get_bank: Callable[[], Any], **options: Any) -> Any:

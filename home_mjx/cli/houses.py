@@ -21,9 +21,11 @@ def add_dataset_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_house_arguments(parser: argparse.ArgumentParser) -> None:
-    """Adds `HOUSE` and `--suncg ROOT`."""
-    parser.add_argument("house", nargs="?", metavar="HOUSE", help="id of the house (default: the dataset's first)")
+def add_house_arguments(
+    parser: argparse.ArgumentParser, text: str = "id of the house (default: the dataset's first)"
+) -> None:
+    """Adds `HOUSE`, explained by `text`, and `--suncg ROOT`."""
+    parser.add_argument("house", nargs="?", metavar="HOUSE", help=text)
     add_dataset_option(parser)
 
 
@@ -39,7 +41,12 @@ def load_house(args: argparse.Namespace) -> tuple[House, Metadata]:
 
 def open_named_dataset(args: argparse.Namespace) -> Dataset:
     """The dataset that the arguments name, by default one of generated houses."""
-    return open_dataset(args.suncg or _generated_root())
+    return open_dataset(named_root(args))
+
+
+def named_root(args: argparse.Namespace) -> Path:
+    """Root of the dataset that the arguments name, by default one of generated houses."""
+    return args.suncg or _generated_root()
 
 
 def compile_named_house(args: argparse.Namespace) -> CompiledHouse:

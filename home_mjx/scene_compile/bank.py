@@ -4,6 +4,7 @@ The one module of this package (with `pytree`) that knows JAX. An environment ho
 """
 
 from collections.abc import Sequence
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -12,12 +13,14 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int, UInt8, UInt16
 from tqdm import tqdm
 
+from home_mjx.errors import ConfigError
 from home_mjx.scene_compile.cache import HouseCache
 from home_mjx.scene_compile.compile import DEFAULT_OPTIONS, CompileOptions
 from home_mjx.scene_compile.compiled import CompiledHouse
 from home_mjx.scene_compile.gpu_geometry import GpuGeometry, gpu_geometry
 from home_mjx.scene_compile.pack import Packed, pack
 from home_mjx.scene_compile.pytree import Pytree, static
+from home_mjx.scene_compile.selection import HouseFilter, select_ids
 from home_mjx.scene_compile.suncg import Dataset, open_dataset
 
 
@@ -209,6 +212,8 @@ class HouseBank(Pytree):
         limit: int | None = None,
         progress: bool = False,
         options: CompileOptions = DEFAULT_OPTIONS,
+        split: str | None = None,
+        where: HouseFilter | None = None,
     ) -> "HouseBank":
         """A bank of houses of a dataset in SUNCG's format; compiled houses are cached on disk.
 
@@ -218,16 +223,24 @@ class HouseBank(Pytree):
             limit: Take the first so many.
             progress: Show a progress bar.
             options: How to compile.
+            split: Only houses of this split, see `selection.split_of`.
+            where: Only houses that have all this.
 
         Raises:
             DatasetError: The dataset or one of the houses is missing or broken.
             ConfigError: No house is left, or the houses cannot share a bank.
         """
         dataset = root if isinstance(root, Dataset) else open_dataset(root)
-        chosen = list(dataset.house_ids if ids is None else ids)[:limit]
-        bar = tqdm(chosen, desc="houses", unit="house", disable=not progress)
+        chosen = select_ids(dataset.house_ids if ids is None else ids, split)
+        wanted = chosen[:limit] if where is None else chosen
         cache = HouseCache(dataset, options)
-        return cls.from_compiled([cache.load(house_id) for house_id in bar])
+        with tqdm(wanted, desc="houses", unit="house", disable=not progress) as bar:
+            loaded = (cache.load(house_id) for house_id in bar)
+            houses = list(islice((house for house in loaded if where is None or where.accepts(house)), limit))
+        if not houses:
+            hint = "Choose another split or a wider filter." if split or where else None
+            raise ConfigError("no house of the dataset was chosen", hint=hint)
+        return cls.from_compiled(houses)
 
     @property
     def num_houses(self) -> int:

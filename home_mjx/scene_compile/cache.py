@@ -87,6 +87,10 @@ class HouseCache:
             log.warning("broken cache entry %s is made again: %s", entry, error)
         return self._compile(house_id, entry, broken)
 
+    def has(self, house_id: str) -> bool:
+        """Whether the house is in the cache."""
+        return self._entry(house_id).is_file()
+
     def notes(self, house_id: str) -> Notes:
         """What of a compiled house is no array, such as `instances.model`; it is compiled if need be."""
         try:
@@ -203,8 +207,20 @@ def discard(folder: Path) -> None:
         log.warning("old cache folder %s is not removed: %s", folder, error)
 
 
-def remove_leftovers() -> None:
-    """Removes what killed writers have left in the folder of this version."""
-    for path in (cache_folder() / _version()).glob(f"*/.*{TEMPORARY}"):
+def report_path(root: Path, options: CompileOptions) -> Path:
+    """Where it is noted what became of each house of a dataset."""
+    name = hashlib.sha256(repr((str(root), options)).encode()).hexdigest()[:16]
+    return cache_folder() / _version() / "reports" / f"{name}.jsonl"
+
+
+def prepare_folder() -> None:
+    """Makes the folder of this version, and removes what killed writers have left in it.
+
+    Raises:
+        OSError: It cannot be written to.
+    """
+    folder = cache_folder() / _version()
+    _claim(folder)
+    for path in folder.glob(f"*/.*{TEMPORARY}"):
         if time.time() - path.stat().st_mtime > LEFTOVER_SECONDS:
             path.unlink(missing_ok=True)

@@ -57,7 +57,8 @@ def test_unknown_house_is_one_message(houses: Path, capsys: pytest.CaptureFixtur
 def test_compiled_mjcf_opens_in_mujoco(houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture):
     import mujoco
 
-    assert main(["compile", "--suncg", str(houses), "--out", str(tmp_path)]) == 0
+    house = sorted(path.name for path in (houses / "house").iterdir())[0]
+    assert main(["compile", house, "--suncg", str(houses), "--mjcf", str(tmp_path)]) == 0
     path = Path(capsys.readouterr().out.splitlines()[0])
     model = mujoco.MjModel.from_xml_path(str(path))
     data = mujoco.MjData(model)

@@ -293,7 +293,7 @@ def test_leftovers_of_killed_writers_are_removed(root):
     for path in (old, new):
         path.write_text("half")
     os.utime(old, times=(0, 0))
-    cache.remove_leftovers()
+    cache.prepare_folder()
     assert not old.exists()
     assert new.exists()
 

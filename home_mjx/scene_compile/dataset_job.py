@@ -1,0 +1,263 @@
+"""Compiles the houses of a whole dataset into the cache, on this machine or on many; no house can stop the run."""
+
+import json
+import multiprocessing
+import os
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from functools import lru_cache, partial
+from pathlib import Path
+from typing import Any
+
+from tqdm import tqdm
+
+from home_mjx.errors import ConfigError, HomeMjxError
+from home_mjx.scene_compile.cache import HouseCache, prepare_folder, report_path
+from home_mjx.scene_compile.compile import DEFAULT_OPTIONS, CompileOptions
+from home_mjx.scene_compile.suncg import open_dataset
+
+COMPILED, CACHED, FAILED = "compiled", "cached", "failed"
+MODELS_KEPT = 1000  # in the memory of a worker
+
+Task = Callable[[str], "Outcome"]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of one house; a line of the report.
+
+    Attributes:
+        id: The house.
+        status: `compiled`, `cached` (it was there already) or `failed`.
+        seconds: How long it took.
+        error: Of a failed house: kind, message, file, element and hint.
+    """
+
+    id: str
+    status: str
+    seconds: float
+    error: dict[str, str | None] | None = None
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What became of a dataset: counts of houses, and where the report is."""
+
+    compiled: int
+    cached: int
+    failed: int
+    skipped: int  # done in an earlier run
+    seconds: float
+    report: Path
+
+
+def compile_dataset(
+    root: str | Path,
+    ids: Sequence[str] | None = None,
+    *,
+    workers: int = 1,
+    resume: bool = False,
+    report: Path | None = None,
+    scheduler: str | None = None,
+    options: CompileOptions = DEFAULT_OPTIONS,
+    progress: bool = False,
+) -> Summary:
+    """Compiles houses into the cache, where `HouseBank.from_dataset` finds them.
+
+    Every house is written whole or not at all and is then noted in the report, one JSON object a line. So a run may be
+    killed at any moment: the next one goes on where it ended.
+
+    Args:
+        root: Folder of the dataset.
+        ids: Which houses; all by default.
+        workers: Processes on this machine.
+        resume: Skip houses that an earlier run has noted as done, without looking at their files again.
+        report: Where to note what became of each house; by default in the cache folder.
+        scheduler: Address of a Dask scheduler, whose workers are used instead; they must see the same dataset and
+            cache folder. Needs the extra `distributed`.
+        options: How to compile.
+        progress: Show a progress bar.
+
+    Returns:
+        Counts; houses that failed are told of in the report.
+
+    Raises:
+        DatasetError: There is no dataset, or it has no such house.
+        ConfigError: A scheduler was given and the extra is not installed.
+
+    Example:
+        >>> compile_dataset("datasets/demo", workers=2).failed  # doctest: +SKIP
+        0
+    """
+    begin = time.perf_counter()
+    dataset = open_dataset(root)
+    chosen = list(dict.fromkeys(dataset.house_ids if ids is None else ids))
+    for house_id in chosen:
+        dataset.check_known(house_id)
+    path = report or report_path(dataset.root, options)
+    done = _done(path) if resume else set()
+    left = [house_id for house_id in chosen if house_id not in done]
+    prepare_folder()
+    task = partial(compile_one, dataset.root, options, f"{os.getpid()} {time.time_ns()}")
+    counts: dict[str, int] = dict.fromkeys((COMPILED, CACHED, FAILED), 0)
+    bar = tqdm(total=len(left), desc="compile", unit="house", disable=not progress)
+    with bar, _journal(path, resume) as note, _outcomes(task, left, workers, scheduler) as outcomes:
+        for outcome in outcomes:
+            note(outcome)
+            counts[outcome.status] += 1
+            bar.set_postfix(failed=counts[FAILED], refresh=False)
+            bar.update()
+    compiled, cached, failed = counts.values()
+    return Summary(compiled, cached, failed, len(chosen) - len(left), time.perf_counter() - begin, path)
+
+
+def compile_one(root: Path, options: CompileOptions, run: str, house_id: str) -> Outcome:
+    """Sees to it that a house is in the cache; whatever goes wrong is part of the outcome.
+
+    Args:
+        root: The dataset.
+        options: How to compile.
+        run: Name of the run, in which what houses share is looked at once per process.
+        house_id: The house.
+    """
+    begin = time.perf_counter()
+    status, error = FAILED, None
+    try:
+        houses = _houses(root, options, run)
+        before = houses.compiled
+        houses.load(house_id)
+        status = COMPILED if houses.compiled > before else CACHED
+        if len(houses.library) > MODELS_KEPT:
+            _houses.cache_clear()
+        if not houses.has(house_id):
+            raise OSError("the cache folder cannot be written to")
+    except Exception as problem:  # one house of 45,000 must not stop the run, whatever is wrong with it
+        status, error = FAILED, _described(problem)
+    return Outcome(house_id, status, round(time.perf_counter() - begin, 4), error)
+
+
+@lru_cache(maxsize=1)
+def _houses(root: Path, options: CompileOptions, run: str) -> HouseCache:
+    return HouseCache(open_dataset(root), options)
+
+
+def _described(problem: Exception) -> dict[str, str | None]:
+    if isinstance(problem, HomeMjxError):
+        where = {"file": problem.file, "element": problem.element, "hint": problem.hint}
+        return {"type": type(problem).__name__, "message": problem.message, **where}
+    return {"type": type(problem).__name__, "message": str(problem), "file": None, "element": None, "hint": None}
+
+
+def _done(report: Path) -> set[str]:
+    """Houses that a report says are in the cache."""
+    return {outcome["id"] for outcome in read_report(report) if outcome["status"] != FAILED}
+
+
+def read_report(path: Path) -> list[dict[str, Any]]:
+    """The lines of a report; one that a killed run has left half written is passed over."""
+    lines = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
+    found = []
+    for line in lines:
+        try:
+            found.append(json.loads(line))
+        except ValueError:
+            continue
+    return found
+
+
+@contextmanager
+def _journal(path: Path, append: bool) -> Iterator[Callable[[Outcome], None]]:
+    """Notes outcomes in a report; each is one write, so that a kill cuts at most the last line."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("ab" if append else "wb", buffering=0) as file:
+        if append and path.stat().st_size:
+            file.write(b"\n")  # the last line may be cut
+
+        def note(outcome: Outcome) -> None:
+            file.write((json.dumps(asdict(outcome)) + "\n").encode())
+
+        yield note
+
+
+@contextmanager
+def _outcomes(task: Task, ids: Sequence[str], workers: int, scheduler: str | None) -> Iterator[Iterator[Outcome]]:
+    if scheduler is not None:
+        with _dask(scheduler) as executor:
+            yield _as_they_come(executor, task, ids)
+    elif workers == 1 or len(ids) < 2:
+        yield map(task, ids)
+    else:
+        yield _in_processes(task, ids, workers)
+
+
+def _as_they_come(executor: Any, task: Task, ids: Sequence[str]) -> Iterator[Outcome]:
+    futures = {executor.submit(task, house_id): house_id for house_id in ids}
+    for future in as_completed(futures):
+        try:
+            yield future.result()
+        except Exception as problem:  # its worker died, or the cluster lost it
+            yield Outcome(futures[future], FAILED, 0.0, _described(problem))
+
+
+@contextmanager
+def _dask(scheduler: str) -> Iterator[Any]:
+    try:
+        from distributed import Client
+    except ModuleNotFoundError:
+        hint = "Try: pip install 'home-mjx[distributed]'"
+        raise ConfigError("a scheduler needs the package `distributed`", hint=hint) from None
+    with Client(scheduler) as client, client.get_executor(pure=False) as executor:
+        yield executor
+
+
+def _in_processes(task: Task, ids: Sequence[str], workers: int) -> Iterator[Outcome]:
+    """Outcomes from worker processes; a house that kills its worker, as one that needs too much memory, has failed."""
+    left = dict.fromkeys(ids)
+    while left:
+        with _pool(min(workers, len(left))) as pool:
+            futures = [pool.submit(task, house_id) for house_id in left]
+            for future in as_completed(futures):
+                if not isinstance(future.exception(), BrokenProcessPool):
+                    outcome = future.result()
+                    del left[outcome.id]
+                    yield outcome
+        # If the pool broke, one of the first that are left did it: pools work in order.
+        for house_id in list(left)[:workers]:
+            del left[house_id]
+            yield _alone(task, house_id)
+
+
+def _alone(task: Task, house_id: str) -> Outcome:
+    with _pool(1) as pool:
+        try:
+            return pool.submit(task, house_id).result()
+        except BrokenProcessPool:
+            death = MemoryError("the process that compiled the house died, as for lack of memory")
+            return Outcome(house_id, FAILED, 0.0, _described(death))
+
+
+@contextmanager
+def _pool(workers: int) -> Iterator[ProcessPoolExecutor]:
+    context = multiprocessing.get_context("spawn")
+    pool = ProcessPoolExecutor(workers, context, initializer=_leave_with_parent)
+    try:
+        yield pool
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _leave_with_parent() -> None:
+    """Ends this worker when its parent is gone: the pool's own workers would wait for ever."""
+    parent = multiprocessing.parent_process()
+
+    def wait() -> None:
+        if parent is not None:
+            parent.join()
+            os._exit(1)
+
+    threading.Thread(target=wait, daemon=True).start()

@@ -1,0 +1,189 @@
+"""Compiling whole datasets: bad houses, kills, resuming, worker processes, a cluster."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from tiny_dataset import edit_house, write_tiny_dataset
+
+from home_mjx.cli import main
+from home_mjx.errors import ConfigError, DatasetError
+from home_mjx.scene_compile import dataset_job
+from home_mjx.scene_compile.dataset_job import compile_dataset, read_report
+from home_mjx.scene_compile.entry import read_entry
+
+NUM_HOUSES = 12
+
+
+@pytest.fixture(scope="module")
+def houses(tmp_path_factory) -> tuple[Path, tuple[str, ...]]:
+    root = write_tiny_dataset(tmp_path_factory.mktemp("houses"))
+    ids = tuple(f"{i:032x}" for i in range(1, NUM_HOUSES + 1))
+    for house_id in ids[1:]:
+        for folder in ("house", "room"):
+            shutil.copytree(root / folder / ids[0], root / folder / house_id)
+        edit_house(root, lambda house, i=house_id: house.update(id=i), house_id)
+    return root, ids
+
+
+@pytest.fixture(autouse=True)
+def cache(tmp_path, monkeypatch) -> Path:
+    monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path / "cache"))
+    return tmp_path / "cache"
+
+
+def broken_copy(root: Path, ids: tuple[str, ...], target: Path) -> tuple[Path, str]:
+    """The same dataset, one of whose houses has lost its end."""
+    target.mkdir()
+    for folder in ("object", "texture", "metadata", "room"):
+        (target / folder).symlink_to(root / folder)
+    for house in ids:
+        path = target / "house" / house / "house.json"
+        path.parent.mkdir(parents=True)
+        path.write_bytes((root / "house" / house / "house.json").read_bytes())
+    bad = ids[2]
+    path = target / "house" / bad / "house.json"
+    path.write_bytes(path.read_bytes()[:500])
+    return target, bad
+
+
+def content(folder: Path) -> dict[str, bytes]:
+    """Every entry of a cache."""
+    return {str(p.relative_to(folder)): p.read_bytes() for p in folder.glob("*/*.npz")}
+
+
+def test_all_houses_come_into_the_cache(houses):
+    root, ids = houses
+    first, second = compile_dataset(root), compile_dataset(root)
+    assert (first.compiled, first.cached, first.failed, first.skipped) == (NUM_HOUSES, 0, 0, 0)
+    assert (second.compiled, second.cached) == (0, NUM_HOUSES)
+    lines = read_report(second.report)
+    assert [line["id"] for line in lines] == list(ids)
+    assert {line["status"] for line in lines} == {"cached"}
+    third = compile_dataset(root, resume=True)
+    assert (third.skipped, third.compiled + third.cached) == (NUM_HOUSES, 0)
+
+
+def test_a_bad_house_is_reported_and_stops_nothing(houses, tmp_path, capsys):
+    root, bad = broken_copy(*houses, tmp_path / "data")
+    summary = compile_dataset(root)
+    assert (summary.compiled, summary.failed) == (NUM_HOUSES - 1, 1)
+    (line,) = [line for line in read_report(summary.report) if line["status"] == "failed"]
+    assert line["id"] == bad
+    assert line["error"]["type"] == "DatasetError"
+    assert line["error"]["file"].endswith(f"{bad}/house.json")
+    assert line["error"]["hint"]
+    again = compile_dataset(root, resume=True)  # tried again: it may have been mended
+    assert (again.skipped, again.failed) == (NUM_HOUSES - 1, 1)
+    assert main(["compile", str(root), "--workers", "1", "--resume"]) == 1
+    assert bad in capsys.readouterr().err
+
+
+def test_what_is_unknown_is_refused(houses, monkeypatch):
+    with pytest.raises(DatasetError, match="unknown house"):
+        compile_dataset(houses[0], ["nowhere"])
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(ConfigError, match="home-mjx\\[distributed\\]"):
+        compile_dataset(houses[0], scheduler="tcp://127.0.0.1:1")
+
+
+def test_a_cut_line_of_the_report_is_passed_over(houses):
+    root, ids = houses
+    report = compile_dataset(root).report
+    report.write_bytes(report.read_bytes()[:-20])
+    summary = compile_dataset(root, resume=True)
+    assert (summary.skipped, summary.cached) == (NUM_HOUSES - 1, 1)
+    assert sorted(line["id"] for line in read_report(report)) == list(ids)
+
+
+def test_a_cache_that_cannot_be_written_to_is_told_of(houses, tmp_path, monkeypatch):
+    (tmp_path / "file").write_text("in the way")
+    monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path / "file"))
+    with pytest.raises(OSError, match="file"):
+        compile_dataset(houses[0])
+
+
+def job(root: Path, *options: str) -> subprocess.Popen:
+    command = [sys.executable, "-m", "home_mjx.cli", "compile", str(root), *options]
+    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def processes_of(cache: Path) -> set[int]:
+    """Live processes that work on a cache folder."""
+    found = set()
+    for path in Path("/proc").glob("[0-9]*/environ"):
+        try:
+            if str(cache).encode() in path.read_bytes() and int(path.parent.name) != os.getpid():
+                found.add(int(path.parent.name))
+        except OSError:
+            continue
+    return found
+
+
+def wait_for(condition, seconds: float = 60):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.002)
+
+
+@pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="looks for orphans in /proc")
+def test_kills_lose_nothing_and_break_nothing(houses, tmp_path, monkeypatch):
+    """Killed while the first entry is written, after some more, and at a random moment; then left to end."""
+    root, ids = houses
+    cache = tmp_path / "killed"
+    monkeypatch.setenv("HOME_MJX_CACHE", str(cache))
+    for entries in (0, 2, 6):
+        process = job(root, "--workers", "2", "--resume")
+        wait_for(lambda n=entries: len(list(cache.glob("*/houses/*.npz"))) > n or list(cache.glob("*/*/.*.tmp")))
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+        wait_for(lambda: not processes_of(cache))  # the workers leave with their parent
+        for path in cache.glob("*/*/*.npz"):
+            read_entry(path)
+    assert job(root, "--workers", "2", "--resume").wait(timeout=120) == 0
+    monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path / "undisturbed"))
+    assert job(root, "--workers", "1").wait(timeout=120) == 0
+    (report,) = (tmp_path / "undisturbed").glob("*/reports/*.jsonl")
+    report = report.relative_to(tmp_path / "undisturbed")
+    resumed, undisturbed = ((folder / report.parts[0]) for folder in (cache, tmp_path / "undisturbed"))
+    assert content(resumed) == content(undisturbed) != {}
+    assert {line["id"] for line in read_report(cache / report)} == set(ids)
+
+
+def _deadly(house_id: str) -> dataset_job.Outcome:
+    if house_id == "deadly":
+        os.kill(os.getpid(), signal.SIGKILL)
+    time.sleep(0.05)
+    return dataset_job.Outcome(house_id, "compiled", 0.05)
+
+
+def test_a_house_that_kills_its_worker_fails_alone():
+    ids = [f"a{i}" for i in range(5)] + ["deadly"] + [f"b{i}" for i in range(5)]
+    found = {o.id: o for o in dataset_job._in_processes(_deadly, ids, 2)}
+    assert sorted(found) == sorted(ids)
+    assert [i for i, o in found.items() if o.status == "failed"] == ["deadly"]
+    assert "died" in found["deadly"].error["message"]
+
+
+@pytest.mark.slow
+def test_a_cluster_does_the_same_work(houses, tmp_path, monkeypatch):
+    distributed = pytest.importorskip("distributed")
+    root, bad = broken_copy(*houses, tmp_path / "data")
+    alone = compile_dataset(root)
+    monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path / "cluster"))
+    options = {"n_workers": 2, "threads_per_worker": 1, "processes": True, "dashboard_address": None}
+    with distributed.LocalCluster(**options) as cluster:
+        summary = compile_dataset(root, scheduler=cluster.scheduler_address)
+    assert (summary.compiled, summary.failed) == (NUM_HOUSES - 1, 1)
+    version = alone.report.parent.parent.name
+    assert content(tmp_path / "cluster" / version) == content(tmp_path / "cache" / version) != {}
+    assert {line["id"] for line in read_report(summary.report)} == {line["id"] for line in read_report(alone.report)}
+    assert json.loads(json.dumps(read_report(summary.report))) == read_report(summary.report)
+    assert [line["id"] for line in read_report(summary.report) if line["status"] == "failed"] == [bad]
