@@ -10,7 +10,7 @@ from home_mjx.raycast_render.image.camera import (
     world_from_camera,
 )
 from home_mjx.raycast_render.image.noise import kinect_depth, sensor_rgb
-from home_mjx.raycast_render.image.preset import Lit
+from home_mjx.raycast_render.image.preset import Lit, Preset
 from home_mjx.raycast_render.image.render import KINDS, render
 from home_mjx.raycast_render.image.schedule import render_every, render_some
 from home_mjx.raycast_render.scene import make_scene
@@ -23,6 +23,7 @@ __all__ = [
     "Lens",
     "Lit",
     "Moving",
+    "Preset",
     "Rays",
     "Scene",
     "camera_rays",

@@ -8,7 +8,8 @@ from typing import Any
 from home_mjx.audio_jax import CLIPS, AudioConfig
 from home_mjx.errors import ConfigError, check_known
 from home_mjx.physics import PhysicsConfig
-from home_mjx.raycast_render import Lens
+from home_mjx.raycast_render import Lens, Preset
+from home_mjx.raycast_render.image.preset import resolve
 
 PIXEL_KINDS = ("rgb", "depth", "normal")
 CAMERA_KINDS = ("intrinsics", "pose", "valid")
@@ -64,6 +65,7 @@ class EnvConfig:
         height: Image height [px].
         fovy: Vertical field of view [degrees].
         samples: Rays per pixel of the colour image.
+        rgb_preset: How colour images are lit: "fast", "lit", or a `Lit` with options.
         cameras: Further cameras, beside the `head` camera of the sensors.
         eye_height: Camera and ears above the floor [m].
         depth_max: Observed depth is clipped here [m].
@@ -82,6 +84,7 @@ class EnvConfig:
     height: int = 64
     fovy: float = 90.0
     samples: int = 1
+    rgb_preset: Preset = "fast"
     cameras: tuple[AgentCamera, ...] = ()
     eye_height: float = 1.5
     depth_max: float = 10.0
@@ -97,6 +100,7 @@ class EnvConfig:
     def __post_init__(self) -> None:
         check_known("sensor", self.sensors, SENSORS)
         check_known("clip", [self.clip], CLIPS)
+        resolve(self.rgb_preset)
         for name in ("width", "height", "samples", "episode_length"):
             if getattr(self, name) < 1:
                 raise ConfigError(f"`{name}` must be at least 1, got {getattr(self, name)}")

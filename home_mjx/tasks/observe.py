@@ -82,6 +82,7 @@ def _look(
         camera,
         view.lens,
         kinds=tuple(kind for kind in view.kinds if kind not in ("intrinsics", "pose")),
+        preset=config.rgb_preset,
         exclude=own,
         depth_max=config.depth_max,
         executor=config.executor,

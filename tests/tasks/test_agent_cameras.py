@@ -86,6 +86,7 @@ def test_only_cameras_that_look_follow_the_head(bank):
         (lambda: AgentCamera("a", kinds=("rgbb",)), "Did you mean `rgb`"),
         (lambda: AgentCamera("a", fovy=180.0), "`fovy` of camera `a`"),
         (lambda: make_config(cameras=(AgentCamera("head"),)), "names of their own"),
+        (lambda: make_config(rgb_preset="list"), "Did you mean `lit`"),
         (lambda: make_config(cameras=(AgentCamera("a"), AgentCamera("a"))), "names of their own"),
     ],
 )

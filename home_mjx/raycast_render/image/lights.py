@@ -11,6 +11,7 @@ from home_mjx.raycast_render.image.preset import Lit
 from home_mjx.raycast_render.surface import by_instance
 from home_mjx.raycast_render.types import Scene
 from home_mjx.scene_compile.bank import HouseBank
+from home_mjx.scene_compile.compiled import ARCHITECTURE
 from home_mjx.scene_compile.pytree import Pytree
 
 OFFSET = 5e-4  # [m] above the surface, where rays to lights start
@@ -100,10 +101,14 @@ def lamp_light(
     chosen = key & (2**INDEX_BITS - 1)
     row = lights.row[chosen]
     row, chosen, key = jax.lax.optimization_barrier((row, chosen, key))
-    at = jax.tree.map(lambda x: jnp.expand_dims(x, point.instance.ndim), point)
+    axis = point.instance.ndim
+    at = jax.tree.map(
+        lambda x: jnp.broadcast_to(jnp.expand_dims(x, axis), (*chosen.shape, *x.shape[axis:])),
+        point,
+    )
     source = row[..., 0:3] + spread[..., None, :1] * row[..., 3:6] + spread[..., None, 1:] * row[..., 6:9]
     offset = source - at.pos
-    own = (lights.instance[chosen] == at.instance) & (row[..., 17] == 0)
+    own = _is_own(lights.instance[chosen], at.instance, row[..., 17])
     light, toward = _unshadowed(row, offset, at, own)
     active = (key >> INDEX_BITS > 0) & jnp.any(light > 0, axis=-1)
     start = at.pos + OFFSET * at.normal
@@ -138,7 +143,7 @@ def choose(lights: Placed, point: Point, count: int) -> Int[Array, "*rays k"]:
     rooms = lights.room.reshape((1,) * point.instance.ndim + (-1,))
     here = (rooms == point.room[..., None]) | (point.room[..., None] < 0)
     carriers = lights.instance.reshape(rooms.shape)
-    own = (carriers == point.instance[..., None]) & (carriers > 0) & (column(17) == 0)
+    own = _is_own(carriers, point.instance[..., None], column(17))
     strength = jnp.where(own, power / SHADE**2, jnp.where(here, strength, ELSEWHERE * strength))
     strength = jnp.where(carriers >= 0, strength, 0.0)
     bits = jax.lax.bitcast_convert_type(strength, jnp.int32) >> INDEX_BITS
@@ -181,6 +186,11 @@ def blinn_phong(point: Point, toward: Float[Array, "*rays 3"]) -> Float[Array, "
     half = half / jnp.maximum(jnp.linalg.norm(half, axis=-1, keepdims=True), 1e-6)
     cosine = jnp.clip(jnp.sum(half * point.shading, axis=-1), 1e-4, 1.0)
     return (point.shininess + 8) / (8 * math.pi) * jnp.exp(point.shininess * jnp.log(cosine))
+
+
+def _is_own(carrier: Array, instance: Array, area: Array) -> Array:
+    """Whether the surface is part of the lamp whose light it is; the frame of a window is not."""
+    return (carrier == instance) & (carrier != ARCHITECTURE) & (area == 0)
 
 
 def _unshadowed(
