@@ -31,10 +31,11 @@ def run(args: argparse.Namespace) -> int:
         return _write_mjcf(args)
     from home_mjx.scene_compile.dataset_job import compile_dataset
 
-    is_root = args.house is not None and Path(args.house).is_dir()
+    named: str | None = args.house
+    is_root = named is not None and Path(named).is_dir()
     summary = compile_dataset(
-        args.house if is_root else named_root(args),
-        None if is_root or args.house is None else [args.house],
+        named if named is not None and is_root else named_root(args),
+        None if named is None or is_root else [named],
         workers=args.workers,
         resume=args.resume,
         report=args.report,

@@ -187,6 +187,7 @@ class HouseBank(Pytree):
     navigation: Navigation
     finish: Finish
     lights: Lights
+    draw: Int[Array, " h"]  # what resets draw from: house indices, each as often as any other that may be drawn
     house_id: UInt8[Array, "h 32"]  # ASCII of the dataset's house id
     spec: BankSpec = static()
 
@@ -279,4 +280,5 @@ def to_bank(packed: Packed) -> HouseBank:
     whole: dict[str, Any] = {name: table[""] for name, table in tables.items() if "" in table}
     whole |= {name: record(**tables[name]) for name, record in RECORDS.items()}
     sizes = {name: getattr(packed.capacity, name.removeprefix("num_")) for name in SIZES}
-    return HouseBank(**whole, spec=BankSpec(**sizes, cell=packed.cell))
+    draw = jnp.arange(len(packed.arrays["house_id"]), dtype=jnp.int32)
+    return HouseBank(**whole, draw=draw, spec=BankSpec(**sizes, cell=packed.cell))

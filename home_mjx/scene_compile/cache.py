@@ -98,6 +98,16 @@ class HouseCache:
         except BROKEN:
             return flatten(self.load(house_id), frozenset(("models",)))[1]
 
+    def textures(self, notes: Notes) -> list[str]:
+        """Paths of the images that a house shows, from its notes."""
+        return [self._absolute(path) for path in notes["materials.texture"]]
+
+    def model(self, key: str) -> Model:
+        """A library model that a compiled house names; raises as `entry.read_entry`."""
+        if key not in self.library:
+            self.library[key] = rebuild(Model, *read_entry(self._model_path(key)))
+        return self.library[key]
+
     def _entry(self, house_id: str) -> Path:
         key = hashlib.sha256(repr((house_id, self.options)).encode() + self._inputs.house(house_id)).hexdigest()
         return self._folder / "houses" / f"{key}.npz"
@@ -108,11 +118,8 @@ class HouseCache:
         textures = {self._absolute(path): digest for path, digest in notes.pop("textures").items()}
         if any(self._inputs.texture(path) != digest for path, digest in textures.items()):
             raise FileNotFoundError(entry)
-        keys = dict.fromkeys(notes["instances.model"])
-        for key in keys:
-            if key not in self.library:
-                self.library[key] = rebuild(Model, *read_entry(self._model_path(key)))
-        house = rebuild(CompiledHouse, arrays, notes, models={key: self.library[key] for key in keys})
+        models = {key: self.model(key) for key in dict.fromkeys(notes["instances.model"])}
+        house = rebuild(CompiledHouse, arrays, notes, models=models)
         texture = tuple(map(self._absolute, house.materials.texture))
         return replace(house, materials=replace(house.materials, texture=texture))
 

@@ -25,6 +25,7 @@ SMALLEST = {
     "portals": 16,
     "lights": 16,
 }
+DRAWN = ("starts", "goals")  # their number is an option of the compiler, not of the house
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,8 @@ class Capacity:
     def of(cls, houses: Sequence[CompiledHouse], headroom: float = 1.0) -> "Capacity":
         """The sizes that hold each of some houses, and others up to `headroom` times as large."""
         largest = {f.name: max(needs(house)[f.name] for house in houses) for f in fields(cls)}
-        wanted = {name: int(np.ceil(count * headroom)) for name, count in largest.items()}
+        growth = {name: 1.0 if name in DRAWN else headroom for name in largest}
+        wanted = {name: int(np.ceil(count * growth[name])) for name, count in largest.items()}
         return cls(**{name: _rounded(name, count) for name, count in wanted.items()})
 
     def check(self, house: CompiledHouse) -> None:

@@ -14,7 +14,7 @@ from jaxtyping import Int
 
 from home_mjx.errors import CapacityError, ConfigError
 from home_mjx.scene_compile.agent_model import agent_materials, agent_model, agent_semantics
-from home_mjx.scene_compile.capacity import Capacity, Counts, rows_of, running_starts, shared_rows
+from home_mjx.scene_compile.capacity import Capacity, Counts, check_fits, rows_of, running_starts, shared_rows
 from home_mjx.scene_compile.compiled import ARCHITECTURE, FIELD_FAR, CompiledHouse, Instances, Model
 from home_mjx.scene_compile.lighting import Gloss
 from home_mjx.scene_compile.mesh import invert
@@ -139,6 +139,67 @@ def pack(houses: Sequence[CompiledHouse], texture_size: int = TEXTURE_SIZE) -> P
     arrays = {name: _concatenate(name, parts) for name in TABLES}
     arrays |= library_constants(library, texture_size) | house_slots(houses, library, starts, capacity)
     return Packed(arrays, capacity, float(houses[0].navigation.cell))
+
+
+def pack_slots(
+    houses: Sequence[CompiledHouse],
+    library: Library,
+    capacity: Capacity,
+    stride: Counts,
+    texture_size: int = TEXTURE_SIZE,
+) -> Packed:
+    """Arrays of a bank whose houses can be exchanged: each has room for `stride` rows of the concatenated tables.
+
+    Args:
+        houses: One per slot.
+        library: Every model and texture that any house may show.
+        capacity: Sizes of the padded tables.
+        stride: Rows of each kind that a house may take.
+        texture_size: Edge of the square texture layers [px].
+
+    Raises:
+        CapacityError: A house needs more, or there are more triangles than leaf codes can name.
+    """
+    starts = [slot_start(library, stride, slot) for slot in range(len(houses))]
+    check_triangles(library.rows["triangle"] + len(houses) * stride["triangle"])
+    parts = [library_rows(library)]
+    parts += [slot_rows(h, library, capacity, stride, at) for h, at in zip(houses, starts, strict=True)]
+    arrays = {name: np.concatenate([part[name] for part in parts if name in part]) for name in TABLES}
+    arrays = {name: rows.astype(TABLES[name].dtype) for name, rows in arrays.items()}
+    arrays |= library_constants(library, texture_size) | house_slots(houses, library, starts, capacity)
+    return Packed(arrays, capacity, float(houses[0].navigation.cell))
+
+
+def slot_start(library: Library, stride: Counts, slot: int) -> dict[str, int]:
+    """Where the rows of a slot begin."""
+    return {kind: library.rows[kind] + slot * count for kind, count in stride.items()}
+
+
+def slot_rows(house: CompiledHouse, library: Library, capacity: Capacity, stride: Counts, start: Counts) -> Arrays:
+    """All rows of a slot in the concatenated tables: those of the house, then padding.
+
+    Raises:
+        CapacityError: The house does not fit.
+    """
+    capacity.check(house)
+    check_fits(house.id, rows_of(house), stride)
+    rows = house_rows(house, library, start, capacity)
+    return {name: pad_table(name, rows[name], stride[TABLES[name].kind]) for name in TABLES}
+
+
+def pack_slot(
+    house: CompiledHouse, library: Library, capacity: Capacity, stride: Counts, slot: int
+) -> tuple[Arrays, dict[str, int]]:
+    """What must be written into a bank of `pack_slots` to put a house into a slot, and from which row on.
+
+    Raises:
+        CapacityError: The house does not fit.
+    """
+    start = slot_start(library, stride, slot)
+    rows = slot_rows(house, library, capacity, stride, start)
+    tables = house_slots([house], library, [start], capacity)
+    first = {name: start[TABLES[name].kind] for name in rows} | dict.fromkeys(tables, slot)
+    return rows | tables, first
 
 
 def check_triangles(count: int) -> None:

@@ -91,7 +91,7 @@ class HouseholdEnv:
         """A new episode without observation: `obs` is empty until `observe_in`."""
         keep, draw, start_key, yaw_key, goal_key, source_key = split(to_raw(key), 6)
         if house is None:
-            house = jax.random.randint(draw, (), 0, bank.num_houses)
+            house = bank.draw[jax.random.randint(draw, (), 0, bank.num_houses)]
         agents = self.num_agents
         start, pos = spread_starts(bank, house, agents, 4 * self.config.physics.agent_radius, start_key)
         yaw = jax.random.uniform(yaw_key, (agents,), jnp.float32, -jnp.pi, jnp.pi)
