@@ -4,13 +4,14 @@ import argparse
 import json
 import sys
 from dataclasses import asdict
+from pathlib import Path
 
 from home_mjx.cli.houses import add_house_arguments, load_house, open_named_dataset
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the options of `home-mjx inspect`."""
-    add_house_arguments(parser)
+    add_house_arguments(parser, "id of the house (default: the dataset's first), or root of a dataset: all its houses")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     doing = parser.add_mutually_exclusive_group()
     doing.add_argument("--semantics", action="store_true", help="instead say what everything is, looks like and is on")
@@ -26,20 +27,66 @@ def run(args: argparse.Namespace) -> int:
         return _validate(args)
     if args.semantics or args.home:
         return _semantics(args)
+    if args.house is not None and Path(args.house).is_dir():
+        return _dataset(args)
     from home_mjx.scene_compile.compile import compile_house
+    from home_mjx.scene_compile.usage import usage
 
     house, metadata = load_house(args)
     compiled = compile_house(house, metadata)
     problems = [f"{problem.element}: {problem.message}" for problem in house.problems]
+    taken = usage([compiled])
     if args.json:
         record = {"id": house.id, "version": house.version, "path": str(house.path), "problems": problems}
-        sys.stdout.write(json.dumps({**record, "counts": dict(compiled.report)}) + "\n")
+        sizes = {"house": taken.houses[house.id], "models": taken.models, "textures": taken.textures}
+        sys.stdout.write(json.dumps({**record, "counts": dict(compiled.report), "bytes": sizes}) + "\n")
         return 0
     sys.stdout.write(f"{house.id} (format {house.version})\n{house.path}\n")
     for name, count in compiled.report.items():
-        sys.stdout.write(f"{name.replace('_', ' '):<28}{count:>12,}\n")
+        _row(name.replace("_", " "), count)
+    _row("bytes of the house alone", taken.houses[house.id])
+    _row("bytes of its models", sum(taken.models.values()))
+    for key in sorted(taken.models, key=lambda key: -taken.models[key])[:3]:
+        _row(f"  {key}", taken.models[key])
+    _row("bytes of its textures", taken.textures)
     for problem in problems:
         sys.stdout.write(f"tolerated: {problem}\n")
+    return 0
+
+
+def _row(name: str, count: int) -> None:
+    sys.stdout.write(f"{name:<40}{count:>16,}\n")
+
+
+def _dataset(args: argparse.Namespace) -> int:
+    """Prints what all houses of a dataset take of a bank; they are compiled if they are not in the cache."""
+    from tqdm import tqdm
+
+    from home_mjx.scene_compile.cache import HouseCache
+    from home_mjx.scene_compile.suncg import open_dataset
+    from home_mjx.scene_compile.usage import usage
+
+    dataset = open_dataset(args.house)
+    cache = HouseCache(dataset)
+    taken = usage([cache.load(house_id) for house_id in tqdm(dataset.house_ids, desc="houses", unit="house")])
+    houses, models = list(taken.houses.values()), list(taken.models.values())
+    counts = {
+        "houses": len(houses),
+        "models": len(models),
+        "bytes_per_house_mean": sum(houses) // len(houses),
+        "bytes_per_house_largest": max(houses),
+        "bytes_of_houses": sum(houses),
+        "bytes_per_model_mean": sum(models) // len(models),
+        "bytes_per_model_largest": max(models),
+        "bytes_of_models": sum(models),
+        "bytes_of_textures": taken.textures,
+    }
+    if args.json:
+        sizes = {"houses": taken.houses, "models": taken.models, "textures": taken.textures}
+        sys.stdout.write(json.dumps({"root": str(dataset.root), "counts": counts, "bytes": sizes}) + "\n")
+        return 0
+    for name, count in counts.items():
+        _row(name.replace("_", " "), count)
     return 0
 
 

@@ -216,7 +216,7 @@ def library_rows(library: Library) -> Arrays:
     models = list(library.models.values())
     sizes = [{"node": len(m.tree.child), "triangle": len(m.triangle)} for m in models]
     starts = running_starts({"node": 0, "triangle": 0}, sizes)
-    found = [_model_rows(model, at) for model, at in zip(models, starts, strict=True)]
+    found = [model_tables(model, at) for model, at in zip(models, starts, strict=True)]
     geometry = {name: np.concatenate([rows[name] for rows in found]) for name in found[0]}
     agent = agent_materials()
     materials = material_rows(agent, library.layer) | gloss_rows(Gloss.matt(0), len(agent.mask))
@@ -240,7 +240,7 @@ def house_rows(house: CompiledHouse, library: Library, start: Counts, capacity: 
         capacity: For the number of goals.
     """
     own = house.models[house.instances.model[ARCHITECTURE]]
-    geometry = _model_rows(own, start)
+    geometry = model_tables(own, start)
     child = _absolute(house.top.child, start["node"] + len(own.tree.child), 0)  # leaves hold instance indices
     geometry["geometry.node_child"] = np.concatenate([geometry["geometry.node_child"], child])
     geometry["geometry.node_box"] = np.concatenate([geometry["geometry.node_box"], house.top.box])
@@ -249,7 +249,8 @@ def house_rows(house: CompiledHouse, library: Library, start: Counts, capacity: 
     return rows | {"semantics": house.semantics}
 
 
-def _model_rows(model: Model, start: Counts) -> Arrays:
+def model_tables(model: Model, start: Counts) -> Arrays:
+    """Rows of one model in the concatenated tables that begin at `start`."""
     rows = {
         "triangle": model.triangle,
         "triangle_uv": model.uv,

@@ -31,7 +31,7 @@ def load_textures(paths: Sequence[str], size: int = TEXTURE_SIZE) -> TextureArra
     """
     if size < 1 or size & (size - 1):
         raise ConfigError(f"the edge of texture layers must be a power of two, got {size}")
-    layers = np.full((size_class(len(paths), 1), sum(mip_sizes(size)), 4), 255, np.uint8)
+    layers = np.full((_num_layers(len(paths)), sum(mip_sizes(size)), 4), 255, np.uint8)
     for layer, path in zip(layers, paths, strict=False):
         image = open_texture(Path(path)).resize((size, size), Image.Resampling.LANCZOS)
         layer[...] = mip_levels(np.asarray(image))
@@ -68,6 +68,15 @@ def mip_levels(image: UInt8[np.ndarray, "s s 4"]) -> UInt8[np.ndarray, "p 4"]:
 def _halved(values: Float[np.ndarray, "s s c"]) -> Float[np.ndarray, "s2 s2 c"]:
     size = len(values) // 2
     return values.reshape(size, 2, size, 2, -1).mean(axis=(1, 3))
+
+
+def _num_layers(count: int) -> int:
+    return size_class(count, 1)
+
+
+def texture_bytes(count: int, size: int = TEXTURE_SIZE) -> int:
+    """What the layers of `count` images take."""
+    return _num_layers(count) * sum(mip_sizes(size)) * 4
 
 
 def open_texture(path: Path) -> Image.Image:

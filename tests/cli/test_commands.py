@@ -49,6 +49,22 @@ def test_inspect_prints_a_table(houses: Path, capsys: pytest.CaptureFixture):
     assert [name for name, _ in rows if name in ("rooms", "objects")] == ["rooms", "objects"]
 
 
+def test_inspect_tells_bytes_per_house_and_per_model(houses: Path, capsys: pytest.CaptureFixture):
+    from home_mjx.scene_compile.bank import HouseBank
+
+    assert main(["inspect", str(houses), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    bank = HouseBank.from_dataset(houses)
+    assert found["counts"]["houses"] == bank.num_houses == 2
+    geometry = bank.geometry
+    stored = sum(getattr(geometry, name).nbytes for name in ("triangle", "triangle_uv", "node_box"))
+    assert 0.5 * stored < found["counts"]["bytes_of_models"] < 1.5 * stored
+    assert main(["inspect", "--suncg", str(houses), "--json"]) == 0
+    one = json.loads(capsys.readouterr().out)["bytes"]
+    assert one["house"] > 100_000
+    assert all(found["bytes"]["models"][key] == size for key, size in one["models"].items())
+
+
 def test_unknown_house_is_one_message(houses: Path, capsys: pytest.CaptureFixture):
     assert main(["inspect", "nowhere", "--suncg", str(houses)]) == 2
     assert "unknown house `nowhere`" in capsys.readouterr().err
