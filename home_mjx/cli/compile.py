@@ -18,6 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the options of `home-mjx compile`."""
     add_house_arguments(parser, "id of a house, or root of a dataset: then all its houses are compiled")
     parser.add_argument("--mjcf", type=Path, metavar="OUT", help="write one house as MJCF into this folder instead")
+    parser.add_argument("--collision", default="box", help="with --mjcf: objects collide by `box` or `exact` pieces")
     group = parser.add_argument_group("whole datasets")
     group.add_argument("--workers", type=positive_int, default=os.cpu_count() or 1, help="processes (default: all)")
     group.add_argument("--resume", action="store_true", help="skip houses that an earlier run has done")
@@ -51,7 +52,7 @@ def _write_mjcf(args: argparse.Namespace) -> int:
 
     if args.house and Path(args.house).is_dir():
         raise ConfigError("--mjcf takes one house, not a dataset", hint="Name a house, and its dataset by --suncg.")
-    path = export_mjcf(compile_named_house(args), args.mjcf)
+    path = export_mjcf(compile_named_house(args), args.mjcf, collision=args.collision)
     sys.stdout.write(f"{path}\nLook at it: python -m mujoco.viewer --mjcf={path}\n")
     return 0
 
