@@ -4,9 +4,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+import trimesh
 from handmade import Furniture, shoebox, two_rooms
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
-from soup import f32, i32, needs_gpu, random_rays, random_soup
+from soup import Placed, Soup, f32, i32, needs_gpu, random_pose, random_rays, random_soup
 
 from home_mjx.errors import ExecutorError
 from home_mjx.raycast_render import Scene, cast, cuda, make_scene, nvrtc, occluded
@@ -224,3 +225,24 @@ def test_on_a_gpu_occlusion_and_gradients(batch, expected):
         return jnp.sum(jnp.where(jnp.isfinite(expected.t), t, 0))
 
     np.testing.assert_allclose(jax.jit(jax.grad(depths))(0.0), -np.isfinite(expected.t).sum(), rtol=1e-4)
+
+
+@needs_gpu
+def test_of_ten_million_rays_at_edges_and_corners_none_escapes():
+    rng = np.random.default_rng(7)
+    mesh = trimesh.creation.icosphere(subdivisions=4)
+    pose = random_pose(rng, scale=np.array([0.3, 5.0, 1.0]))
+    scene = Soup([mesh.triangles.astype(np.float32)], [Placed(0, pose, 0)]).scene()
+    corners = mesh.vertices.astype(np.float32).astype(float)
+    edges = corners[mesh.edges_unique]
+    look = jax.jit(lambda o, d: cast(scene, o, d, executor="cuda"))
+    for _ in range(10):
+        share = rng.uniform(size=(1_000_000, 1)) * rng.integers(0, 2, (1_000_000, 1))  # every other one at a corner
+        ends = edges[rng.integers(0, len(edges), 1_000_000)]
+        targets = ends[:, 0] * share + ends[:, 1] * (1 - share)
+        inside = rng.uniform(-0.3, 0.3, size=targets.shape)
+        origin, target = (points @ pose[:, :3].T + pose[:, 3] for points in (inside, targets))
+        hit = look(f32(origin), f32(target - origin))
+        assert bool(jnp.all(hit.instance == 0))
+        assert not bool(jnp.any(hit.front)), "a ray got out and met the outside"
+        assert float(jnp.abs(hit.t - 1).max()) < 2e-3

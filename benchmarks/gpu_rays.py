@@ -1,0 +1,330 @@
+"""What rays cost on a GPU: one JSON object a line, of the form of `home-mjx bench --json`.
+
+    python benchmarks/make_bank.py sample.pkl --suncg /path/to/suncg
+    python benchmarks/warp_renderer.py sample.pkl --size 64 84 128 --out depth.npz > peer.jsonl
+    python benchmarks/gpu_rays.py sample.pkl --houses "the sample house" --peer peer.jsonl --peer-depth depth.npz
+
+Cameras stand anywhere in all rooms at 1.5 m, turned at random, pitched by up to 15 degrees. What is timed is the whole
+program from poses of objects and camera to images. Median of several rounds, after a warm-up.
+"""
+
+import argparse
+import dataclasses
+import functools
+import json
+import os
+import tempfile
+import time
+from pathlib import Path
+
+os.environ.setdefault("XLA_PYTHON_CLIENT_PREALLOCATE", "false")
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from views import cameras, every_object_movable, load_bank, on_device
+
+from home_mjx.cli.cases.record import make_record
+from home_mjx.raycast_render import Camera, Lens, cast, cuda, make_scene, nvrtc, occluded, render
+from home_mjx.raycast_render.image import shading
+from home_mjx.raycast_render.image.camera import camera_rays
+from home_mjx.raycast_render.image.preset import Lit
+from home_mjx.raycast_render.surface import normals
+
+ROUNDS = 5
+ROUND_SECONDS = 0.06
+ID_IMAGES = ("instance", "fine", "coarse", "room", "material")
+
+
+class Bench:
+    """A bank, a camera in each environment, and what is said about them."""
+
+    def __init__(self, bank, words, num_envs, peers):
+        house, self.pos, self.quat = cameras(bank, num_envs)
+        self.bank, self.words, self.num_envs, self.peers = on_device(bank), words, num_envs, peers
+        self.args = jnp.asarray(house), jnp.asarray(self.pos), jnp.asarray(self.quat)
+
+    def program(self, look):
+        """`look(bank, scene, camera)` of all environments, compiled; and how long that took."""
+
+        def one(bank, house, pos, quat):
+            camera = Camera(pos, quat, jnp.float32(np.pi / 2))
+            return look(bank, scene_of(bank, house, pos), camera)
+
+        start = time.perf_counter()
+        program = jax.jit(jax.vmap(one, (None, 0, 0, 0))).lower(self.bank, *self.args).compile()
+        return functools.partial(program, self.bank), time.perf_counter() - start
+
+    def seconds(self, look):
+        """Of one batch, and of compiling."""
+        program, compile_seconds = self.program(look)
+        return timed(program, *self.args), compile_seconds
+
+    def emit(self, case, value, unit, note, compile_seconds=None, peer=None):
+        """Prints a record."""
+        found = self.peers.get(peer)
+        record = make_record(
+            f"gpu/{case}",
+            value,
+            unit,
+            f"{note}; {self.words}",
+            num_envs=self.num_envs,
+            compile_seconds=compile_seconds,
+            peer=found and (f"{found['peer']} {found['kind']}", found["frames/s"]),
+        )
+        print(json.dumps(dataclasses.asdict(record)), flush=True)
+
+    def frames(self, case, look, size, note, peer=None, rays=1):
+        """Times a look and prints frames/s; returns the seconds of a batch."""
+        seconds, compile_seconds = self.seconds(look)
+        grays = self.num_envs * size**2 * rays / seconds / 1e9
+        note = f"{size}x{size}, {note}; {grays:.2f} Grays/s, {seconds * 1e3:.3f} ms"
+        self.emit(f"{case}-{size}", self.num_envs / seconds, "frames/s", note, compile_seconds, peer and (peer, size))
+        return seconds
+
+
+def timed(program, *args):
+    """Median seconds of a call, several calls in flight."""
+    jax.block_until_ready(program(*args))
+    start = time.perf_counter()
+    jax.block_until_ready(program(*args))
+    calls = max(2, int(ROUND_SECONDS / (time.perf_counter() - start)))
+    rounds = []
+    for _ in range(ROUNDS):
+        start = time.perf_counter()
+        for _ in range(calls):
+            result = program(*args)
+        jax.block_until_ready(result)
+        rounds.append((time.perf_counter() - start) / calls)
+    return float(np.median(rounds))
+
+
+def scene_of(bank, house, pos):
+    """Bodies where the dataset puts them, the agent behind the camera."""
+    upright = jnp.array([[1.0, 0.0, 0.0, 0.0]], jnp.float32)
+    body = bank.physics.body_pos[house], bank.physics.body_quat[house]
+    return make_scene(bank, house, *body, pos[None] - jnp.array([[0.0, 0.0, 0.7]], jnp.float32), upright)
+
+
+def own_body(bank):
+    """Object id of the agent, which does not see itself."""
+    return bank.spec.num_instances
+
+
+def primary(size, executor=None):
+    """Depth, instance and triangle."""
+
+    def look(bank, scene, camera):
+        hit = cast(scene, *camera_rays(camera, Lens(size, size)), exclude=own_body(bank), executor=executor)
+        return hit.t, hit.instance, hit.triangle
+
+    return look
+
+
+def images(size, *kinds, preset="fast"):
+    """What `render` gives."""
+
+    def look(bank, scene, camera):
+        return render(bank, scene, camera, Lens(size, size), kinds=kinds, preset=preset, exclude=own_body(bank))
+
+    return look
+
+
+def shadowed(size):
+    """A stand-in for a lit image: head light and, from each hit, one shadow ray to a lamp above the camera."""
+
+    def look(bank, scene, camera):
+        origin, direction = camera_rays(camera, Lens(size, size))
+        hit = cast(scene, origin, direction, exclude=own_body(bank))
+        direction, hit = jax.lax.optimization_barrier((direction, hit))
+        normal = normals(scene, direction, hit)
+        lamp = (camera.pos + jnp.array([0.3, 0.2, 0.8], jnp.float32))[None, None]
+        point = origin + jnp.where(jnp.isfinite(hit.t), hit.t, 0)[..., None] * direction
+        dark = occluded(scene, point, lamp - point, t_min=1e-3, t_max=1.0, exclude=own_body(bank))
+        light = shading.head_light(shading.albedo(bank, scene, hit), normal, direction)
+        return shading.encode(jnp.where(dark[..., None], 0.3 * light, light)), hit.t
+
+    return look
+
+
+def scattered(bench, size, any_hit):
+    """Rays from anywhere in the rooms in any direction, of which no two have anything in common."""
+    key = jax.random.key(0)
+    shape = bench.num_envs, size * size, 3
+    direction = jax.random.normal(key, shape)
+    direction = direction / jnp.linalg.norm(direction, axis=-1, keepdims=True)
+    pick = jax.random.randint(jax.random.key(1), shape[:2], 0, bench.num_envs // bench.bank.num_houses)
+    origin = bench.args[1][pick * bench.bank.num_houses + bench.args[0][:, None]]
+
+    def one(bank, house, pos, origin, direction):
+        function = occluded if any_hit else cast
+        return function(scene_of(bank, house, pos), origin, direction, mask=1)
+
+    args = bench.bank, *bench.args[:2], origin, direction
+    program = jax.jit(jax.vmap(one, (None, 0, 0, 0, 0))).lower(*args).compile()
+    seconds = timed(program, *args)
+    rays = bench.num_envs * size * size / seconds
+    bench.emit(
+        f"scattered-{'any' if any_hit else 'closest'}",
+        rays,
+        "rays/s",
+        f"{size * size} rays per environment, random origins and directions, {'any' if any_hit else 'closest'} hit",
+    )
+
+
+def kernel_compilation():
+    """Seconds of compiling the kernels anew, and of reading them from the cache."""
+    device = cuda.cuda_devices()[0]
+    capability = int(device.compute_capability.replace(".", ""))
+    kept = os.environ.get("HOME_MJX_CACHE")
+    with tempfile.TemporaryDirectory() as folder:
+        os.environ["HOME_MJX_CACHE"] = folder
+        for case, note in (("cold", "by NVRTC"), ("cached", "from disk")):
+            start = time.perf_counter()
+            nvrtc.compile_ptx(cuda.SOURCE, capability)
+            record = make_record(
+                f"gpu/kernel-compile-{case}", time.perf_counter() - start, "s", f"CUDA C to PTX {note}"
+            )
+            print(json.dumps(dataclasses.asdict(record)), flush=True)
+    os.environ.pop("HOME_MJX_CACHE")
+    if kept:
+        os.environ["HOME_MJX_CACHE"] = kept
+    start = time.perf_counter()
+    problem = cuda.cuda_problem()
+    seconds = time.perf_counter() - start
+    note = f"first use in a process: PTX from disk or compiled, driver, probe; {problem or 'works'}"
+    print(json.dumps(dataclasses.asdict(make_record("gpu/first-use", seconds, "s", note))), flush=True)
+
+
+def agreement(bench, size, num_envs=256):
+    """Shares of rays for which other executors say the same instance and triangle, and how far depths are apart."""
+    few = jax.tree.map(lambda x: x[:num_envs], bench.args)
+    found = {}
+    for name in ("cuda", "xla", "cpu"):
+        device = jax.devices("cpu" if name == "cpu" else "cuda")[0]
+        bank, args = jax.device_put((bench.bank, few), device)
+
+        def one(bank, house, pos, quat, name=name):
+            camera = Camera(pos, quat, jnp.float32(np.pi / 2))
+            return primary(size, name)(bank, scene_of(bank, house, pos), camera)
+
+        found[name] = jax.tree.map(np.asarray, jax.jit(jax.vmap(one, (None, 0, 0, 0)))(bank, *args))
+    for name in ("xla", "cpu"):
+        (t, instance, triangle), (t0, instance0, triangle0) = found[name], found["cuda"]
+        same = (instance == instance0) & (triangle == triangle0)
+        both = same & (instance >= 0)
+        note = (
+            f"share of {same.size} rays with the instance and triangle of `{name}`; {int((~same).sum())} differ, "
+            f"depth apart by at most {np.abs(t - t0)[both].max():.1e} m where they agree"
+        )
+        bench.emit(f"agreement-{name}", float(same.mean()), "share", note)
+
+
+def against_peer(bench, size, path):
+    """How many pixels of the peer show the same depth: it looks at the same thing."""
+    theirs = np.load(path)["depth"]
+    program, _ = bench.program(images(size, "depth"))
+    ours = np.asarray(program(*bench.args)["depth"][: len(theirs), ..., 0])
+    seen = theirs > 0
+    near = np.abs(np.minimum(ours, 10) - np.minimum(theirs, 10)) < 0.01
+    bench.emit(
+        "same-depth-as-peer",
+        float(near[seen].mean()),
+        "share",
+        f"pixels within 1 cm of the peer's depth, {size}x{size}",
+    )
+
+
+def memory(bench):
+    """Bytes of a bank's geometry per house, and of what moves per environment."""
+    geometry = bench.bank.geometry
+    plain, gpu = (sum(x.nbytes for x in jax.tree.leaves(g)) for g in (geometry.replace(gpu=None), geometry.gpu))
+    houses = bench.bank.num_houses
+    note = f"geometry, of which {gpu / houses:.0f} as the kernel reads it"
+    bench.emit("bytes-per-house", (plain + gpu) / houses, "B", note)
+    slots = bench.bank.physics.body_valid.shape[1] + 1
+    bench.emit(
+        "bytes-per-environment", slots * (2 * 48 + 24 + 5 * 4 + 64.0), "B", f"{slots} moving slots, made at each step"
+    )
+
+
+def rooms(bench, sizes):
+    """Everything about one bank."""
+    for size in sizes:
+        bench.frames("primary", primary(size), size, "depth, instance and triangle", "depth")
+        base = bench.frames("depth", images(size, "depth"), size, "depth image", "depth")
+        if size == sizes[0]:
+            for kind in ID_IMAGES:
+                seconds, _ = bench.seconds(images(size, "depth", kind))
+                extra = (seconds - base) * 1e3
+                bench.emit(
+                    f"image-{kind}-{size}", extra, "ms", f"{size}x{size}, what it costs besides depth, per batch"
+                )
+        bench.frames("fast-rgb", images(size, "rgb", "depth"), size, "`fast` RGB and depth", "rgb+depth")
+        note = "stand-in: primary ray, one shadow ray, texture and head light"
+        bench.frames("shadowed-rgb", shadowed(size), size, note, "rgb+depth+shadows", rays=2)
+        one = Lit(num_lights=1, bounces=0, sun=0)
+        bench.frames(
+            "lit-1",
+            images(size, "rgb", "depth", preset=one),
+            size,
+            "`lit` with one light, no bounces, no sun, and depth",
+            "rgb+depth+shadows",
+        )
+    bench.frames(
+        "lit",
+        images(sizes[0], "rgb", "depth", preset="lit"),
+        sizes[0],
+        "`lit` as it is (4 lights, 2 bounces, sun), and depth",
+    )
+    scattered(bench, sizes[0], False)
+    scattered(bench, sizes[0], True)
+
+
+def many_houses(bench, size, samples=16):
+    """One batch over all houses of the bank, against batches each in one of them."""
+    seconds = bench.frames("resident", primary(size), size, "depth, instance and triangle, all houses at once")
+    program, _ = bench.program(primary(size))
+    house, pos, quat = bench.args
+    alone = []
+    for chosen in np.linspace(0, bench.bank.num_houses - 1, samples).astype(int):
+        rows = np.flatnonzero(np.asarray(house) == chosen)
+        rows = jnp.asarray(rows[np.arange(bench.num_envs) % len(rows)])
+        alone.append(timed(program, house[rows], pos[rows], quat[rows]))
+    ratio = np.mean(alone) / seconds
+    note = f"frames/s over all houses / frames/s with all environments in one house (mean time of {samples} houses)"
+    bench.emit(f"resident-ratio-{size}", float(ratio), "ratio", note)
+
+
+def main():
+    """Reads the command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("bank", type=Path)
+    parser.add_argument("--houses", required=True, help="the bank in words")
+    parser.add_argument("--num-envs", type=int, default=4096)
+    parser.add_argument("--size", type=int, nargs="+", default=[64, 84, 128])
+    parser.add_argument("--peer", type=Path, help="what warp_renderer.py printed for this bank")
+    parser.add_argument("--peer-depth", type=Path, help="what it wrote")
+    parser.add_argument("--still", action="store_true", help="only the objects move that the bank says do")
+    parser.add_argument("--many", action="store_true", help="only measure what it costs that there are many houses")
+    parser.add_argument("--check", action="store_true", help="also compare the executors")
+    args = parser.parse_args()
+    lines = [json.loads(line) for line in args.peer.read_text().splitlines()] if args.peer else []
+    peers = {(line["kind"], line["size"]): line for line in lines}
+    bank = load_bank(args.bank)
+    words = args.houses + (", default movable objects" if args.still else ", every object movable")
+    bench = Bench(bank if args.still else every_object_movable(bank), words, args.num_envs, peers)
+    kernel_compilation()
+    if args.peer_depth:
+        against_peer(bench, args.size[0], args.peer_depth)
+    if args.check:
+        agreement(bench, args.size[0])
+    memory(bench)
+    if args.many:
+        many_houses(bench, args.size[0])
+    else:
+        rooms(bench, args.size)
+
+
+if __name__ == "__main__":
+    main()

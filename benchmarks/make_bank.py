@@ -1,0 +1,44 @@
+"""Compiles houses by all cores and saves them as one bank: `python benchmarks/make_bank.py OUT --generate 64`."""
+
+import argparse
+import os
+import tempfile
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
+from pathlib import Path
+
+os.environ.setdefault("JAX_PLATFORMS", "cpu")
+
+from views import save_bank
+
+from home_mjx.scene_compile.bank import HouseBank
+from home_mjx.scene_compile.cache import HouseCache
+from home_mjx.scene_compile.generate import generate_dataset
+from home_mjx.scene_compile.suncg import open_dataset
+
+
+def compile_some(root, ids):
+    """Fills the cache of compiled houses."""
+    cache = HouseCache(open_dataset(root))
+    for house_id in ids:
+        cache.load(house_id)
+
+
+def main():
+    """Reads the command line."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("out", type=Path)
+    parser.add_argument("--generate", type=int, help="so many generated houses")
+    parser.add_argument("--suncg", type=Path, help="the houses of this dataset")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    args = parser.parse_args()
+    root = args.suncg or Path(tempfile.mkdtemp())
+    ids = open_dataset(root).house_ids if args.suncg else generate_dataset(root, range(args.generate))
+    compile_some(root, ids[:1])  # compiles the compiler once
+    with ProcessPoolExecutor(args.jobs) as pool:
+        list(pool.map(partial(compile_some, root), [ids[i :: args.jobs] for i in range(args.jobs)]))
+    save_bank(HouseBank.from_dataset(root, ids=ids), args.out)
+
+
+if __name__ == "__main__":
+    main()
