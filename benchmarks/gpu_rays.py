@@ -25,7 +25,7 @@ import numpy as np
 from views import cameras, every_object_movable, load_bank, on_device
 
 from home_mjx.cli.cases.record import make_record
-from home_mjx.raycast_render import Camera, Lens, cast, cuda, make_scene, nvrtc, occluded, render
+from home_mjx.raycast_render import Camera, Lens, Scene, cast, cuda, make_scene, nvrtc, occluded, render
 from home_mjx.raycast_render.image import shading
 from home_mjx.raycast_render.image.camera import camera_rays
 from home_mjx.raycast_render.image.preset import Lit
@@ -199,23 +199,30 @@ def kernel_compilation():
 def agreement(bench, size, num_envs=256):
     """Shares of rays for which other executors say the same instance and triangle, and how far depths are apart."""
     few = jax.tree.map(lambda x: x[:num_envs], bench.args)
+
+    def prepare(bank, house, pos, quat):
+        rays = camera_rays(Camera(pos, quat, jnp.float32(np.pi / 2)), Lens(size, size))
+        return house, scene_of(bank, house, pos).moving, *rays
+
+    # The same numbers for all: where two surfaces lie in one plane, rounding decides which of them is told.
+    args = jax.jit(jax.vmap(prepare, (None, 0, 0, 0)))(bench.bank, *few)
     found = {}
     for name in ("cuda", "xla", "cpu"):
+
+        def one(geometry, house, moving, origin, direction, name=name):
+            hit = cast(Scene(geometry, house, moving), origin, direction, mask=1, executor=name)
+            return hit.t, hit.instance, hit.triangle
+
         device = jax.devices("cpu" if name == "cpu" else "cuda")[0]
-        bank, args = jax.device_put((bench.bank, few), device)
-
-        def one(bank, house, pos, quat, name=name):
-            camera = Camera(pos, quat, jnp.float32(np.pi / 2))
-            return primary(size, name)(bank, scene_of(bank, house, pos), camera)
-
-        found[name] = jax.tree.map(np.asarray, jax.jit(jax.vmap(one, (None, 0, 0, 0)))(bank, *args))
+        given = jax.device_put((bench.bank.geometry, *args), device)
+        found[name] = jax.tree.map(np.asarray, jax.jit(jax.vmap(one, (None, 0, 0, 0, 0)))(*given))
     for name in ("xla", "cpu"):
         (t, instance, triangle), (t0, instance0, triangle0) = found[name], found["cuda"]
         same = (instance == instance0) & (triangle == triangle0)
         both = same & (instance >= 0)
         note = (
             f"share of {same.size} rays with the instance and triangle of `{name}`; {int((~same).sum())} differ, "
-            f"depth apart by at most {np.abs(t - t0)[both].max():.1e} m where they agree"
+            f"depth apart by at most {np.abs(t[both] - t0[both]).max():.1e} m where they agree"
         )
         bench.emit(f"agreement-{name}", float(same.mean()), "share", note)
 

@@ -358,18 +358,28 @@ struct Rays {
   const int *__restrict__ exclude, *__restrict__ mask;
 };
 
-INLINE Ray load(const Rays& rays, long long row) {
-  const float *o = rays.origin + 3 * row, *d = rays.direction + 3 * row;
-  return {__ldg(o),         __ldg(o + 1),          __ldg(o + 2),            __ldg(d),
-          __ldg(d + 1),     __ldg(d + 2),          __ldg(rays.t_min + row), __ldg(rays.exclude + row),
-          __ldg(rays.mask + row)};
+// Each field has one value per ray, or, where `own` is 0, one per environment.
+INLINE Ray load(const Rays& rays, const int* own, int env, long long row, float& t_max) {
+  const float* o = rays.origin + 3 * (__ldg(own) ? row : env);
+  const float* d = rays.direction + 3 * (__ldg(own + 1) ? row : env);
+  t_max = __ldg(rays.t_max + (__ldg(own + 3) ? row : env));
+  return {__ldg(o),
+          __ldg(o + 1),
+          __ldg(o + 2),
+          __ldg(d),
+          __ldg(d + 1),
+          __ldg(d + 2),
+          __ldg(rays.t_min + (__ldg(own + 2) ? row : env)),
+          __ldg(rays.exclude + (__ldg(own + 4) ? row : env)),
+          __ldg(rays.mask + (__ldg(own + 5) ? row : env))};
 }
 
 // A number times zero is zero: what is infinite or no number is not, and such a ray hits nothing.
 INLINE bool is_finite(const Ray& ray) { return (ray.ox + ray.oy + ray.oz + ray.dx + ray.dy + ray.dz) * 0 == 0; }
 
 // Offsets to this thread's environment and ray; false for threads that have none. `size` holds the number of
-// environments, rays per environment, static and moving instances per environment, and pixels in a row.
+// environments, rays per environment, static and moving instances per environment, pixels in a row, and for each field
+// of the rays whether it has a value for each of them.
 template <bool ANY_HIT>
 INLINE bool run(World world, const int* __restrict__ house_root, const int* __restrict__ house, const Rays& rays,
                 const int* __restrict__ size, long long& row, Best& best) {
@@ -382,8 +392,8 @@ INLINE bool run(World world, const int* __restrict__ house_root, const int* __re
   world.fixed += 4ll * at * __ldg(size + 2);
   world.moving += 4ll * env * world.num_moving;
   world.box += 3ll * env * world.num_moving;
-  Ray ray = load(rays, row);
-  float t_max = __ldg(rays.t_max + row);
+  float t_max;
+  Ray ray = load(rays, size + 5, env, row, t_max);
   best = cast<ANY_HIT>(world, number >= 0 && is_finite(ray) && ray.t_min <= t_max, ray, t_max);
   return number >= 0;
 }

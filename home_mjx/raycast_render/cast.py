@@ -19,8 +19,8 @@ Id = Int[Array, "..."] | int
 
 def cast(
     scene: Scene,
-    origin: Float[Array, "*rays 3"],
-    direction: Float[Array, "*rays 3"],
+    origin: Float[Array, "*#rays 3"],
+    direction: Float[Array, "*#rays 3"],
     t_min: Distance = 0.0,
     t_max: Distance = float("inf"),
     exclude: Id = -1,
@@ -35,7 +35,7 @@ def cast(
 
     Args:
         scene: The environment.
-        origin: [m], world.
+        origin: [m], world; one for all rays is read once, which is quicker.
         direction: World; t counts in units of its length.
         t_min: Of the part of the ray that counts, >= 0; one value or one per ray.
         t_max: The other end; rays with t_max < t_min hit nothing at no cost.
@@ -56,7 +56,8 @@ def cast(
         Array(2.95, dtype=float32)
     """
     rays = _rays(origin, direction, t_min, t_max, exclude, mask)
-    t, instance, triangle, u, v, front = _run(scene, rays, executor, any_hit=False)
+    shared = _shared(origin, t_min, t_max, exclude, mask)
+    t, instance, triangle, u, v, front = _run(scene, rays, shared, executor, any_hit=False)
     t, u, v = differentiable(scene, rays, instance, triangle, t, u, v)
     t = jnp.where(instance < 0, jnp.inf, t)
     shape = rays.t_min.shape
@@ -65,8 +66,8 @@ def cast(
 
 def occluded(
     scene: Scene,
-    origin: Float[Array, "*rays 3"],
-    direction: Float[Array, "*rays 3"],
+    origin: Float[Array, "*#rays 3"],
+    direction: Float[Array, "*#rays 3"],
     t_min: Distance = 0.0,
     t_max: Distance = float("inf"),
     exclude: Id = -1,
@@ -80,7 +81,8 @@ def occluded(
         >>> lit = ~occluded(scene, point, offset, t_min=1e-3, t_max=1.0)  # doctest: +SKIP
     """
     rays = _rays(origin, direction, t_min, t_max, exclude, mask)
-    _, instance, *_ = _run(scene, rays, executor, any_hit=True)
+    shared = _shared(origin, t_min, t_max, exclude, mask)
+    _, instance, *_ = _run(scene, rays, shared, executor, any_hit=True)
     return (instance >= 0).reshape(rays.t_min.shape)
 
 
@@ -101,11 +103,18 @@ def _rays(origin: Array, direction: Array, t_min: Distance, t_max: Distance, exc
     )
 
 
-def _run(scene: Scene, rays: Rays, executor: str | None, any_hit: bool) -> tuple[Array, ...]:
-    """Hits of shape (rays,)."""
+def _shared(origin: Array, t_min: Distance, t_max: Distance, exclude: Id, mask: Id) -> frozenset[str]:
+    """Names of the fields for which one value was given for all rays."""
+    given = {"t_min": t_min, "t_max": t_max, "exclude": exclude, "mask": mask}
+    return frozenset([name for name, x in given.items() if jnp.ndim(x) == 0] + ["origin"] * (origin.ndim == 1))
+
+
+def _run(scene: Scene, rays: Rays, shared: frozenset[str], executor: str | None, any_hit: bool) -> tuple[Array, ...]:
+    """Hits of shape (rays,); of `shared` fields the executor gets one value, which saves the memory's time."""
     refuse_forked()
     count = rays.t_min.size
     flat = jax.tree.map(lambda x: x.reshape(1, count, *x.shape[rays.t_min.ndim :]), rays)
+    flat = flat.replace(**{name: getattr(flat, name)[:, :1] for name in shared})
     args = scene.geometry, scene.house[None], jax.tree.map(lambda x: x[None], scene.moving), flat
     hits = flat_cast(executor, any_hit)(*jax.tree.map(lax.stop_gradient, args))
     return tuple(x[0] for x in hits)

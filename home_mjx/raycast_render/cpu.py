@@ -88,7 +88,7 @@ def _start() -> str | None:
 
 
 def _call(geometry: Geometry, house: Array, moving: Moving, rays: Rays, any_hit: bool) -> RawHit:
-    shape = rays.t_min.shape
+    rays, shape = rays.expanded(), rays.shape
     float_, int_ = jax.ShapeDtypeStruct(shape, jnp.float32), jax.ShapeDtypeStruct(shape, jnp.int32)
     results = (float_, int_, int_, float_, float_, jax.ShapeDtypeStruct(shape, jnp.bool_))
     # In the order of native.World, then of Rays.

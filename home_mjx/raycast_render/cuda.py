@@ -87,7 +87,7 @@ def _start() -> str | None:
 
 
 def _call(geometry: Geometry, house: Array, moving: Moving, rays: Rays, any_hit: bool) -> RawHit:
-    shape = rays.t_min.shape
+    shape = rays.shape
     floats, ints = jax.ShapeDtypeStruct(shape, jnp.float32), jax.ShapeDtypeStruct(shape, jnp.int32)
     results = (ints,) if any_hit else (floats, ints, ints, floats, floats, jax.ShapeDtypeStruct(shape, jnp.bool_))
     if 0 in shape:
@@ -112,9 +112,10 @@ def operands(geometry: Geometry, house: Array, moving: Moving, rays: Rays) -> tu
     used = (moving.instance >= 0)[..., None, None]
     never = _constants((jnp.inf, -jnp.inf), jnp.float32)[None, None, :, None]
     root = geometry.model_root[jnp.maximum(moving.model, 0)]
-    tiled = tile_width(rays.t_min.shape[1], rays.width)
-    size = (*rays.t_min.shape, geometry.instance_model.shape[1], moving.instance.shape[1], tiled)
-    floats = (rays.origin, rays.direction, rays.t_min, rays.t_max)
+    fields = (rays.origin, rays.direction, rays.t_min, rays.t_max, rays.exclude, rays.mask)
+    own = (int(x.shape[1] == rays.shape[1]) for x in fields)  # one value per ray, or one per environment
+    tiled = tile_width(rays.shape[1], rays.width)
+    size = (*rays.shape, geometry.instance_model.shape[1], moving.instance.shape[1], tiled, *own)
     return (
         gpu.node,
         gpu.triangle,
@@ -124,9 +125,8 @@ def operands(geometry: Geometry, house: Array, moving: Moving, rays: Rays) -> tu
         jnp.where(used, moving.box.astype(jnp.float32), never),
         geometry.house_root.astype(jnp.int32),
         house.astype(jnp.int32),
-        *(x.astype(jnp.float32) for x in floats),
-        rays.exclude.astype(jnp.int32),
-        rays.mask.astype(jnp.int32),
+        *(x.astype(jnp.float32) for x in fields[:4]),
+        *(x.astype(jnp.int32) for x in fields[4:]),
         _constants(size, jnp.int32),
     )
 
@@ -150,7 +150,7 @@ def grid(environments: int, count: int, width: int) -> tuple[int, int, int]:
 
 def _launch(name: str, rays: Rays) -> dict[str, Any]:
     names = "grid_x", "grid_y", "grid_z", "block_x", "block_y", "block_z", "shared_mem_bytes"
-    environments, count = rays.t_min.shape
+    environments, count = rays.shape
     sizes = (*grid(environments, count, rays.width), BLOCK, 1, 1, 0)
     numbers = {name: np.int32(size) for name, size in zip(names, sizes, strict=True)}
     return {"name": name, "kernel_type": "ptx", "kernel_data": kernels(), **numbers}

@@ -40,8 +40,7 @@ def flat_cast(executor: str | None, any_hit: bool) -> Flat:
             hits = cast(geometry, *jax.tree.map(_merge, places))
             hits = jax.tree.map(lambda x: x.reshape(size, x.shape[0] // size, x.shape[1]), hits)
         else:
-            rays = _broadcast(size, rays, rays_batched)
-            hits = cast(geometry, house, moving, jax.tree.map(lambda x: _merge(jnp.swapaxes(x, 0, 1), 1), rays))
+            hits = cast(geometry, house, moving, _more_rays(size, rays, rays_batched))
             hits = jax.tree.map(lambda x: jnp.swapaxes(x.reshape(x.shape[0], size, x.shape[1] // size), 0, 1), hits)
         return hits, jax.tree.map(lambda _: True, hits)
 
@@ -56,6 +55,20 @@ def _one_by_one(run: Executor, any_hit: bool, size: int, batched: Any, args: Any
         return run(geometry, house, moving, rays, any_hit)
 
     return jax.lax.map(one, _broadcast(size, args, batched))
+
+
+def _more_rays(size: int, rays: Rays, batched: Any) -> Rays:
+    """Rays (e r ...), or of batched fields (size e r ...), as (e size*r ...); fields that all rays share stay so."""
+    count = max(x.shape[2 if b else 1] for x, b in zip(jax.tree.leaves(rays), jax.tree.leaves(batched), strict=True))
+
+    def merge(x: Array, is_batched: bool) -> Array:
+        if not is_batched and x.shape[1] == 1:
+            return x
+        x = x if is_batched else x[None]
+        x = jnp.broadcast_to(x, (size, x.shape[1], count, *x.shape[3:]))
+        return _merge(jnp.swapaxes(x, 0, 1), 1)
+
+    return jax.tree.map(merge, rays, batched)
 
 
 def _any(batched: Any) -> bool:

@@ -21,11 +21,15 @@ def partitioned(run: Callable[..., RawHit]) -> Callable[..., RawHit]:
     """
 
     def partition(mesh: Any, arguments: Any, results: Any) -> Any:
-        by_env, by_ray = (*arguments[3].t_min.sharding.spec, None, None)[:2]
-        specs = PartitionSpec(), PartitionSpec(by_env), PartitionSpec(by_env), PartitionSpec(by_env, by_ray)
-        shardings = [NamedSharding(mesh, spec) for spec in specs]
-        spread = tuple(jax.tree.map(lambda _, s=s: s, x) for s, x in zip(shardings, arguments, strict=True))
-        return mesh, run, jax.tree.map(lambda _: shardings[3], results), spread
+        count = arguments[3].shape[1]
+        full = next(x for x in jax.tree.leaves(arguments[3]) if x.shape[1] == count)
+        by_env, by_ray = (*full.sharding.spec, None, None)[:2]
+        whole, env, ray = (NamedSharding(mesh, PartitionSpec(*axes)) for axes in ((), (by_env,), (by_env, by_ray)))
+        geometry, house, moving = (
+            jax.tree.map(lambda _, s=s: s, x) for s, x in zip((whole, env, env), arguments[:3], strict=True)
+        )
+        rays = jax.tree.map(lambda x: ray if x.shape[1] == count else env, arguments[3])
+        return mesh, run, jax.tree.map(lambda _: ray, results), (geometry, house, moving, rays)
 
     cast = custom_partitioning(run)
     cast.def_partition(partition=partition, sharding_rule=_sharding_rule)
@@ -35,9 +39,14 @@ def partitioned(run: Callable[..., RawHit]) -> Callable[..., RawHit]:
 def _sharding_rule(mesh: Any, operands: Sequence[ir.Type], results: Sequence[ir.Type]) -> str:
     """An einsum-like rule: `e` environments, `r` rays; all other axes stand for themselves."""
     alone = len(operands) - NUM_PLACES - NUM_RAYS
-    shared = [()] * alone + [("e",)] * NUM_PLACES + [("e", "r")] * NUM_RAYS
+    shared = [()] * alone + [("e",)] * NUM_PLACES
+    shared += [("e", "r") if _shape(rays)[1] == _shape(results[0])[1] else ("e",) for rays in operands[-NUM_RAYS:]]
     rule = [
-        " ".join((*names, *(f"x{i}y{axis}" for axis in range(len(names), ir.RankedTensorType(operand).rank))))
+        " ".join((*names, *(f"x{i}y{axis}" for axis in range(len(names), len(_shape(operand))))))
         for i, (names, operand) in enumerate(zip(shared, operands, strict=True))
     ]
     return ", ".join(rule) + " -> " + ", ".join("e r" for _ in results)
+
+
+def _shape(operand: ir.Type) -> list[int]:
+    return ir.RankedTensorType(operand).shape

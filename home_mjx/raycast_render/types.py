@@ -2,6 +2,8 @@
 
 from typing import NamedTuple
 
+import jax
+import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.scene_compile.bank import Geometry
@@ -30,7 +32,11 @@ class Scene(Pytree):
 
 
 class Rays(Pytree):
-    """Rays of any leading shape."""
+    """Rays of any leading shape.
+
+    As executors get them, of shape (environments, rays per environment), a field of which all rays of an environment
+    have the same value may have one ray only.
+    """
 
     origin: Float[Array, "*rays 3"]  # [m], world
     direction: Float[Array, "*rays 3"]  # need not be of unit length
@@ -39,6 +45,15 @@ class Rays(Pytree):
     exclude: Int[Array, "*rays"]  # object id (I + a for agent a) that the ray passes through; -1 none
     mask: Int[Array, "*rays"]  # `compiled.Ray` bits
     width: int = static(default=0)  # of the image whose rows the rays are; 0 if they are none
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Environments, rays per environment."""
+        return max(field.shape[:2] for field in jax.tree.leaves(self))
+
+    def expanded(self) -> "Rays":
+        """The same rays, every field with one value per ray."""
+        return jax.tree.map(lambda x: jnp.broadcast_to(x, (*self.shape, *x.shape[2:])), self)
 
 
 class RawHit(NamedTuple):

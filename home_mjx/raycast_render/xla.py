@@ -60,7 +60,7 @@ class _World(NamedTuple):
 
 def cast_xla(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, any_hit: bool) -> RawHit:
     """Casts rays of shape (environments, rays per environment); see `executors.Executor`."""
-    shape = rays.t_min.shape
+    rays, shape = rays.expanded(), rays.shape
     total = rays.t_min.size
     chunk = min(CHUNK_CPU if jax.default_backend() == "cpu" else CHUNK, max(total, 1))
     count = -(-total // chunk)

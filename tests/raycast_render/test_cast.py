@@ -141,6 +141,12 @@ def test_any_leading_shape_and_scalars(case):
         np.testing.assert_array_equal(a[0], c)
         assert c.shape == ()
         assert d.shape == (0,)
+    here = in_jit(cast, scene, f32(origin[0]), f32(direction[:24]), mask=7)
+    there = in_jit(cast, scene, f32(np.tile(origin[:1], (24, 1))), f32(direction[:24]), mask=7)
+    for a, b in zip(*map(jax.tree.leaves, (here, there)), strict=True):
+        np.testing.assert_array_equal(a, b)
+    each = jax.vmap(lambda d: cast(scene, f32(origin[0]), d, mask=7).t)(f32(direction[:24]))
+    np.testing.assert_array_equal(each, here.t)
     many = jax.vmap(lambda o, s: cast(s, o, o).t, (0, None))(jnp.zeros((3, 0, 3)), scene)
     assert many.shape == (3, 0)
 

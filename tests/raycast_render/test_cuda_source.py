@@ -55,8 +55,8 @@ extern "C" void run(void** p, int count, int environments, bool any) {
     return ctypes.CDLL(str(path))
 
 
-def run(library, scene, origin, direction, t_min=0.0, t_max=np.inf, exclude=-1, mask=7, any_hit=False):
-    """What the kernel says of rays in one environment, or in two that are alike."""
+def run(library, scene, origin, direction, t_min=0.0, t_max=np.inf, exclude=-1, mask=7, any_hit=False, shared=()):
+    """What the kernel says of rays in one environment, or in two that are alike; all have the first one's `shared`."""
     count = len(origin)
     rays = Rays(
         f32(origin),
@@ -64,6 +64,7 @@ def run(library, scene, origin, direction, t_min=0.0, t_max=np.inf, exclude=-1, 
         *(f32(np.broadcast_to(x, count)) for x in (t_min, t_max)),
         *(i32(np.broadcast_to(x, count)) for x in (exclude, mask)),
     )
+    rays = rays.replace(**{name: getattr(rays, name)[:1] for name in shared})
     twice = jax.tree.map(lambda x: jnp.stack([x] * 2), (scene.house, scene.moving, rays))
     inputs = [np.ascontiguousarray(x) for x in cuda.operands(scene.geometry, *twice)]
     outputs = [np.full((2, count), 77, kind) for kind in TYPES]
@@ -116,6 +117,19 @@ def test_range_exclusion_and_mask(library):
     }
     found = assert_same(library, scene, origin, direction, **options)
     assert 0.1 < np.mean(found[1] >= 0) < 0.6
+
+
+def test_values_that_all_rays_of_an_environment_share(library):
+    rng = np.random.default_rng(4)
+    scene, (origin, direction) = random_soup(rng).scene(), random_rays(rng, 300)
+    origin[:] = origin[0]
+    options = {"t_min": 0.1, "t_max": 1.2, "exclude": 2, "mask": 5}
+    expected = run(library, scene, origin, direction, **options)
+    assert 0.1 < np.mean(expected[1] >= 0) < 0.9
+    for shared in (("origin",), ("t_min", "mask"), ("t_max", "exclude"), ("origin", *options)):
+        found = run(library, scene, origin, direction, **options, shared=shared)
+        for x, y in zip(found, expected, strict=True):
+            np.testing.assert_array_equal(x, y)
 
 
 def test_more_moving_instances_than_a_group_holds(library):

@@ -56,7 +56,7 @@ class View:
         reach = jnp.where(self.valid, jnp.inf, -1.0)
         found = cast(
             self.scene,
-            origin,
+            origin if self.lens.model == "orthographic" else self.camera.pos,
             direction,
             t_max=reach,
             exclude=self.exclude,
