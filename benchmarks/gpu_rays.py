@@ -115,7 +115,8 @@ def primary(size, executor=None):
     """Depth, instance and triangle."""
 
     def look(bank, scene, camera):
-        hit = cast(scene, *camera_rays(camera, Lens(size, size)), exclude=own_body(bank), executor=executor)
+        _, direction = camera_rays(camera, Lens(size, size))
+        hit = cast(scene, camera.pos, direction, exclude=own_body(bank), executor=executor)
         return hit.t, hit.instance, hit.triangle
 
     return look

@@ -58,7 +58,7 @@ struct World {
   const int* __restrict__ material_mask;
   const float4* __restrict__ fixed;   // 4 a static instance: rows of its inverse, then root, number, object, material
   const float4* __restrict__ moving;  // the same of moving instances
-  const float2* __restrict__ box;     // 3 a moving instance: its bounds in the world
+  const float2* __restrict__ box;     // 3 a moving instance: centre and half size of its bounds in the world
   int root;                           // of the tree over the static instances
   int num_moving;
 };
@@ -266,17 +266,17 @@ INLINE Span span_of(bool alive, float origin, float slope) {
           warp_max(alive ? slope : -INF)};
 }
 
-// Narrows [near, far] to where any of the rays may be between two planes, by interval arithmetic
-INLINE void narrow(const Span& s, float low, float high, float& near, float& far) {
+// Narrows [near, far] to where any of the rays may be between the planes of a box, by interval arithmetic
+INLINE void narrow(const Span& s, float center, float half, float& near, float& far) {
   if (s.least < 0 && s.most > 0) return;
-  float a = low - s.high, b = high - s.low;
+  float a = center - half - s.high, b = center + half - s.low;
   float p = a * s.least, q = a * s.most, r = b * s.least, t = b * s.most;
   near = fmaxf(near, fminf(fminf(p, q), fminf(r, t)));
   far = fminf(far, fmaxf(fmaxf(p, q), fmaxf(r, t)));
 }
 
 struct Box {
-  float2 p, q, r;  // (x0, y0), (z0, x1), (y1, z1)
+  float2 p, q, r;  // centre x and y; its z, half size x; y and z
 };
 
 INLINE Box box_at(const float2* at) { return {__ldg(at), __ldg(at + 1), __ldg(at + 2)}; }
@@ -296,8 +296,7 @@ INLINE unsigned find_candidates(const float2* boxes, int count, bool alive, cons
       narrow(x, box.p.x, box.q.y, near, far);
       narrow(y, box.p.y, box.r.x, near, far);
       narrow(z, box.q.x, box.r.y, near, far);
-      // Boxes of unused slots are inside out, and those of poses that are no numbers have no order.
-      may = near <= far * (1 + 1e-5f) && box.p.x <= box.q.y && box.p.y <= box.r.x && box.q.x <= box.r.y;
+      may = near <= far * (1 + 1e-5f) && box.q.y >= 0;  // not empty
     }
     candidates |= warp_ballot(may) << first;
   }
@@ -311,12 +310,9 @@ INLINE unsigned find_moving(const float2* boxes, int count, bool alive, const Ra
   for (unsigned left = find_candidates(boxes, count, alive, ray, s, limit); left; left &= left - 1) {
     int i = __ffs(left) - 1;
     Box box = box_at(boxes + 3 * i);
-    float x0 = fmaf(box.p.x, s.ix, -s.cx), x1 = fmaf(box.q.y, s.ix, -s.cx);
-    float y0 = fmaf(box.p.y, s.iy, -s.cy), y1 = fmaf(box.r.x, s.iy, -s.cy);
-    float z0 = fmaf(box.q.x, s.iz, -s.cz), z1 = fmaf(box.r.y, s.iz, -s.cz);
-    float near = fmaxf(fmaxf(fminf(x0, x1), fminf(y0, y1)), fmaxf(fminf(z0, z1), ray.t_min));
-    float far = fminf(fminf(fmaxf(x0, x1), fmaxf(y0, y1)), fmaxf(z0, z1));
-    if (alive && near <= fminf(far * FAR_SLACK, limit)) found |= 1u << i;
+    float near;
+    bool met = meets(s, box.p.x, box.p.y, box.q.x, box.q.y, box.r.x, box.r.y, ray.t_min, limit, near);
+    if (met && alive) found |= 1u << i;
   }
   return found;
 }

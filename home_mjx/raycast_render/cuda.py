@@ -18,7 +18,7 @@ from home_mjx.raycast_render.probe import probe
 from home_mjx.raycast_render.types import Moving, RawHit, Rays
 from home_mjx.raycast_render.varying import varying_false
 from home_mjx.scene_compile.bank import Geometry
-from home_mjx.scene_compile.gpu_geometry import gpu_geometry, records
+from home_mjx.scene_compile.gpu_geometry import gpu_geometry, middles, records
 
 TARGET = "__gpu$xla.gpu.ptx"  # XLA's own call of a kernel given as PTX
 SOURCE = Path(__file__).with_name("cast.cu")
@@ -109,8 +109,8 @@ def _any(instance: Int[Array, "e r"]) -> RawHit:
 def operands(geometry: Geometry, house: Array, moving: Moving, rays: Rays) -> tuple[Array, ...]:
     """What the kernels read, in their order."""
     gpu = gpu_geometry(geometry) if geometry.gpu is None else geometry.gpu
-    used = (moving.instance >= 0)[..., None, None]
-    never = _constants((jnp.inf, -jnp.inf), jnp.float32)[None, None, :, None]
+    low, high = (moving.box[..., i, :].astype(jnp.float32) for i in range(2))
+    low = jnp.where((moving.instance >= 0)[..., None], low, jnp.inf)
     root = geometry.model_root[jnp.maximum(moving.model, 0)]
     fields = (rays.origin, rays.direction, rays.t_min, rays.t_max, rays.exclude, rays.mask)
     own = (int(x.shape[1] == rays.shape[1]) for x in fields)  # one value per ray, or one per environment
@@ -122,7 +122,7 @@ def operands(geometry: Geometry, house: Array, moving: Moving, rays: Rays) -> tu
         geometry.material_mask.astype(jnp.int32),
         gpu.instance,
         records(moving.inverse, root, moving.instance, moving.object_id, moving.material),
-        jnp.where(used, moving.box.astype(jnp.float32), never),
+        middles(low, high),
         geometry.house_root.astype(jnp.int32),
         house.astype(jnp.int32),
         *(x.astype(jnp.float32) for x in fields[:4]),

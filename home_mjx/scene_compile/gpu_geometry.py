@@ -52,13 +52,17 @@ def records(
     return jnp.concatenate([inverse.astype(jnp.float32).reshape(*root.shape, 12), notes], axis=-1)
 
 
+def middles(low: Float[Array, "*n 3"], high: Float[Array, "*n 3"]) -> Float[Array, "*n 6"]:
+    """Boxes by centre and half size, never smaller; half size -inf of those inside out or not numbers."""
+    good = jnp.all(low <= high, axis=-1, keepdims=True)
+    center = jnp.where(good, low / 2 + high / 2, 0)
+    half = jnp.where(good, jnp.maximum(high - center, center - low) * ROUND_UP, -jnp.inf)
+    return jnp.concatenate([center, half], axis=-1)
+
+
 def _nodes(box: Float[Array, "n 2 6"], child: Int[Array, "n 2"]) -> Float[Array, "n 16"]:
-    low, high = box[..., :3], box[..., 3:]
-    empty = ~(low <= high)
-    center = jnp.where(empty, 0, low / 2 + high / 2)
-    half = jnp.where(empty, -jnp.inf, jnp.maximum(high - center, center - low) * ROUND_UP)
     codes = _bits(jnp.pad(child, [(0, 0), (0, 2)]))
-    return jnp.concatenate([jnp.concatenate([center, half], axis=2).reshape(-1, 12), codes], axis=1)
+    return jnp.concatenate([middles(box[..., :3], box[..., 3:]).reshape(-1, 12), codes], axis=1)
 
 
 def _triangles(corner: Float[Array, "t 3 3"], slot: Int[Array, " t"]) -> Float[Array, "t 12"]:
