@@ -1,4 +1,5 @@
 import dataclasses
+from operator import attrgetter
 
 import jax
 from handmade import Furniture, shoebox, two_rooms
@@ -33,8 +34,8 @@ def test_a_models_bytes_are_those_of_its_arrays():
     house = shoebox(furniture=[STOOL])
     model = house.models[house.instances.model[1]]
     triangles, nodes = len(model.triangle), len(model.tree.child)
-    rows, geometry = {"triangle": triangles, "node": nodes, "model": 1}, HouseBank.from_compiled([house]).geometry
-    tables = {name.split(".")[1]: table.kind for name, table in TABLES.items() if table.kind in rows}
-    assert len(tables) >= 8
-    expected = sum(rows[kind] * getattr(geometry, name)[0].nbytes for name, kind in tables.items())
+    rows, bank = {"triangle": triangles, "node": nodes, "model": 1}, HouseBank.from_compiled([house])
+    tables = {name: table.kind for name, table in TABLES.items() if table.kind in rows}
+    assert len(tables) >= 9
+    expected = sum(rows[kind] * attrgetter(name)(bank)[0].nbytes for name, kind in tables.items())
     assert usage([house]).models[model.key] == expected
