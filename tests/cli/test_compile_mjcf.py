@@ -3,16 +3,22 @@
 import json
 
 import mujoco
+import numpy as np
 import pytest
 
 from home_mjx.cli import main
 from home_mjx.scene_compile.generate import generate_dataset
+from home_mjx.scene_compile.mesh import box_triangles
 
 
 @pytest.fixture(scope="module")
 def dataset(tmp_path_factory):
     root = tmp_path_factory.mktemp("houses")
     return root, generate_dataset(root, [0])[0]
+
+
+def hull_of(box):
+    return box_triangles(box.mean(axis=0), np.maximum(np.ptp(box, axis=0) / 2, 0.01))
 
 
 @pytest.mark.parametrize("collision", ["box", "exact"])
