@@ -23,6 +23,7 @@ from home_mjx.scene_compile.capacity import Capacity, row_stride
 from home_mjx.scene_compile.compile import DEFAULT_OPTIONS, CompileOptions
 from home_mjx.scene_compile.compiled import ARCHITECTURE, CompiledHouse
 from home_mjx.scene_compile.entry import BROKEN
+from home_mjx.scene_compile.gpu_geometry import gpu_geometry
 from home_mjx.scene_compile.pack import Library, pack_slot, pack_slots
 from home_mjx.scene_compile.selection import select_ids
 from home_mjx.scene_compile.suncg import Dataset, open_dataset
@@ -222,7 +223,10 @@ def _write(bank: HouseBank, rows: Mapping[str, Array], starts: Mapping[str, Arra
         record: fields[""] if "" in fields else getattr(bank, record).replace(**fields)
         for record, fields in changes.items()
     }
-    return bank.replace(**replaced)
+    bank = bank.replace(**replaced)
+    if bank.geometry.gpu is not None:
+        bank = bank.replace(geometry=bank.geometry.replace(gpu=gpu_geometry(bank.geometry)))
+    return bank
 
 
 @functools.partial(jax.jit, static_argnums=1)

@@ -12,6 +12,7 @@ from tiny_dataset import edit_house, write_tiny_dataset
 
 from home_mjx.errors import ConfigError
 from home_mjx.scene_compile.bank import HouseBank
+from home_mjx.scene_compile.gpu_geometry import gpu_geometry
 from home_mjx.scene_compile.house_stream import HouseStream
 from home_mjx.tasks import AutoReset, HouseholdEnv, make_config
 
@@ -93,6 +94,14 @@ def test_a_swap_writes_into_the_same_memory(stream):
     run_until(stream, 1)
     assert old.geometry.triangle.is_deleted()
     assert not stream.bank.geometry.triangle.is_deleted()
+
+
+def test_what_is_derived_from_geometry_follows(stream):
+    geometry = stream.bank.geometry
+    stream.bank = stream.bank.replace(geometry=geometry.replace(gpu=gpu_geometry(geometry)))
+    run_until(stream, 2)
+    new = stream.bank.geometry
+    jax.tree.map(np.testing.assert_array_equal, new.gpu, gpu_geometry(new))
 
 
 def test_a_slot_in_use_is_never_written_over(stream):
