@@ -13,6 +13,7 @@ from home_mjx.raycast_render.types import Scene
 from home_mjx.scene_compile.bank import BankSpec, HouseBank
 from home_mjx.tasks import observe as sensors
 from home_mjx.tasks.config import EnvConfig
+from home_mjx.tasks.episodes import Episodes
 from home_mjx.tasks.grid import geodesic_distance
 from home_mjx.tasks.keys import split, to_raw
 from home_mjx.tasks.point_nav import PointNav
@@ -66,36 +67,45 @@ class HouseholdEnv:
         """Shape and dtype of every observation."""
         return jax.eval_shape(self.reset, jax.ShapeDtypeStruct((2,), jnp.uint32)).obs
 
-    def reset(self, key: Array) -> State:
+    def reset(self, key: Array, episode: Episodes | None = None) -> State:
         """`reset_in` with the environment's own bank."""
-        return self.reset_in(self.bank, key)
+        return self.reset_in(self.bank, key, episode=episode)
 
     def step(self, state: State, action: Float[Array, "..."]) -> State:
         """`step_in` with the environment's own bank."""
         return self.step_in(self.bank, state, action)
 
-    def reset_in(self, bank: HouseBank, key: Array, house: Int[Array, ""] | None = None) -> State:
+    def reset_in(
+        self, bank: HouseBank, key: Array, house: Int[Array, ""] | None = None, episode: Episodes | None = None
+    ) -> State:
         """A new episode.
 
         Args:
             bank: The houses.
             key: Typed or raw uint32 key.
             house: Index of the house; None draws one.
+            episode: One row of an `Episodes`: house, start and goal of the first agent; the key draws the rest.
 
         Returns:
             A state with its first observation, zero reward and done 0.
         """
-        return self.observe_in(bank, self.begin(bank, key, house))
+        return self.observe_in(bank, self.begin(bank, key, house, episode))
 
-    def begin(self, bank: HouseBank, key: Array, house: Int[Array, ""] | None = None) -> State:
+    def begin(
+        self, bank: HouseBank, key: Array, house: Int[Array, ""] | None = None, episode: Episodes | None = None
+    ) -> State:
         """A new episode without observation: `obs` is empty until `observe_in`."""
         keep, draw, start_key, yaw_key, goal_key, source_key = split(to_raw(key), 6)
-        if house is None:
+        if episode is not None:
+            house = episode.house
+        elif house is None:
             house = bank.draw[jax.random.randint(draw, (), 0, bank.num_houses)]
         agents = self.num_agents
         start, pos = spread_starts(bank, house, agents, 4 * self.config.physics.agent_radius, start_key)
         yaw = jax.random.uniform(yaw_key, (agents,), jnp.float32, -jnp.pi, jnp.pi)
         goal = self.task.choose_goal(bank, house, start[0], goal_key)
+        if episode is not None:
+            pos, yaw, goal = pos.at[0].set(episode.start), yaw.at[0].set(episode.yaw), episode.goal
         world = World(
             key=to_raw(keep),
             house=house,
