@@ -1,9 +1,15 @@
 """From houses as read to houses on the device."""
 
+import os
+import statistics
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import jax
+import jax.numpy as jnp
 
 from home_mjx.cli.cases.record import Record, Settings, make_record
 
@@ -36,4 +42,80 @@ def bank(settings: Settings) -> Record:
     return make_record("compile/bank", seconds, "s", note)
 
 
-CASES: dict[str, Callable[[Settings], Record]] = {"houses": houses, "bank": bank}
+def dataset(settings: Settings) -> Record:
+    """Houses per second by worker processes, read, compiled and written into an empty cache."""
+    from home_mjx.scene_compile.dataset_job import compile_dataset
+    from home_mjx.scene_compile.suncg import open_dataset
+
+    root, workers = settings.root, os.cpu_count() or 1
+    ids = open_dataset(root).house_ids[: settings.num_houses]
+    with _empty_cache():
+        summary = compile_dataset(root, ids, workers=workers, progress=True)
+    note = f"{settings.describe(len(ids))}, {workers} processes and their start, models shared, {summary.failed} failed"
+    return make_record("compile/dataset", summary.compiled / summary.seconds, "houses/s", note)
+
+
+def cold(settings: Settings) -> Record:
+    """Seconds to read and compile the first house and to write it into an empty cache."""
+    root = settings.root
+    with _empty_cache():
+        return make_record("compile/cold", _first_house(root), "s", f"first of {settings.describe(1)}, empty cache")
+
+
+def cached(settings: Settings) -> Record:
+    """Seconds to load the first house from the cache, its files checked for changes."""
+    _first_house(settings.root)
+    note = f"first of {settings.describe(1)}, from the cache"
+    return make_record("compile/cached", _first_house(settings.root), "s", note)
+
+
+def stream(settings: Settings) -> Record:
+    """Milliseconds that a step waits while a house is exchanged in a stream."""
+    from home_mjx.scene_compile.house_stream import HouseStream
+
+    nobody, waits = jnp.zeros(0, jnp.int32), []
+    with HouseStream(settings.root, num_slots=max(2, settings.num_houses // 2), headroom=2.0) as houses:
+        end = time.perf_counter() + settings.seconds
+        while time.perf_counter() < end or not waits:
+            swaps, start = houses.swaps, time.perf_counter()
+            jax.block_until_ready(houses.advance(nobody))
+            if houses.swaps > swaps:
+                waits.append(time.perf_counter() - start)
+    note = f"median of {len(waits)} exchanges, {settings.describe(settings.num_houses)}"
+    return make_record("compile/stream", 1e3 * statistics.median(waits), "ms", note)
+
+
+def _first_house(root: Path) -> float:
+    from home_mjx.scene_compile.cache import HouseCache
+    from home_mjx.scene_compile.suncg import open_dataset
+
+    start = time.perf_counter()
+    dataset = open_dataset(root)
+    HouseCache(dataset).load(dataset.house_ids[0])
+    return time.perf_counter() - start
+
+
+@contextmanager
+def _empty_cache() -> Iterator[None]:
+    """A cache folder of its own for this process and those that it starts."""
+    from home_mjx.scene_compile.cache import VARIABLE
+
+    before = os.environ.get(VARIABLE)
+    with TemporaryDirectory() as folder:
+        os.environ[VARIABLE] = folder
+        try:
+            yield
+        finally:
+            os.environ.pop(VARIABLE)
+            if before is not None:
+                os.environ[VARIABLE] = before
+
+
+CASES: dict[str, Callable[[Settings], Record]] = {
+    "houses": houses,
+    "dataset": dataset,
+    "cold": cold,
+    "cached": cached,
+    "bank": bank,
+    "stream": stream,
+}
