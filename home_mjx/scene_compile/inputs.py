@@ -3,6 +3,7 @@
 import functools
 import hashlib
 import json
+import os
 import re
 from pathlib import Path
 
@@ -45,22 +46,22 @@ class Inputs:
         """Digest of an image, "" if there is none."""
         file = Path(path)
         if file not in self._shared:
-            self._shared[file] = file_digest(file) if file.is_file() else b""
+            self._shared[file] = _facts(path, *_stamp(os.stat(path)))[0] if file.is_file() else b""
         return self._shared[file].hex()
 
     def _folder(self, folder: Path) -> bytes:
         digest = hashlib.sha256(folder.relative_to(self.root).as_posix().encode(errors="replace"))
-        files = sorted(path for path in folder.iterdir() if path.is_file()) if folder.is_dir() else []
-        for path in files:
-            digest.update(path.name.encode(errors="replace") + b"\0" + file_digest(path))
-            if path.suffix == ".obj":
-                digest.update(b"".join(map(self._elsewhere, _libraries(path))))
+        for name, path, stamp in _files(folder):
+            content, libraries = _facts(path, *stamp)
+            digest.update(name.encode(errors="replace") + b"\0" + content)
+            for relative in libraries:
+                digest.update(self._elsewhere(folder, relative))
         return digest.digest()
 
-    def _elsewhere(self, path: Path) -> bytes:
+    def _elsewhere(self, folder: Path, relative: str) -> bytes:
         """Digest of a material library that lies in another folder."""
-        found = below(self.root, path.parent, path.name)
-        return file_digest(found) if found and found.is_file() else b""
+        found = below(self.root, folder, relative)
+        return _facts(str(found), *_stamp(found.stat()))[0] if found and found.is_file() else b""
 
 
 def _model_ids(document: Path) -> set[str]:
@@ -80,28 +81,27 @@ def _decoded(literal: str) -> str:
         return ""
 
 
-def file_digest(path: Path) -> bytes:
-    """SHA-256 of a file, or of its size if it is larger than what is ever read.
+def _files(folder: Path) -> list[tuple[str, str, tuple[int, int]]]:
+    """Name, path and stamp of the regular files in a folder, in order."""
+    try:
+        with os.scandir(folder) as entries:
+            return sorted((e.name, e.path, _stamp(e.stat())) for e in entries if e.is_file())
+    except (FileNotFoundError, NotADirectoryError):
+        return []
 
-    Size and time of change only keep a process from reading the same file for every house.
+
+def _stamp(status: os.stat_result) -> tuple[int, int]:
+    return status.st_size, status.st_mtime_ns
+
+
+@functools.lru_cache(maxsize=1 << 16)
+def _facts(path: str, size: int, changed: int) -> tuple[bytes, tuple[str, ...]]:
+    """SHA-256 of a file, and of an OBJ file the material libraries that it names in other folders.
+
+    Of a file that is larger than what is ever read only the size counts. Size and time of change are there to keep a
+    process from reading the same file for every house.
     """
-    status = path.stat()
-    return _digest(path, status.st_size, status.st_mtime_ns)
-
-
-@functools.lru_cache(maxsize=1 << 16)
-def _digest(path: Path, size: int, changed: int) -> bytes:
-    return hashlib.sha256(path.read_bytes() if size <= MAX_BYTES else str(size).encode()).digest()
-
-
-def _libraries(path: Path) -> tuple[Path, ...]:
-    status = path.stat()
-    return _named_libraries(path, status.st_size, status.st_mtime_ns)
-
-
-@functools.lru_cache(maxsize=1 << 16)
-def _named_libraries(path: Path, size: int, changed: int) -> tuple[Path, ...]:
-    """The material libraries in other folders that an OBJ file names."""
-    names = LIBRARY.findall(path.read_bytes()) if size <= MAX_BYTES else []
-    texts = [name.decode(errors="replace").replace("\\", "/") for name in names]
-    return tuple(path.parent / text for text in dict.fromkeys(texts) if "/" in text)
+    data = Path(path).read_bytes() if size <= MAX_BYTES else str(size).encode()
+    names = LIBRARY.findall(data) if path.endswith(".obj") else []
+    texts = dict.fromkeys(name.decode(errors="replace").replace("\\", "/") for name in names)
+    return hashlib.sha256(data).digest(), tuple(text for text in texts if "/" in text)
