@@ -14,6 +14,9 @@ from home_mjx.demo import pictures
 
 KINDS = ("rgb", "depth", "normal", "instance", "fine", "room", "material")
 DEPTH_MAX = 10.0  # [m]
+MODELS = ("pinhole", "panorama", "cube", "orthographic", "lidar")
+PRESETS = ("fast", "lit")
+SHAPES = {"rgb": "hwc", "depth": "hwc", "normal": "hwc"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -21,6 +24,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_viewpoint_arguments(parser)
     parser.add_argument("--size", type=positive_int, nargs=2, default=(640, 480), metavar=("W", "H"), help="[pixels]")
     parser.add_argument("--fovy", type=float, default=75.0, help="vertical field of view [degrees] (default: 75)")
+    parser.add_argument("--preset", choices=PRESETS, default="fast", help="how colours are lit (default: fast)")
+    parser.add_argument("--samples", type=positive_int, default=1, help="rays per pixel of the colours (default: 1)")
+    parser.add_argument("--lens", choices=MODELS, default="pinhole", help="camera model (default: pinhole)")
     parser.add_argument("--out", type=Path, default=Path("pictures"), help="folder for the files (default: pictures)")
 
 
@@ -34,7 +40,8 @@ def run(args: argparse.Namespace) -> int:
     view = stand(args)
     camera = Camera(jnp.asarray(view.position), jnp.asarray(view.head_quat), jnp.float32(np.deg2rad(args.fovy)))
     width, height = args.size
-    look = jax.jit(functools.partial(render, lens=Lens(width, height), kinds=KINDS, depth_max=DEPTH_MAX))
+    lens = Lens(width, height, args.lens, args.samples)
+    look = jax.jit(functools.partial(render, lens=lens, kinds=KINDS, preset=args.preset, depth_max=DEPTH_MAX))
     images = look(view.bank, view.scene, camera)
     args.out.mkdir(parents=True, exist_ok=True)
     for kind in KINDS:
@@ -45,7 +52,9 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _colours(kind: str, image: np.ndarray) -> np.ndarray:
-    """The image as (H, W, 3) uint8."""
+    """The image as (H, W, 3) uint8; the faces of a cube map lie below one another."""
+    if image.ndim > len(SHAPES.get(kind, "hw")):
+        image = np.concatenate(image)
     if kind == "rgb":
         return image
     if kind == "depth":

@@ -9,7 +9,7 @@ from home_mjx.scene_compile.lighting import Gloss
 from home_mjx.scene_compile.materials import Surface
 from home_mjx.scene_compile.objects import Placed
 
-SPECULAR_MAX = 0.6  # of a colour that is no mirror: MTL files have 1 for chrome, whose light they then give twice
+SPECULAR_MAX = 0.2  # MTL files have up to 1 beside a full diffuse colour, as if surfaces gave more light than they get
 # Specular reflectance and Blinn-Phong exponent of kinds of material, where no MTL tells.
 KIND_GLOSS: Mapping[str, tuple[float, float]] = {
     "ceramic": (0.12, 120.0),

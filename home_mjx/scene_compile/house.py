@@ -35,6 +35,7 @@ class Mesh:
     group: Int[np.ndarray, " f"]  # index into groups; -1 where the file has none
     materials: tuple[Material, ...]
     groups: tuple[str, ...] = ()  # names of the `o` lines, such as WallInside#0_1_3
+    normal: Float[np.ndarray, "f 3 3"] | None = None  # unit, per corner; None if the file has none or flat ones only
 
 
 @dataclass(frozen=True)

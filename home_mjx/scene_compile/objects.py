@@ -111,7 +111,8 @@ def _num_nodes(level: Level) -> int:
 
 def library_model(key: str, mesh: Mesh) -> Model:
     """A mesh as a library model, Z up."""
-    return make_model(key, triangles_z_up(mesh), mesh.uv, mesh.slot)
+    normal = None if mesh.normal is None else to_z_up(mesh.normal)
+    return make_model(key, triangles_z_up(mesh), mesh.uv, mesh.slot, normal=normal)
 
 
 def triangles_z_up(mesh: Mesh) -> Float[np.ndarray, "f 3 3"]:

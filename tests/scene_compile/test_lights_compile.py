@@ -17,8 +17,10 @@ from home_mjx.scene_compile.mesh import box_triangles, make_model
 from home_mjx.scene_compile.objects import Placed
 from home_mjx.scene_compile.plan import inside_polygon
 
+PLAIN = (Material("a"),)
 
-def placed(lights=(), fine="chandelier", pose=None, slots=(Material("a"),), room=0, half=(0.1, 0.1, 0.1)):
+
+def placed(lights=(), fine="chandelier", pose=None, slots=PLAIN, room=0, half=(0.1, 0.1, 0.1)):
     """An object of one box; and the table of its lights."""
     model = make_model("m", box_triangles(np.zeros(3), np.array(half, float)))
     pose = np.eye(3, 4) if pose is None else pose

@@ -1,10 +1,14 @@
 """Smooth normals where surfaces are round, flat ones where they have edges."""
 
 import numpy as np
+import pytest
 import trimesh
 
 from home_mjx.scene_compile.mesh import box_triangles
 from home_mjx.scene_compile.normals import crease_normals
+from home_mjx.scene_compile.objects import library_model
+from home_mjx.scene_compile.suncg.obj import read_obj
+from home_mjx.scene_compile.suncg.textures import Textures
 
 
 def flat(triangles):
@@ -53,3 +57,31 @@ def test_triangles_without_area_have_no_normal_and_spoil_none():
 
 def test_no_triangles():
     assert crease_normals(np.zeros((0, 3, 3))).shape == (0, 3, 3)
+
+
+SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+
+
+def read_square(tmp_path, normals, faces="f 1//1 2//2 3//3 4//4\n"):
+    path = tmp_path / "a.obj"
+    path.write_text(SQUARE + normals + faces)
+    return read_obj(path, Textures(tmp_path)).normal
+
+
+def test_normals_of_a_file_are_kept_corner_by_corner(tmp_path):
+    found = read_square(tmp_path, "vn 0 0 2\nvn 1 0 1\nvn 0 1 1\nvn 0 0 1\n")
+    half = 0.5**0.5
+    expected = [[0, 0, 1], [half, 0, half], [0, half, half], [0, 0, 1]]
+    np.testing.assert_allclose(
+        found, [[expected[0], expected[1], expected[2]], [expected[0], expected[2], expected[3]]]
+    )
+    model = library_model("a", read_obj(tmp_path / "a.obj", Textures(tmp_path)))
+    np.testing.assert_allclose(model.normal[:, 0], [[0, -1, 0]] * 2, atol=1e-6)  # Z up: the square now faces -y
+
+
+@pytest.mark.parametrize(
+    "normals", ["", "vn 0 0 1\n" * 4, "vn 0 0 1\n" * 3 + "vn nan 0 1\n", "vn 0 0 1\n" * 3 + "vn -1.#IND 0 1\n"]
+)
+def test_flat_or_broken_normals_are_left_out(tmp_path, normals):
+    faces = "f 1//1 2//2 3//3 4//4\n" if normals else "f 1 2 3 4\n"
+    assert read_square(tmp_path, normals, faces) is None

@@ -7,7 +7,7 @@ import pytest
 from handmade import Furniture, shoebox
 
 from home_mjx.errors import ConfigError
-from home_mjx.raycast_render import Lens, make_scene
+from home_mjx.raycast_render import Lens, Lit, make_scene
 from home_mjx.scene_compile.bank import HouseBank
 from home_mjx.tasks import AgentCamera, make_config
 from home_mjx.tasks.observe import observe_images
@@ -78,6 +78,16 @@ def test_only_cameras_that_look_follow_the_head(bank):
     turned = observe(bank, yaw=np.pi / 2)
     assert turned["pixels/head_depth"][4, 4, 0] == pytest.approx(2.5, abs=1e-5)
     np.testing.assert_allclose(turned["camera/plan_pose"][:3, 3], [0, 0.5, 1.5], atol=1e-6)
+
+
+def test_environments_draw_with_the_preset_of_their_choice(bank):
+    """The room has no lights but daylight from nowhere, so the lit image is black where the fast one is not."""
+    options = {"sensors": ("rgb",), "cameras": ()}
+    fast, lit = (observe(bank, rgb_preset=preset, **options)["pixels/head_rgb"] for preset in ("fast", "lit"))
+    assert (fast.max(axis=-1) > 50).all()
+    assert (lit == 0).all()
+    light = bank.replace(lights=bank.lights.replace(ambient=jnp.ones_like(bank.lights.ambient)))
+    assert (observe(light, rgb_preset=Lit(sun=0.0), **options)["pixels/head_rgb"].max(axis=-1) > 50).all()
 
 
 @pytest.mark.parametrize(

@@ -33,7 +33,7 @@ class Lit:
     sky: float = 3.0
     ambient: float = 1.0
     corners: float = 0.0
-    exposure: float = 1.8
+    exposure: float = 2.3
 
     def __post_init__(self) -> None:
         for name in (f.name for f in fields(self)):

@@ -14,6 +14,7 @@ from home_mjx.scene_compile.house import Material, Mesh
 
 from .files import below, read_text
 from .mtl import read_mtl
+from .obj_normals import smooth_normals
 from .place import LIMIT, Place
 from .polygons import Rows, fan, line_numbers, read_corners
 from .textures import Textures, escape
@@ -50,6 +51,7 @@ def read_obj(path: Path, textures: Textures) -> Mesh:
         group=group[face],
         materials=materials,
         groups=groups,
+        normal=smooth_normals(rows["vn"], index[corner, 2], vertices[index[corner, 0] - 1]),
     )
 
 

@@ -1,0 +1,210 @@
+"""Draws the gallery of the docs: generated houses by default, any dataset on request.
+
+python scripts/gallery.py                                   docs/images/gallery_*.png
+python scripts/gallery.py --suncg ROOT --out local/gallery  pictures of another dataset, not for the docs
+"""
+
+import argparse
+import functools
+import tempfile
+from pathlib import Path
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from PIL import Image
+
+from home_mjx.demo import pictures
+from home_mjx.raycast_render import Camera, Lens, Lit, kinect_depth, make_scene, render
+from home_mjx.scene_compile.bank import HouseBank
+from home_mjx.scene_compile.generate import generate_dataset
+from home_mjx.tasks.pose import camera_quat
+
+SEEDS = (3, 11, 20, 42)
+EYE = 1.5  # [m]
+SIZE = (320, 240)
+FINE = Lit(corners=0.8, bounces=3)
+FAR = 8.0  # [m], depth drawn darkest
+
+
+class Studio:
+    """One house and the views of it."""
+
+    def __init__(self, bank, house) -> None:
+        self.bank, self.house = bank, jnp.int32(house)
+        self.bodies = np.array(bank.physics.body_pos[house])
+        self.rng = np.random.default_rng(house)
+
+    def scene(self):
+        """The house with its furniture where `bodies` has it."""
+        nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
+        return make_scene(
+            self.bank, self.house, jnp.asarray(self.bodies), self.bank.physics.body_quat[self.house], *nobody
+        )
+
+    def draw(self, camera, lens, kinds=("rgb",), preset="fast", depth_max=None):
+        """Images on the host."""
+        images = look(lens, kinds, preset, depth_max)(self.bank, self.scene(), camera)
+        return {kind: np.asarray(image) for kind, image in images.items()}
+
+    def views(self, count, tries=40):
+        """Cameras that see many things, and different ones."""
+        found, seen = [], set()
+        scored = [self._score(self._somewhere()) for _ in range(tries)]
+        for _, camera, things in sorted(scored, key=lambda s: -s[0]):
+            if len(things - seen) >= 2 or not found:
+                found.append(camera)
+                seen |= things
+            if len(found) == count:
+                break
+        return found
+
+    def _somewhere(self):
+        starts = np.asarray(self.bank.navigation.start[self.house])
+        pos = starts[self.rng.integers(len(starts))] + [0, 0, EYE]
+        return camera(pos, self.rng.uniform(-np.pi, np.pi), -0.12)
+
+    def _score(self, camera):
+        images = self.draw(camera, Lens(32, 24), ("instance", "depth"))
+        ids, counts = np.unique(images["instance"], return_counts=True)
+        things = {int(i) for i, n in zip(ids, counts, strict=True) if i >= 0 and n >= 6}
+        depth = np.clip(images["depth"], 0, 10)
+        return len(things) + 1.5 * np.median(depth) - 6 * (depth < 0.8).mean(), camera, things
+
+
+@functools.cache
+def look(lens, kinds, preset, depth_max):
+    """A compiled program per lens and preset."""
+    return jax.jit(functools.partial(render, lens=lens, kinds=kinds, preset=preset, depth_max=depth_max))
+
+
+def camera(pos, yaw, pitch=0.0, fovy=1.25):
+    """At a point, turned by yaw and pitch [rad]."""
+    return Camera(jnp.asarray(pos, jnp.float32), camera_quat(jnp.float32(yaw), jnp.float32(pitch)), jnp.float32(fovy))
+
+
+def panels(*rows):
+    """A sheet of captioned pictures."""
+    return pictures.sheet([[pictures.captioned(image, name) for name, image in row] for row in rows])
+
+
+def presets(studios, samples):
+    """The presets side by side."""
+    rows = []
+    for studio in studios[:2]:
+        view = studio.views(1)[0]
+        fast = studio.draw(view, Lens(*SIZE, samples=4))["rgb"]
+        one = studio.draw(view, Lens(*SIZE), preset="lit")["rgb"]
+        lit = studio.draw(view, Lens(*SIZE, samples=samples), preset=FINE)["rgb"]
+        rows.append([("fast", fast), ("lit, one sample", one), (f"lit, {samples} samples, dark corners", lit)])
+    return panels(*rows)
+
+
+def kinds(studio, samples):
+    """Every kind of image of one view."""
+    view = studio.views(1)[0]
+    names = ("depth", "normal", "albedo", "instance", "fine", "coarse", "nyu40", "room", "material", "partition")
+    images = studio.draw(view, Lens(*SIZE), names)
+    shown = {"rgb": studio.draw(view, Lens(*SIZE, samples=samples), preset=FINE)["rgb"]}
+    shown["depth"] = pictures.depth_colours(np.minimum(images["depth"][..., 0], FAR), FAR)
+    noisy = np.asarray(kinect_depth(jax.random.key(0), jnp.asarray(images["depth"])))[..., 0]
+    shown["depth of a Kinect"] = np.where(
+        np.isinf(noisy)[..., None], np.uint8(0), pictures.depth_colours(np.minimum(noisy, FAR), FAR)
+    )
+    shown["normal"] = ((images["normal"] + 1) * 127.5).astype(np.uint8)
+    shown["albedo"] = (255 * np.clip(images["albedo"], 0, 1) ** (1 / 2.2)).astype(np.uint8)
+    shown |= {name: pictures.id_colours(images[name]) for name in names[3:]}
+    items = list(shown.items())
+    return panels(items[:4], items[4:8], items[8:12])
+
+
+def cameras(studio, samples):
+    """Lenses: panorama, cube map, plan, lidar."""
+    pos = np.asarray(studio.views(1)[0].pos)
+    draw = functools.partial(studio.draw, preset=FINE)
+    around = draw(camera(pos, 0.0), Lens(640, 320, "panorama", samples=samples))["rgb"]
+    cube = draw(camera(pos, 0.0), Lens(160, 160, "cube", samples=samples))["rgb"]
+    cube = np.concatenate([np.concatenate(cube[:3], axis=1), np.concatenate(cube[3:], axis=1)])
+    low, high = extent(studio)
+    top = [*((low + high) / 2), float(studio.bank.physics.floor[studio.house]) + 2.2]
+    above = camera(top, np.pi / 2, -np.pi / 2, max(high - low) + 0.6)
+    plan = studio.draw(above, Lens(320, 320, "orthographic", samples=4))["rgb"]
+    scan = studio.draw(camera(pos, 0.0), Lens(640, 32, "lidar", elevation=(-30, 30)), ("distance",))["distance"][..., 0]
+    scan = pictures.depth_colours(np.minimum(np.repeat(scan, 4, axis=0), FAR), FAR)
+    return panels(
+        [("panorama", around)],
+        [("cube map: front, right, back; left, up, down", cube), ("orthographic, from 2.2 m above the floor", plan)],
+        [("lidar, 640 x 32 beams, distance", scan)],
+    )
+
+
+def extent(studio):
+    """Corners of the rooms in x and y [m]."""
+    navigation, cell = studio.bank.navigation, studio.bank.spec.cell
+    inside = np.argwhere(np.asarray(navigation.room[studio.house]) >= 0)[:, -2:][:, ::-1]
+    origin = np.asarray(navigation.origin[studio.house])
+    return origin + inside.min(axis=0) * cell, origin + (inside.max(axis=0) + 1) * cell
+
+
+def moved(studio, samples):
+    """Before and after a piece of furniture is moved; its shadow goes with it."""
+    valid = np.asarray(studio.bank.physics.body_valid[studio.house])
+    size = np.asarray(studio.bank.physics.body_size[studio.house])
+    body = int(np.argmax(np.where(valid & (size.max(axis=1) < 0.5), size.prod(axis=1), -1)))
+    place = studio.bodies[body].copy()
+    starts = np.asarray(studio.bank.navigation.start[studio.house])
+    away = starts[np.argsort(abs(np.linalg.norm(starts[:, :2] - place[:2], axis=1) - 2.4))[0], :2]
+    toward = np.array([*(away - place[:2]), 0.0])
+    aim = np.arctan2(*(place[:2] - away)[::-1])
+    view = camera([*away, EYE], aim, -0.45)
+    lens = Lens(*SIZE, samples=samples)
+    before = studio.draw(view, lens, ("rgb", "instance"), FINE)
+    studio.bodies[body] = place + 0.7 * toward / np.linalg.norm(toward)
+    after = studio.draw(view, lens, ("rgb", "instance"), FINE)
+    studio.bodies[body] = place
+    return panels(
+        [("before", before["rgb"]), ("0.7 m nearer", after["rgb"])],
+        [("before", pictures.id_colours(before["instance"])), ("after", pictures.id_colours(after["instance"]))],
+    )
+
+
+def rooms(studios, samples):
+    """Rooms of different houses."""
+    lens = Lens(*SIZE, samples=samples)
+    shown = [
+        [(f"house {i}", studio.draw(view, lens, preset=FINE)["rgb"]) for view in studio.views(3)]
+        for i, studio in enumerate(studios[:3])
+    ]
+    return panels(*shown)
+
+
+def main():
+    """Draws everything."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--suncg", type=Path, help="dataset root (default: generated houses)")
+    parser.add_argument("--out", type=Path, default=Path("docs/images"))
+    parser.add_argument("--samples", type=int, default=9, help="rays per pixel of lit pictures")
+    parser.add_argument("--only", nargs="*", default=["presets", "kinds", "cameras", "moved", "rooms"])
+    args = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        root = args.suncg or folder
+        ids = None if args.suncg else generate_dataset(Path(folder), SEEDS)
+        bank = HouseBank.from_dataset(root, ids=ids, limit=len(SEEDS))
+    studios = [Studio(bank, house) for house in range(bank.num_houses)]
+    drawn = {
+        "presets": lambda: presets(studios, args.samples),
+        "kinds": lambda: kinds(studios[0], args.samples),
+        "cameras": lambda: cameras(studios[-1], args.samples),
+        "moved": lambda: moved(studios[0], args.samples),
+        "rooms": lambda: rooms(studios, args.samples),
+    }
+    args.out.mkdir(parents=True, exist_ok=True)
+    for name in args.only:
+        sheet = Image.fromarray(drawn[name]())
+        path = args.out / f"gallery_{name}.png"
+        sheet.save(path, optimize=True)
+        print(path, f"{path.stat().st_size / 1024:.0f} kB")
+
+
+if __name__ == "__main__":
+    main()
