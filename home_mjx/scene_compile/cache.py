@@ -17,7 +17,7 @@ from pathlib import Path
 
 from home_mjx.scene_compile.compile import DEFAULT_OPTIONS, CompileOptions, compile_house
 from home_mjx.scene_compile.compiled import CompiledHouse, Model
-from home_mjx.scene_compile.entry import BROKEN, TEMPORARY, read_entry, read_notes, write_entry
+from home_mjx.scene_compile.entry import BROKEN, SUFFIX, TEMPORARY, read_entry, read_notes, write_entry
 from home_mjx.scene_compile.inputs import Inputs
 from home_mjx.scene_compile.records import Notes, flatten, rebuild
 from home_mjx.scene_compile.suncg import Dataset
@@ -110,7 +110,7 @@ class HouseCache:
 
     def _entry(self, house_id: str) -> Path:
         key = hashlib.sha256(repr((house_id, self.options)).encode() + self._inputs.house(house_id)).hexdigest()
-        return self._folder / "houses" / f"{key}.npz"
+        return self._folder / "houses" / f"{key}{SUFFIX}"
 
     def _read(self, entry: Path) -> CompiledHouse:
         """Raises `FileNotFoundError` if there is no entry, or if an image that it shows is not as it was."""
@@ -154,7 +154,7 @@ class HouseCache:
         return str(self.dataset.root / path) if path else ""
 
     def _model_path(self, key: str) -> Path:
-        return self._folder / "models" / f"{hashlib.sha256(key.encode()).hexdigest()}.npz"
+        return self._folder / "models" / f"{hashlib.sha256(key.encode()).hexdigest()}{SUFFIX}"
 
 
 def load_compiled(

@@ -15,7 +15,7 @@ from home_mjx.scene_compile import cache
 from home_mjx.scene_compile.bank import HouseBank
 from home_mjx.scene_compile.cache import cache_folder, load_compiled
 from home_mjx.scene_compile.compile import DEFAULT_OPTIONS, CompileOptions, compile_house
-from home_mjx.scene_compile.entry import read_entry, read_notes, write_entry
+from home_mjx.scene_compile.entry import BROKEN, read_entry, read_notes, write_entry
 from home_mjx.scene_compile.inputs import Inputs
 from home_mjx.scene_compile.movables import MovableOptions
 from home_mjx.scene_compile.records import flatten
@@ -64,7 +64,7 @@ def assert_equal(a, b):
 
 
 def entries(kind: str = "houses") -> list:
-    return sorted(cache_folder().glob(f"*/{kind}/*.npz"))
+    return sorted(cache_folder().glob(f"*/{kind}/*.zip"))
 
 
 def test_what_comes_back_is_what_was_compiled(root, compiles):
@@ -244,7 +244,7 @@ def _write_forever(path):
 
 
 def test_killed_writers_leave_no_half_entry(tmp_path):
-    path = tmp_path / "entry.npz"
+    path = tmp_path / "entry.zip"
     context = multiprocessing.get_context("spawn")  # JAX may run in this process: a fork of it could hang
     for _ in range(3):
         path.unlink(missing_ok=True)
@@ -257,13 +257,13 @@ def test_killed_writers_leave_no_half_entry(tmp_path):
         writer.join()
         arrays, _ = read_entry(path)
         assert arrays["a"].shape == (1000, 1000)
-    assert [p.name for p in tmp_path.glob("*.npz")] == ["entry.npz"]
+    assert [p.name for p in tmp_path.glob("*.zip")] == ["entry.zip"]
 
 
 def old_version(name: str, days: float):
     folder = cache_folder() / name
     (folder / "houses").mkdir(parents=True)
-    (folder / "houses" / "x.npz").write_text("x")
+    (folder / "houses" / "x.zip").write_text("x")
     os.utime(folder, times=(time.time() - days * 86400,) * 2)
     return folder
 
@@ -298,6 +298,21 @@ def test_leftovers_of_killed_writers_are_removed(root):
     assert new.exists()
 
 
+def test_no_flipped_byte_passes(tmp_path):
+    """Every byte of a small entry: it is found broken, or reads as before (in what the format leaves open)."""
+    path = tmp_path / "a.zip"
+    write_entry(path, {"a": np.arange(3, dtype=np.int16)}, {"n": 1})
+    data = path.read_bytes()
+    for at in range(len(data)):
+        path.write_bytes(data[:at] + bytes([data[at] ^ 0x55]) + data[at + 1 :])
+        try:
+            arrays, notes = read_entry(path)
+        except BROKEN:
+            continue
+        assert arrays["a"].tolist() == [0, 1, 2]
+        assert notes == {"n": 1}
+
+
 def test_entries_keep_every_kind_of_array(tmp_path, rng):
     arrays = {
         "empty": np.zeros((0, 3)),
@@ -306,9 +321,9 @@ def test_entries_keep_every_kind_of_array(tmp_path, rng):
         "small": np.arange(7, dtype=np.uint16).reshape(7, 1),
         "strided": rng.random((4, 6))[:, ::2],
     }
-    write_entry(tmp_path / "a.npz", arrays, {"x": [1, "ü"]})
-    back, notes = read_entry(tmp_path / "a.npz")
-    assert notes == read_notes(tmp_path / "a.npz") == {"x": [1, "ü"]}
+    write_entry(tmp_path / "a.zip", arrays, {"x": [1, "ü"]})
+    back, notes = read_entry(tmp_path / "a.zip")
+    assert notes == read_notes(tmp_path / "a.zip") == {"x": [1, "ü"]}
     assert back.keys() == arrays.keys()
     for name, array in arrays.items():
         assert back[name].dtype == array.dtype

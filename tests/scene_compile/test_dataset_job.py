@@ -55,7 +55,7 @@ def broken_copy(root: Path, ids: tuple[str, ...], target: Path) -> tuple[Path, s
 
 def content(folder: Path) -> dict[str, bytes]:
     """Every entry of a cache."""
-    return {str(p.relative_to(folder)): p.read_bytes() for p in folder.glob("*/*.npz")}
+    return {str(p.relative_to(folder)): p.read_bytes() for p in folder.glob("*/*.zip")}
 
 
 def test_all_houses_come_into_the_cache(houses):
@@ -141,11 +141,11 @@ def test_kills_lose_nothing_and_break_nothing(houses, tmp_path, monkeypatch):
     monkeypatch.setenv("HOME_MJX_CACHE", str(cache))
     for entries in (0, 2, 6):
         process = job(root, "--workers", "2", "--resume")
-        wait_for(lambda n=entries: len(list(cache.glob("*/houses/*.npz"))) > n or list(cache.glob("*/*/.*.tmp")))
+        wait_for(lambda n=entries: len(list(cache.glob("*/houses/*.zip"))) > n or list(cache.glob("*/*/.*.tmp")))
         process.send_signal(signal.SIGKILL)
         process.wait()
         wait_for(lambda: not processes_of(cache))  # the workers leave with their parent
-        for path in cache.glob("*/*/*.npz"):
+        for path in cache.glob("*/*/*.zip"):
             read_entry(path)
     assert job(root, "--workers", "2", "--resume").wait(timeout=120) == 0
     monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path / "undisturbed"))
