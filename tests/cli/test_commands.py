@@ -9,6 +9,8 @@ import pytest
 from PIL import Image
 
 from home_mjx.cli import main
+from home_mjx.cli.viewpoint import EYE_HEIGHT, longest_view
+from home_mjx.scene_compile.bank import HouseBank
 from home_mjx.scene_compile.generate import generate_dataset
 
 RECORD = ["case", "value", "unit", "num_envs", "device", "versions", "compile_seconds", "peer", "peer_value", "ratio"]
@@ -93,7 +95,12 @@ def test_render_writes_pictures(houses: Path, tmp_path: Path, capsys: pytest.Cap
 
 
 def test_listen_hears_the_source_after_its_delay(houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture):
-    assert main(["listen", "--suncg", str(houses), "--out", str(tmp_path), "--clip", "tone"]) == 0
+    bank = HouseBank.from_dataset(houses, limit=1)
+    feet = np.asarray(bank.navigation.start[0, 0])
+    yaw = longest_view(bank, feet)  # so that nothing stands between head and source
+    source = feet + [np.cos(yaw), np.sin(yaw), EYE_HEIGHT]
+    where = ["--source", *map(str, source)]
+    assert main(["listen", "--suncg", str(houses), "--out", str(tmp_path), "--clip", "tone", *where]) == 0
     metres = float(capsys.readouterr().out.split(": ")[-1].split()[0])
     with wave.open(str(tmp_path / "response.wav")) as file:
         assert (file.getnchannels(), file.getframerate()) == (2, 16000)
