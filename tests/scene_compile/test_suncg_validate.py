@@ -132,8 +132,8 @@ FILE_CHANGES = {  # file, what is done to it, element
         f"{NODES}[2].modelId",
     ),
     "broken-variant": (
-        f"object/{DOOR}/{DOOR}_0.obj",
-        lambda path: edit_text(path, "f ", "f 9"),
+        f"object/{DOOR}/{DOOR}.obj",  # it is shown closed
+        lambda path: edit_text(path, "f  1/", "f  91/"),
         f"{NODES}[3].modelId",
     ),
     "unused-slot": (
