@@ -4,8 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tiny_dataset import HOUSE_ID, ROOM_PARTS, edit_house, object_node, write_mesh, write_tiny_dataset
 
 from home_mjx.scene_compile.boxes import box_set, join, no_boxes
+from home_mjx.scene_compile.compile import CompileOptions, compile_house
 from home_mjx.scene_compile.compiled import FIELD_UNIT, Navigation, PortalKind, Rooms
 from home_mjx.scene_compile.doors import Part
 from home_mjx.scene_compile.geodesic import Link, distance_fields
@@ -16,6 +18,7 @@ from home_mjx.scene_compile.objects import Placed
 from home_mjx.scene_compile.portals import room_hops
 from home_mjx.scene_compile.regions import label_regions
 from home_mjx.scene_compile.stairs import find_stairs
+from home_mjx.scene_compile.suncg import open_dataset
 from home_mjx.scene_compile.suncg.categories import COARSE
 
 UP = 2.8  # [m], of the upper floor
@@ -183,9 +186,6 @@ def test_hops_count_portals():
 
 
 def test_rooms_of_the_real_house_lead_to_each_other(suncg_root):
-    from home_mjx.scene_compile.compile import compile_house
-    from home_mjx.scene_compile.suncg import open_dataset
-
     dataset = open_dataset(suncg_root)
     house = compile_house(dataset.load_house(dataset.house_ids[0]), dataset.metadata)
     n = house.navigation
@@ -195,3 +195,42 @@ def test_rooms_of_the_real_house_lead_to_each_other(suncg_root):
     assert (passed >= 0).all()
     assert n.region_area[0] == pytest.approx(n.free.sum() * n.cell**2)
     assert (n.portals.room[doors] == -1).any()  # the entrance
+
+
+def add_storey(root) -> None:
+    """A second level over the tiny house's room, and a flight of stairs in place of its furniture."""
+    rise, run = UP / STEPS, 0.18
+    steps = [("", "material_0", (run * i, 0, 0), (run * (i + 1), rise * (i + 1), 0.9)) for i in range(STEPS)]
+    write_mesh(root / "object" / "9003", "9003", steps, [("0.5 0.5 0.5", "")])
+    for part, cuboids in ROOM_PARTS.items():
+        raised = [
+            (g.replace("0_0", "1_0"), m, (a, b + UP, c), (d, e + UP, f)) for g, m, (a, b, c), (d, e, f) in cuboids
+        ]
+        write_mesh(root / "room" / HOUSE_ID, f"fr_1rm_0{part}", raised, [("1 1 1", "")])
+    table = root / "metadata" / "ModelCategoryMapping.csv"
+    table.write_text(table.read_text() + "\n7,9003,stairs,stairs,1,floor,n04314914,stairs.n.01\n")
+
+    def change(house: dict) -> None:
+        nodes = house["levels"][0]["nodes"]
+        flight = object_node("0_2", "9003", np.eye(3), (0.7, 0.05, 1.0), steps)
+        house["levels"][0]["nodes"] = [dict(nodes[0], nodeIndices=[2]), nodes[1], flight]
+        room = dict(nodes[0], id="1_0", modelId="fr_1rm_0", nodeIndices=[])
+        house["levels"].append({"id": "1", "valid": 1, "nodes": [room]})
+
+    edit_house(root, change)
+
+
+@pytest.mark.parametrize("climb", [False, True])
+def test_a_house_of_two_levels_is_compiled(tmp_path, climb):
+    root = write_tiny_dataset(tmp_path / "data")
+    add_storey(root)
+    dataset = open_dataset(root)
+    options = CompileOptions(navigation=NavigationOptions(climb=climb))
+    n = compile_house(dataset.load_house(HOUSE_ID), dataset.metadata, options).navigation
+    assert n.level.tolist() == [0, 1]
+    np.testing.assert_allclose(n.floor, [0.05, UP + 0.05], atol=1e-6)
+    assert set(n.place[:, 0].tolist()) == ({0, 1} if climb else {0})
+    assert (n.portals.kind == PortalKind.STAIRS).sum() == 1
+    assert n.room_hops.tolist() == [[0, 1], [1, 0]]
+    assert (n.room[1] == 1).any()
+    assert set(np.unique(n.start[:, 2]).round(2).tolist()) == ({0.05, 2.85} if climb else {0.05})
