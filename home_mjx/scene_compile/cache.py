@@ -63,6 +63,7 @@ class HouseCache:
         self.options = options
         self.library: dict[str, Model] = {} if library is None else library
         self.compiled = 0  # houses that were not in the cache
+        self._root = str(dataset.root)
         self._inputs = Inputs(dataset.root)
         self._folder = cache_folder() / _version()
         _mark_used(self._folder)
@@ -151,7 +152,7 @@ class HouseCache:
         return str(Path(path).relative_to(root)) if path and Path(path).is_relative_to(root) else path
 
     def _absolute(self, path: str) -> str:
-        return str(self.dataset.root / path) if path else ""
+        return os.path.join(self._root, path) if path else ""
 
     def _model_path(self, key: str) -> Path:
         return self._folder / "models" / f"{hashlib.sha256(key.encode()).hexdigest()}{SUFFIX}"

@@ -5,6 +5,7 @@ import hashlib
 import json
 import os
 import re
+from functools import cached_property
 from pathlib import Path
 
 from home_mjx.errors import DatasetError
@@ -27,7 +28,8 @@ class Inputs:
     def __init__(self, root: Path) -> None:
         self.root = root
         self._assets = Assets(root)
-        self._shared: dict[Path, bytes] = {}
+        self._models: dict[str, bytes] = {}
+        self._textures: dict[str, str] = {}
 
     def house(self, house_id: str) -> bytes:
         """Digest of a house's own files, of the models that it names and of the tables; missing files count as such."""
@@ -35,19 +37,26 @@ class Inputs:
         document = self.root / "house" / house_id
         for folder in (document, self.root / "room" / house_id, self.root / "wall" / house_id):
             digest.update(self._folder(folder))
-        shared = {self._assets.model_path(name, name).parent for name in _model_ids(document / "house.json")}
-        for folder in (self.root / "metadata", *sorted(shared)):
-            if folder not in self._shared:
-                self._shared[folder] = self._folder(folder)
-            digest.update(self._shared[folder])
+        digest.update(self._tables)
+        for name in sorted(_model_ids(document / "house.json")):
+            digest.update(self._model(name))
         return digest.digest()
+
+    @cached_property
+    def _tables(self) -> bytes:
+        return self._folder(self.root / "metadata")
+
+    def _model(self, name: str) -> bytes:
+        """Digest of the folder in which a model lies."""
+        if name not in self._models:
+            self._models[name] = self._folder(self._assets.model_path(name, name).parent)
+        return self._models[name]
 
     def texture(self, path: str) -> str:
         """Digest of an image, "" if there is none."""
-        file = Path(path)
-        if file not in self._shared:
-            self._shared[file] = _facts(path, *_stamp(os.stat(path)))[0] if file.is_file() else b""
-        return self._shared[file].hex()
+        if path not in self._textures:
+            self._textures[path] = _facts(path, *_stamp(os.stat(path)))[0].hex() if os.path.isfile(path) else ""
+        return self._textures[path]
 
     def _folder(self, folder: Path) -> bytes:
         digest = hashlib.sha256(folder.relative_to(self.root).as_posix().encode(errors="replace"))
