@@ -1,5 +1,8 @@
 """Movable objects that stand in something when a house is loaded: moved a little, or left out of contact with it."""
 
+# MuJoCo names its types lazily, where pyright does not find them.
+# pyright: reportAttributeAccessIssue=false
+
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from typing import Any

@@ -1,5 +1,8 @@
 """Whether a house stands still: how far its movable objects drift when nobody touches them."""
 
+# MuJoCo names its types lazily, where pyright does not find them.
+# pyright: reportAttributeAccessIssue=false
+
 from collections.abc import Mapping
 
 import mujoco

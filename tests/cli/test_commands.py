@@ -98,7 +98,7 @@ def test_listen_hears_the_source_after_its_delay(houses: Path, tmp_path: Path, c
     bank = HouseBank.from_dataset(houses, limit=1)
     feet = np.asarray(bank.navigation.start[0, 0])
     yaw = longest_view(bank, feet)  # so that nothing stands between head and source
-    source = feet + [np.cos(yaw), np.sin(yaw), EYE_HEIGHT]
+    source = np.add(feet, [np.cos(yaw), np.sin(yaw), EYE_HEIGHT])
     where = ["--source", *map(str, source)]
     assert main(["listen", "--suncg", str(houses), "--out", str(tmp_path), "--clip", "tone", *where]) == 0
     metres = float(capsys.readouterr().out.split(": ")[-1].split()[0])

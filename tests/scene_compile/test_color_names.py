@@ -36,7 +36,10 @@ LACKING = {
     "darkgrey", "darkslategrey", "dimgrey", "fuchsia", "grey", "lightgrey", "lightslategrey", "rebeccapurple",
     "slategrey",
 }  # fmt: skip
-BASIC = "black blue cyan gray green lime magenta maroon navy olive purple red silver teal white yellow".split()
+BASIC = [
+    "black", "blue", "cyan", "gray", "green", "lime", "magenta", "maroon", "navy", "olive", "purple", "red", "silver",
+    "teal", "white", "yellow",
+]  # fmt: skip
 
 
 @pytest.fixture(scope="module")

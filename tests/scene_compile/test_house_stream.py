@@ -144,7 +144,7 @@ def test_refusals(root):
 
 
 def test_environments_run_on_through_swaps(stream):
-    """One trace; episodes end in every house; no step waits: swapping costs less than a step."""
+    """One trace; episodes end in every house; no hitch: an exchange costs less than a step."""
     env = HouseholdEnv(stream.bank, make_config(sensors=("state", "goal"), episode_length=3))
     auto, traces = AutoReset(env), 0
 
@@ -154,22 +154,22 @@ def test_environments_run_on_through_swaps(stream):
         return auto.step_in(bank, states, actions)
 
     step = jax.jit(counted)
-    states = jax.jit(auto.reset_in)(stream.bank, jax.random.split(jax.random.key(0), 8))
-    actions = jnp.zeros((8, 4))
-    houses, still, swapping = set(), [], []
+    states = jax.jit(auto.reset_in)(stream.bank, jax.random.split(jax.random.key(0), 64))
+    actions = jnp.zeros((64, 4))
+    houses, steps, exchanges = set(), [], []
     states = step(stream.bank, states, actions)
-    for i in range(240):
+    for _ in range(100):
         before, begin = stream.swaps, time.perf_counter()
-        bank = stream.advance(states.info["world"].house) if i >= 40 else stream.bank
+        bank = jax.block_until_ready(stream.advance(states.info["world"].house))
+        middle = time.perf_counter()
         states = jax.block_until_ready(step(bank, states, actions))
-        (still if i < 40 else swapping).append(time.perf_counter() - begin)
+        steps.append(time.perf_counter() - middle)
         if stream.swaps > before:
+            exchanges.append(middle - begin)
             houses |= set(ids_of(bank))
     assert traces == 1
     assert stream.swaps >= 5
     assert len(houses) >= NUM_SLOTS + 2
     assert np.isfinite(states.obs["state"]).all()
-    median = np.median(still)
-    # By quantiles, since a busy machine delays single steps, with and without swaps.
-    assert np.median(swapping) < 1.5 * median
-    assert np.quantile(swapping, 0.9) < 2 * max(median, np.quantile(still, 0.9))
+    # By quantiles, since a busy machine delays single calls; `home-mjx bench` reports the slowest step.
+    assert np.quantile(exchanges, 0.9) < np.median(steps)
