@@ -125,13 +125,15 @@ class HouseCache:
         return replace(house, materials=replace(house.materials, texture=texture))
 
     def _compile(self, house_id: str, entry: Path, broken: bool) -> CompiledHouse:
-        house = compile_house(self.dataset.load_house(house_id), self.dataset.metadata, self.options)
+        house = self.dataset.load_house(house_id, self.options.read)
+        compiled = compile_house(house, self.dataset.metadata, self.options)
         self.compiled += 1
         try:
-            self._write(house, entry, broken)
+            self._write(compiled, entry, broken)
         except OSError as error:
             log.warning("compiled house is not cached: %s", error)
-        return replace(house, models={key: self.library.setdefault(key, model) for key, model in house.models.items()})
+        models = {key: self.library.setdefault(key, model) for key, model in compiled.models.items()}
+        return replace(compiled, models=models)
 
     def _write(self, house: CompiledHouse, entry: Path, broken: bool) -> None:
         """Writes those of the house's models that are not there yet, or all to mend what is broken; then the house."""

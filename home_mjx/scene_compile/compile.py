@@ -13,6 +13,7 @@ from home_mjx.scene_compile.doors import make_doors, place_leaf
 from home_mjx.scene_compile.gloss import gloss_table
 from home_mjx.scene_compile.house import House, Metadata
 from home_mjx.scene_compile.lights import LightOptions, build_lights
+from home_mjx.scene_compile.limits import blaming, check_counts, check_extent
 from home_mjx.scene_compile.materials import SurfaceRows, material_table
 from home_mjx.scene_compile.movables import MovableOptions, make_bodies
 from home_mjx.scene_compile.navigation import NavigationOptions, build_navigation
@@ -25,18 +26,20 @@ from home_mjx.scene_compile.semantics.options import SemanticOptions
 from home_mjx.scene_compile.semantics.table import with_meaning
 from home_mjx.scene_compile.solid import Solid, make_solid
 from home_mjx.scene_compile.storeys import find_storeys
+from home_mjx.scene_compile.suncg.reading import ReadOptions
 from home_mjx.scene_compile.top_tree import instance_box, top_tree
 
 
 @dataclass(frozen=True)
 class CompileOptions:
-    """How a house is compiled; part of the cache's key."""
+    """How a house is read and compiled; part of the cache's key. `compile_house` gets houses that are read already."""
 
     navigation: NavigationOptions = field(default_factory=NavigationOptions)
     colliders: ColliderOptions = field(default_factory=ColliderOptions)
     movables: MovableOptions = field(default_factory=MovableOptions)
     semantics: SemanticOptions = field(default_factory=SemanticOptions)
     lights: LightOptions = field(default_factory=LightOptions)
+    read: ReadOptions = field(default_factory=ReadOptions)
 
 
 DEFAULT_OPTIONS = CompileOptions()
@@ -51,7 +54,7 @@ def compile_house(house: House, metadata: Metadata, options: CompileOptions = DE
         options: Sizes, counts and limits.
 
     Raises:
-        DatasetError: The house has no room with a mesh, or nowhere to stand.
+        DatasetError: The house has no room with a mesh, nowhere to stand, or is larger than `limits` allow.
 
     Example:
         >>> dataset = open_dataset("datasets/demo")  # doctest: +SKIP
@@ -59,8 +62,15 @@ def compile_house(house: House, metadata: Metadata, options: CompileOptions = DE
         >>> compiled.report["rooms"]  # doctest: +SKIP
         5
     """
+    check_counts(house)
+    with blaming(house):
+        return _compiled(house, metadata, options)
+
+
+def _compiled(house: House, metadata: Metadata, options: CompileOptions) -> CompiledHouse:
     offset = ground_offset(house)
     rooms = extract_rooms(house, offset)
+    check_extent(house, rooms, options.navigation.cell)
     shell = build_architecture(house, rooms, offset)
     objects = place_objects(house, metadata, rooms, offset)
     solid = make_solid(shell, rooms, objects, options.colliders, options.movables, options.navigation)

@@ -40,11 +40,10 @@ def build_planes(house: Architecture, rooms: Rooms) -> Planes:
     outer = [
         _wall(p, -inner_normal(p, rooms), int(house.backing[i]), rooms) for i, p in walls if has_room_behind(p, rooms)
     ]
-    found = _merge_walls(inner)
+    found = _merge_walls(_large(inner))
     # The far side of a wall counts where no room claims it as its own, as where a room lies in another.
-    found += [wall for wall in _merge_walls(outer) if not any(_overlap(wall, other) for other in found)]
-    found += [r for kind in ("floor", "ceiling") for r in _flat(house, rooms, kind)]
-    found = [r for r in found if min(np.linalg.norm(r.u), np.linalg.norm(r.v)) * 2 > LEAST]
+    found += [wall for wall in _merge_walls(_large(outer)) if not any(_overlap(wall, other) for other in found)]
+    found += _large(r for kind in ("floor", "ceiling") for r in _flat(house, rooms, kind))
     return Planes(
         center=_rows(r.center for r in found),
         normal=_rows(r.normal for r in found),
@@ -52,6 +51,10 @@ def build_planes(house: Architecture, rooms: Rooms) -> Planes:
         axis_v=_rows(r.v for r in found),
         material=np.array([r.slot for r in found], np.int32),
     )
+
+
+def _large(rectangles: Iterable[Rectangle]) -> list[Rectangle]:
+    return [r for r in rectangles if min(np.linalg.norm(r.u), np.linalg.norm(r.v)) * 2 > LEAST]
 
 
 def _rows(vectors: Iterable[np.ndarray]) -> Float[np.ndarray, "p 3"]:

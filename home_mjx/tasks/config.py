@@ -13,7 +13,7 @@ from home_mjx.raycast_render.image.preset import resolve
 
 PIXEL_KINDS = ("rgb", "depth", "normal")
 CAMERA_KINDS = ("intrinsics", "pose", "valid")
-ID_KINDS = ("instance", "fine", "coarse", "nyu40", "room", "level", "material")
+ID_KINDS = ("instance", "fine", "coarse", "nyu40", "room", "level", "material", "room_type", "size", "color")
 VECTOR_SENSORS = ("audio", "state", "goal")
 VIEW_KINDS = PIXEL_KINDS + ID_KINDS + CAMERA_KINDS
 SENSORS = VIEW_KINDS + VECTOR_SENSORS

@@ -9,6 +9,7 @@ from handmade import Furniture, shoebox
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render import KINDS, Camera, Lens, make_scene, render
 from home_mjx.raycast_render.image import shading, texture
+from home_mjx.raycast_render.image.render import SEMANTIC_KINDS
 from home_mjx.scene_compile.bank import HouseBank
 from home_mjx.scene_compile.compiled import Semantic
 from home_mjx.scene_compile.textures import mip_levels
@@ -88,7 +89,7 @@ def test_depth_is_clipped_or_infinite_outside(look):
     raw = look(high, UP, kinds=("depth", "distance"), depth_max=None)
     assert np.isinf(raw["depth"]).all()
     assert np.isinf(raw["distance"]).all()
-    for kind in ("instance", "fine", "coarse", "nyu40", "room", "level", "partition", "material"):
+    for kind in ("instance", "material", *SEMANTIC_KINDS):
         assert (clipped[kind] == -1).all(), kind
     assert (clipped["normal"] == 0).all()
     sky = shading.encode(jnp.array(shading.SKY))
@@ -111,6 +112,7 @@ def test_ids_are_those_of_what_was_hit(bank, look):
     assert set(np.unique(who)) == {-1, 0, 1, agent_id(bank)}
     semantics = np.asarray(bank.semantics)
     columns = {"fine": Semantic.FINE, "coarse": Semantic.COARSE, "nyu40": Semantic.NYU40, "room": Semantic.ROOM}
+    columns |= {"room_type": Semantic.ROOM_TYPE, "size": Semantic.SIZE, "color": Semantic.BASIC}
     for number in (0, 1):
         row = semantics[semantics[:, Semantic.OBJECT] == number]
         assert len(row) == 1

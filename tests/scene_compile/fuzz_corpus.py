@@ -19,6 +19,7 @@ from scene_compile.tiny_arch import arch_document, arch_path
 from scene_compile.tiny_dataset import DOOR, HOUSE_ID, TABLE, house_document, write_json, write_tiny_dataset
 
 from home_mjx.errors import HomeMjxError
+from home_mjx.scene_compile.compile import compile_house
 from home_mjx.scene_compile.suncg import ReadOptions, open_dataset
 from home_mjx.scene_compile.suncg.validate import validate_house
 from home_mjx.scene_compile.textures import open_texture
@@ -44,6 +45,8 @@ WHOLE_FILE = (  # errors that have no place inside of their file
     "file is missing",
     "file cannot be read",
     "file has ",
+    "house 0000",  # of the whole house: there is no place to stand
+    "the house has no room",
     "mesh has no faces",
     "faces have about",
     "cannot read texture",
@@ -69,6 +72,7 @@ class Watch:
     cases: int = 0
     errors: int = 0
     worst: float = 0.0  # [s] of processor time
+    compiles: bool = False  # what can be read
     messages: Counter[str] = field(default_factory=Counter)
 
     def read(self, name: str = "") -> None:
@@ -90,7 +94,7 @@ class Watch:
         dataset = open_dataset(self.root)
         actions: list[Callable[[], object]] = [lambda: dataset.metadata]
         for house_id in dataset.house_ids if not name else users_of(name):
-            actions.append(lambda house_id=house_id: load_and_decode(dataset, house_id))
+            actions.append(lambda house_id=house_id: load_and_decode(dataset, house_id, self.compiles))
             actions.append(lambda house_id=house_id: [str(finding) for finding in validate_house(dataset, house_id)])
         for action in actions:
             try:
@@ -124,14 +128,16 @@ def users_of(name: str) -> tuple[str, ...]:
     return () if name.startswith("metadata") else (V2_ID,) if V2_ID in name else (HOUSE_ID,)
 
 
-def load_and_decode(dataset, house_id: str) -> None:
-    """One house, with its textures decoded."""
+def load_and_decode(dataset, house_id: str, compiles: bool) -> None:
+    """One house, with its textures decoded, and compiled if that is wanted."""
     house = dataset.load_house(house_id, ReadOptions(plants=False))
     meshes = list(house.models.values())
     owners = [mesh.materials for mesh in meshes]
     owners += [node.materials for level in house.levels for node in (*level.objects, *level.boxes)]
     for path in {material.texture for materials in owners for material in materials if material.texture}:
         open_texture(path)
+    if compiles:
+        compile_house(house, dataset.metadata)
 
 
 def fingerprint(root: Path) -> str:

@@ -11,6 +11,8 @@ import resource
 import pytest
 from hypothesis import HealthCheck, given, settings
 from scene_compile.fuzz_corpus import (
+    DOOR,
+    HOUSE_ID,
     IMAGES,
     JSON_FILES,
     TEXT_FILES,
@@ -78,6 +80,31 @@ def test_quickly(watch, name, kind):
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "kind"), TARGETS)
 def test_at_length(watch, name, kind):
+    fuzz(watch, name, STRATEGIES[kind], LONG)
+
+
+COMPILED = [
+    *((name, "json") for name in JSON_FILES[:3]),
+    (f"object/{DOOR}/{DOOR}_0.obj", "text"),
+    (f"room/{HOUSE_ID}/fr_0rm_0w.obj", "text"),
+]
+
+
+@pytest.fixture
+def compiling(watch):
+    watch.compiles = True
+    yield
+    watch.compiles = False
+
+
+@pytest.mark.parametrize(("name", "kind"), COMPILED)
+def test_what_can_be_read_is_compiled_quickly(watch, compiling, name, kind):
+    fuzz(watch, name, STRATEGIES[kind], settings(QUICK, max_examples=5))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "kind"), COMPILED)
+def test_what_can_be_read_is_compiled_at_length(watch, compiling, name, kind):
     fuzz(watch, name, STRATEGIES[kind], LONG)
 
 

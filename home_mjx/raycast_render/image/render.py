@@ -20,6 +20,9 @@ SEMANTIC_KINDS = {
     "room": Semantic.ROOM,
     "level": Semantic.LEVEL,
     "partition": Semantic.PARTITION,
+    "room_type": Semantic.ROOM_TYPE,
+    "size": Semantic.SIZE,
+    "color": Semantic.BASIC,
 }
 LENS = Lens()
 KINDS = ("rgb", "depth", "distance", "normal", "albedo", "instance", "material", *SEMANTIC_KINDS, "valid")
@@ -48,7 +51,9 @@ def render(
       cameras, along the ray for others; distance: along the ray [m]. inf on a miss, unless clipped.
     * normal: float32 (H, W, 3), unit, world, facing the camera; zero on a miss.
     * instance: int32 (H, W), object ids, I + a for agent a; -1 for the architecture and on a miss.
-    * fine, coarse, nyu40, room, level, partition, material: int32 (H, W); -1 for none and on a miss.
+    * fine, coarse, nyu40, room, level, partition, room_type, size, color (of 16): int32 (H, W), columns of
+      `bank.semantics`; -1 for none and on a miss.
+    * material: int32 (H, W), rows of `bank.materials`; -1 on a miss.
     * valid: bool (), whether the camera's and all objects' poses are finite; if not, the image shows only misses.
 
     Args:

@@ -16,6 +16,7 @@ TOUCH = 0.05  # [m]: SUNCG's furniture hovers or sinks by as much
 SOLE = 0.02  # [m]: what of an object lies this low touches what it stands on
 RESTING = 0.5  # least part of those points that another object bears
 MAX_POINTS = 64
+MAX_BEARERS = 32  # that are looked at: those below the most of an object
 WALL_REACH = 0.12  # [m] from a room's outline, which runs inside the wall, to what touches the wall
 CEILING_REACH = 0.1  # [m]
 OUTLINE_STEP = 0.1  # [m] between points of a room's outline …
@@ -110,7 +111,10 @@ def _bearer(index: int, objects: Sequence[Placed], limits: Float[np.ndarray, "o 
     if not near.any():
         return -1
     points = _soles(objects[index])
-    borne = {i: _borne(points, objects[i], float(high[2])).mean() for i in np.flatnonzero(near).tolist()}
+    common = np.minimum(limits[:, 1, :2], high[:2]) - np.maximum(limits[:, 0, :2], low[:2])
+    order = np.argsort(-common.prod(axis=1), kind="stable")
+    below = order[near[order]][:MAX_BEARERS].tolist()
+    borne = {i: _borne(points, objects[i], float(high[2])).mean() for i in sorted(below)}
     best = max(borne, key=lambda i: borne[i])
     return best if borne[best] >= RESTING else -1
 
