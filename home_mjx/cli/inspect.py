@@ -5,8 +5,12 @@ import json
 import sys
 from dataclasses import asdict
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from home_mjx.cli.houses import add_house_arguments, load_house, open_named_dataset
+
+if TYPE_CHECKING:
+    from home_mjx.scene_compile.compiled import CompiledHouse
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -39,19 +43,34 @@ def run(args: argparse.Namespace) -> int:
     if args.json:
         record = {"id": house.id, "version": house.version, "path": str(house.path), "problems": problems}
         sizes = {"house": taken.houses[house.id], "models": taken.models, "textures": taken.textures}
+        sizes["fields"] = compiled.navigation.field.nbytes
+        record["stuck"] = compiled.stuck.tolist()
         sys.stdout.write(json.dumps({**record, "counts": dict(compiled.report), "bytes": sizes}) + "\n")
         return 0
     sys.stdout.write(f"{house.id} (format {house.version})\n{house.path}\n")
     for name, count in compiled.report.items():
         _row(name.replace("_", " "), count)
     _row("bytes of the house alone", taken.houses[house.id])
+    _row("  of which distance fields", compiled.navigation.field.nbytes)
     _row("bytes of its models", sum(taken.models.values()))
     for key in sorted(taken.models, key=lambda key: -taken.models[key])[:3]:
         _row(f"  {key}", taken.models[key])
     _row("bytes of its textures", taken.textures)
     for problem in problems:
         sys.stdout.write(f"tolerated: {problem}\n")
+    for object_id in compiled.stuck.tolist():
+        sys.stdout.write(
+            f"stuck: {_category(compiled, object_id)} {object_id} stands in something, so it does not move\n"
+        )
     return 0
+
+
+def _category(house: "CompiledHouse", object_id: int) -> str:
+    from home_mjx.scene_compile.compiled import Semantic
+    from home_mjx.scene_compile.suncg.categories import FINE
+
+    (row,) = house.semantics[house.semantics[:, Semantic.OBJECT] == object_id]
+    return FINE[row[Semantic.FINE]]
 
 
 def _row(name: str, count: int) -> None:

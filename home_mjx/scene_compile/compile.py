@@ -99,6 +99,7 @@ def _compiled(house: House, metadata: Metadata, options: CompileOptions) -> Comp
         models=models,
         report=_report(house, shell, objects, solid),
         doors=_doors(objects, first, solid),
+        stuck=np.array(solid.stuck, np.int32),
         lights=build_lights(objects, first, rooms, metadata, options.lights),
         gloss=gloss_table(rows.surfaces, objects, house.models, _first_rows(objects, first, instances)),
     )

@@ -252,6 +252,7 @@ class CompiledHouse:
     doors: Doors = field(default_factory=Doors.none)
     lights: LightTable = field(default_factory=LightTable.none)
     gloss: Gloss = field(default_factory=lambda: Gloss.matt(0))  # of the first rows of `materials`; the rest is matt
+    stuck: Int[np.ndarray, " n"] = field(default_factory=lambda: np.zeros(0, np.int32))  # object ids: see `Solid.stuck`
 
 
 TextureArray = UInt8[np.ndarray, "l p 4"]  # layers, texels of all mip levels

@@ -6,6 +6,7 @@ Nothing here needs JAX or MuJoCo. The compiler turns these into the world frame 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -103,6 +104,13 @@ class Ground(Node):
 
 
 @dataclass(frozen=True)
+class Unknown(Node):
+    """A node of a type that the format does not have: not shown, but kept as it is in the file, and written again."""
+
+    data: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
 class Level:
     """One storey."""
 
@@ -112,6 +120,7 @@ class Level:
     objects: tuple[Object, ...]
     boxes: tuple[Box, ...]
     grounds: tuple[Ground, ...]
+    unknown: tuple[Unknown, ...] = ()
 
 
 @dataclass(frozen=True)

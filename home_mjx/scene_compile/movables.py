@@ -58,8 +58,8 @@ def choose_movables(
     floor: float,
     ground_level: int,
     options: MovableOptions,
-) -> tuple[list[Candidate], int]:
-    """The objects that become bodies, lightest first, and how many could not since they stand in something.
+) -> tuple[list[Candidate], list[int]]:
+    """The objects that become bodies, lightest first, and ids of those that cannot since they stand in something.
 
     Args:
         objects: All objects of the house.
@@ -80,7 +80,8 @@ def choose_movables(
     ids = [c.item.object_id for c in standing[: options.max_bodies]]
     # Those without a slot are obstacles with boxes of their own, which may reach a little farther.
     chosen = _settle([c for c in candidates if c.item.object_id in ids], objects, static, walls, options)
-    return chosen, len(candidates) - len(standing)
+    free_ids = {c.item.object_id for c in standing}
+    return chosen, [c.item.object_id for c in candidates if c.item.object_id not in free_ids]
 
 
 def _may_move(item: Placed, floor: float, options: MovableOptions) -> bool:

@@ -105,7 +105,7 @@ def _parts(
 
 def _num_nodes(level: Level) -> int:
     """Length of the level's node list in the file, as far as its nodes could be read."""
-    nodes = (*level.rooms, *level.objects, *level.boxes, *level.grounds)
+    nodes = (*level.rooms, *level.objects, *level.boxes, *level.grounds, *level.unknown)
     return max((node.index + 1 for node in nodes), default=0)
 
 

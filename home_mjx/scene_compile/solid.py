@@ -45,6 +45,7 @@ class Solid:
         object_id: Of each of them; -1 for the architecture.
         leaf_row: Row of `static` by object id and number of a leaf; -1 if it is behind other boxes.
         movable: Objects that can be pushed.
+        stuck: Ids of objects that could be pushed if they did not stand in something.
         space: Where an agent can stand.
         report: Counts.
     """
@@ -53,6 +54,7 @@ class Solid:
     object_id: Int[np.ndarray, " n"]
     leaf_row: Mapping[tuple[int, int], int]
     movable: list[Candidate]
+    stuck: list[int]
     space: FreeSpace
     report: Mapping[str, int]
 
@@ -95,8 +97,9 @@ def make_solid(
         object_id=owners[shown],
         leaf_row={(leaf.object_id, leaf.number): row for leaf, row in zip(kept, rows, strict=True)},
         movable=movable,
+        stuck=stuck,
         space=space(join(felt)),
-        report={"movable_but_stuck": stuck, "leaves_not_solid": len(leaves) - len(kept)},
+        report={"movable_but_stuck": len(stuck), "leaves_not_solid": len(leaves) - len(kept)},
     )
 
 

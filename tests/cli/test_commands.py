@@ -40,7 +40,13 @@ def test_generate_writes_what_inspect_counts(tmp_path: Path, capsys: pytest.Capt
 
 def test_inspect_counts_of_the_real_house(suncg_root: Path, capsys: pytest.CaptureFixture):
     assert main(["inspect", "--suncg", str(suncg_root), "--json"]) == 0
-    counts = json.loads(capsys.readouterr().out)["counts"]
+    found = json.loads(capsys.readouterr().out)
+    counts = found["counts"]
+    assert len(found["stuck"]) == counts["movable_but_stuck"] > 0
+    assert found["bytes"]["house"] > found["bytes"]["fields"] > 100_000
+    assert main(["inspect", "--suncg", str(suncg_root)]) == 0
+    listed = [line for line in capsys.readouterr().out.splitlines() if line.startswith("stuck: ")]
+    assert [int(line.split()[2]) for line in listed] == found["stuck"]
     wanted = {"levels": 1, "rooms": 4, "objects": 43, "architecture parts": 12, "triangles": 102_076}
     assert {name.replace("_", " "): counts[name] for name in counts if name.replace("_", " ") in wanted} == wanted
 

@@ -219,6 +219,9 @@ def test_unknown_node_types(edited, kind):
     assert noted(house, node(4, "type"), f'unknown node type "{kind}"')
     assert house.levels[0].boxes == ()
     assert house.levels[0].rooms[0].members == (2, 3)
+    (kept,) = house.levels[0].unknown
+    assert (kept.index, kept.path, kept.data["type"]) == (4, node(4), kind)
+    assert kept.data["dimensions"]
 
 
 def test_missing_id(edited):

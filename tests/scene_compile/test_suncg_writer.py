@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scene_compile.tiny_dataset import HOUSE_ID, write_tiny_dataset
+from scene_compile.tiny_dataset import HOUSE_ID, edit_house, write_tiny_dataset
 
 from home_mjx.errors import DatasetError
 from home_mjx.scene_compile.house import House, Light, Mesh, ModelInfo
@@ -85,6 +85,19 @@ def test_round_trip_of_every_kind_of_node(tmp_path):
     assert_same(without_room_boxes(house), without_room_boxes(again))
     _, high = again.levels[0].rooms[0].bbox
     assert high[2] == pytest.approx(3.07)  # of the door, which reaches beyond the walls
+
+
+def test_unknown_nodes_are_written_as_they_were(tmp_path):
+    source = write_tiny_dataset(tmp_path / "source")
+    camera = {"id": "0_5", "type": "Camera", "fov": 0.7, "target": [1, {"of": "what"}]}
+    edit_house(source, lambda document: document["levels"][0]["nodes"].append(camera))
+    (tmp_path / "target").mkdir()
+    house, again = copy_by_writing(source, tmp_path / "target", HOUSE_ID)
+    assert (
+        [node.data for node in house.levels[0].unknown] == [node.data for node in again.levels[0].unknown] == [camera]
+    )
+    written = json.loads((tmp_path / "target" / "house" / HOUSE_ID / "house.json").read_text())
+    assert written["levels"][0]["nodes"][5] == camera
 
 
 @pytest.mark.real

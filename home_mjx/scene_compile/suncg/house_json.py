@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
 
-from home_mjx.scene_compile.house import Box, Ground, House, Level, Node, Object, Room
+from home_mjx.scene_compile.house import Box, Ground, House, Level, Node, Object, Room, Unknown
 
 from .assets import Assets
 from .backdrops import cut_backdrops
@@ -101,7 +101,7 @@ def read_level(level: Value, index: int, reading: Reading) -> Level | None:
     found = [node for node in read if node is not None]
     same = _duplicates(found, values, reading)
     found = cut_backdrops([node for node in found if node.index not in same], level, reading)
-    kinds = {node.index: isinstance(node, Object | Box) for node in found}
+    kinds = {node.index: isinstance(node, Object | Box) for node in found if not isinstance(node, Unknown)}
     rooms = [_with_members(room, values, kinds, same, reading) for room in _of_type(found, Room)]
     return Level(
         id=_id(level, str(index), reading),
@@ -110,6 +110,7 @@ def read_level(level: Value, index: int, reading: Reading) -> Level | None:
         objects=_of_type(found, Object),
         boxes=_of_type(found, Box),
         grounds=_of_type(found, Ground),
+        unknown=_of_type(found, Unknown),
     )
 
 
@@ -125,16 +126,11 @@ def _read_node(value: Value, default_id: str, index: int, reading: Reading) -> N
         return None  # the format's own way of hiding a node
     kind = value.member("type")
     reader = READERS.get(kind.text().lower()) if kind.present else None
+    common: dict[str, Any] = {"id": _id(value, default_id, reading), "index": index, "path": value.element}
     if reader is None:
-        reading.note(kind, "node-type", f"unknown node type {json.dumps(kind.data)}: node left out")
-        return None
-    common: dict[str, Any] = {
-        "id": _id(value, default_id, reading),
-        "index": index,
-        "path": value.element,
-        "bbox": read_bbox(value, reading),
-    }
-    return reader(value, common, reading)
+        reading.note(kind, "node-type", f"unknown node type {json.dumps(kind.data)}: kept, but not shown")
+        return Unknown(**common, bbox=None, data=value.data)
+    return reader(value, common | {"bbox": read_bbox(value, reading)}, reading)
 
 
 def _id(value: Value, default: str, reading: Reading) -> str:

@@ -139,8 +139,10 @@ def _level(level: Level, house: House) -> tuple[dict[str, Any], Bounds]:
         things[room.index] = _union(own + [things[i] for i in room.members])
     nodes = sorted((*level.rooms, *level.objects, *level.boxes, *level.grounds), key=lambda node: node.index)
     bounds = _union(list(things.values()))
-    entries = [_entry(node, _bbox(things[node.index])) for node in nodes]
-    return {"id": level.id, "bbox": _bbox(bounds), "nodes": entries}, bounds
+    entries = [(node.index, _entry(node, _bbox(things[node.index]))) for node in nodes]
+    entries += [(node.index, dict(node.data)) for node in level.unknown]
+    ordered = [entry for _, entry in sorted(entries, key=lambda pair: pair[0])]
+    return {"id": level.id, "bbox": _bbox(bounds), "nodes": ordered}, bounds
 
 
 def _entry(node: Node, bbox: dict[str, Any]) -> dict[str, Any]:
