@@ -23,6 +23,7 @@ from home_mjx.scene_compile.suncg import open_dataset
 
 COMPILED, CACHED, FAILED = "compiled", "cached", "failed"
 MODELS_KEPT = 1000  # in the memory of a worker
+CONNECT_SECONDS = 10  # that a scheduler has to answer
 
 Task = Callable[[str], "Outcome"]
 
@@ -88,7 +89,7 @@ def compile_dataset(
 
     Raises:
         DatasetError: There is no dataset, or it has no such house.
-        ConfigError: A scheduler was given and the extra is not installed.
+        ConfigError: A scheduler was given, and it does not answer or the extra is not installed.
 
     Example:
         >>> compile_dataset("datasets/demo", workers=2).failed  # doctest: +SKIP
@@ -105,8 +106,11 @@ def compile_dataset(
     prepare_folder()
     task = partial(compile_one, dataset.root, options, f"{os.getpid()} {time.time_ns()}")
     counts: dict[str, int] = dict.fromkeys((COMPILED, CACHED, FAILED), 0)
-    bar = tqdm(total=len(left), desc="compile", unit="house", disable=not progress)
-    with bar, _journal(path, resume) as note, _outcomes(task, left, workers, scheduler) as outcomes:
+    with (
+        _outcomes(task, left, workers, scheduler) as outcomes,
+        _journal(path, resume) as note,
+        tqdm(total=len(left), desc="compile", unit="house", disable=not progress) as bar,
+    ):
         for outcome in outcomes:
             note(outcome)
             counts[outcome.status] += 1
@@ -211,7 +215,12 @@ def _dask(scheduler: str) -> Iterator[Any]:
     except ModuleNotFoundError:
         hint = "Try: pip install 'home-mjx[distributed]'"
         raise ConfigError("a scheduler needs the package `distributed`", hint=hint) from None
-    with Client(scheduler) as client, client.get_executor(pure=False) as executor:
+    try:
+        client = Client(scheduler, timeout=CONNECT_SECONDS)
+    except (OSError, ValueError) as error:
+        hint = "Start one with `dask scheduler` and workers with `dask worker ADDRESS`."
+        raise ConfigError(f"no Dask scheduler answers at `{scheduler}`: {error}", hint=hint) from error
+    with client, client.get_executor(pure=False) as executor:
         yield executor
 
 

@@ -93,6 +93,17 @@ def test_what_is_unknown_is_refused(houses, monkeypatch):
         compile_dataset(houses[0], scheduler="tcp://127.0.0.1:1")
 
 
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "nowhere", "xyz://a"])
+def test_a_scheduler_that_does_not_answer_is_told_of_and_the_report_stays(houses, monkeypatch, address):
+    pytest.importorskip("distributed")
+    monkeypatch.setattr(dataset_job, "CONNECT_SECONDS", 1)
+    report = compile_dataset(houses[0]).report
+    before = report.read_bytes()
+    with pytest.raises(ConfigError, match="no Dask scheduler answers"):
+        compile_dataset(houses[0], scheduler=address)
+    assert report.read_bytes() == before
+
+
 def test_a_cut_line_of_the_report_is_passed_over(houses):
     root, ids = houses
     report = compile_dataset(root).report
