@@ -85,6 +85,16 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     return f"Did you mean `{close[0]}`? {listing}" if close else listing
 
 
+def install_hint(extra: str) -> str:
+    """How to get the packages of one of our extras; the project is installed from a clone.
+
+    Example:
+        >>> install_hint("exact")
+        "In the clone of home_mjx: pip install '.[exact]'"
+    """
+    return f"In the clone of home_mjx: pip install '.[{extra}]'"
+
+
 def check_known(kind: str, names: Iterable[str], known: Iterable[str]) -> None:
     """Raises `ConfigError` for the first of `names` that is not in `known`."""
     known = list(known)

@@ -10,7 +10,7 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from home_mjx.errors import ExecutorError
+from home_mjx.errors import ExecutorError, install_hint
 from home_mjx.scene_compile.cache import cache_folder
 
 OPTIONS = ("--std=c++17",)
@@ -59,7 +59,7 @@ def find_library() -> ctypes.CDLL:
             return _load(name)
         except OSError:
             continue
-    raise ExecutorError("no NVRTC library found", hint='Install it with JAX: pip install "home-mjx[cuda]"')
+    raise ExecutorError("no NVRTC library found", hint=install_hint("cuda"))
 
 
 def _load(name: Path | str) -> ctypes.CDLL:

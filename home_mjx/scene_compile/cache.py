@@ -77,7 +77,7 @@ class HouseCache:
             DatasetError: The house is unknown or broken.
         """
         self.dataset.check_known(house_id)
-        entry = self._entry(house_id)
+        entry = self.entry(house_id)
         broken = False
         try:
             return self._read(entry)
@@ -88,14 +88,10 @@ class HouseCache:
             log.warning("broken cache entry %s is made again: %s", entry, error)
         return self._compile(house_id, entry, broken)
 
-    def has(self, house_id: str) -> bool:
-        """Whether the house is in the cache."""
-        return self._entry(house_id).is_file()
-
     def notes(self, house_id: str) -> Notes:
         """What of a compiled house is no array, such as `instances.model`; it is compiled if need be."""
         try:
-            return read_notes(self._entry(house_id))
+            return read_notes(self.entry(house_id))
         except BROKEN:
             return flatten(self.load(house_id), frozenset(("models",)))[1]
 
@@ -109,7 +105,8 @@ class HouseCache:
             self.library[key] = rebuild(Model, *read_entry(self._model_path(key)))
         return self.library[key]
 
-    def _entry(self, house_id: str) -> Path:
+    def entry(self, house_id: str) -> Path:
+        """Where the house is in the cache, or would be."""
         key = hashlib.sha256(repr((house_id, self.options)).encode() + self._inputs.house(house_id)).hexdigest()
         return self._folder / "houses" / f"{key}{SUFFIX}"
 

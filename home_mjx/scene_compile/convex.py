@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial import ConvexHull, QhullError
 
-from home_mjx.errors import ConfigError
+from home_mjx.errors import ConfigError, install_hint
 from home_mjx.scene_compile.cache import cache_folder
 from home_mjx.scene_compile.compiled import Model
 from home_mjx.scene_compile.entry import BROKEN, read_entry, write_entry
@@ -77,7 +77,7 @@ def _decompose(model: Model, options: ConvexOptions) -> list[Float[np.ndarray, "
     try:
         import coacd
     except ImportError as error:
-        hint = "pip install 'home-mjx[exact]', or use boxes."
+        hint = f"{install_hint('exact')}, or use boxes."
         raise ConfigError("convex pieces need the package `coacd`", hint=hint) from error
     vertices, corner = np.unique(model.triangle.reshape(-1, 3).astype(np.float64), axis=0, return_inverse=True)
     if np.ptp(vertices, axis=0).min() < THINNEST:

@@ -1,12 +1,10 @@
 """Compiles the houses of a whole dataset into the cache, on this machine or on many; no house can stop the run."""
 
 import json
-import multiprocessing
 import os
-import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
@@ -16,10 +14,11 @@ from typing import Any
 
 from tqdm import tqdm
 
-from home_mjx.errors import ConfigError, HomeMjxError
-from home_mjx.scene_compile.cache import HouseCache, prepare_folder, report_path
+from home_mjx.errors import ConfigError, HomeMjxError, install_hint
+from home_mjx.scene_compile.cache import VARIABLE, HouseCache, cache_folder, prepare_folder, report_path
 from home_mjx.scene_compile.compile import DEFAULT_OPTIONS, CompileOptions
 from home_mjx.scene_compile.suncg import open_dataset
+from home_mjx.scene_compile.workers import worker_pool
 
 COMPILED, CACHED, FAILED = "compiled", "cached", "failed"
 MODELS_KEPT = 1000  # in the memory of a worker
@@ -37,12 +36,14 @@ class Outcome:
         status: `compiled`, `cached` (it was there already) or `failed`.
         seconds: How long it took.
         error: Of a failed house: kind, message, file, element and hint.
+        entry: Where it is, below the cache folder; None if it failed.
     """
 
     id: str
     status: str
     seconds: float
     error: dict[str, str | None] | None = None
+    entry: str | None = None
 
 
 @dataclass(frozen=True)
@@ -77,7 +78,8 @@ def compile_dataset(
         root: Folder of the dataset.
         ids: Which houses; all by default.
         workers: Processes on this machine.
-        resume: Skip houses that an earlier run has noted as done, without looking at their files again.
+        resume: Skip houses that an earlier run has noted as done and that are in the cache, without looking at their
+            files again.
         report: Where to note what became of each house; by default in the cache folder.
         scheduler: Address of a Dask scheduler, whose workers are used instead; they must see the same dataset and
             cache folder. Needs the extra `distributed`.
@@ -89,13 +91,16 @@ def compile_dataset(
 
     Raises:
         DatasetError: There is no dataset, or it has no such house.
-        ConfigError: A scheduler was given, and it does not answer or the extra is not installed.
+        ConfigError: The cache folder or the report cannot be written to, there are no workers, or a scheduler was
+            given and it does not answer or the extra is not installed.
 
     Example:
         >>> compile_dataset("datasets/demo", workers=2).failed  # doctest: +SKIP
         0
     """
     begin = time.perf_counter()
+    if workers < 1:
+        raise ConfigError(f"expected one worker or more, got {workers}", element="workers")
     dataset = open_dataset(root)
     chosen = list(dict.fromkeys(dataset.house_ids if ids is None else ids))
     for house_id in chosen:
@@ -103,12 +108,12 @@ def compile_dataset(
     path = report or report_path(dataset.root, options)
     done = _done(path) if resume else set()
     left = [house_id for house_id in chosen if house_id not in done]
-    prepare_folder()
+    _prepare()
     task = partial(compile_one, dataset.root, options, f"{os.getpid()} {time.time_ns()}")
     counts: dict[str, int] = dict.fromkeys((COMPILED, CACHED, FAILED), 0)
     with (
         _outcomes(task, left, workers, scheduler) as outcomes,
-        _journal(path, resume) as note,
+        _journal(path, resume) as note,  # after the scheduler: nothing is lost from an old report if there is none
         tqdm(total=len(left), desc="compile", unit="house", disable=not progress) as bar,
     ):
         for outcome in outcomes:
@@ -118,6 +123,14 @@ def compile_dataset(
             bar.update()
     compiled, cached, failed = counts.values()
     return Summary(compiled, cached, failed, len(chosen) - len(left), time.perf_counter() - begin, path)
+
+
+def _prepare() -> None:
+    try:
+        prepare_folder()
+    except OSError as error:
+        message = f"cache folder cannot be written to: {error.strerror}"
+        raise ConfigError(message, file=cache_folder(), hint=f"Set {VARIABLE} to a folder of yours.") from None
 
 
 def compile_one(root: Path, options: CompileOptions, run: str, house_id: str) -> Outcome:
@@ -130,7 +143,7 @@ def compile_one(root: Path, options: CompileOptions, run: str, house_id: str) ->
         house_id: The house.
     """
     begin = time.perf_counter()
-    status, error = FAILED, None
+    status, error, entry = FAILED, None, None
     try:
         houses = _houses(root, options, run)
         before = houses.compiled
@@ -138,11 +151,13 @@ def compile_one(root: Path, options: CompileOptions, run: str, house_id: str) ->
         status = COMPILED if houses.compiled > before else CACHED
         if len(houses.library) > MODELS_KEPT:
             _houses.cache_clear()
-        if not houses.has(house_id):
+        path = houses.entry(house_id)
+        if not path.is_file():
             raise OSError("the cache folder cannot be written to")
+        entry = str(path.relative_to(cache_folder()))
     except Exception as problem:  # one house of 45,000 must not stop the run, whatever is wrong with it
         status, error = FAILED, _described(problem)
-    return Outcome(house_id, status, round(time.perf_counter() - begin, 4), error)
+    return Outcome(house_id, status, round(time.perf_counter() - begin, 4), error, entry)
 
 
 @lru_cache(maxsize=1)
@@ -158,8 +173,9 @@ def _described(problem: Exception) -> dict[str, str | None]:
 
 
 def _done(report: Path) -> set[str]:
-    """Houses that a report says are in the cache."""
-    return {outcome["id"] for outcome in read_report(report) if outcome["status"] != FAILED}
+    """Houses that a report says are in the cache, and that are."""
+    entries = {line["id"]: line.get("entry") for line in read_report(report) if line["status"] != FAILED}
+    return {house_id for house_id, entry in entries.items() if entry and (cache_folder() / entry).is_file()}
 
 
 def read_report(path: Path) -> list[dict[str, Any]]:
@@ -177,8 +193,12 @@ def read_report(path: Path) -> list[dict[str, Any]]:
 @contextmanager
 def _journal(path: Path, append: bool) -> Iterator[Callable[[Outcome], None]]:
     """Notes outcomes in a report; each is one write, so that a kill cuts at most the last line."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("ab" if append else "wb", buffering=0) as file:
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        report = path.open("ab" if append else "wb", buffering=0)
+    except OSError as error:
+        raise ConfigError(f"report cannot be written: {error.strerror}", file=path, hint="Name a new file.") from None
+    with report as file:
         if append and path.stat().st_size:
             file.write(b"\n")  # the last line may be cut
 
@@ -213,8 +233,7 @@ def _dask(scheduler: str) -> Iterator[Any]:
     try:
         from distributed import Client
     except ModuleNotFoundError:
-        hint = "Try: pip install 'home-mjx[distributed]'"
-        raise ConfigError("a scheduler needs the package `distributed`", hint=hint) from None
+        raise ConfigError("a scheduler needs the package `distributed`", hint=install_hint("distributed")) from None
     try:
         client = Client(scheduler, timeout=CONNECT_SECONDS)
     except (OSError, ValueError) as error:
@@ -228,7 +247,7 @@ def _in_processes(task: Task, ids: Sequence[str], workers: int) -> Iterator[Outc
     """Outcomes from worker processes; a house that kills its worker, as one that needs too much memory, has failed."""
     left = dict.fromkeys(ids)
     while left:
-        with _pool(min(workers, len(left))) as pool:
+        with worker_pool(min(workers, len(left))) as pool:
             futures = [pool.submit(task, house_id) for house_id in left]
             for future in as_completed(futures):
                 if not isinstance(future.exception(), BrokenProcessPool):
@@ -242,31 +261,9 @@ def _in_processes(task: Task, ids: Sequence[str], workers: int) -> Iterator[Outc
 
 
 def _alone(task: Task, house_id: str) -> Outcome:
-    with _pool(1) as pool:
+    with worker_pool(1) as pool:
         try:
             return pool.submit(task, house_id).result()
         except BrokenProcessPool:
             death = MemoryError("the process that compiled the house died, as for lack of memory")
             return Outcome(house_id, FAILED, 0.0, _described(death))
-
-
-@contextmanager
-def _pool(workers: int) -> Iterator[ProcessPoolExecutor]:
-    context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(workers, context, initializer=_leave_with_parent)
-    try:
-        yield pool
-    finally:
-        pool.shutdown(cancel_futures=True)
-
-
-def _leave_with_parent() -> None:
-    """Ends this worker when its parent is gone: the pool's own workers would wait for ever."""
-    parent = multiprocessing.parent_process()
-
-    def wait() -> None:
-        if parent is not None:
-            parent.join()
-            os._exit(1)
-
-    threading.Thread(target=wait, daemon=True).start()

@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
+from processes import processes_of, wait_for
 from tiny_dataset import edit_house, write_tiny_dataset
 
 from home_mjx.cli import main
@@ -89,7 +90,7 @@ def test_what_is_unknown_is_refused(houses, monkeypatch):
     with pytest.raises(DatasetError, match="unknown house"):
         compile_dataset(houses[0], ["nowhere"])
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(ConfigError, match="home-mjx\\[distributed\\]"):
+    with pytest.raises(ConfigError, match=r"pip install '\.\[distributed\]'"):
         compile_dataset(houses[0], scheduler="tcp://127.0.0.1:1")
 
 
@@ -116,32 +117,44 @@ def test_a_cut_line_of_the_report_is_passed_over(houses):
 def test_a_cache_that_cannot_be_written_to_is_told_of(houses, tmp_path, monkeypatch):
     (tmp_path / "file").write_text("in the way")
     monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path / "file"))
-    with pytest.raises(OSError, match="file"):
+    with pytest.raises(ConfigError, match=r"/file\)\. Set HOME_MJX_CACHE"):
         compile_dataset(houses[0])
+
+
+@pytest.mark.parametrize("workers", [0, -1])
+def test_no_workers_are_refused(houses, workers):
+    with pytest.raises(ConfigError, match=f"got {workers}"):
+        compile_dataset(houses[0], workers=workers)
+
+
+def test_a_report_that_cannot_be_written_is_found_before_the_work(houses, cache, tmp_path):
+    with pytest.raises(ConfigError, match=r"report cannot be written.*Name a new file"):
+        compile_dataset(houses[0], report=tmp_path)
+    assert not list(cache.glob("*/houses/*"))
+
+
+def test_what_the_cache_has_lost_is_compiled_again(houses, cache, tmp_path):
+    root, ids = houses
+    options = {"ids": ids[:2], "report": tmp_path / "report.jsonl"}
+    assert compile_dataset(root, **options).compiled == 2
+    next(cache.glob("*/houses/*.zip")).unlink()
+    summary = compile_dataset(root, **options, resume=True)
+    assert (summary.skipped, summary.compiled) == (1, 1)
+
+
+def test_without_dask_the_old_report_stays(houses, tmp_path, monkeypatch):
+    root, ids = houses
+    report = compile_dataset(root, ids[:1]).report
+    before = report.read_bytes()
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(ConfigError, match="needs the package"):
+        compile_dataset(root, scheduler="tcp://127.0.0.1:1")
+    assert report.read_bytes() == before
 
 
 def job(root: Path, *options: str) -> subprocess.Popen:
     command = [sys.executable, "-m", "home_mjx.cli", "compile", str(root), *options]
     return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-
-
-def processes_of(cache: Path) -> set[int]:
-    """Live processes that work on a cache folder."""
-    found = set()
-    for path in Path("/proc").glob("[0-9]*/environ"):
-        try:
-            if str(cache).encode() in path.read_bytes() and int(path.parent.name) != os.getpid():
-                found.add(int(path.parent.name))
-        except OSError:
-            continue
-    return found
-
-
-def wait_for(condition, seconds: float = 60):
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.002)
 
 
 @pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="looks for orphans in /proc")

@@ -4,12 +4,17 @@ import csv
 import hashlib
 import json
 import multiprocessing
+import os
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
 from scene_compile.generated import built
+from scene_compile.processes import processes_of, wait_for
 
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.scene_compile.generate import dataset, generate_dataset, house_id
@@ -291,6 +296,44 @@ def test_broken_marker(tmp_path, broken):
     (tmp_path / dataset.MARKER).write_text(broken)
     with pytest.raises(DatasetError):
         generate_dataset(tmp_path, [0])
+
+
+def test_two_processes_may_mark_the_same_new_folder(tmp_path):
+    (tmp_path / f".{dataset.MARKER}.1").write_text("")  # the other one is between writing its marker and renaming it
+    dataset._claim(tmp_path)
+    assert json.loads((tmp_path / dataset.MARKER).read_text())["generator"] == "home_mjx"
+
+
+def test_a_house_that_was_cut_is_written_anew(root, tmp_path):
+    shutil.copytree(root, tmp_path / "cut")
+    path = tmp_path / "cut" / "house" / house_id(3) / "house.json"
+    path.write_bytes(path.read_bytes()[:500])
+    generate_dataset(tmp_path / "cut", SEEDS)
+    assert digests(tmp_path / "cut") == digests(root)
+
+
+def test_a_folder_of_the_cache_without_its_marker_may_be_removed(tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path))
+    (tmp_path / "generated-v1" / "house").mkdir(parents=True)
+    with pytest.raises(DatasetError, match=r"generated-v1.*Remove that folder: it is made again"):
+        dataset._claim(tmp_path / "generated-v1")
+
+
+@pytest.mark.skipif(not Path("/proc/self").exists(), reason="needs a folder in which nobody can make another")
+def test_a_folder_that_cannot_be_made_is_told_of():
+    with pytest.raises(DatasetError, match=r"cannot be used.*Choose another folder"):
+        dataset._claim(Path("/proc/nowhere/houses"))
+
+
+@pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="looks for orphans in /proc")
+def test_worker_processes_leave_with_a_killed_parent(tmp_path):
+    command = [sys.executable, "-m", "home_mjx.cli", "generate", str(tmp_path / "killed"), "--seeds", "0:400"]
+    process = subprocess.Popen(command, stderr=subprocess.DEVNULL, env={**os.environ, "MARK": str(tmp_path)})
+    wait_for(lambda: list(tmp_path.glob("killed/house/*")))
+    assert len(processes_of(tmp_path)) > 1
+    process.kill()
+    process.wait()
+    wait_for(lambda: not processes_of(tmp_path))
 
 
 def test_root_that_is_a_file(tmp_path):
