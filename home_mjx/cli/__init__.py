@@ -18,8 +18,8 @@ __all__ = ["main"]
 COMMANDS = {
     "demo": "walk agents through houses; write pictures, a video with sound and a report",
     "generate": "write seeded houses in SUNCG's format",
-    "inspect": "count what a house holds",
-    "compile": "write a house as MJCF for MuJoCo",
+    "inspect": "count what a house holds, or validate it",
+    "compile": "compile a house or a dataset; write MJCF",
     "render": "write pictures of a house as seen from a point",
     "listen": "write a sound as heard in a house",
     "bench": "measure speed",

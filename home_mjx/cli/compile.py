@@ -6,9 +6,11 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from home_mjx.cli.houses import add_house_arguments, compile_named_house, named_root
+from home_mjx.cli.houses import add_house_arguments, compile_named_house, named_root, names_root
 from home_mjx.cli.parsing import positive_int
 from home_mjx.errors import ConfigError
+
+COLLISIONS = ("box", "exact")
 
 if TYPE_CHECKING:
     from home_mjx.scene_compile.dataset_job import Summary
@@ -18,7 +20,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the options of `home-mjx compile`."""
     add_house_arguments(parser, "id of a house, or root of a dataset: then all its houses are compiled")
     parser.add_argument("--mjcf", type=Path, metavar="OUT", help="write one house as MJCF into this folder instead")
-    parser.add_argument("--collision", default="box", help="with --mjcf: objects collide by `box` or `exact` pieces")
+    parser.add_argument(
+        "--collision", choices=COLLISIONS, default="box", help="with --mjcf: pieces by which objects collide"
+    )
     group = parser.add_argument_group("whole datasets")
     group.add_argument("--workers", type=positive_int, default=os.cpu_count() or 1, help="processes (default: all)")
     group.add_argument("--resume", action="store_true", help="skip houses that an earlier run has done")
@@ -32,11 +36,9 @@ def run(args: argparse.Namespace) -> int:
         return _write_mjcf(args)
     from home_mjx.scene_compile.dataset_job import compile_dataset
 
-    named: str | None = args.house
-    is_root = named is not None and Path(named).is_dir()
     summary = compile_dataset(
-        named if named is not None and is_root else named_root(args),
-        None if named is None or is_root else [named],
+        named_root(args),
+        None if args.house is None or names_root(args) else [args.house],
         workers=args.workers,
         resume=args.resume,
         report=args.report,
@@ -50,7 +52,7 @@ def run(args: argparse.Namespace) -> int:
 def _write_mjcf(args: argparse.Namespace) -> int:
     from home_mjx.scene_compile.mjcf import export_mjcf
 
-    if args.house and Path(args.house).is_dir():
+    if names_root(args):
         raise ConfigError("--mjcf takes one house, not a dataset", hint="Name a house, and its dataset by --suncg.")
     path = export_mjcf(compile_named_house(args), args.mjcf, collision=args.collision)
     sys.stdout.write(f"{path}\nLook at it: python -m mujoco.viewer --mjcf={path}\n")

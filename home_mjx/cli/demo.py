@@ -5,7 +5,8 @@ import os
 import sys
 from pathlib import Path
 
-from home_mjx.cli.parsing import positive_int
+from home_mjx.cli.output import make_folder
+from home_mjx.cli.parsing import positive_int, seed
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -22,7 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--houses", type=positive_int, default=8, help="how many houses (default: 8)")
     parser.add_argument("--envs", type=positive_int, default=64, help="environments in the batch (default: 64)")
     parser.add_argument("--steps", type=positive_int, default=150, help="length of the walk in steps of 0.1 s")
-    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--seed", type=seed, default=0, help="of poses and noise (default: 0)")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -30,7 +31,7 @@ def run(args: argparse.Namespace) -> int:
     from home_mjx.demo.run import DemoOptions, run_demo
 
     options = DemoOptions(
-        out=args.out,
+        out=make_folder(args.out),
         suncg=args.suncg,
         num_houses=args.houses,
         num_envs=args.envs,

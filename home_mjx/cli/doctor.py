@@ -7,6 +7,7 @@ import os
 import platform
 import subprocess
 import sys
+import tempfile
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -128,10 +129,12 @@ def _caches() -> Iterator[Finding]:
 
     folder = cache_folder()
     nearest = next(p for p in (folder, *folder.parents) if p.exists())
-    if os.access(nearest, os.W_OK):
-        yield Finding("house cache", OK, str(folder))
-    else:
-        yield Finding("house cache", BROKEN, f"cannot write to {nearest}. Set HOME_MJX_CACHE to a folder of yours")
+    try:
+        with tempfile.TemporaryFile(dir=nearest):
+            yield Finding("house cache", OK, str(folder))
+    except OSError as error:
+        text = f"cannot write to {nearest}: {error.strerror}. Set HOME_MJX_CACHE to a folder of yours"
+        yield Finding("house cache", BROKEN, text)
     programs = os.environ.get("JAX_COMPILATION_CACHE_DIR")
     advice = "none: set JAX_COMPILATION_CACHE_DIR to a folder, and later starts need not compile again"
     yield Finding("jax cache", OK if programs else NOTE, programs or advice)

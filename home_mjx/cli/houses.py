@@ -4,6 +4,7 @@ import argparse
 import os
 from pathlib import Path
 
+from home_mjx.errors import ConfigError
 from home_mjx.scene_compile.compiled import CompiledHouse
 from home_mjx.scene_compile.house import House, Metadata
 from home_mjx.scene_compile.suncg import Dataset, open_dataset
@@ -34,7 +35,11 @@ def load_house(args: argparse.Namespace) -> tuple[House, Metadata]:
 
     Raises:
         DatasetError: If the dataset cannot be read or has no such house.
+        ConfigError: If they name a whole dataset.
     """
+    if names_root(args):
+        hint = f"Name one of its houses: HOUSE --suncg {args.house}"
+        raise ConfigError(f"expected the id of a house, got the root of a dataset `{args.house}`", hint=hint)
     dataset = open_named_dataset(args)
     return dataset.load_house(args.house or dataset.house_ids[0]), dataset.metadata
 
@@ -46,7 +51,16 @@ def open_named_dataset(args: argparse.Namespace) -> Dataset:
 
 def named_root(args: argparse.Namespace) -> Path:
     """Root of the dataset that the arguments name, by default one of generated houses."""
-    return args.suncg or _generated_root()
+    return Path(args.house) if names_root(args) else args.suncg or _generated_root()
+
+
+def names_root(args: argparse.Namespace) -> bool:
+    """Whether `HOUSE` is the root of a dataset: a path or a folder, if it is no house of `--suncg`."""
+    name = args.house
+    if name is None or Path(name).name != name:
+        return name is not None
+    known = args.suncg is not None and (args.suncg / "house" / name / "house.json").exists()
+    return Path(name).is_dir() and not known
 
 
 def compile_named_house(args: argparse.Namespace) -> CompiledHouse:

@@ -4,13 +4,13 @@ import argparse
 import json
 import sys
 from dataclasses import asdict
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from home_mjx.cli.houses import add_house_arguments, load_house, open_named_dataset
+from home_mjx.cli.houses import add_house_arguments, load_house, names_root, open_named_dataset
 
 if TYPE_CHECKING:
     from home_mjx.scene_compile.compiled import CompiledHouse
+    from home_mjx.scene_compile.suncg import Dataset
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -31,7 +31,7 @@ def run(args: argparse.Namespace) -> int:
         return _validate(args)
     if args.semantics or args.home:
         return _semantics(args)
-    if args.house is not None and Path(args.house).is_dir():
+    if names_root(args):
         return _dataset(args)
     from home_mjx.scene_compile.compile import compile_house
     from home_mjx.scene_compile.usage import usage
@@ -82,10 +82,9 @@ def _dataset(args: argparse.Namespace) -> int:
     from tqdm import tqdm
 
     from home_mjx.scene_compile.cache import HouseCache
-    from home_mjx.scene_compile.suncg import open_dataset
     from home_mjx.scene_compile.usage import usage
 
-    dataset = open_dataset(args.house)
+    dataset = open_named_dataset(args)
     cache = HouseCache(dataset)
     taken = usage([cache.load(house_id) for house_id in tqdm(dataset.house_ids, desc="houses", unit="house")])
     houses, models = list(taken.houses.values()), list(taken.models.values())
@@ -135,17 +134,22 @@ def _line(name: str, room: str, support: str, description: str) -> str:
 
 
 def _validate(args: argparse.Namespace) -> int:
-    """Prints the findings, or one JSON object of them; 1 if there are errors, else 0."""
+    """Prints the findings of the house, or of all houses of a root; 1 if there are errors, else 0."""
+    dataset = open_named_dataset(args)
+    ids = dataset.house_ids if names_root(args) else [args.house or dataset.house_ids[0]]
+    return int(sum(_validate_one(dataset, house_id, args.json) for house_id in ids) > 0)
+
+
+def _validate_one(dataset: "Dataset", house_id: str, as_json: bool) -> int:
+    """Prints the findings, or one JSON object of them; the number of errors."""
     from home_mjx.scene_compile.suncg.validate import validate_house
 
-    dataset = open_named_dataset(args)
-    house_id = args.house or dataset.house_ids[0]
     findings = validate_house(dataset, house_id)
     errors = sum(finding.severity == "error" for finding in findings)
-    if args.json:
+    if as_json:
         listed = [{"severity": finding.severity, **asdict(finding)} for finding in findings]
         sys.stdout.write(json.dumps({"id": house_id, "errors": errors, "findings": listed}) + "\n")
     else:
         sys.stdout.writelines(f"{finding.severity}: {finding}\n" for finding in findings)
         sys.stdout.write(f"{house_id}: {errors} errors, {len(findings) - errors} warnings\n")
-    return int(errors > 0)
+    return errors

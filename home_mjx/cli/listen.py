@@ -4,13 +4,15 @@ import argparse
 import sys
 from pathlib import Path
 
-from home_mjx.cli.viewpoint import EYE_HEIGHT, add_viewpoint_arguments, stand
+from home_mjx.cli.output import make_folder
+from home_mjx.cli.parsing import number
+from home_mjx.cli.viewpoint import EYE_HEIGHT, add_viewpoint_arguments, check_inside, stand
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the options of `home-mjx listen`."""
     add_viewpoint_arguments(parser)
-    parser.add_argument("--source", type=float, nargs=3, metavar=("X", "Y", "Z"), help="where it sounds [m]")
+    parser.add_argument("--source", type=number(), nargs=3, metavar=("X", "Y", "Z"), help="where it sounds [m]")
     parser.add_argument("--clip", default="speech", help="radio, noise, speech or tone (default: speech)")
     parser.add_argument("--out", type=Path, default=Path("sound"), help="folder for the files (default: sound)")
 
@@ -27,9 +29,11 @@ def run(args: argparse.Namespace) -> int:
 
     config = AudioConfig()
     clip = clip_samples(args.clip, config)
+    make_folder(args.out)
     view = stand(args)
     goal = np.asarray(view.bank.navigation.goal[0, 0]) + np.array([0, 0, EYE_HEIGHT], np.float32)
     source = goal if args.source is None else np.array(args.source, np.float32)
+    check_inside(view.bank, source, "--source")
     response = jax.jit(impulse_response, static_argnames="config")(
         view.bank,
         view.scene,
@@ -41,7 +45,6 @@ def run(args: argparse.Namespace) -> int:
     )
     response = np.asarray(response)
     heard = scipy.signal.fftconvolve(response, clip[None], axes=1)
-    args.out.mkdir(parents=True, exist_ok=True)
     for name, samples in (("heard.wav", heard), ("response.wav", response)):
         write_wav(args.out / name, samples.astype(np.float32), config.sample_rate)
         sys.stdout.write(f"{args.out / name}\n")

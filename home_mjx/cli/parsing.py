@@ -1,7 +1,8 @@
 """An argument parser whose mistakes are our typed errors, with a hint."""
 
 import argparse
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
 from home_mjx.errors import ConfigError, did_you_mean
@@ -46,9 +47,36 @@ def seed_range(text: str) -> range:
         stop = int(last) if colon else start + 1
     except ValueError:
         raise argparse.ArgumentTypeError(f"expected SEED or A:B with whole numbers, got `{text}`") from None
-    if start < 0 or stop <= start:
-        raise argparse.ArgumentTypeError(f"expected 0 <= A < B, got `{text}`")
+    if not 0 <= start < stop <= 2**63:
+        raise argparse.ArgumentTypeError(f"expected 0 <= A < B <= 2**63, got `{text}`")
     return range(start, stop)
+
+
+def number(low: float = -1e6, high: float = 1e6) -> Callable[[str], float]:
+    """A type of numbers from `low` to `high`.
+
+    Example:
+        >>> number(low=0)("2.5")
+        2.5
+    """
+
+    def parse(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not low <= value <= high:  # nor is not-a-number
+            raise argparse.ArgumentTypeError(f"expected a number from {low:g} to {high:g}, got `{text}`")
+        return value
+
+    return parse
+
+
+def seed(text: str) -> int:
+    """A whole number of 32 bits: random keys hold no more."""
+    if not text.isdecimal() or int(text) >= 2**32:
+        raise argparse.ArgumentTypeError(f"expected a whole number from 0 to {2**32 - 1}, got `{text}`")
+    return int(text)
 
 
 def positive_int(text: str) -> int:

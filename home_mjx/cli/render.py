@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from home_mjx.cli.parsing import positive_int
+from home_mjx.cli.output import make_folder
+from home_mjx.cli.parsing import number, positive_int
 from home_mjx.cli.viewpoint import add_viewpoint_arguments, stand
 from home_mjx.demo import pictures
 
@@ -23,7 +24,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the options of `home-mjx render`."""
     add_viewpoint_arguments(parser)
     parser.add_argument("--size", type=positive_int, nargs=2, default=(640, 480), metavar=("W", "H"), help="[pixels]")
-    parser.add_argument("--fovy", type=float, default=75.0, help="vertical field of view [degrees] (default: 75)")
+    parser.add_argument(
+        "--fovy",
+        type=number(low=1, high=179),
+        default=75.0,
+        help="vertical field of view [degrees] (default: 75)",
+    )
     parser.add_argument("--preset", choices=PRESETS, default="fast", help="how colours are lit (default: fast)")
     parser.add_argument("--samples", type=positive_int, default=1, help="rays per pixel of the colours (default: 1)")
     parser.add_argument("--lens", choices=MODELS, default="pinhole", help="camera model (default: pinhole)")
@@ -37,13 +43,13 @@ def run(args: argparse.Namespace) -> int:
 
     from home_mjx.raycast_render import Camera, Lens, render
 
+    make_folder(args.out)
     view = stand(args)
     camera = Camera(jnp.asarray(view.position), jnp.asarray(view.head_quat), jnp.float32(np.deg2rad(args.fovy)))
     width, height = args.size
     lens = Lens(width, height, args.lens, args.samples)
     look = jax.jit(functools.partial(render, lens=lens, kinds=KINDS, preset=args.preset, depth_max=DEPTH_MAX))
     images = look(view.bank, view.scene, camera)
-    args.out.mkdir(parents=True, exist_ok=True)
     for kind in KINDS:
         path = args.out / f"{kind}.png"
         Image.fromarray(_colours(kind, np.asarray(images[kind]))).save(path)

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from home_mjx.cli.houses import add_house_arguments, compile_named_house
+from home_mjx.cli.parsing import number
+from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.types import Scene
 from home_mjx.scene_compile.bank import HouseBank
 
@@ -33,13 +35,21 @@ def add_viewpoint_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds `HOUSE`, `--suncg`, `--at` and `--yaw`."""
     add_house_arguments(parser)
     parser.add_argument(
-        "--at", type=float, nargs=2, metavar=("X", "Y"), help="where to stand [m] (default: where an agent would start)"
+        "--at",
+        type=number(),
+        nargs=2,
+        metavar=("X", "Y"),
+        help="where to stand [m] (default: where an agent would start)",
     )
-    parser.add_argument("--yaw", type=float, help="direction of view [degrees] from +x (default: the longest view)")
+    parser.add_argument("--yaw", type=number(), help="direction of view [degrees] from +x (default: the longest view)")
 
 
 def stand(args: argparse.Namespace) -> Viewpoint:
-    """Puts the named house on the device and a head in it."""
+    """Puts the named house on the device and a head in it.
+
+    Raises:
+        ConfigError: The head would be outside of the house.
+    """
     import jax.numpy as jnp
 
     from home_mjx.raycast_render import make_scene
@@ -48,11 +58,23 @@ def stand(args: argparse.Namespace) -> Viewpoint:
     bank = HouseBank.from_compiled([compile_named_house(args)])
     start = np.asarray(bank.navigation.start[0, 0])
     feet = start if args.at is None else np.array([*args.at, start[2]], np.float32)
+    check_inside(bank, feet, "--at")
     house, nobody = jnp.zeros((), jnp.int32), (jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32))
     scene = make_scene(bank, house, bank.physics.body_pos[0], bank.physics.body_quat[0], *nobody)
     yaw = longest_view(bank, feet) if args.yaw is None else np.deg2rad(args.yaw)
     quat = camera_quat(jnp.float32(yaw), jnp.zeros((), jnp.float32))
     return Viewpoint(bank, scene, feet + np.array([0, 0, EYE_HEIGHT], np.float32), np.asarray(quat))
+
+
+def check_inside(bank: HouseBank, point: np.ndarray, option: str) -> None:
+    """Raises `ConfigError` if a `point` (3,) lies beyond the rooms of the bank's first house."""
+    navigation = bank.navigation
+    rows, columns = np.nonzero((np.asarray(navigation.room[0]) >= 0).any(0))
+    cells, origin = np.stack([columns, rows], -1), np.asarray(navigation.origin[0])
+    low, high = origin + cells.min(0) * bank.spec.cell, origin + (cells.max(0) + 1) * bank.spec.cell
+    if (point[:2] < low).any() or (point[:2] > high).any():
+        given = f"{option} {point[0]:g} {point[1]:g} is outside of the house"
+        raise ConfigError(given, hint=f"X is {low[0]:.1f} to {high[0]:.1f} m, Y {low[1]:.1f} to {high[1]:.1f} m")
 
 
 def longest_view(bank: HouseBank, feet: np.ndarray) -> float:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float, UInt8
-from PIL import Image
+from PIL import Image, UnidentifiedImageError
 
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.scene_compile.color_space import decode_srgb, encode_srgb
@@ -96,6 +96,8 @@ def open_texture(path: Path) -> Image.Image:
         reason = f"it has {image.width} x {image.height} pixels, at most {MAX_PIXELS} are decoded"
     except DatasetError:
         raise
+    except UnidentifiedImageError:  # whose text names an object in memory
+        reason = "it cannot be identified as PNG or JPEG"
     except Exception as error:  # Pillow raises whatever a broken file makes its decoders stumble over
         reason = str(error) if isinstance(error, OSError) else f"{type(error).__name__}: {error}"
     raise DatasetError(f"cannot read texture: {reason}", file=path, hint="Restore the file, as 8-bit PNG or JPEG.")

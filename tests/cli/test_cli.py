@@ -61,11 +61,22 @@ def test_no_command_shows_help_and_fails(capsys: pytest.CaptureFixture):
         (["doctor", "--jso"], ["unknown option `--jso`"]),  # no guessing of abbreviations
         (["doctor", "now"], ["unexpected argument `now`"]),
         (["generate"], ["OUT", "home-mjx generate --help"]),
-        (["generate", "x", "--seeds", "3:3"], ["expected 0 <= A < B", "3:3"]),
+        (["generate", "x", "--seeds", "3:3"], ["expected 0 <= A < B", "`3:3`"]),
         (["bench", "rayz"], ["unknown benchmark case `rayz`", "Did you mean `rays`?"]),
         (["bench", "rays/primary"], ["unknown benchmark figure", "Did you mean `primary-depth`?"]),
         (["bench", "rays", "--envs", "0"], ["whole number above 0"]),
+        (["generate", "x", "--seeds", "99999999999999999999"], ["2**63"]),
+        (["demo", "--seed", "99999999999999999999"], ["whole number from 0 to 4294967295"]),
+        (["demo", "--seed", "-1"], ["whole number from 0 to 4294967295"]),
         (["inspect", "--suncg", "no/such/folder"], ["no/such/folder"]),
+        (["compile", "no/such/folder"], ["no/such/folder", "dataset root is not a folder"]),
+        (["compile", "--mjcf", "x", "--collision", "bogus"], ["bogus", "box", "exact"]),
+        (["compile", "--collision", "bogus"], ["bogus", "box", "exact"]),
+        (["render", "--at", "nan", "0"], ["expected a number", "`nan`"]),
+        (["render", "--at", "0", "1e9"], ["expected a number", "`1e9`"]),
+        (["render", "--yaw", "inf"], ["expected a number", "`inf`"]),
+        (["listen", "--source", "0", "nan", "0"], ["expected a number", "`nan`"]),
+        *((["render", "--fovy", text], ["expected a number from 1 to 179"]) for text in ("0", "-30", "400", "nan")),
     ],
 )
 def test_bad_input_is_one_message_and_code_2(args: list[str], words: list[str], capsys: pytest.CaptureFixture):
@@ -75,6 +86,15 @@ def test_bad_input_is_one_message_and_code_2(args: list[str], words: list[str], 
 def test_unusable_output_folder_is_one_message(tmp_path, capsys: pytest.CaptureFixture):
     (tmp_path / "file").write_text("not a folder")
     assert_refused(capsys, ["generate", str(tmp_path / "file"), "--seeds", "0"], str(tmp_path / "file"))
+
+
+@pytest.mark.parametrize("command", ["demo", "render", "listen"])
+def test_unusable_output_folder_is_found_before_the_work(command: str, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("home_mjx.cli.viewpoint.compile_named_house", None)  # nothing is compiled,
+    monkeypatch.setattr("home_mjx.demo.run.run_demo", None)  # nobody walks
+    (tmp_path / "file").write_text("not a folder")
+    for out in (tmp_path / "file", tmp_path / "file" / "below"):
+        assert_refused(capsys, [command, "--out", str(out)], str(out), "--out")
 
 
 @pytest.mark.parametrize("args", [["--debug", "demoo"], ["inspect", "--debug", "--suncg", "no/such/folder"]])

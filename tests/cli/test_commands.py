@@ -73,6 +73,21 @@ def test_inspect_tells_bytes_per_house_and_per_model(houses: Path, capsys: pytes
     assert all(found["bytes"]["models"][key] == size for key, size in one["models"].items())
 
 
+def test_semantics_of_a_root_asks_for_a_house(houses: Path, capsys: pytest.CaptureFixture):
+    assert main(["inspect", str(houses), "--semantics"]) == 2
+    assert f"Name one of its houses: HOUSE --suncg {houses}" in capsys.readouterr().err
+
+
+def test_a_folder_named_as_a_house_is_not_a_dataset(
+    houses: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+):
+    house = sorted(path.name for path in (houses / "house").iterdir())[1]
+    (tmp_path / house).mkdir()
+    monkeypatch.chdir(tmp_path)
+    assert main(["inspect", house, "--suncg", str(houses), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["id"] == house
+
+
 def test_unknown_house_is_one_message(houses: Path, capsys: pytest.CaptureFixture):
     assert main(["inspect", "nowhere", "--suncg", str(houses)]) == 2
     assert "unknown house `nowhere`" in capsys.readouterr().err
@@ -114,6 +129,15 @@ def test_listen_hears_the_source_after_its_delay(houses: Path, tmp_path: Path, c
     first = np.argmax(np.abs(samples).max(1) > 0.1 * 32767)  # the direct sound; band-limited, so it swells up
     assert abs(first / 16000 * 343.2 - metres) < 0.3  # the head is 0.09 m in radius
     assert (tmp_path / "heard.wav").stat().st_size > 2 * 2 * 16000
+
+
+def test_places_outside_of_the_house_are_refused(houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture):
+    where = ["--suncg", str(houses), "--out", str(tmp_path)]
+    assert main(["render", *where, "--at", "1000", "1000"]) == 2
+    assert "--at 1000 1000 is outside of the house. X is " in capsys.readouterr().err
+    assert main(["listen", *where, "--source", "1000", "0", "1"]) == 2
+    assert "--source 1000 0 is outside of the house. X is " in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_bench_prints_json_lines(houses: Path, capsys: pytest.CaptureFixture):

@@ -31,6 +31,15 @@ def test_wrong_dataset_folder_is_broken(capsys: pytest.CaptureFixture, monkeypat
     assert str(tmp_path / "nowhere") in found["dataset"]["detail"]
 
 
+@pytest.mark.parametrize("below", [".", "sub"])
+def test_cache_folder_that_is_a_file_is_broken(below: str, monkeypatch: pytest.MonkeyPatch, tmp_path):
+    (tmp_path / "file").write_text("in the way")
+    monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path / "file" / below))
+    (found,) = [f for f in doctor._caches() if f.topic == "house cache"]
+    assert found.status == "broken"
+    assert "Not a directory. Set HOME_MJX_CACHE" in found.detail
+
+
 def test_missing_package_is_broken(capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(doctor, "_version", lambda name: None if name == "tqdm" else "9.9")
     code, found = findings(capsys)

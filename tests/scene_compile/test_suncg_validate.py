@@ -72,6 +72,7 @@ HOUSE_CHANGES = {
     "house-id": (lambda d: d.update(id="x"), "id"),
     "axes": (lambda d: d.update(up=[0, 0, 1]), "up"),
     "nothing-shown": (lambda d: d.update(levels=[]), "levels"),
+    "no-room": (node(0, valid=0), "levels"),
     "unknown-field": (node(2, colour=1), f"{NODES}[2].colour"),
     "empty-level": (lambda d: d["levels"].append({"id": "1"}), "levels[1].nodes"),
     "empty-node": (append({}), f"{NODES}[5]"),
@@ -297,6 +298,15 @@ def test_command_line(root, capsys):
     assert first.startswith("error: ")
     assert first.endswith(f"{NODES}[3].isMirrored: isMirrored contradicts the transform, which is taken [mirror-flag]")
     assert last.startswith(f"{HOUSE_ID}: 1 errors, ")
+
+
+def test_command_line_validates_all_houses_of_a_root(root, capsys):
+    for folder in ("house", "room"):
+        shutil.copytree(root / folder / HOUSE_ID, root / folder / "other")
+    assert main(["inspect", str(root), "--validate"]) == 1
+    lines = capsys.readouterr().out.splitlines()
+    assert f"{HOUSE_ID}: 0 errors, 0 warnings" in lines
+    assert lines[-1].startswith("other: 1 errors")  # its id is not its folder's name
 
 
 def test_command_line_with_json(root, capsys):

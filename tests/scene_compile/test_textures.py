@@ -90,11 +90,11 @@ def test_compressed_text_that_unpacks_to_gigabytes(write):
 
 @pytest.mark.parametrize("kind", ["BMP", "GIF", "TIFF", "PPM"])
 def test_other_kinds_of_images(write, kind):
-    assert "cannot identify image file" in refused(write(encoded(Image.new("RGB", (2, 2)), kind)))
+    assert "cannot be identified as PNG or JPEG" in refused(write(encoded(Image.new("RGB", (2, 2)), kind)))
 
 
 def test_postscript_is_never_run(write):
-    assert "cannot identify" in refused(write(b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 9 9\nshowpage\n"))
+    assert "cannot be identified" in refused(write(b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 9 9\nshowpage\n"))
 
 
 def test_missing_files_and_folders(tmp_path, write):

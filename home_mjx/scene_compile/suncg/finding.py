@@ -21,6 +21,7 @@ RULES: Mapping[str, Rule] = {
     "house-id": Rule("error", "an id that is not the name of the folder, by which other readers find the rooms"),
     "axes": Rule("warning", "other axes than up +y and front +z"),
     "nothing-shown": Rule("error", "a house without any node that is shown"),
+    "no-room": Rule("error", "a house without a room that has a mesh, which cannot be compiled"),
     "unknown-field": Rule("warning", "a field that the format does not have"),
     # nodes
     "empty-level": Rule("warning", "a level without a list of nodes"),

@@ -63,6 +63,7 @@ class Value(Place):
     """
 
     data: Any = None
+    given: bool = True  # whether the file has the key, be it with `null`
 
     @property
     def present(self) -> bool:
@@ -73,7 +74,7 @@ class Value(Place):
         """The value under `key`; raises `DatasetError` if this is not an object."""
         if not isinstance(self.data, dict):
             raise self._expected("an object")
-        return Value(self.file, f"{self.element}.{key}" if self.element else key, self.data.get(key))
+        return Value(self.file, f"{self.element}.{key}" if self.element else key, self.data.get(key), key in self.data)
 
     def entries(self) -> list["Value"]:
         """The values of a list."""
@@ -160,7 +161,7 @@ class Value(Place):
 
     def _shown(self) -> str:
         try:
-            return json.dumps(self.data, default=str) if self.present else "nothing"
+            return json.dumps(self.data, default=str) if self.given else "nothing"
         except RecursionError:  # nested as deep as a file can just be read
             return type(self.data).__name__
 

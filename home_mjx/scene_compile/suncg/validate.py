@@ -1,7 +1,7 @@
 """Reports everything that is wrong with a house, as linters do, and not only what keeps it from being read."""
 
 from home_mjx.errors import DatasetError
-from home_mjx.scene_compile.house import Metadata
+from home_mjx.scene_compile.house import Mesh, Metadata, Room
 
 from .dataset import Dataset
 from .finding import RULES, Finding
@@ -45,9 +45,15 @@ def validate_house(dataset: Dataset, house_id: str) -> tuple[Finding, ...]:
     subject = Subject(document, reading, build_house(document, reading), _metadata(dataset, reading))
     if not any(subject.nodes):
         subject.report("nothing-shown", "levels", "house shows nothing")
+    elif not any(mesh for level in subject.house.levels for room in level.rooms for mesh in _meshes(room)):
+        subject.report("no-room", "levels", "no room has a floor, ceiling or wall mesh")
     for check in (check_document, check_boxes, check_rooms, check_materials):
         check(subject)
     return _sorted(subject, str(path))
+
+
+def _meshes(room: Room) -> tuple[Mesh | None, ...]:
+    return room.floor, room.ceiling, room.walls
 
 
 def _metadata(dataset: Dataset, reading: Reading) -> Metadata | None:
