@@ -88,7 +88,7 @@ def _start() -> str | None:
 
 
 def _call(geometry: Geometry, house: Array, moving: Moving, rays: Rays, any_hit: bool) -> RawHit:
-    rays, shape = rays.expanded(), rays.shape
+    shape = rays.shape
     float_, int_ = jax.ShapeDtypeStruct(shape, jnp.float32), jax.ShapeDtypeStruct(shape, jnp.int32)
     results = (float_, int_, int_, float_, float_, jax.ShapeDtypeStruct(shape, jnp.bool_))
     # In the order of native.World, then of Rays.
@@ -119,6 +119,6 @@ def _call(geometry: Geometry, house: Array, moving: Moving, rays: Rays, any_hit:
         rays.mask,
     )
     operands = (x.astype(jnp.float32 if jnp.issubdtype(x.dtype, jnp.floating) else jnp.int32) for x in operands)
-    hits = RawHit(*jax.ffi.ffi_call(TARGET, results)(*operands, any_hit=np.int32(any_hit)))
+    hits = RawHit(*jax.ffi.ffi_call(TARGET, results)(*operands, any_hit=np.int32(any_hit), width=np.int32(rays.width)))
     never = varying_false(house, moving, rays)
     return jax.tree.map(lambda x: jnp.where(never, jnp.zeros_like(x), x), hits)

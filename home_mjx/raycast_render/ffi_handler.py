@@ -14,9 +14,10 @@ from pathlib import Path
 from typing import Any, no_type_check
 
 import llvmlite.binding
+import numpy as np
 from numba import cfunc, njit, types
 
-from home_mjx.raycast_render import limits, native, native_memory
+from home_mjx.raycast_render import lanes, limits, native, native_intersect, native_memory, native_packet
 from home_mjx.raycast_render.native_memory import address_of, call, fetch_add, pointer_to, stack_of, symbol_address
 
 API_VERSION = 0 | 3 << 32  # major and minor as they lie in memory
@@ -24,18 +25,21 @@ FRAME_EXTENSION, FRAME_API, FRAME_CONTEXT, FRAME_STAGE = 1, 2, 3, 4
 FRAME_OPERANDS, FRAME_RESULTS, FRAME_ATTRIBUTES = 9, 14, 20  # their arrays of pointers
 EXTENSION_TYPE, EXTENSION_METADATA, METADATA_VERSION = 1, 3, 3
 METADATA, EXECUTE = 1, 3  # type of extension, stage
+ANY_HIT, WIDTH = 0, 1  # attributes, in the order of their names
 BUFFER_DATA, BUFFER_DIMS, SCALAR_VALUE = 3, 5, 1
 API_DESTROY_ERROR, API_SCHEDULE, API_NUM_THREADS = 8, 17, 18
 
 NUM_OPERANDS, NUM_RESULTS = 24, 6
-INSTANCE_MODEL, MOVING_INSTANCE, T_MIN = 6, 12, 20  # operands whose shapes tell how many there are of each
-CHUNK = 256  # rays that a thread takes at once
+INSTANCE_MODEL, MOVING_INSTANCE = 6, 12  # operands whose shapes tell how many there are of each
+NUM_RAY_FIELDS = NUM_OPERANDS - native_packet.FIRST_RAY
+CHUNK = 16  # packets that a thread takes at once
 JOB_NEXT, JOB_DONE, JOB_USERS, JOB_CHUNKS, JOB_FRAME = range(5)
 WORD = 8  # [bytes]
 TASK = "home_mjx_cast_task"
 
 words, halves = pointer_to(types.int64), pointer_to(types.int32)
 operand_words, result_words = stack_of(types.int64, NUM_OPERANDS), stack_of(types.int64, NUM_RESULTS)
+ray_words = stack_of(types.int64, NUM_RAY_FIELDS)
 argument_words = stack_of(types.int64, 5)
 task_address = symbol_address(TASK)
 allocate = types.ExternalFunction("malloc", types.intp(types.intp))
@@ -47,7 +51,8 @@ compiled = njit(error_model="numpy")
 def build_handler() -> tuple[Any, Any]:
     """The task and the handler, compiled or loaded from Numba's cache on disk; keep both as long as XLA may call."""
     # The cache watches this file only. That the functions name the digest makes it tell versions of the rest apart.
-    digest = _digest(native.__file__, native_memory.__file__, limits.__file__)
+    parts = lanes, limits, native, native_intersect, native_memory, native_packet
+    digest = _digest(*(part.__file__ for part in parts))
 
     @cfunc(types.intp(types.intp), cache=True)
     @no_type_check
@@ -81,7 +86,7 @@ def _digest(*paths: str) -> int:
 @compiled
 @no_type_check
 def _execute(frame):
-    chunks = -(-_num_rays(frame) // CHUNK)
+    chunks = -(-_num_packets(frame) // CHUNK)
     helpers = min(_num_threads(frame), chunks) - 1
     job = allocate(5 * WORD)
     state = words(job)
@@ -120,27 +125,42 @@ def _leave(job):
 @compiled
 @no_type_check
 def _cast_chunk(frame, chunk):
-    operands, results = operand_words(), result_words()
+    operands, counts, results = operand_words(), ray_words(), result_words()
     for i in range(NUM_OPERANDS):
         operands[i] = words(_buffer(frame, FRAME_OPERANDS, i))[BUFFER_DATA]
+    for i in range(NUM_RAY_FIELDS):
+        counts[i] = _dim(frame, FRAME_OPERANDS, native_packet.FIRST_RAY + i, 1)
     for i in range(NUM_RESULTS):
         results[i] = words(_buffer(frame, FRAME_RESULTS, i))[BUFFER_DATA]
-    any_hit = halves(words(words(words(frame)[FRAME_ATTRIBUTES])[0])[SCALAR_VALUE])[0] != 0
-    sizes = _dim(frame, INSTANCE_MODEL, 1), _dim(frame, MOVING_INSTANCE, 1), _dim(frame, T_MIN, 1)
-    last = min((chunk + 1) * CHUNK, _num_rays(frame))
-    native.cast_range(operands, results, sizes[0], sizes[1], sizes[2], any_hit, chunk * CHUNK, last)
+    instances = _dim(frame, FRAME_OPERANDS, INSTANCE_MODEL, 1)
+    moving = _dim(frame, FRAME_OPERANDS, MOVING_INSTANCE, 1)
+    tiles, any_hit = _tiling(frame), _attribute(frame, ANY_HIT) != 0
+    for packet in range(chunk * CHUNK, min((chunk + 1) * CHUNK, _num_packets(frame))):
+        native.cast_packet(operands, counts, results, instances, moving, tiles, any_hit, packet)
 
 
 @compiled
 @no_type_check
-def _num_rays(frame):
-    return _dim(frame, T_MIN, 0) * _dim(frame, T_MIN, 1)
+def _num_packets(frame):
+    return _dim(frame, FRAME_RESULTS, 0, 0) * _tiling(frame).packets
 
 
 @compiled
 @no_type_check
-def _dim(frame, operand, axis):
-    return words(words(_buffer(frame, FRAME_OPERANDS, operand))[BUFFER_DIMS])[axis]
+def _tiling(frame):
+    return native_packet.tiling(_dim(frame, FRAME_RESULTS, 0, 1), np.int64(_attribute(frame, WIDTH)))
+
+
+@compiled
+@no_type_check
+def _attribute(frame, index):
+    return halves(words(words(words(frame)[FRAME_ATTRIBUTES])[index])[SCALAR_VALUE])[0]
+
+
+@compiled
+@no_type_check
+def _dim(frame, kind, index, axis):
+    return words(words(_buffer(frame, kind, index))[BUFFER_DIMS])[axis]
 
 
 @compiled

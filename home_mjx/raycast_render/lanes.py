@@ -1,0 +1,210 @@
+"""Vectors of a fixed number of lanes for Numba, so that compiled code reads like that for one ray and does sixteen.
+
+Numba leaves it to LLVM to find vectors in loops, which a traversal does not let it; here they are types of their own:
+`+ - * /`, comparisons and `& | ~` work lane by lane, with numbers spread over all lanes. LLVM maps them to whatever
+the processor has: one AVX-512 register, two of AVX, four of SSE or NEON.
+"""
+# ruff: noqa: ANN001, ANN202  (Numba's extension interface)
+
+import operator
+from collections.abc import Callable
+from typing import Any, no_type_check
+
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
+from numba.extending import intrinsic, lower_builtin, models, register_model
+
+LANES = 16
+
+
+class Lanes(types.Type):
+    """A vector of `LANES` items of a scalar type."""
+
+    def __init__(self, item: types.Type) -> None:
+        self.item = item
+        super().__init__(name=f"Lanes({item}, {LANES})")
+
+
+@register_model(Lanes)
+class _LanesModel(models.PrimitiveModel):
+    @no_type_check
+    def __init__(self, manager, kind) -> None:
+        super().__init__(manager, kind, ir.VectorType(manager.lookup(kind.item).get_value_type(), LANES))
+
+
+FLOATS, INTS, FLAGS = Lanes(types.float32), Lanes(types.int32), Lanes(types.boolean)
+
+
+@no_type_check
+def _spread(builder, value):
+    """A scalar in all lanes; vectors as they are."""
+    if isinstance(value.type, ir.VectorType):
+        return value
+    empty = ir.Constant(ir.VectorType(value.type, LANES), ir.Undefined)
+    first = builder.insert_element(empty, value, ir.Constant(ir.IntType(32), 0))
+    return builder.shuffle_vector(first, empty, ir.Constant(ir.VectorType(ir.IntType(32), LANES), [0] * LANES))
+
+
+@no_type_check
+def _define(operation, emit, kind, result) -> None:
+    """Gives an operator a meaning for lanes with lanes, and with scalars on either side."""
+    cases = [(kind, kind), (kind, kind.item), (kind.item, kind)]
+    for case in cases:
+
+        @lower_builtin(operation, *case)
+        @no_type_check
+        def lower(context, builder, sig, args):
+            return emit(builder, *(_spread(builder, x) for x in args))
+
+    infer_global(operation)(
+        type("LanesOperator", (ConcreteTemplate,), {"key": operation, "cases": [signature(result, *c) for c in cases]})
+    )
+
+
+@no_type_check
+def _compare(method: str, sign: str) -> Callable[..., Any]:
+    return lambda builder, a, b: getattr(builder, method)(sign, a, b)
+
+
+def _define_all() -> None:
+    build = ir.IRBuilder
+    for operation, emit in {
+        operator.add: build.fadd,
+        operator.sub: build.fsub,
+        operator.mul: build.fmul,
+        operator.truediv: build.fdiv,
+    }.items():
+        _define(operation, emit, FLOATS, FLOATS)
+    for sign in ("<", "<=", ">", ">=", "=="):
+        operation = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge, "==": operator.eq}[sign]
+        _define(operation, _compare("fcmp_ordered", sign), FLOATS, FLAGS)
+        _define(operation, _compare("icmp_signed", sign), INTS, FLAGS)
+        _define(operation, _compare("icmp_unsigned", sign), FLAGS, FLAGS)
+    for operation, emit in {operator.and_: build.and_, operator.or_: build.or_}.items():
+        _define(operation, emit, FLAGS, FLAGS)
+        _define(operation, emit, INTS, INTS)
+
+
+_define_all()
+
+
+@lower_builtin(operator.invert, FLAGS)
+@no_type_check
+def _lower_invert(context, builder, sig, args):
+    return builder.not_(args[0])
+
+
+@infer_global(operator.invert)
+class _Invert(ConcreteTemplate):
+    cases = (signature(FLAGS, FLAGS),)
+
+
+@intrinsic
+@no_type_check
+def where(typing_context, mask, a, b) -> Any:
+    """Lanes of `a` where the mask is set, else of `b`; of which one may be a scalar."""
+    kind = a if isinstance(a, Lanes) else b
+
+    @no_type_check
+    def lower(context, builder, sig, args):
+        return builder.select(args[0], *(_spread(builder, x) for x in args[1:]))
+
+    return kind(mask, *(x if isinstance(x, Lanes) else kind.item for x in (a, b))), lower
+
+
+@no_type_check
+def _extreme(sign: str) -> Any:
+    @intrinsic
+    @no_type_check
+    def extreme(typing_context, a, b):
+        @no_type_check
+        def lower(context, builder, sig, args):
+            a, b = (_spread(builder, x) for x in args)
+            return builder.select(builder.fcmp_ordered(sign, b, a), b, a)
+
+        return FLOATS(a, b), lower
+
+    return extreme
+
+
+# As Python's: the first of the two where they cannot be compared.
+least, greatest = _extreme("<"), _extreme(">")
+
+
+@intrinsic
+@no_type_check
+def magnitude(typing_context, x) -> Any:
+    """Absolute values."""
+
+    @no_type_check
+    def lower(context, builder, sig, args):
+        kind = ir.FunctionType(args[0].type, [args[0].type])
+        return builder.call(cgutils.get_or_insert_function(builder.module, kind, f"llvm.fabs.v{LANES}f32"), args)
+
+    return FLOATS(x), lower
+
+
+@intrinsic
+@no_type_check
+def spread(typing_context, x) -> Any:
+    """A scalar in all lanes."""
+    return Lanes(x)(x), lambda context, builder, sig, args: _spread(builder, args[0])
+
+
+@intrinsic
+@no_type_check
+def count(typing_context, mask) -> Any:
+    """How many lanes are set."""
+
+    @no_type_check
+    def lower(context, builder, sig, args):
+        bits = builder.bitcast(args[0], ir.IntType(LANES))
+        return builder.zext(builder.ctpop(bits), ir.IntType(32))
+
+    return types.int32(mask), lower
+
+
+@intrinsic
+@no_type_check
+def any_lane(typing_context, mask) -> Any:
+    """Whether any lane is set."""
+
+    @no_type_check
+    def lower(context, builder, sig, args):
+        bits = builder.bitcast(args[0], ir.IntType(LANES))
+        return builder.icmp_unsigned("!=", bits, ir.Constant(bits.type, 0))
+
+    return types.boolean(mask), lower
+
+
+@intrinsic
+@no_type_check
+def load(typing_context, pointer, index) -> Any:
+    """The `LANES` items at `index`."""
+    kind = Lanes(pointer.dtype)
+
+    @no_type_check
+    def lower(context, builder, sig, args):
+        return builder.load(_vector_at(context, builder, kind, *args), align=4)
+
+    return kind(pointer, types.intp), lower
+
+
+@intrinsic
+@no_type_check
+def store(typing_context, pointer, index, value) -> Any:
+    """Writes the `LANES` items at `index`."""
+
+    @no_type_check
+    def lower(context, builder, sig, args):
+        builder.store(args[2], _vector_at(context, builder, value, *args[:2]), align=4)
+        return context.get_dummy_value()
+
+    return types.void(pointer, types.intp, value), lower
+
+
+@no_type_check
+def _vector_at(context, builder, kind, pointer, index):
+    return builder.bitcast(builder.gep(pointer, [index]), context.get_value_type(kind).as_pointer())
