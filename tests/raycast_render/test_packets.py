@@ -9,7 +9,6 @@ from soup import f32, i32, in_jit, random_rays, random_soup
 from home_mjx.raycast_render import cast, lanes, occluded
 from home_mjx.raycast_render.native_memory import pointer_to
 
-
 pointer = pointer_to(types.float32)
 
 
