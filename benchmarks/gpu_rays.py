@@ -64,7 +64,7 @@ class Bench:
         """Prints a record."""
         found = self.peers.get(peer)
         record = make_record(
-            f"gpu/{case}",
+            f"{jax.default_backend()}/{case}",
             value,
             unit,
             f"{note}; {self.words}",

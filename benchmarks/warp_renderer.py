@@ -1,10 +1,11 @@
-"""The peer of `gpu_rays.py`: MuJoCo Warp's batch renderer on the first house of a bank, from the same cameras.
+"""The peer of `gpu_rays.py` and `cpu_rays.py`: MuJoCo Warp's batch renderer on a bank's first house, same cameras.
 
 `python benchmarks/warp_renderer.py BANK --num-envs 4096 --size 64 --out peer.npz` prints one JSON object per image
 kind and writes the depth images, by which `gpu_rays.py` checks that both look at the same thing.
 """
 
 import argparse
+import functools
 import json
 import time
 
@@ -67,6 +68,8 @@ def measure(model, pos, turn, size, options, repeats=5, calls=4):
     import mujoco_warp as mjw
     import warp as wp
 
+    wp.config.quiet = True  # standard output is for the records
+
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     num_envs = len(pos)
@@ -86,13 +89,16 @@ def measure(model, pos, turn, size, options, repeats=5, calls=4):
     frame()
     wp.synchronize()
     compile_seconds = time.perf_counter() - start
-    with wp.ScopedCapture() as capture:
-        frame()
+    again = frame
+    if wp.get_device().is_cuda:
+        with wp.ScopedCapture() as capture:
+            frame()
+        again = functools.partial(wp.capture_launch, capture.graph)
     times = []
     for _ in range(repeats + 1):
         start = time.perf_counter()
         for _ in range(calls):
-            wp.capture_launch(capture.graph)
+            again()
         wp.synchronize()
         times.append((time.perf_counter() - start) / calls)
     return float(np.median(times[1:])), compile_seconds, context

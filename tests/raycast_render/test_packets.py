@@ -1,5 +1,7 @@
 """The `cpu` executor's packets: hits do not depend on which rays are cast together, and lanes compute as NumPy does."""
 
+from typing import no_type_check
+
 import jax
 import numpy as np
 import pytest
@@ -60,6 +62,7 @@ def test_values_that_rays_share_are_read_once_for_every_environment(case):
 
 
 @njit
+@no_type_check
 def compute(a, b, out):
     """Every operation on lanes, a row of `out` each; a and b by their addresses."""
     first, second = lanes.load(pointer(a), 0), lanes.load(pointer(b), 0)

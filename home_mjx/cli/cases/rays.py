@@ -46,8 +46,7 @@ def _primary(settings: Settings, case: str, executor: str | None, peer: tuple[st
 
     def distances(bank: HouseBank, house: jax.Array, start: jax.Array) -> jax.Array:
         origin, _ = eye_at(start)
-        origins = jnp.broadcast_to(origin[None], directions.shape)
-        return cast(scene_at(bank, house, start), origins, directions, exclude=own_body(bank), executor=executor).t
+        return cast(scene_at(bank, house, start), origin, directions, exclude=own_body(bank), executor=executor).t
 
     value, seconds = rate_per_environment(settings, distances)
     note = f"closest hit of {RAYS} rays per environment; {settings.houses}"
@@ -56,10 +55,10 @@ def _primary(settings: Settings, case: str, executor: str | None, peer: tuple[st
 
 
 def _directions() -> jax.Array:
-    """Unit rays of a 90 degree pinhole looking along +y (RAYS, 3)."""
+    """Unit rays of a 90 degree pinhole looking along +y (SIZE, SIZE, 3)."""
     at = (np.arange(SIZE) + 0.5) / SIZE * 2 - 1
     x, z = np.meshgrid(at, -at)
-    rays = np.stack([x, np.ones_like(x), z], -1).reshape(RAYS, 3)
+    rays = np.stack([x, np.ones_like(x), z], -1)
     return jnp.asarray(rays / np.linalg.norm(rays, axis=-1, keepdims=True), jnp.float32)
 
 
@@ -74,7 +73,7 @@ def _embree(settings: Settings) -> tuple[str, float] | None:
     TriangleMesh(scene, _world_triangles(settings.first_house))
     starts = np.asarray(settings.bank.navigation.start[0])
     origins = np.repeat(starts + np.array([0, 0, 1.5]), RAYS, axis=0).astype(np.float32)
-    directions = np.tile(np.asarray(_directions()), (len(starts), 1)).astype(np.float32)
+    directions = np.tile(np.asarray(_directions()).reshape(RAYS, 3), (len(starts), 1)).astype(np.float32)
     rate = timing.calls_per_second(lambda: scene.run(origins, directions), seconds=settings.seconds)
     return "Embree (1 thread, 1 house)", rate * len(origins)
 
