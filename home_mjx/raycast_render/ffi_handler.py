@@ -51,7 +51,7 @@ compiled = njit(error_model="numpy")
 def build_handler() -> tuple[Any, Any]:
     """The task and the handler, compiled or loaded from Numba's cache on disk; keep both as long as XLA may call."""
     # The cache watches this file only. That the functions name the digest makes it tell versions of the rest apart.
-    parts = lanes, limits, native, native_intersect, native_memory, native_packet
+    parts: tuple[Any, ...] = (lanes, limits, native, native_intersect, native_memory, native_packet)
     digest = _digest(*(part.__file__ for part in parts))
 
     @cfunc(types.intp(types.intp), cache=True)

@@ -96,9 +96,12 @@ def _lower_invert(context, builder, sig, args):
     return builder.not_(args[0])
 
 
-@infer_global(operator.invert)
 class _Invert(ConcreteTemplate):
+    key = operator.invert
     cases = (signature(FLAGS, FLAGS),)
+
+
+infer_global(operator.invert)(_Invert)  # pyright: ignore[reportOptionalCall]
 
 
 @intrinsic
