@@ -1,12 +1,14 @@
 """Damaged datasets: strategies that break one file of a tiny dataset, and the harness that watches it being read."""
 
 import copy
+import functools
 import hashlib
 import json
 import os
 import re
 import resource
 import sys
+import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -126,6 +128,14 @@ class Watch:
 def users_of(name: str) -> tuple[str, ...]:
     """A house that uses a file; the one without meshes of rooms only if the other does not."""
     return () if name.startswith("metadata") else (V2_ID,) if V2_ID in name else (HOUSE_ID,)
+
+
+@functools.cache
+def compile_the_compiler() -> None:
+    """Lets Numba translate what houses are compiled by, which in a fresh checkout takes longer than any case may."""
+    with tempfile.TemporaryDirectory() as folder:
+        dataset = open_dataset(write_tiny_dataset(Path(folder)))
+        compile_house(dataset.load_house(HOUSE_ID), dataset.metadata)
 
 
 def load_and_decode(dataset, house_id: str, compiles: bool) -> None:

@@ -5,7 +5,7 @@ import tracemalloc
 from pathlib import Path
 
 import pytest
-from scene_compile.fuzz_corpus import Watch
+from scene_compile.fuzz_corpus import Watch, compile_the_compiler
 from scene_compile.tiny_dataset import HOUSE_ID, TABLE, write_tiny_dataset
 
 from home_mjx.errors import DatasetError, HomeMjxError
@@ -64,6 +64,11 @@ class Listening(Watch):
     def check(self, error: HomeMjxError) -> None:
         super().check(error)
         self.found.append(error)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _compiler():
+    compile_the_compiler()
 
 
 def test_every_file_is_expected():

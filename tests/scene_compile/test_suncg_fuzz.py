@@ -20,6 +20,7 @@ from scene_compile.fuzz_corpus import (
     broken_bytes,
     broken_json,
     broken_text,
+    compile_the_compiler,
     write_fuzz_dataset,
 )
 
@@ -92,6 +93,7 @@ COMPILED = [
 
 @pytest.fixture
 def compiling(watch):
+    compile_the_compiler()
     watch.compiles = True
     yield
     watch.compiles = False
