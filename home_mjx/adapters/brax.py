@@ -13,12 +13,16 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-from brax.envs.base import Env, Wrapper
-from brax.envs.base import State as BraxState
 from jaxtyping import Array
 
-from home_mjx.errors import ConfigError
+from home_mjx.errors import ConfigError, install_hint
 from home_mjx.tasks import AutoReset, HouseholdEnv, State
+
+try:
+    from brax.envs.base import Env, Wrapper
+    from brax.envs.base import State as BraxState
+except ModuleNotFoundError as error:
+    raise ConfigError("this adapter needs the package `brax`", hint=install_hint("train")) from error
 
 
 class BraxEnv(Env):

@@ -200,7 +200,7 @@ def draw(env: HouseholdEnv, states: State, walk: Walk, options: DemoOptions, fol
     rows = []
     for i, top in enumerate(tops):
         image = top.with_path(paths[:, i], walk.sources[i], size=256)
-        caption = f"house {houses[i]}: path, radio (red)"
+        caption = f"house {houses[i]}: path, end (green), radio (red)"
         rows.append([pictures.captioned(image, caption), *_views(env, walk.richest(i), i, 256)])
     _save_png(folder / "contact_sheet.png", pictures.sheet(rows))
     progress.update()
