@@ -1,6 +1,8 @@
 """Typed, located errors: what was expected, what came, where, and what to do."""
 
 import difflib
+import math
+import numbers
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -79,7 +81,7 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     known = sorted(set(known))
     # names from a broken file may be megabytes long, and comparing takes the product of their lengths
     short = [candidate for candidate in known if len(candidate) <= MAX_COMPARED]
-    close = difflib.get_close_matches(name[:MAX_COMPARED], short[:MAX_CANDIDATES], n=1)
+    close = difflib.get_close_matches(str(name)[:MAX_COMPARED], short[:MAX_CANDIDATES], n=1)
     more = f", … ({len(known)} in all)" if len(known) > MAX_LISTED else ""
     listing = "Known: " + ", ".join(known[:MAX_LISTED]) + more
     return f"Did you mean `{close[0]}`? {listing}" if close else listing
@@ -101,3 +103,37 @@ def check_known(kind: str, names: Iterable[str], known: Iterable[str]) -> None:
     for name in names:
         if name not in known:
             raise ConfigError(f"unknown {kind} `{name}`", hint=did_you_mean(name, known))
+
+
+def check_names(kind: str, names: object, known: Iterable[str]) -> None:
+    """Raises `ConfigError` unless `names` is a sequence of known names; one bare string is not."""
+    if isinstance(names, str) or not isinstance(names, Iterable):
+        raise ConfigError(f"expected several names of a {kind}, got `{names}`", hint=f'Write ("{names}",)')
+    check_known(kind, [str(name) for name in names], known)
+
+
+def check_number(
+    name: str, value: object, least: float = -math.inf, most: float = math.inf, *, whole: bool = False
+) -> None:
+    """Raises `ConfigError` unless an option is a finite number within limits.
+
+    Args:
+        name: Of the option, for the message.
+        value: Of the option.
+        least: The least value that is allowed.
+        most: The greatest value that is allowed.
+        whole: It must be an integer.
+
+    Example:
+        >>> check_number("width", 64, 1, whole=True)
+        >>> check_number("width", 3.5, 1, whole=True)
+        Traceback (most recent call last):
+        ...
+        home_mjx.errors.ConfigError: `width` must be a whole number of at least 1, got 3.5
+    """
+    kind = numbers.Integral if whole else numbers.Real
+    if isinstance(value, kind) and not isinstance(value, bool) and math.isfinite(value) and least <= value <= most:
+        return
+    above = f" of at least {least:g}" if math.isfinite(least) else ""
+    below = f"{' and' if above else ' of'} at most {most:g}" if math.isfinite(most) else ""
+    raise ConfigError(f"`{name}` must be a {'whole ' if whole else 'finite '}number{above}{below}, got {value!r}")

@@ -1,12 +1,13 @@
 """Environment ids and how to make them."""
 
 import itertools
+import os
 import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from home_mjx.errors import ConfigError, did_you_mean
+from home_mjx.errors import ConfigError, check_number, did_you_mean
 
 _REGISTRY: dict[str, Callable[..., Any]] = {}
 _ID = re.compile(r"^[A-Z][A-Za-z0-9]*-v\d+$")
@@ -53,8 +54,9 @@ def make(
 
     Args:
         env_id: Such as `PointNav-v0`, see `list_envs`.
-        houses: A `HouseBank`, the root folder of a SUNCG dataset, or None: then generated houses, made once and kept
-            in the cache folder.
+        houses: A `HouseBank`, the root folder of a SUNCG dataset, or None: then the dataset that the environment
+            variable `SUNCG_DATA_DIR` names, or, where it is not set, generated houses, made once and kept in the cache
+            folder.
         num_houses: How many houses of a dataset or generator to use.
         split: Only houses of `train`, `val` or `test`.
         where: A `HouseFilter`: only houses of a dataset that have all this.
@@ -85,13 +87,19 @@ def as_bank(
         ConfigError: A selection was asked for of houses that are already a bank, or a filter of generated ones.
     """
     from home_mjx.scene_compile.bank import HouseBank
+    from home_mjx.scene_compile.suncg.dataset import ROOT_VARIABLE, Dataset
 
     if isinstance(houses, HouseBank):
         if split is not None or where is not None:
             raise ConfigError("`split` and `where` choose houses of a dataset, not of a bank that is made")
         return houses
+    check_number("num_houses", num_houses, 1, whole=True)
+    houses = houses or os.environ.get(ROOT_VARIABLE) or None
+    if houses is not None and not isinstance(houses, str | Path | Dataset):
+        raise ConfigError(f"`houses` must be a HouseBank or the folder of a dataset, got {houses!r}")
     if houses is not None:
-        return HouseBank.from_dataset(Path(houses), limit=num_houses, progress=progress, split=split, where=where)
+        root = houses if isinstance(houses, Dataset) else Path(houses)
+        return HouseBank.from_dataset(root, limit=num_houses, progress=progress, split=split, where=where)
     if where is not None:
         hint = "Write some with `home-mjx generate OUT`, then pass houses=OUT."
         raise ConfigError("`where` chooses among the houses of a dataset", hint=hint)

@@ -17,6 +17,8 @@ os.environ.setdefault("JAX_PLATFORMS", "cpu")
 os.environ.setdefault("JAX_NUM_CPU_DEVICES", "2")
 os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", CACHE)
 os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.5")
+# Taken out of the environment, where it would change what `make` does without `houses`.
+SUNCG_DATA_DIR = os.environ.pop("SUNCG_DATA_DIR", None)
 os.environ.setdefault("MPLBACKEND", "agg")
 os.environ.setdefault("HOME_MJX_CACHE", str(Path(tempfile.gettempdir()) / "home_mjx_house_cache"))
 
@@ -28,7 +30,7 @@ hypothesis.settings.load_profile("home_mjx")
 @pytest.fixture(scope="session")
 def suncg_root() -> Path:
     """Root of the real SUNCG sample (`SUNCG_DATA_DIR`, or shared/data beside the checkout); skips where absent."""
-    root = Path(os.environ.get("SUNCG_DATA_DIR") or ROOT.parent / "shared" / "data" / "suncg_sample")
+    root = Path(SUNCG_DATA_DIR or ROOT.parent / "shared" / "data" / "suncg_sample")
     if not (root / "house").is_dir():
         pytest.skip("the real SUNCG sample is not here: set SUNCG_DATA_DIR to run this test")
     return root

@@ -9,6 +9,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 
 from home_mjx.adapters.spaces import action_space, observation_space
+from home_mjx.errors import ConfigError, check_known, check_number
 from home_mjx.registry import make
 from home_mjx.tasks import AutoReset, HouseholdEnv, State
 
@@ -31,6 +32,8 @@ class GymEnv(gymnasium.Env):
 
     def __init__(self, env_id: str = "PointNav-v0", render_mode: str | None = None, **options: Any) -> None:
         self.env: HouseholdEnv = make(env_id, **options)
+        if render_mode is not None and "rgb" not in self.env.config.sensors:
+            raise ConfigError(f"render_mode `{render_mode}` shows the `rgb` sensor, which is not among the sensors")
         self.render_mode = render_mode
         self.observation_space = observation_space(self.env)
         self.action_space = action_space(self.env)
@@ -42,7 +45,7 @@ class GymEnv(gymnasium.Env):
         """Begins an episode in a random house; `options={"house": i}` chooses one."""
         super().reset(seed=seed)
         key = np.asarray(self.np_random.integers(0, 2**32, 2, np.uint32))
-        house = None if not options or options.get("house") is None else np.int32(options["house"])
+        house = _chosen_house(options or {}, self.env.bank.num_houses)
         state: State = self._reset(self.env.bank, key, house)
         self._state = state
         return to_numpy(state.obs), _info(state)
@@ -51,7 +54,8 @@ class GymEnv(gymnasium.Env):
         """One control step."""
         if self._state is None:
             raise gymnasium.error.ResetNeeded("call reset() before step()")
-        state: State = self._step(self.env.bank, self._state, np.asarray(action, np.float32))
+        action = _checked(action, self.action_space.shape)
+        state: State = self._step(self.env.bank, self._state, action)
         self._state = state
         truncated = bool(state.info["truncation"])
         terminated = bool(state.done) and not truncated
@@ -78,6 +82,7 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
 
     def __init__(self, num_envs: int = 1, env_id: str = "PointNav-v0", **options: Any) -> None:
         options.pop("render_mode", None)
+        check_number("num_envs", num_envs, 1, whole=True)
         self.env: HouseholdEnv = make(env_id, **options)
         self.num_envs = num_envs
         self.single_observation_space = observation_space(self.env)
@@ -102,7 +107,8 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         """One control step of all; `info["final_obs"]` holds the last observation of those that ended."""
         if self._state is None:
             raise gymnasium.error.ResetNeeded("call reset() before step()")
-        state: State = self._step(self.env.bank, self._state, np.asarray(actions, np.float32))
+        actions = _checked(actions, self.action_space.shape)
+        state: State = self._step(self.env.bank, self._state, actions)
         self._state = state
         done = np.asarray(state.done) > 0
         truncated = np.asarray(state.info["truncation"]) > 0
@@ -116,6 +122,25 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
 def to_numpy(tree: Any) -> Any:
     """Arrays of their own, not views of device buffers that a later step may reuse."""
     return jax.tree.map(np.array, tree)
+
+
+def _chosen_house(options: dict[str, Any], num_houses: int) -> np.int32 | None:
+    """What `reset` is told by its options; None: any house."""
+    check_known("option of reset", options, ["house"])
+    if options.get("house") is None:
+        return None
+    check_number("house", options["house"], 0, num_houses - 1, whole=True)
+    return np.int32(options["house"])
+
+
+def _checked(action: Any, shape: tuple[int, ...] | None) -> np.ndarray:
+    """The action as float32; refuses what the action space never holds, but not what is merely too large."""
+    action = np.asarray(action, np.float32)
+    if action.shape != shape:
+        raise ConfigError(f"expected an action of shape {shape}, got {action.shape}")
+    if np.isnan(action).any():
+        raise ConfigError("the action holds NaN", hint="Look at what the policy gives.")
+    return action
 
 
 def _info(state: State) -> dict[str, Any]:

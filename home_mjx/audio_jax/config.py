@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from home_mjx.audio_jax.air import speed_of_sound
-from home_mjx.errors import ConfigError, check_known
+from home_mjx.errors import ConfigError, check_known, check_number
 
 RECEIVERS = ("binaural", "omni")
 DETECTORS = ("rain", "sphere")
@@ -62,12 +62,13 @@ class AudioConfig:
         check_known("receiver", [self.receiver], RECEIVERS)
         check_known("detector", [self.detector], DETECTORS)
         for name in ("sample_rate", "num_rays", "num_bounces", "max_crossings"):
-            if getattr(self, name) < 1:
-                raise ConfigError(f"`{name}` must be at least 1, got {getattr(self, name)}")
-        if self.num_reflections < 0:
-            raise ConfigError(f"`num_reflections` must not be negative, got {self.num_reflections}")
+            check_number(name, getattr(self, name), 1, whole=True)
+        check_number("num_reflections", self.num_reflections, 0, whole=True)
+        for name in ("temperature", "humidity", "ear_angle"):
+            check_number(name, getattr(self, name))
         for name in ("ctrl_dt", "response_seconds", "bin_seconds", "detector_radius", "head_radius", "pressure"):
-            if not getattr(self, name) > 0:
+            check_number(name, getattr(self, name))
+            if getattr(self, name) <= 0:
                 raise ConfigError(f"`{name}` must be positive, got {getattr(self, name)}")
         if not 0 <= self.humidity <= 100 or not -70 <= self.temperature <= 70:
             raise ConfigError(

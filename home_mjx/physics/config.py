@@ -1,11 +1,15 @@
 """What can be chosen about the physics."""
 
+import math
 from dataclasses import dataclass
 
-from home_mjx.errors import ConfigError
+from home_mjx.errors import ConfigError, check_number
 
 IMPLS = ("jax", "warp")
 JACOBIANS = ("auto", "dense", "sparse")
+WHOLE = (
+    "num_agents", "iterations", "ls_iterations", "agent_slots", "body_slots", "max_geom_pairs", "max_contact_points"
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -98,11 +102,14 @@ class PhysicsConfig:
 
     def _check_numbers(self) -> None:
         for name, value in vars(self).items():
-            if isinstance(value, str) or value is None:
+            if name in ("impl", "jacobian") or (value is None and name.startswith("max_")):
                 continue
-            if not 0 < value < float("inf"):
+            try:
+                check_number(name, value, 1 if name in WHOLE else math.ulp(0), whole=name in WHOLE)
+            except ConfigError:
+                kind = "a whole number of at least 1" if name in WHOLE else "a positive number"
                 raise ConfigError(
-                    f"expected a positive number, got {value}",
+                    f"expected {kind}, got {value!r}",
                     element=f"PhysicsConfig.{name}",
                     hint="Leave it out to get the default",
-                )
+                ) from None

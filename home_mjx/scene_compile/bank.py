@@ -13,7 +13,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int, UInt8, UInt16
 from tqdm import tqdm
 
-from home_mjx.errors import ConfigError
+from home_mjx.errors import ConfigError, check_number
 from home_mjx.scene_compile.cache import HouseCache
 from home_mjx.scene_compile.compile import DEFAULT_OPTIONS, CompileOptions
 from home_mjx.scene_compile.compiled import CompiledHouse
@@ -231,6 +231,10 @@ class HouseBank(Pytree):
             DatasetError: The dataset or one of the houses is missing or broken.
             ConfigError: No house is left, or the houses cannot share a bank.
         """
+        if isinstance(ids, str):
+            raise ConfigError(f"`ids` must be several ids, got `{ids}`", hint="One alone is written [id].")
+        if limit is not None:
+            check_number("limit", limit, 1, whole=True)
         dataset = root if isinstance(root, Dataset) else open_dataset(root)
         chosen = select_ids(dataset.house_ids if ids is None else ids, split)
         wanted = chosen[:limit] if where is None else chosen

@@ -104,7 +104,7 @@ class HouseStream:
         self._capacity, self._stride = Capacity.of(first, headroom), row_stride(first, headroom)
         self.bank: HouseBank = to_bank(pack_slots(first, self._library, self._capacity, self._stride))
         self.bank = _write(self.bank, *self._prepare(first[0], 0)[1:])  # compiles it, lest the first swap waits
-        self._calls, self._used = 0, None
+        self._calls, self._used, self._closed = 0, None, False
         self._worker = ThreadPoolExecutor(1, "house-stream")
         self._active = list(range(num_slots))
         self._retiring: list[_Retiring] = []
@@ -120,6 +120,8 @@ class HouseStream:
         Returns:
             The bank for the next steps; do not use an earlier one.
         """
+        if self._closed:
+            raise ConfigError("the stream is closed: no house comes any more", hint="Step inside its `with` block.")
         used = self._used  # of the last call: it is known by now, so nothing waits for the device
         self._calls += 1
         self._used = (self._calls, _slots_in_use(houses, self.bank.num_houses))
@@ -132,6 +134,7 @@ class HouseStream:
 
     def close(self) -> None:
         """Ends the thread."""
+        self._closed = True
         self._worker.shutdown(cancel_futures=True)
 
     def __enter__(self) -> "HouseStream":

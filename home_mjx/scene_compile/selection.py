@@ -4,7 +4,7 @@ import hashlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from home_mjx.errors import ConfigError, check_known
+from home_mjx.errors import ConfigError, check_known, check_names
 from home_mjx.scene_compile.compiled import CompiledHouse, Semantic
 from home_mjx.scene_compile.plan import polygon_area
 from home_mjx.scene_compile.suncg.categories import COARSE, FINE
@@ -69,10 +69,12 @@ class HouseFilter:
     categories: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        check_known("category", self.categories, {*FINE, *COARSE})
+        check_names("category", self.categories, {*FINE, *COARSE})
         for name in ("levels", "rooms", "area"):
             limits = getattr(self, name)
-            if limits is not None and not (len(limits) == 2 and limits[0] <= limits[1]):
+            if limits is not None and not (
+                isinstance(limits, tuple | list) and len(limits) == 2 and limits[0] <= limits[1]
+            ):
                 raise ConfigError(f"`{name}` must be (least, most), got {limits}")
 
     def accepts(self, house: CompiledHouse) -> bool:

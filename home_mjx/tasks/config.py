@@ -2,13 +2,15 @@
 
 import dataclasses
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
 from home_mjx.audio_jax import CLIPS, AudioConfig
-from home_mjx.errors import ConfigError, check_known
+from home_mjx.errors import ConfigError, check_known, check_names, check_number
 from home_mjx.physics import PhysicsConfig
 from home_mjx.raycast_render import Lens, Preset
+from home_mjx.raycast_render.executors import find_executor
 from home_mjx.raycast_render.image.preset import resolve
 
 PIXEL_KINDS = ("rgb", "depth", "normal")
@@ -49,7 +51,12 @@ class AgentCamera:
     looks: bool = True
 
     def __post_init__(self) -> None:
-        check_known("kind of view", self.kinds, VIEW_KINDS)
+        check_names("kind of view", self.kinds, VIEW_KINDS)
+        if not isinstance(self.name, str) or not self.name:
+            raise ConfigError(f"a camera needs a name, got {self.name!r}")
+        for name, value in zip(("offset",) * 3 + ("yaw", "pitch"), (*self.offset, self.yaw, self.pitch), strict=True):
+            check_number(f"{name} of camera {self.name}", value)
+        check_number(f"fovy of camera {self.name}", self.fovy)
         limit = math.inf if self.lens.model == "orthographic" else 180
         if not (0 < self.fovy < limit):
             raise ConfigError(f"`fovy` of camera `{self.name}` must be in (0, {limit}), got {self.fovy}")
@@ -98,14 +105,30 @@ class EnvConfig:
     audio: AudioConfig = field(default_factory=AudioConfig)
 
     def __post_init__(self) -> None:
-        check_known("sensor", self.sensors, SENSORS)
+        check_names("sensor", self.sensors, SENSORS)
         check_known("clip", [self.clip], CLIPS)
+        find_executor(self.executor)
         resolve(self.rgb_preset)
+        self._check_numbers()
+        self._check_parts()
+
+    def _check_numbers(self) -> None:
         for name in ("width", "height", "samples", "episode_length"):
-            if getattr(self, name) < 1:
-                raise ConfigError(f"`{name}` must be at least 1, got {getattr(self, name)}")
-        if not 1 <= self.fovy < 180:
-            raise ConfigError(f"`fovy` must be in [1, 180) degrees, got {self.fovy}")
+            check_number(name, getattr(self, name), 1, whole=True)
+        limits = {
+            "fovy": (1, 179.9),  # [degrees]
+            "eye_height": (0, 10),
+            "source_height": (0, 10),
+            "depth_max": (0.01, math.inf),
+            "look_rate": (0, math.inf),
+            "pitch_max": (0, math.pi / 2),
+        }
+        for name, (least, most) in limits.items():
+            check_number(name, getattr(self, name), least, most)
+
+    def _check_parts(self) -> None:
+        if not all(isinstance(camera, AgentCamera) for camera in self.cameras):
+            raise ConfigError(f"`cameras` must be AgentCameras, got {self.cameras!r}")
         names = [camera.name for camera in self.views]
         if len({*names, "head"}) < len(self.cameras) + 1:
             raise ConfigError(f"`cameras` must have names of their own, none of them `head`; got {', '.join(names)}")
@@ -134,8 +157,13 @@ def make_config(**options: Any) -> EnvConfig:
     top = {name: value for name, value in options.items() if name in _names(EnvConfig)}
     for part, cls in parts.items():
         flat = {name: value for name, value in options.items() if name in nested[part] and name not in top}
-        top[part] = dataclasses.replace(top.get(part, cls()), **flat)
+        given = top.get(part, cls())
+        if not isinstance(given, cls):
+            raise ConfigError(f"`{part}` must be a {cls.__name__}, got {given!r}")
+        top[part] = dataclasses.replace(given, **flat)
     for name in {"sensors", "cameras"} & set(top):
+        if isinstance(top[name], str) or not isinstance(top[name], Iterable):
+            raise ConfigError(f"`{name}` must be a tuple, got {top[name]!r}", hint="One alone is written (one,)")
         top[name] = tuple(top[name])
     return EnvConfig(**top)
 

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from home_mjx import physics
+from home_mjx.errors import ConfigError
 from home_mjx.raycast_render import make_scene
 from home_mjx.raycast_render.types import Scene
 from home_mjx.scene_compile.bank import BankSpec, HouseBank
@@ -83,7 +84,7 @@ class HouseholdEnv:
         Args:
             bank: The houses.
             key: Typed or raw uint32 key.
-            house: Index of the house; None draws one.
+            house: Index of the house, the nearest one that there is if out of range; None draws one.
             episode: One row of an `Episodes`: house, start and goal of the first agent; the key draws the rest.
 
         Returns:
@@ -100,6 +101,7 @@ class HouseholdEnv:
             house = episode.house
         elif house is None:
             house = bank.draw[jax.random.randint(draw, (), 0, bank.num_houses)]
+        house = jnp.clip(house, 0, bank.num_houses - 1)
         agents = self.num_agents
         start, pos = spread_starts(bank, house, agents, 4 * self.config.physics.agent_radius, start_key)
         yaw = jax.random.uniform(yaw_key, (agents,), jnp.float32, -jnp.pi, jnp.pi)
@@ -131,6 +133,7 @@ class HouseholdEnv:
             bank: The houses; may differ from the last call's as long as its spec is the same.
             state: The state before.
             action: (4,), or (A, 4) for several agents: forward, left, turn left, look up in [-1, 1]; clipped.
+                NaN counts as 0, lest one bad number of a policy spoils an environment for good.
 
         Returns:
             The state after. An episode that is over is not reset: see `AutoReset`.
@@ -140,7 +143,7 @@ class HouseholdEnv:
     def advance(self, bank: HouseBank, state: State, action: Float[Array, "..."]) -> State:
         """Physics, reward and done of one step, without observation."""
         world: World = state.info["world"]
-        action = jnp.clip(action.astype(jnp.float32).reshape(self.num_agents, self.action_size), -1.0, 1.0)
+        action = self._usable(action)
         template = self._template(bank)
         data = physics.step(template, bank, world.house, state.data, action[:, :3])
         look = action[:, 3] * jnp.float32(self.config.look_rate * self.dt)
@@ -205,6 +208,13 @@ class HouseholdEnv:
         body_pos, body_quats = physics.body_pose(self._template(bank), state.data)
         house = state.info["world"].house
         return make_scene(bank, house, body_pos, body_quats, pose.pos, jax.vmap(body_quat)(pose.yaw))
+
+    def _usable(self, action: Float[Array, "..."]) -> Float[Array, "a 4"]:
+        shape = self.num_agents, self.action_size
+        if action.shape != shape and action.shape != shape[1:] * (shape[0] == 1):
+            raise ConfigError(f"expected an action of shape {shape if shape[0] > 1 else shape[1:]}, got {action.shape}")
+        action = action.astype(jnp.float32).reshape(shape)
+        return jnp.clip(jnp.where(jnp.isnan(action), 0.0, action), -1.0, 1.0)
 
     @property
     def _response_length(self) -> int:

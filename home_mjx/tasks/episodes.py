@@ -9,12 +9,13 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from home_mjx.errors import ConfigError, DatasetError
+from home_mjx.errors import ConfigError, DatasetError, check_number
 from home_mjx.scene_compile.bank import HouseBank
 from home_mjx.scene_compile.pytree import Pytree
 from home_mjx.tasks.grid import geodesic_distance, random_position
 
 SAME_PLACE = 0.01  # [m]: a goal of the bank is the goal of a file if it is as near
+OTHER_BANK = "Use a bank of the houses that the episodes were drawn in, compiled alike."
 ATTEMPTS = 64  # draws per episode
 
 
@@ -54,6 +55,7 @@ def sample_episodes(
         >>> episodes = sample_episodes(env.bank, 1000, min_length=2.0)  # doctest: +SKIP
         >>> states = jax.vmap(env.reset)(keys, episodes.pick(jnp.arange(64)))  # doctest: +SKIP
     """
+    check_number("num", num, 1, whole=True)
     keys = jax.random.split(jax.random.key(seed), num)
     house = jnp.arange(num, dtype=jnp.int32) % bank.num_houses
     episodes = _draw(bank, house, keys, jnp.float32(min_length), jnp.float32(max_length))
@@ -114,13 +116,14 @@ def load_episodes(path: str | Path, bank: HouseBank) -> Episodes:
     index = {name: i for i, name in enumerate(_house_ids(bank))}
     goals = np.asarray(bank.navigation.goal)
     rows = []
-    for number, line in enumerate(Path(path).read_text(encoding="utf-8").splitlines(), 1):
+    for number, line in enumerate(_lines(path), 1):
         try:
             rows.append(_row(json.loads(line), index, goals))
+        except DatasetError as error:
+            raise DatasetError(error.message, file=path, element=f"line {number}", hint=error.hint) from None
         except (ValueError, KeyError, TypeError) as error:
-            where = f"line {number}"
-            hint = "Use a bank of the houses that the episodes were drawn in, compiled alike."
-            raise DatasetError(f"episode cannot be used: {error}", file=path, element=where, hint=hint) from None
+            what = f"`{error.args[0]}` is missing" if isinstance(error, KeyError) else str(error)
+            raise DatasetError(f"no episode: {what}", file=path, element=f"line {number}") from None
     if not rows:
         raise DatasetError("file holds no episode", file=path)
     house, start, yaw, goal, length = (np.array(column) for column in zip(*rows, strict=True))
@@ -132,16 +135,23 @@ def load_episodes(path: str | Path, bank: HouseBank) -> Episodes:
     )
 
 
+def _lines(path: str | Path) -> list[str]:
+    try:
+        return Path(path).read_text(encoding="utf-8").splitlines()
+    except (OSError, ValueError) as error:
+        raise DatasetError(f"episodes cannot be read: {error}", file=path) from None
+
+
 def _row(line: dict[str, Any], index: dict[str, int], goals: Float[np.ndarray, "h g 3"]) -> tuple:
     if line["house"] not in index:
-        raise ValueError(f"the bank has no house {line['house']}")
+        raise DatasetError(f"the bank has no house {line['house']}", hint=OTHER_BANK)
     house = index[line["house"]]
     start, place = np.array(line["start"], float), np.array(line["goal"], float)
     if start.shape != (3,) or place.shape != (3,) or not np.isfinite([*start, *place]).all():
         raise ValueError("`start` and `goal` must be three finite numbers")
     away = np.linalg.norm(goals[house] - place, axis=-1)
     if away.min() > SAME_PLACE:
-        raise ValueError(f"house {line['house']} has no goal at {line['goal']}")
+        raise DatasetError(f"house {line['house']} has no goal at {line['goal']}", hint=OTHER_BANK)
     return house, start, float(line["yaw"]), int(away.argmin()), float(line["length"])
 
 

@@ -7,6 +7,7 @@ from gymnasium.utils.env_checker import check_env
 
 import home_mjx  # noqa: F401, registers the ids
 from home_mjx.adapters.gymnasium import GymEnv, GymVectorEnv
+from home_mjx.errors import ConfigError
 
 SMALL = {"width": 16, "height": 16, "num_rays": 16, "num_bounces": 3, "episode_length": 5}
 
@@ -24,6 +25,29 @@ def test_check_env(generated_bank):
 def test_the_house_can_be_chosen(generated_bank):
     env = GymEnv(houses=generated_bank, sensors=("state",))
     assert [env.reset(options={"house": i})[1]["house"] for i in (1, 0)] == [1, 0]
+
+
+@pytest.mark.parametrize("options", [{"house": 2}, {"house": -1}, {"house": 1.0}, {"house": "a"}, {"hous": 1}])
+def test_other_options_of_reset_are_refused(generated_bank, options):
+    env = GymEnv(houses=generated_bank, sensors=("state",))
+    with pytest.raises(ConfigError, match="hous"):
+        env.reset(options=options)
+
+
+def test_actions_outside_of_the_space_are_refused(generated_bank):
+    env = GymEnv(houses=generated_bank, sensors=("state",))
+    env.reset(seed=0)
+    with pytest.raises(ConfigError, match="NaN"):
+        env.step(np.full(4, np.nan))
+    with pytest.raises(ConfigError, match="shape"):
+        env.step(np.zeros((2, 2)))
+
+
+def test_what_cannot_be_made_is_refused(generated_bank):
+    with pytest.raises(ConfigError, match="rgb"):
+        GymEnv(houses=generated_bank, sensors=("depth",), render_mode="rgb_array")
+    with pytest.raises(ConfigError, match="num_envs"):
+        GymVectorEnv(0, houses=generated_bank)
 
 
 def test_stepping_before_reset_is_refused(generated_bank):

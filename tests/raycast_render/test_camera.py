@@ -143,9 +143,9 @@ def test_the_width_of_a_pixel_is_the_distance_of_neighbouring_rays(rng, lens):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"width": 0}, "`width` of a camera must be at least 1, got 0"),
-        ({"height": -3}, "`height`"),
-        ({"samples": 0}, "`samples`"),
+        ({"width": 0}, "`width of a camera` must be a whole number of at least 1, got 0"),
+        ({"height": -3}, "`height of a camera`"),
+        ({"samples": 0}, "`samples of a camera`"),
         ({"model": "pinehole"}, "Did you mean `pinhole`"),
         ({"model": "cube", "width": 8, "height": 4}, "square"),
         ({"model": "lidar", "elevation": (10.0, -10.0)}, "`elevation`"),

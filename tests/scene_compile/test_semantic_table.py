@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from home_mjx.errors import ConfigError
 from home_mjx.scene_compile.bank import HouseBank
 from home_mjx.scene_compile.compile import CompileOptions, compile_house
 from home_mjx.scene_compile.compiled import Semantic
@@ -60,7 +61,9 @@ def test_every_column_with_names_has_a_vocabulary_without_repeats():
     for column, names in vocabularies().items():
         assert len(set(names)) == len(names)
         assert [number_of(column, name) for name in names] == list(range(len(names)))
-        assert number_of(column, "no such name") == -1
+        assert number_of(column, "") == -1
+        with pytest.raises(ConfigError, match="no such name"):
+            number_of(column, "no such name")
     assert [len(vocabularies()[c]) for c in (Semantic.NYU40, Semantic.ROOM_TYPE, Semantic.XKCD_3)] == [41, 25, 949]
 
 
@@ -154,7 +157,7 @@ def test_texts_hold_what_the_records_hold(meanings):
             assert f"{width:.2f} m wide, {depth:.2f} m deep and {height:.2f} m high" in text
             if item.support.kind == "object" and item.support.container < 0:
                 assert f"on the {meaning.by_id[item.support.supporter].fine.replace('_', ' ')} " in text
-    with pytest.raises(KeyError):
+    with pytest.raises(ConfigError, match="no object"):
         describe_object(meanings[0], 10_000)
 
 

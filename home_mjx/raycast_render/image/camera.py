@@ -1,16 +1,18 @@
 """Cameras in MuJoCo's convention: looking along -z, +y up. Where they are is arrays, how they image is static."""
 
+import math
 from dataclasses import dataclass
 
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from home_mjx.errors import ConfigError, check_known
+from home_mjx.errors import ConfigError, check_known, check_number
 from home_mjx.raycast_render.transforms import quat_matrix
 from home_mjx.scene_compile.pytree import Pytree
 
 MODELS = ("pinhole", "panorama", "cube", "orthographic", "lidar")
+MAX_PIXELS = 2**26  # of one image: more is a slip, and kernels count rays in 32 bits
 CENTER = (0.5, 0.5)  # of a pixel, right and down
 # Right, up and forward of the faces of a cube map in the camera's frame: front, right, back, left, up, down.
 CUBE = np.array(
@@ -76,8 +78,9 @@ class Lens:
     def __post_init__(self) -> None:
         check_known("camera model", [self.model], MODELS)
         for name in ("width", "height", "samples"):
-            if getattr(self, name) < 1:
-                raise ConfigError(f"`{name}` of a camera must be at least 1, got {getattr(self, name)}")
+            check_number(f"{name} of a camera", getattr(self, name), 1, whole=True)
+        if math.prod(self.shape) > MAX_PIXELS:
+            raise ConfigError(f"an image may have at most {MAX_PIXELS} pixels, got {' x '.join(map(str, self.shape))}")
         if self.model == "cube" and self.width != self.height:
             raise ConfigError(f"the faces of a cube map are square, got {self.width} x {self.height}")
         if not -90 <= self.elevation[0] <= self.elevation[1] <= 90:

@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 from jaxtyping import Int
 
+from home_mjx.errors import check_known
 from home_mjx.scene_compile.compiled import Semantic
 from home_mjx.scene_compile.material_kinds import MATERIAL_KINDS
 from home_mjx.scene_compile.semantics.color_names import palettes
@@ -45,16 +46,21 @@ def _numbers(column: Semantic) -> Mapping[str, int]:
 
 
 def number_of(column: Semantic, name: str) -> int:
-    """Number of a name in a column; -1 if the column has no such name.
+    """Number of a name in a column; -1 for "" and "unknown".
 
     Args:
         column: One that has names.
         name: Such as `wood` in `Semantic.MATERIAL`.
 
+    Raises:
+        ConfigError: The column has no such name.
+
     Example:
         >>> number_of(Semantic.SIZE, "large"), number_of(Semantic.SIZE, "")
         (3, -1)
     """
+    if name not in ("", "unknown"):
+        check_known(f"name in {column.name}", [name], _numbers(column))
     return _numbers(column).get(name, -1)
 
 
