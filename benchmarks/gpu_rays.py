@@ -29,7 +29,8 @@ from home_mjx.raycast_render import Camera, Lens, Scene, cast, cuda, make_scene,
 from home_mjx.raycast_render.image import shading
 from home_mjx.raycast_render.image.camera import camera_rays
 from home_mjx.raycast_render.image.preset import Lit
-from home_mjx.raycast_render.surface import normals
+from home_mjx.raycast_render.planar import Vec
+from home_mjx.raycast_render.surface import unit_normals
 
 ROUNDS = 5
 ROUND_SECONDS = 0.06
@@ -138,12 +139,12 @@ def shadowed(size):
         origin, direction = camera_rays(camera, Lens(size, size))
         hit = cast(scene, origin, direction, exclude=own_body(bank))
         direction, hit = jax.lax.optimization_barrier((direction, hit))
-        normal = normals(scene, direction, hit)
+        way = Vec.of(direction)
         lamp = (camera.pos + jnp.array([0.3, 0.2, 0.8], jnp.float32))[None, None]
         point = origin + jnp.where(jnp.isfinite(hit.t), hit.t, 0)[..., None] * direction
         dark = occluded(scene, point, lamp - point, t_min=1e-3, t_max=1.0, exclude=own_body(bank))
-        light = shading.head_light(shading.albedo(bank, scene, hit), normal, direction)
-        return shading.encode(jnp.where(dark[..., None], 0.3 * light, light)), hit.t
+        light = shading.head_light(shading.albedo(bank, scene, hit), unit_normals(scene, way, hit), way)
+        return (light * jnp.where(dark, 0.3, 1.0)).map(shading.encode).packed(), hit.t
 
     return look
 

@@ -10,6 +10,7 @@ from PIL import Image, ImageDraw
 
 from home_mjx.raycast_render import cast
 from home_mjx.raycast_render.image.shading import albedo, encode
+from home_mjx.raycast_render.planar import Vec, select
 from home_mjx.raycast_render.types import Scene
 from home_mjx.scene_compile.bank import HouseBank
 from home_mjx.scene_compile.compiled import ARCHITECTURE
@@ -75,8 +76,8 @@ def _from_above(bank: HouseBank, scene: Scene, origin: Float[Array, "h w 3"]) ->
     hit = cast(scene, origin, down)
     # What lies lower is darker, so that furniture stands out from the floor.
     light = 1 - 0.5 * jnp.clip(hit.t / CUT, 0, 1)
-    color = albedo(bank, scene, hit) * light[..., None]
-    return encode(jnp.where(_in_wall(scene, origin)[..., None], jnp.float32(WALL), color))
+    color = albedo(bank, scene, hit) * light
+    return select(_in_wall(scene, origin), Vec(WALL, WALL, WALL), color).map(encode).packed()
 
 
 def _in_wall(scene: Scene, origin: Float[Array, "h w 3"]) -> Bool[Array, "h w"]:

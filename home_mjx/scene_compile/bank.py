@@ -10,7 +10,7 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float, Int, UInt8, UInt16
+from jaxtyping import Array, Bool, Float, Int, UInt8, UInt16, UInt32
 from tqdm import tqdm
 
 from home_mjx.errors import ConfigError, check_number
@@ -64,7 +64,7 @@ class Materials(Pytree):
     absorption: Float[Array, "r 7"]  # energy fractions, octaves 125 .. 8000 Hz
     scattering: Float[Array, "r 7"]
     transmission: Float[Array, "r 7"]
-    textures: UInt8[Array, "l p 4"]  # sRGB and alpha, mip levels after one another; row 0 is the top (v = 1)
+    textures: UInt32[Array, "l p"]  # sRGB, alpha highest; mip levels after one another, row 0 is the top (v = 1)
 
 
 class Physics(Pytree):

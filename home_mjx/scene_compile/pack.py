@@ -226,7 +226,7 @@ def library_rows(library: Library) -> Arrays:
 def library_constants(library: Library, texture_size: int) -> Arrays:
     """Texture layers, and where the agent's own rows lie."""
     agent = dict.fromkeys(("agent_model", "agent_material", "agent_semantic"), np.array(0, np.int32))
-    textures = {"materials.textures": load_textures(library.textures, texture_size)}
+    textures = {"materials.textures": load_textures(library.textures, texture_size).view("<u4")[..., 0]}
     return {f"geometry.{name}": row for name, row in agent.items()} | textures
 
 

@@ -9,6 +9,7 @@ from handmade import shoebox
 from home_mjx.raycast_render import make_scene
 from home_mjx.raycast_render.image import lights
 from home_mjx.raycast_render.image.preset import Lit
+from home_mjx.raycast_render.planar import Vec
 from home_mjx.scene_compile.bank import HouseBank
 from home_mjx.scene_compile.lighting import LightTable
 
@@ -55,8 +56,8 @@ def scene_of(bank, body_pos=None):
 def floor_points(xy, room=0, shininess=1.0):
     """Points of a floor at z = 0, seen from above."""
     count = len(xy)
-    up = jnp.tile(jnp.array([[0.0, 0.0, 1.0]], jnp.float32), (count, 1))
-    pos = jnp.asarray(np.concatenate([xy, np.zeros((count, 1))], axis=1), jnp.float32)
+    up = Vec.of(jnp.tile(jnp.array([[0.0, 0.0, 1.0]], jnp.float32), (count, 1)))
+    pos = Vec.of(jnp.asarray(np.concatenate([xy, np.zeros((count, 1))], axis=1), jnp.float32))
     return lights.Point(
         pos=pos,
         normal=up,

@@ -16,6 +16,7 @@ from home_mjx.raycast_render.image import lit, optics, shading
 from home_mjx.raycast_render.image.camera import camera_rays, pixel_width
 from home_mjx.raycast_render.image.preset import resolve
 from home_mjx.raycast_render.image.view import View
+from home_mjx.raycast_render.planar import Vec
 from home_mjx.scene_compile.bank import HouseBank
 from home_mjx.scene_compile.lighting import Gloss
 from home_mjx.scene_compile.mesh import make_model
@@ -38,10 +39,9 @@ def seen(bank, camera, options=NIGHT, lens=LENS):
 
     def look(bank, scene, camera):
         view = View(bank, scene, camera, lens, options, -1, None)
-        start, growth = pixel_width(camera, lens)
-        rays, shape = view.middle, lens.shape
-        sight = optics.Sight(rays.origin, rays.direction, rays.hit, jnp.full(shape, start), jnp.ones((*shape, 3)))
-        return optics.follow(bank, scene, sight, growth, options.bounces, -1)
+        growth = pixel_width(camera, lens)[1]
+        end = optics.follow(bank, scene, view.sight(view.middle), growth, options.bounces, -1)
+        return end.replace(**{name: getattr(end, name).packed() for name in ("origin", "direction", "tint")})
 
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
         return jax.tree.map(np.asarray, jax.jit(look)(bank, scene_of(bank), camera))
@@ -148,7 +148,9 @@ def test_a_ball_is_shaded_as_a_ball(mirror):
     hits = np.asarray(hit.instance) == 1
     assert hits.sum() > 50
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
-        corner = lit._corner(bank, scene_of(bank), jnp.asarray(aim), hit)
+        none, way = Vec.of(jnp.zeros_like(aim)), Vec.of(jnp.asarray(aim))
+        corner = lit._corner(bank, scene_of(bank), optics.Sight(none, way, hit, none.x, none))
+        corner = jax.tree.map(lambda v: v.packed(), corner, is_leaf=lambda v: isinstance(v, Vec))
     points = start + np.asarray(hit.t)[:, None] * aim
     outward = (points - [0, 1.0, 1.5]) / np.diag(scale) ** 2
     outward /= np.linalg.norm(outward, axis=1, keepdims=True)
@@ -169,7 +171,7 @@ def test_far_textures_are_filtered():
     bank = bank.replace(
         geometry=bank.geometry.replace(triangle_uv=jnp.asarray(corner[..., :2] * 0.5)),
         materials=bank.materials.replace(
-            textures=jnp.asarray(mip_levels(board)[None]),
+            textures=jnp.asarray(mip_levels(board)[None].view(np.uint32)[..., 0]),
             texture=jnp.zeros(rows, jnp.int32),
             albedo=jnp.ones((rows, 4)),
         ),
@@ -179,14 +181,12 @@ def test_far_textures_are_filtered():
         camera = camera_at(0.3, 0.2, height, quat=[1, 0, 0, 0], fovy=1.0)
         lens = Lens(16, 16)
         view = View(bank, scene_of(bank), camera, lens, NIGHT, -1, None)
-        sight = optics.Sight(
-            view.middle.origin, view.middle.direction, view.middle.hit, jnp.zeros(lens.shape), jnp.ones((16, 16, 3))
-        )
-        corner_ = lit._corner(bank, view.scene, sight.direction, sight.hit)
+        sight = view.sight(view.middle)
+        corner_ = lit._corner(bank, view.scene, sight)
         color = lit._color(
             bank, view.scene, sight, corner_, jnp.zeros(lens.shape, jnp.int32), pixel_width(camera, lens)[1]
         )
-        spread[name] = np.ptp(np.asarray(color))
+        spread[name] = np.ptp(np.asarray(color.packed()))
     assert spread["near"] > 0.8
     assert spread["far"] < 0.25
 
@@ -205,16 +205,18 @@ def test_an_image_is_what_the_formulas_say():
     irradiance = 2 * 2.5 / np.linalg.norm(offset, axis=-1) ** 3
     floor = np.asarray(bank.materials.albedo)[2 + 4, :3]  # after the agent's two rows and the four walls
     light = floor * irradiance[..., None] / np.pi
-    expected = np.asarray(shading.encode(lit.tone_map(jnp.asarray(light, jnp.float32), 3.0)))
+    expected = np.asarray(shading.encode(lit.tone_map(Vec.of(jnp.asarray(light, jnp.float32)), 3.0).packed()))
     assert abs(image.astype(int) - expected.astype(int)).max() <= 1
 
 
 def test_tone_mapping_keeps_order_and_ends():
     light = jnp.broadcast_to(jnp.linspace(0, 2 * lit.WHITE, 100)[:, None], (100, 3))
-    shown = np.asarray(lit.tone_map(light, 1.0))
+    shown = np.asarray(lit.tone_map(Vec.of(light), 1.0).packed())
     assert shown[0].tolist() == [0, 0, 0]
     assert (np.diff(shown[:, 0]) >= 0).all()
-    np.testing.assert_allclose(np.asarray(lit.tone_map(jnp.full((1, 3), lit.WHITE), 1.0)), 1, rtol=1e-6)
+    np.testing.assert_allclose(
+        np.asarray(lit.tone_map(Vec.of(jnp.full((1, 3), lit.WHITE)), 1.0).packed()), 1, rtol=1e-6
+    )
 
 
 def test_more_samples_smooth_edges_and_leave_other_images_alone():

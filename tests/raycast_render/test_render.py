@@ -154,7 +154,9 @@ def textured(bank, size=4):
     geometry = bank.geometry.replace(triangle_uv=jnp.asarray(corner[..., [0, 2]] / 2))
     rows = bank.materials.texture.shape[0]
     materials = bank.materials.replace(
-        textures=jnp.asarray(levels), texture=jnp.ones(rows, jnp.int32), albedo=jnp.ones((rows, 4))
+        textures=jnp.asarray(levels.view(np.uint32)[..., 0]),
+        texture=jnp.ones(rows, jnp.int32),
+        albedo=jnp.ones((rows, 4)),
     )
     return bank.replace(geometry=geometry, materials=materials), texels
 

@@ -19,14 +19,18 @@ def texels(rng):
 
 @pytest.fixture
 def layers(texels):
-    return jnp.asarray(np.stack([mip_levels(image) for image in texels]))
+    return words([mip_levels(image) for image in texels])
+
+
+def words(images):
+    return jnp.asarray(np.stack(images).view(np.uint32)[..., 0])
 
 
 def level_of(layers, layer, level):
     """One mip level as an image in linear light, row 0 at the top."""
     sizes = mip_sizes(SIZE)
     start, edge = sum(sizes[:level]), SIZE >> level
-    rows = np.asarray(layers)[layer, start : start + sizes[level], :3]
+    rows = np.asarray(layers).view(np.uint8).reshape(len(layers), -1, 4)[layer, start : start + sizes[level], :3]
     return texture.DECODE[rows.astype(int)].reshape(edge, edge, 3)
 
 
@@ -34,7 +38,8 @@ def sampled(layers, layer, uv, level):
     uv = jnp.asarray(uv, jnp.float32)
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
         rows = jnp.full(uv.shape[:-1], layer, jnp.int32)
-        return np.asarray(texture.trilinear(layers, rows, uv, jnp.full(uv.shape[:-1], level, jnp.float32)))
+        level = jnp.full(uv.shape[:-1], level, jnp.float32)
+        return np.asarray(texture.trilinear(layers, rows, uv[..., 0], uv[..., 1], level).packed())
 
 
 def centers(edge):
@@ -52,8 +57,8 @@ def test_at_texel_centres_every_level_gives_its_texels(layers, level, turns):
 
 def test_the_nearest_texel_is_the_one_that_the_point_lies_in(layers, texels):
     at = centers(SIZE) + np.array([0.4, -0.4]) / SIZE
-    found = texture.nearest(layers, jnp.full((SIZE, SIZE), 2), jnp.asarray(at, jnp.float32))
-    np.testing.assert_array_equal(found, texels[2])
+    found = texture.nearest(layers, jnp.full((SIZE, SIZE), 2), *jnp.moveaxis(jnp.asarray(at, jnp.float32), -1, 0))
+    np.testing.assert_array_equal(jnp.stack([texture.channel(found, i) for i in range(4)], axis=-1), texels[2])
 
 
 def test_between_texels_and_levels_colours_are_mixed(layers):
@@ -78,7 +83,7 @@ def test_beyond_the_levels_the_last_one_is_taken(layers):
 def test_each_level_is_the_mean_of_the_finer_one_in_linear_light(rng):
     image = rng.integers(0, 256, (SIZE, SIZE, 4), dtype=np.uint8)
     image[..., 3] = 255
-    levels = jnp.asarray(mip_levels(image)[None])
+    levels = words([mip_levels(image)])
     for level in range(1, 4):
         fine = level_of(levels, 0, level - 1)
         mean = (fine[::2, ::2] + fine[1::2, ::2] + fine[::2, 1::2] + fine[1::2, 1::2]) / 4
@@ -99,9 +104,17 @@ def test_a_level_s_texels_are_as_large_as_the_footprint(texels_per_pixel, level)
     assert texture.mip_level(jnp.float32(texels_per_pixel**2)) == pytest.approx(level, abs=1e-6)
 
 
+def test_every_byte_is_decoded():
+    every = np.arange(256, dtype=np.uint32)
+    found = np.asarray(texture.linear(jnp.asarray(every | every[::-1] << 8 | 7 << 16)).packed())
+    expected = np.stack([texture.DECODE, texture.DECODE[::-1], np.full(256, texture.DECODE[7])], axis=-1)
+    np.testing.assert_allclose(found, expected, atol=1e-5)
+    assert (np.diff(found[:, 0]) > 0).all()
+
+
 @pytest.mark.parametrize("size", [1, 2, 128])
 def test_the_edge_of_a_layer_follows_from_its_texels(size):
-    assert texture.edge_of(jnp.zeros((2, sum(mip_sizes(size)), 4), jnp.uint8)) == size
+    assert texture.edge_of(jnp.zeros((2, sum(mip_sizes(size))), jnp.uint32)) == size
 
 
 def test_textures_of_one_pixel_and_of_8k(tmp_path):

@@ -225,7 +225,7 @@ def test_textures_are_shared_by_path_and_keep_their_rows(tmp_path, houses):
     bank = HouseBank.from_compiled(textured)
     layer = np.asarray(bank.materials.texture)
     assert sorted(set(layer.tolist())) == [-1, 0, 1]
-    textures = np.asarray(bank.materials.textures)[:, : 128 * 128].reshape(-1, 128, 128, 4)
+    textures = np.asarray(bank.materials.textures)[:, : 128 * 128].view(np.uint8).reshape(-1, 128, 128, 4)
     red = next(t for t in textures if t[4, 4, 0] > 250)
     assert (red[:56, :, 0] > 250).all()
     assert (red[72:, :, 0] < 5).all()

@@ -6,7 +6,8 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.raycast_render.cast import cast
 from home_mjx.raycast_render.image import texture
-from home_mjx.raycast_render.surface import material_rows, normals, texture_coordinates
+from home_mjx.raycast_render.planar import Vec, select, take, take_vec
+from home_mjx.raycast_render.surface import material_rows, texture_coordinates, unit_normals
 from home_mjx.raycast_render.types import Hit, Scene
 from home_mjx.scene_compile.bank import HouseBank
 from home_mjx.scene_compile.compiled import Ray
@@ -21,11 +22,16 @@ PAST = 1e-4  # [m] beyond a surface, where a ray goes on
 class Sight(Pytree):
     """What pixels see at the end of their rays."""
 
-    origin: Float[Array, "*rays 3"]  # of the last stretch
-    direction: Float[Array, "*rays 3"]  # as long as the camera's
+    origin: Vec  # of the last stretch
+    direction: Vec  # as long as the camera's
     hit: Hit
     width: Float[Array, "*rays"]  # of the footprint where the last stretch starts [m]
-    tint: Float[Array, "*rays 3"]  # what glass and mirrors on the way leave of the light
+    tint: Vec  # what glass and mirrors on the way leave of the light
+
+    @property
+    def end(self) -> Vec:
+        """Where the rays end [m]; their origin if they meet nothing."""
+        return self.origin + self.direction * jnp.where(self.hit.instance < 0, 0.0, self.hit.t)
 
 
 def follow(
@@ -66,47 +72,45 @@ def _go_on(
     hit = sight.hit
     row = jnp.maximum(material_rows(scene, hit), 0)
     seen = hit.instance >= 0
-    mirror = seen & bank.finish.mirror[row]
+    mirror = seen & take(bank.finish.mirror, row)
     hole = seen & ~mirror & _holes(bank, scene, hit, row)
-    glass = seen & ~mirror & ~hole & (bank.materials.kind[row] == GLASS) & (bank.materials.albedo[row][..., 3] < 1)
-    on = mirror | hole | glass
-    t = jnp.where(on, hit.t, 0.0)
-    length = jnp.linalg.norm(sight.direction, axis=-1)
-    normal = normals(scene, sight.direction, hit)
-    bent = sight.direction - 2 * jnp.sum(sight.direction * normal, axis=-1, keepdims=True) * normal
-    direction = jnp.where(mirror[..., None], bent, sight.direction)
-    pos = sight.origin + t[..., None] * sight.direction
+    glass = (take(bank.materials.kind, row) == GLASS) & (take(bank.materials.albedo, row, 3) < 1)
+    on = mirror | hole | (seen & glass)
+    normal = unit_normals(scene, sight.direction, hit)
+    bent = sight.direction - normal * (2 * sight.direction.dot(normal))
+    direction = select(mirror, bent, sight.direction)
     # A mirror has no thickness to get past, but float32 may put the point behind it.
-    pos = jnp.where(mirror[..., None], pos + PAST * normal, pos)
-    pos, direction, on = jax.lax.optimization_barrier((pos, direction, on))
+    pos = select(on, select(mirror, sight.end + normal * PAST, sight.end), sight.origin)
+    # The barrier keeps what is known before the cast from being computed again after it.
+    pos, direction, on, hole, mirror, row = jax.lax.optimization_barrier((pos, direction, on, hole, mirror, row))
     found = cast(
         scene,
-        pos,
-        direction,
-        t_min=jnp.where(hole, PAST / length, 0.0),
+        pos.packed(),
+        direction.packed(),
+        t_min=jnp.where(hole, PAST * direction.inverse_norm(), 0.0),
         t_max=jnp.where(on, jnp.inf, -1.0),
         exclude=jnp.where(mirror, -1, exclude),
         mask=jnp.where(hole, int(Ray.CAMERA), int(Ray.LIGHT)),
         executor=executor,
     )
-    tint = jnp.where(mirror[..., None], bank.materials.albedo[row][..., :3], _through(bank, row))
+    tint = select(mirror, take_vec(bank.materials.albedo, row), _through(bank, row))
     return Sight(
-        origin=jnp.where(on[..., None], pos, sight.origin),
+        origin=pos,
         direction=direction,
         hit=jax.tree.map(lambda new, old: jnp.where(on, new, old), found, hit),
-        width=sight.width + t * growth,
-        tint=jnp.where((on & ~hole)[..., None], sight.tint * tint, sight.tint),
+        width=sight.width + growth * jnp.where(on, hit.t, 0.0),
+        tint=select(on & ~hole, sight.tint * tint, sight.tint),
     )
 
 
-def _through(bank: HouseBank, row: Int[Array, "*rays"]) -> Float[Array, "*rays 3"]:
+def _through(bank: HouseBank, row: Int[Array, "*rays"]) -> Vec:
     """What glass leaves of the light: clear glass all, coloured glass most of its own colour."""
-    color = bank.materials.albedo[row]
-    return 1 - color[..., 3:] * (1 - color[..., :3])
+    opacity = take(bank.materials.albedo, row, 3)
+    return take_vec(bank.materials.albedo, row).map(lambda color: 1 - opacity * (1 - color))
 
 
 def _holes(bank: HouseBank, scene: Scene, hit: Hit, row: Int[Array, "*rays"]) -> Bool[Array, "*rays"]:
     """Whether rays have met a texture where it is cut out."""
-    layer = bank.materials.texture[row]
-    texel = texture.nearest(bank.materials.textures, jnp.maximum(layer, 0), texture_coordinates(scene, hit))
-    return (layer >= 0) & (texel[..., 3] < CUT)
+    layer = take(bank.materials.texture, row)
+    texel = texture.nearest(bank.materials.textures, jnp.maximum(layer, 0), *texture_coordinates(scene, hit))
+    return (layer >= 0) & (texture.channel(texel, texture.ALPHA) < CUT)

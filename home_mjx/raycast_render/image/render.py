@@ -97,7 +97,7 @@ class _Images:
         return self._view.rgb()
 
     def _albedo(self) -> Array:
-        return shading.albedo(self._bank, self._scene, self._rays.hit)
+        return shading.albedo(self._bank, self._scene, self._rays.hit).packed()
 
     def _normal(self) -> Array:
         return surface.normals(self._scene, self._rays.direction, self._rays.hit)

@@ -4,9 +4,9 @@ import math
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int, UInt8
+from jaxtyping import Array, Float, Int, UInt32
 
-from home_mjx.scene_compile.textures import mip_sizes
+from home_mjx.raycast_render.planar import Vec, take
 
 
 def _decode_table() -> Float[np.ndarray, "256"]:
@@ -16,48 +16,68 @@ def _decode_table() -> Float[np.ndarray, "256"]:
 
 
 DECODE = _decode_table()
+# The curve above byte 10 as a polynomial, highest power first, within 6e-6: quicker than to look up every channel.
+DECODE_POWERS = (-0.05466916, 0.22675983, -0.43463315, 0.71703972, 0.51144349, 0.03313933, 0.00091457)
+ALPHA = 3  # place of the channel
 
 
-def edge_of(textures: UInt8[Array, "l p 4"]) -> int:
+def edge_of(textures: UInt32[Array, "l p"]) -> int:
     """Edge of the largest mip level [px]: a square texture of edge s has (4 s^2 - 1) / 3 texels in all levels."""
     return math.isqrt((3 * textures.shape[1] + 1) // 4)
 
 
+def channel(texel: UInt32[Array, "*rays"], place: int) -> Int[Array, "*rays"]:
+    """A byte of texels: red, green, blue, `ALPHA`."""
+    return ((texel >> (8 * place)) & 255).astype(jnp.int32)
+
+
+def linear(texel: UInt32[Array, "*rays"]) -> Vec:
+    """Colours of texels in linear light."""
+
+    def decode(byte: Int[Array, "*rays"]) -> Float[Array, "*rays"]:
+        value = byte.astype(jnp.float32) * (1 / 255)
+        curve = jnp.full_like(value, DECODE_POWERS[0])
+        for power in DECODE_POWERS[1:]:
+            curve = curve * value + power
+        return jnp.where(byte <= 10, value * (1 / 12.92), curve)
+
+    return Vec(*(decode(channel(texel, place)) for place in range(3)))
+
+
 def nearest(
-    textures: UInt8[Array, "l p 4"], layer: Int[Array, "*rays"], uv: Float[Array, "*rays 2"]
-) -> UInt8[Array, "*rays 4"]:
+    textures: UInt32[Array, "l p"], layer: Int[Array, "*rays"], u: Float[Array, "*rays"], v: Float[Array, "*rays"]
+) -> UInt32[Array, "*rays"]:
     """The nearest texel of the largest level, the texture repeating; v = 0 is the bottom row.
 
     Nearest, because at 64x64 pixels textures are minified and bilinear taps would cost four gathers and still alias.
     """
     size = edge_of(textures)
-    texel = jnp.floor((uv - jnp.floor(uv)) * size).astype(jnp.int32)
-    column, row = (jnp.minimum(texel[..., i], size - 1) for i in range(2))
-    return textures[layer, (size - 1 - row) * size + column]
+    column, row = (jnp.minimum(jnp.floor((x - jnp.floor(x)) * size).astype(jnp.int32), size - 1) for x in (u, v))
+    return _pick(textures, layer, (size - 1 - row) * size + column)
 
 
 def trilinear(
-    textures: UInt8[Array, "l p 4"],
+    textures: UInt32[Array, "l p"],
     layer: Int[Array, "*rays"],
-    uv: Float[Array, "*rays 2"],
+    u: Float[Array, "*rays"],
+    v: Float[Array, "*rays"],
     level: Float[Array, "*rays"],
-) -> Float[Array, "*rays 3"]:
+) -> Vec:
     """Colours between texels and between mip levels, in linear light; the texture repeats.
 
     Args:
         textures: Layers with all their levels.
         layer: Which.
-        uv: Where; v = 0 is the bottom row.
+        u: Where, to the right.
+        v: Where, up; 0 is the bottom row.
         level: 0 is the largest level, 1 half of it; beyond both ends the nearest is taken.
     """
     last = edge_of(textures).bit_length() - 1
     level = jnp.clip(level, 0.0, float(last))
     low = jnp.floor(level)
-    part = (level - low)[..., None]
-    low = low.astype(jnp.int32)
-    fine = _bilinear(textures, layer, uv, low)
-    coarse = _bilinear(textures, layer, uv, jnp.minimum(low + 1, last))
-    return fine + part * (coarse - fine)
+    fine = _bilinear(textures, layer, u, v, low.astype(jnp.int32))
+    coarse = _bilinear(textures, layer, u, v, jnp.minimum(low.astype(jnp.int32) + 1, last))
+    return _mix(fine, coarse, level - low)
 
 
 def mip_level(texels: Float[Array, "*rays"]) -> Float[Array, "*rays"]:
@@ -77,27 +97,35 @@ def mip_level(texels: Float[Array, "*rays"]) -> Float[Array, "*rays"]:
 
 
 def _bilinear(
-    textures: UInt8[Array, "l p 4"],
+    textures: UInt32[Array, "l p"],
     layer: Int[Array, "*rays"],
-    uv: Float[Array, "*rays 2"],
+    u: Float[Array, "*rays"],
+    v: Float[Array, "*rays"],
     level: Int[Array, "*rays"],
-) -> Float[Array, "*rays 3"]:
-    sizes = mip_sizes(edge_of(textures))
-    start = jnp.asarray(np.cumsum([0, *sizes[:-1]]), jnp.int32)[level]
-    size = jnp.asarray([math.isqrt(n) for n in sizes], jnp.int32)[level]
+) -> Vec:
+    edge = edge_of(textures)
+    size = edge >> level
+    start = (edge * edge - size * size) * 4 // 3  # texels of all larger levels
     # Texel centres lie at half integers; rows count down from v = 1.
     span = size.astype(jnp.float32)
-    column = (uv[..., 0] - jnp.floor(uv[..., 0])) * span - 0.5
-    row = (1 - (uv[..., 1] - jnp.floor(uv[..., 1]))) * span - 0.5
+    column, row = (u - jnp.floor(u)) * span - 0.5, (1 - (v - jnp.floor(v))) * span - 0.5
     left, top = jnp.floor(column), jnp.floor(row)
-    across, down = (column - left)[..., None], (row - top)[..., None]
 
-    def texel(dx: int, dy: int) -> Float[Array, "*rays 3"]:
-        x = (left.astype(jnp.int32) + dx) % size
-        y = (top.astype(jnp.int32) + dy) % size
-        color = textures[layer, start + y * size + x]
-        return jnp.asarray(DECODE)[color[..., :3].astype(jnp.int32)]
+    def texel(dx: int, dy: int) -> Vec:
+        # Edges are powers of two, so the mask is the remainder.
+        x, y = (left.astype(jnp.int32) + dx) & (size - 1), (top.astype(jnp.int32) + dy) & (size - 1)
+        return linear(_pick(textures, layer, start + y * size + x))
 
-    upper = texel(0, 0) * (1 - across) + texel(1, 0) * across
-    lower = texel(0, 1) * (1 - across) + texel(1, 1) * across
-    return upper * (1 - down) + lower * down
+    upper = _mix(texel(0, 0), texel(1, 0), column - left)
+    lower = _mix(texel(0, 1), texel(1, 1), column - left)
+    return _mix(upper, lower, row - top)
+
+
+def _pick(
+    textures: UInt32[Array, "l p"], layer: Int[Array, "*rays"], texel: Int[Array, "*rays"]
+) -> UInt32[Array, "*rays"]:
+    return take(textures.reshape(-1), layer * textures.shape[1] + texel)
+
+
+def _mix(first: Vec, second: Vec, share: Float[Array, "*rays"]) -> Vec:
+    return first + (second - first) * share

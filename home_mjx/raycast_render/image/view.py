@@ -9,10 +9,11 @@ from jaxtyping import Array, Bool, Float, Int, UInt8
 
 from home_mjx.raycast_render import surface
 from home_mjx.raycast_render.cast import cast
-from home_mjx.raycast_render.image import lit, sampling, shading
+from home_mjx.raycast_render.image import lit, optics, sampling, shading
 from home_mjx.raycast_render.image.camera import Camera, Lens, camera_rays, pixel_width
-from home_mjx.raycast_render.image.optics import Sight
+from home_mjx.raycast_render.image.lights import Spread
 from home_mjx.raycast_render.image.preset import Lit
+from home_mjx.raycast_render.planar import Vec
 from home_mjx.raycast_render.types import Hit, Scene
 from home_mjx.scene_compile.bank import HouseBank
 from home_mjx.scene_compile.compiled import Ray
@@ -71,37 +72,41 @@ class View:
         """sRGB: the mean of the samples of each pixel as they would be shown."""
         first = self._shown(self.middle, 0)
         if self.lens.samples == 1:
-            return shading.encode(first)
+            return first.map(shading.encode).packed()
 
-        def add(total: Float[Array, "*image 3"], sample: Int[Array, ""]) -> tuple[Float[Array, "*image 3"], None]:
+        def add(total: Vec, sample: Int[Array, ""]) -> tuple[Vec, None]:
             return total + self._shown(self.cast(sampling.point(sample)), sample), None
 
         total, _ = jax.lax.scan(add, first, jnp.arange(1, self.lens.samples, dtype=jnp.int32))
-        return shading.encode(total / self.lens.samples)
+        return (total * (1 / self.lens.samples)).map(shading.encode).packed()
 
-    def _shown(self, rays: CameraRays, sample: Int[Array, ""] | int) -> Float[Array, "*image 3"]:
+    def _shown(self, rays: CameraRays, sample: Int[Array, ""] | int) -> Vec:
         """Linear light on a display, 0..1."""
         if self.options is None:
             albedo = shading.albedo(self.bank, self.scene, rays.hit)
-            normal = surface.normals(self.scene, rays.direction, rays.hit)
-            return jnp.clip(shading.head_light(albedo, normal, rays.direction), 0, 1)
-        start, growth = pixel_width(self.camera, self.lens)
-        shape = rays.hit.t.shape
-        sight = Sight(rays.origin, rays.direction, rays.hit, jnp.full(shape, start), jnp.ones((*shape, 3)))
+            direction = Vec.of(rays.direction)
+            normal = surface.unit_normals(self.scene, direction, rays.hit)
+            return shading.head_light(albedo, normal, direction).map(lambda x: jnp.clip(x, 0, 1))
         light = lit.radiance(
             self.bank,
             self.scene,
-            sight,
-            growth,
-            self._spread(shape, sample),
+            self.sight(rays),
+            pixel_width(self.camera, self.lens)[1],
+            self._spread(rays.hit.t.shape, sample),
             self.options,
             self.exclude,
             self.executor,
         )
         return lit.tone_map(light, self.options.exposure)
 
-    def _spread(self, shape: tuple[int, ...], sample: Int[Array, ""] | int) -> Float[Array, "*image 2"]:
-        """Where on a light its light comes from, -1..1: its middle, unless several samples can be told apart."""
+    def sight(self, rays: CameraRays) -> optics.Sight:
+        """Camera rays before they go on through glass or off mirrors."""
+        width = jnp.full_like(rays.hit.t, pixel_width(self.camera, self.lens)[0])
+        white = Vec(*[jnp.ones_like(width)] * 3)
+        return optics.Sight(Vec.of(rays.origin), Vec.of(rays.direction), rays.hit, width, white)
+
+    def _spread(self, shape: tuple[int, ...], sample: Int[Array, ""] | int) -> Spread:
+        """Where on a light its light comes from; its middle, unless several samples can be told apart."""
         if self.lens.samples == 1 and not (self.options and self.options.corners):
-            return jnp.zeros((*shape, 2), jnp.float32)
+            return None
         return 2 * sampling.points(sample, shape, seed=1) - 1
