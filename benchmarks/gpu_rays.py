@@ -269,25 +269,21 @@ def rooms(bench, sizes):
                 bench.emit(
                     f"image-{kind}-{size}", extra, "ms", f"{size}x{size}, what it costs besides depth, per batch"
                 )
-        bench.frames("fast-rgb", images(size, "rgb", "depth"), size, "`fast` RGB and depth", "rgb+depth")
-        note = "stand-in: primary ray, one shadow ray, texture and head light"
-        bench.frames("shadowed-rgb", shadowed(size), size, note, "rgb+depth+shadows", rays=2)
-        one = Lit(num_lights=1, bounces=0, sun=0)
-        bench.frames(
-            "lit-1",
-            images(size, "rgb", "depth", preset=one),
-            size,
-            "`lit` with one light, no bounces, no sun, and depth",
-            "rgb+depth+shadows",
-        )
-    bench.frames(
-        "lit",
-        images(sizes[0], "rgb", "depth", preset="lit"),
-        sizes[0],
-        "`lit` as it is (4 lights, 2 bounces, sun), and depth",
-    )
+        colors(bench, size)
     scattered(bench, sizes[0], False)
     scattered(bench, sizes[0], True)
+
+
+def colors(bench, size):
+    """Colour images, by preset."""
+    bench.frames("fast-rgb", images(size, "rgb", "depth"), size, "`fast` RGB and depth", "rgb+depth")
+    note = "stand-in: primary ray, one shadow ray, texture and head light"
+    bench.frames("shadowed-rgb", shadowed(size), size, note, "rgb+depth+shadows", rays=2)
+    look = images(size, "rgb", "depth", preset=Lit(num_lights=1, bounces=0, sun=0))
+    note = "`lit` with one light, no bounces, no sun, and depth"
+    bench.frames("lit-1", look, size, note, "rgb+depth+shadows")
+    look = images(size, "rgb", "depth", preset="lit")
+    bench.frames("lit", look, size, "`lit` as it is (4 lights, 2 bounces, sun), and depth")
 
 
 def many_houses(bench, size, samples=16):
@@ -316,6 +312,7 @@ def main():
     parser.add_argument("--peer-depth", type=Path, help="what it wrote")
     parser.add_argument("--still", action="store_true", help="only the objects move that the bank says do")
     parser.add_argument("--many", action="store_true", help="only measure what it costs that there are many houses")
+    parser.add_argument("--colors", action="store_true", help="only measure colour images")
     parser.add_argument("--check", action="store_true", help="also compare the executors")
     args = parser.parse_args()
     lines = [json.loads(line) for line in args.peer.read_text().splitlines()] if args.peer else []
@@ -323,6 +320,8 @@ def main():
     bank = load_bank(args.bank)
     words = args.houses + (", default movable objects" if args.still else ", every object movable")
     bench = Bench(bank if args.still else every_object_movable(bank), words, args.num_envs, peers)
+    if args.colors:
+        return [colors(bench, size) for size in args.size]
     kernel_compilation()
     if args.peer_depth:
         against_peer(bench, args.size[0], args.peer_depth)

@@ -132,7 +132,12 @@ def check_number(
         home_mjx.errors.ConfigError: `width` must be a whole number of at least 1, got 3.5
     """
     kind = numbers.Integral if whole else numbers.Real
-    if isinstance(value, kind) and not isinstance(value, bool) and math.isfinite(value) and least <= value <= most:
+    if (
+        isinstance(value, kind)
+        and not isinstance(value, bool)
+        and math.isfinite(value)
+        and least <= float(value) <= most
+    ):
         return
     above = f" of at least {least:g}" if math.isfinite(least) else ""
     below = f"{' and' if above else ' of'} at most {most:g}" if math.isfinite(most) else ""

@@ -73,7 +73,7 @@ def test_flat_models_have_no_pieces():
 
 def test_without_coacd_the_error_names_the_extra(monkeypatch):
     monkeypatch.setitem(sys.modules, "coacd", None)
-    with pytest.raises(ConfigError, match=r"home-mjx\[exact\]"):
+    with pytest.raises(ConfigError, match=r"pip install .*\[exact\]"):
         convex_pieces(table())
 
 
