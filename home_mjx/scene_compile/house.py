@@ -47,6 +47,7 @@ class Node:
     index: int  # position in the level's node list
     path: str  # element path for messages: levels[0].nodes[17]
     bbox: Float[np.ndarray, "2 3"] | None  # [m], min and max as the file says
+    extra: Mapping[str, Any] = field(default_factory=dict, kw_only=True)  # fields that the format does not have, as is
 
 
 @dataclass(frozen=True)
@@ -121,6 +122,7 @@ class Level:
     boxes: tuple[Box, ...]
     grounds: tuple[Ground, ...]
     unknown: tuple[Unknown, ...] = ()
+    extra: Mapping[str, Any] = field(default_factory=dict)  # as of a node
 
 
 @dataclass(frozen=True)
@@ -143,6 +145,7 @@ class House:
     models: Mapping[str, Mesh]  # by Object.model_key
     others: Mapping[str, Mesh] = field(default_factory=dict)  # by Object.other_key, where there is another state
     problems: tuple[Problem, ...] = ()
+    extra: Mapping[str, Any] = field(default_factory=dict)  # as of a node
 
 
 def base_model(model_id: str, known: Callable[[str], bool]) -> str:

@@ -40,6 +40,15 @@ TABLE = np.concatenate(
 )
 
 
+@pytest.mark.parametrize("yaw", [0.0, 0.7])
+def test_one_box_is_the_bounding_box(yaw):
+    """HoME's representation, as an option."""
+    boxes = fit_boxes(turned(TABLE, yaw, (3, 4, 0.05)), yaw, 1)
+    assert len(boxes) == 1
+    np.testing.assert_allclose(boxes.half[0], [0.7, 0.4, 0.375], atol=1e-6)
+    np.testing.assert_allclose(boxes.center[0], [3, 4, 0.425], atol=1e-6)
+
+
 def inside(boxes: BoxSet, points: np.ndarray, slack: float = 1e-6) -> np.ndarray:
     found = np.zeros(len(points), bool)
     for i in range(len(boxes)):

@@ -197,3 +197,22 @@ def test_unwritable_root(tmp_path):
     blocked.write_text("not a folder")
     with pytest.raises(DatasetError, match="cannot write"):
         write_house(blocked, house)
+
+
+def test_unknown_fields_are_kept_and_written(tmp_path):
+    source = write_tiny_dataset(tmp_path / "source")
+    extra = {"maker": ["somebody", {"year": 2017}]}
+
+    def add(document: dict):
+        document.update(extra)
+        document["levels"][0].update(extra)
+        for node in document["levels"][0]["nodes"]:
+            node.update(extra)
+
+    edit_house(source, add)
+    (tmp_path / "target").mkdir()
+    for house in copy_by_writing(source, tmp_path / "target", HOUSE_ID):
+        (level,) = house.levels
+        things = [house, level, *level.rooms, *level.objects, *level.boxes, *level.grounds]
+        assert len(things) > 4
+        assert all(thing.extra == extra for thing in things)

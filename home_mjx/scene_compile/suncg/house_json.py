@@ -10,6 +10,7 @@ from home_mjx.scene_compile.house import Box, Ground, House, Level, Node, Object
 
 from .assets import Assets
 from .backdrops import cut_backdrops
+from .fields import HOUSE, LEVEL, NODES, unknown_fields
 from .nodes import READERS, read_bbox
 from .place import Value, read_json
 from .reading import Reading, ReadOptions
@@ -60,6 +61,7 @@ def build_house(document: Value, reading: Reading) -> House:
         models=reading.models,
         others=reading.others,
         problems=tuple(problem for _, problem in reading.notes),
+        extra=unknown_fields(document, HOUSE),
     )
 
 
@@ -111,6 +113,7 @@ def read_level(level: Value, index: int, reading: Reading) -> Level | None:
         boxes=_of_type(found, Box),
         grounds=_of_type(found, Ground),
         unknown=_of_type(found, Unknown),
+        extra=unknown_fields(level, LEVEL),
     )
 
 
@@ -130,7 +133,8 @@ def _read_node(value: Value, default_id: str, index: int, reading: Reading) -> N
     if reader is None:
         reading.note(kind, "node-type", f"unknown node type {json.dumps(kind.data)}: kept, but not shown")
         return Unknown(**common, bbox=None, data=value.data)
-    return reader(value, common | {"bbox": read_bbox(value, reading)}, reading)
+    extra = unknown_fields(value, NODES[kind.text().lower()])
+    return reader(value, common | {"bbox": read_bbox(value, reading), "extra": extra}, reading)
 
 
 def _id(value: Value, default: str, reading: Reading) -> str:

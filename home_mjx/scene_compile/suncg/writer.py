@@ -129,6 +129,7 @@ def house_document(house: House) -> dict[str, Any]:
         "scaleToMeters": 1,
         "levels": [entry for entry, _ in levels],
         "bbox": _bbox(_union([bounds for _, bounds in levels])),
+        **house.extra,
     }
 
 
@@ -139,10 +140,10 @@ def _level(level: Level, house: House) -> tuple[dict[str, Any], Bounds]:
         things[room.index] = _union(own + [things[i] for i in room.members])
     nodes = sorted((*level.rooms, *level.objects, *level.boxes, *level.grounds), key=lambda node: node.index)
     bounds = _union(list(things.values()))
-    entries = [(node.index, _entry(node, _bbox(things[node.index]))) for node in nodes]
+    entries = [(node.index, _entry(node, _bbox(things[node.index])) | dict(node.extra)) for node in nodes]
     entries += [(node.index, dict(node.data)) for node in level.unknown]
     ordered = [entry for _, entry in sorted(entries, key=lambda pair: pair[0])]
-    return {"id": level.id, "bbox": _bbox(bounds), "nodes": ordered}, bounds
+    return {"id": level.id, "bbox": _bbox(bounds), "nodes": ordered, **level.extra}, bounds
 
 
 def _entry(node: Node, bbox: dict[str, Any]) -> dict[str, Any]:

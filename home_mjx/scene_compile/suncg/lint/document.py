@@ -2,18 +2,9 @@
 
 from collections import defaultdict
 
+from home_mjx.scene_compile.suncg.fields import HOUSE, LEVEL, NODES, unknown_fields
 from home_mjx.scene_compile.suncg.lint.subject import Subject
 from home_mjx.scene_compile.suncg.place import Value
-
-HOUSE = {"version", "id", "up", "front", "scaleToMeters", "levels", "bbox", "materials", "camera"}
-LEVEL = {"id", "bbox", "nodes", "valid"}
-NODE = {"id", "type", "valid", "bbox", "transform", "materials", "materialIndices"}
-FIELDS = {
-    "object": NODE | {"modelId", "state", "isMirrored"},
-    "box": NODE | {"dimensions", "isMirrored"},
-    "room": NODE | {"modelId", "nodeIndices", "roomTypes", "hideCeiling", "hideFloor", "hideWalls", "stats"},
-    "ground": NODE | {"modelId", "hideFloor"},
-}
 
 
 def check_document(subject: Subject) -> None:
@@ -31,14 +22,13 @@ def check_document(subject: Subject) -> None:
 
 
 def _check_fields(subject: Subject, value: Value, known: set[str]) -> None:
-    for key in value.data:
-        if key not in known:
-            subject.report("unknown-field", value.member(key).element, "no reader uses this")
+    for key in unknown_fields(value, known):
+        subject.report("unknown-field", value.member(key).element, "kept, but no reader uses this")
 
 
 def _check_node(subject: Subject, node: Value, expected: str) -> None:
     kind, node_id = node.data.get("type"), node.data.get("id")
-    _check_fields(subject, node, FIELDS.get(str(kind).lower(), set(node.data)))
+    _check_fields(subject, node, NODES.get(str(kind).lower(), set(node.data)))
     if isinstance(node_id, str | int) and str(node_id) != expected:
         subject.report("id-position", f"{node.element}.id", f"expected `{expected}`, got `{node_id}`")
 
