@@ -16,8 +16,11 @@ from home_mjx.scene_compile.box_fit import components, narrowest_box, sample_sur
 SAME = 2e-3  # [m]: surfaces nearer than this are one
 JOINED = 0.03  # [m]: parts of a leaf, such as its handles, are nearer to one another than this
 SPACING = 0.05  # [m], of the points that stand for a surface
+FINEST = SPACING / 4  # [m], of those that it is compared with
 LEAST_TURN = np.deg2rad(5.0)
 TIE = 0.02  # most by which the shares of fits that are equally good differ
+MAX_POINTS = 3_000_000  # that stand for a variant; doors of real houses take some ten thousand
+MAX_PARTS = 300  # that move; each is compared with all others
 LEAST_SHARE = 0.9  # of a leaf's points that must lie on the other variant's surface once it is turned
 
 
@@ -37,7 +40,7 @@ class Hinge:
 
 
 def find_hinges(shown: Float[np.ndarray, "t 3 3"], other: Float[np.ndarray, "s 3 3"]) -> tuple[Hinge, ...]:
-    """The hinges of a door as it is shown; none where nothing turns, as in sliding doors.
+    """The hinges of a door as it is shown; none where nothing turns, as in sliding doors, or of no real door's size.
 
     Args:
         shown: Triangles of the variant that is shown, Z up [m].
@@ -47,9 +50,11 @@ def find_hinges(shown: Float[np.ndarray, "t 3 3"], other: Float[np.ndarray, "s 3
         >>> find_hinges(open_door, closed_door)[0].turn  # doctest: +SKIP
         -1.5707963267948966
     """
+    if not all(map(_is_of_a_door, (shown, other))):
+        return ()
     target, part = _moved(other, shown), components(shown)
     moved = np.isin(part, _moved_parts(shown, part, other))
-    if not moved.any() or not len(target):
+    if not moved.any() or not len(target) or len(np.unique(part[moved])) > MAX_PARTS:
         return ()
     hinges = []
     for leaf in _leaves(shown, part, moved):
@@ -57,6 +62,12 @@ def find_hinges(shown: Float[np.ndarray, "t 3 3"], other: Float[np.ndarray, "s 3
         if found is not None:
             hinges.append(Hinge(leaf, *found))
     return tuple(hinges)
+
+
+def _is_of_a_door(triangles: Float[np.ndarray, "t 3 3"]) -> bool:
+    """Whether so few points stand for a variant that they can be compared: a wrong unit would make billions."""
+    edge = np.linalg.norm(triangles - np.roll(triangles, 1, axis=1), axis=-1).max(axis=1)
+    return bool(((edge / FINEST + 1) ** 2).sum() / 2 < MAX_POINTS)
 
 
 def _moved(triangles: Float[np.ndarray, "t 3 3"], other: Float[np.ndarray, "s 3 3"]) -> Float[np.ndarray, "m 3 3"]:
@@ -91,7 +102,7 @@ def _turn_onto(
     leaf: Float[np.ndarray, "t 3 3"], target: Float[np.ndarray, "s 3 3"]
 ) -> tuple[Float[np.ndarray, "2"], float] | None:
     """Pivot and turn that put a leaf onto a surface; None if it does not fit there."""
-    points, tree = _sample(leaf, SPACING), KDTree(_sample(target, SPACING / 4))
+    points, tree = _sample(leaf, SPACING), KDTree(_sample(target, FINEST))
     fits = [_refine(points, tree, *guess) for guess in _guesses(leaf, target)]
     best = max((share for share, _, _ in fits), default=0.0)
     good = [(a, s) for share, a, s in fits if share >= max(best - TIE, LEAST_SHARE)]

@@ -1,5 +1,7 @@
 """Hinges against doors built around known ones; exported leaves against where the dataset's other state puts them."""
 
+import tracemalloc
+
 import mujoco
 import numpy as np
 import pytest
@@ -64,6 +66,15 @@ def test_sliding_and_unchanged_doors_have_no_hinge():
     slid = np.concatenate([*FRAME, cuboid((-1.17, -0.02, 0.05), (-0.39, 0.02, 2.0))])
     shut = np.concatenate([*FRAME, cuboid((-0.39, -0.02, 0.05), (0.39, 0.02, 2.0))])
     assert find_hinges(slid, shut) == ()
+
+
+@pytest.mark.parametrize("size", [1e3, 1e7])
+def test_a_door_in_a_wrong_unit_costs_no_memory(size):
+    """Found by the fuzzer: billions of points stood for its surface."""
+    tracemalloc.start()
+    assert find_hinges(size * single(1.0), size * single(0.0)) == ()
+    assert tracemalloc.get_traced_memory()[1] < 1 << 20
+    tracemalloc.stop()
 
 
 def _points_of(model, data, body):
