@@ -13,7 +13,7 @@ from home_mjx.scene_compile.doors import make_doors, place_leaf
 from home_mjx.scene_compile.gloss import gloss_table
 from home_mjx.scene_compile.house import House, Metadata
 from home_mjx.scene_compile.lights import LightOptions, build_lights
-from home_mjx.scene_compile.limits import blaming, check_counts, check_extent
+from home_mjx.scene_compile.limits import blaming, check_counts, check_extent, check_walls
 from home_mjx.scene_compile.materials import SurfaceRows, material_table
 from home_mjx.scene_compile.movables import MovableOptions, make_bodies
 from home_mjx.scene_compile.navigation import NavigationOptions, build_navigation
@@ -72,6 +72,7 @@ def _compiled(house: House, metadata: Metadata, options: CompileOptions) -> Comp
     rooms = extract_rooms(house, offset)
     check_extent(house, rooms, options.navigation.cell)
     shell = build_architecture(house, rooms, offset)
+    check_walls(house, shell)
     objects = place_objects(house, metadata, rooms, offset)
     solid = make_solid(shell, rooms, objects, options.colliders, options.movables, options.navigation)
     storeys = find_storeys(shell, rooms, objects, options.colliders, options.navigation)

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 import numpy as np
 
 from home_mjx.errors import DatasetError
+from home_mjx.scene_compile.architecture import Architecture, Wall
 from home_mjx.scene_compile.compiled import Rooms
 from home_mjx.scene_compile.house import Box, House, Object
 from home_mjx.scene_compile.rooms import house_rooms
@@ -16,6 +17,7 @@ from home_mjx.scene_compile.rooms import house_rooms
 MAX_ROOMS = 300  # the most that a house of SUNCG has are 155
 MAX_OBJECTS = 5_000  # the largest houses of SUNCG have about two thousand
 MAX_TRIANGLES = 10_000_000  # of all objects as placed; the real sample house has 100,000
+MAX_WALL = 20_000.0  # [m], of all walls, those of each room counted; 155 rooms of 40 m around make 6 km
 MAX_CELLS = 1 << 20  # of the navigation grids: 100 m x 100 m of cells of 0.1 m
 HINT = "Leave this house out, or set the `valid` of what it does not need to 0."
 
@@ -64,6 +66,25 @@ def check_extent(house: House, rooms: Rooms, cell: float) -> None:
         file=house.path,
         element=house_rooms(house)[farthest][1].path,
         hint="Leave this house out, or use a larger `NavigationOptions.cell`.",
+    )
+
+
+def check_walls(house: House, shell: Architecture) -> None:
+    """Refuses a house of longer walls than any has: they are cut into pieces, every one of which is compared with all.
+
+    Raises:
+        DatasetError: With the room of the longest wall.
+    """
+    lengths = [(part.slab.length, part.room) for part in shell.parts if isinstance(part, Wall)]
+    total = sum(length for length, _ in lengths)
+    if total <= MAX_WALL:
+        return
+    longest, room = max(lengths)
+    raise DatasetError(
+        f"walls are {total:.0f} m long, the longest {longest:.0f} m: at most {MAX_WALL:.0f} m can be compiled",
+        file=house.path,
+        element=house_rooms(house)[room][1].path if room >= 0 else "levels",
+        hint=HINT,
     )
 
 

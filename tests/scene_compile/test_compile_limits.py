@@ -1,10 +1,12 @@
 """Houses that can be read but are too large to be compiled: a typed error with file and element, soon."""
 
+import json
 import time
 import tracemalloc
 
 import numpy as np
 import pytest
+from scene_compile.tiny_arch import arch_path, write_tiny_v2
 from scene_compile.tiny_dataset import HOUSE_ID, edit_house, write_tiny_dataset
 
 from home_mjx.errors import DatasetError
@@ -77,6 +79,20 @@ def test_rooms_of_kilometres_cost_no_memory(root, factor):
     assert tracemalloc.get_traced_memory()[1] < 16 << 20
     tracemalloc.stop()
     assert (caught.value.file, caught.value.element) == (str(root / HOUSE_JSON), f"{NODES}[0]")
+
+
+def test_walls_of_kilometres_are_refused(tmp_path):
+    """Found by the fuzzer: 278,788 pieces of a wall were compared with one another."""
+    root = write_tiny_v2(tmp_path)
+    path = arch_path(root)
+    document = json.loads(path.read_text())
+    wall = next(element for element in document["elements"] if element["type"] == "Wall")
+    wall["points"][1][0] += 5e5
+    path.write_text(json.dumps(document))
+    with pytest.raises(DatasetError, match="walls are") as caught:
+        compiled(root)
+    assert caught.value.file
+    assert caught.value.element.startswith("levels[0]")
 
 
 def test_large_houses_are_compiled_with_larger_cells(root):
