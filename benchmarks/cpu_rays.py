@@ -52,7 +52,9 @@ def main():
     parser.add_argument("--peer", type=Path, help="what warp_renderer.py printed for this bank")
     parser.add_argument("--peer-depth", type=Path, help="what it wrote")
     args = parser.parse_args()
-    lines = [json.loads(line) for line in args.peer.read_text().splitlines()] if args.peer else []
+    lines = (
+        [json.loads(line) for line in args.peer.read_text().splitlines() if line.startswith("{")] if args.peer else []
+    )
     peers = {(line["kind"], line["size"]): line for line in lines}
     bank = load_bank(args.bank)
     moves = Bench(every_object_movable(bank), f"{args.houses}, every object movable", args.num_envs, peers)

@@ -315,7 +315,9 @@ def main():
     parser.add_argument("--colors", action="store_true", help="only measure colour images")
     parser.add_argument("--check", action="store_true", help="also compare the executors")
     args = parser.parse_args()
-    lines = [json.loads(line) for line in args.peer.read_text().splitlines()] if args.peer else []
+    lines = (
+        [json.loads(line) for line in args.peer.read_text().splitlines() if line.startswith("{")] if args.peer else []
+    )
     peers = {(line["kind"], line["size"]): line for line in lines}
     bank = load_bank(args.bank)
     words = args.houses + (", default movable objects" if args.still else ", every object movable")

@@ -158,3 +158,14 @@ def test_bench_of_rays_names_batch_and_compile_time(houses: Path, capsys: pytest
     assert record["value"] > 1e4
     assert record["peer"].startswith("Embree")
     assert record["ratio"] == pytest.approx(record["value"] / record["peer_value"])
+
+
+def test_streams_of_a_dataset_of_one_house_are_measured_on_generated_ones(
+    tmp_path: Path, capsys: pytest.CaptureFixture
+):
+    generate_dataset(tmp_path, range(1))
+    args = ["--json", "--suncg", str(tmp_path), "--houses", "2", "--envs", "2", "--seconds", "1"]
+    assert main(["bench", "compile/stream", *args]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["value"] > 0
+    assert "generated houses" in record["note"]

@@ -5,6 +5,7 @@ import statistics
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -77,9 +78,13 @@ def cached(settings: Settings) -> Record:
 def stream(settings: Settings) -> Record:
     """Milliseconds of the slowest exchange of a house in a stream; the note has the step that it comes on top of."""
     from home_mjx.scene_compile.house_stream import HouseStream
+    from home_mjx.scene_compile.suncg import open_dataset
     from home_mjx.tasks import AutoReset, HouseholdEnv, make_config
 
-    with HouseStream(settings.root, num_slots=max(2, settings.num_houses // 2), headroom=2.0) as houses:
+    slots = max(2, settings.num_houses // 2)
+    if len(open_dataset(settings.root).house_ids) < slots:
+        settings = replace(settings, suncg=None)  # generated houses, since there is nothing to exchange
+    with HouseStream(settings.root, num_slots=slots, headroom=2.0) as houses:
         env = AutoReset(HouseholdEnv(houses.bank, make_config(sensors=("state", "goal"), episode_length=8)))
         step = jax.jit(env.step_in)
         states = jax.jit(env.reset_in)(houses.bank, jax.random.split(jax.random.key(0), settings.num_envs))
