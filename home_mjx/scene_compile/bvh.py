@@ -1,7 +1,8 @@
-"""Bounding-volume trees over boxes and triangles, built on the host by a compiled binned surface-area heuristic.
+"""Bounding-volume trees over boxes and triangles, built on the host by a compiled surface-area heuristic.
 
-Source: I. Wald, "On fast construction of SAH-based bounding volume hierarchies", IEEE Symposium on Interactive Ray
-Tracing, 2007.
+Every place between two primitives, in the order of their centres along each axis, is tried. They are sorted once; the
+parts of a range keep the order. Source: I. Wald, S. Boulos, P. Shirley, "Ray tracing deformable scenes using dynamic
+bounding volume hierarchies", ACM Transactions on Graphics 26(1), 2007, section 4.
 """
 # ruff: noqa: ANN001, ANN202  (Numba infers the types of the private functions)
 
@@ -14,7 +15,7 @@ from numba import njit
 from home_mjx.errors import CapacityError, ConfigError, DatasetError
 from home_mjx.scene_compile.compiled import Tree
 
-BINS = 16
+NODE_COST = 2.0  # of visiting a node, where testing a primitive costs 1
 MAX_DEPTH = 32  # levels of child links; the ray casters size their stacks by it
 MAX_LEAF = 15  # a leaf code has four bits for the count
 MAX_PRIMITIVES = 1 << 27
@@ -71,7 +72,11 @@ def _check(boxes: Float[np.ndarray, "n 2 3"], leaf_size: int) -> None:
 @no_type_check
 def _build(bounds, leaf_size):
     n = len(bounds)
-    order = np.arange(n).astype(np.int32)
+    # The same primitives in each range, by their centres along x, y and z
+    order = np.empty((3, n), np.int32)
+    for axis in range(3):
+        order[axis] = np.argsort(bounds[:, axis] + bounds[:, axis + 3], kind="mergesort")
+    cost, is_left = np.empty(n), np.empty(n, np.bool_)
     box = np.empty((max(n, 1), 2, 6), np.float32)
     box[:, :, :3], box[:, :, 3:] = np.inf, -np.inf
     child = np.full((max(n, 1), 2), EMPTY, np.int32)
@@ -82,17 +87,16 @@ def _build(bounds, leaf_size):
     while waiting:
         waiting -= 1
         first, last, parent, side, depth = stack[waiting]
-        is_leaf = last - first <= leaf_size
-        if depth >= 0 or is_leaf:
-            _bound(bounds, order[first:last], box[parent, side])
-            child[parent, side] = ~(first << 4 | (last - first)) if is_leaf else count
-        if not is_leaf:
-            middle = _split(bounds, order, first, last, leaf_size, depth)
-            _push(stack, waiting, middle, last, count, 1, depth + 1)
-            _push(stack, waiting + 1, first, middle, count, 0, depth + 1)  # taken next: depth-first node order
+        split = _split(bounds, order[:, first:last], cost, is_left, leaf_size, depth)
+        if depth >= 0 or split < 0:
+            _bound(bounds, order[0, first:last], box[parent, side])
+            child[parent, side] = ~(first << 4 | (last - first)) if split < 0 else count
+        if split >= 0:
+            _push(stack, waiting, first + split, last, count, 1, depth + 1)
+            _push(stack, waiting + 1, first, first + split, count, 0, depth + 1)  # taken next: depth-first node order
             waiting += 2
             count += 1
-    return box, child, order, max(count, 1)
+    return box, child, order[0], max(count, 1)
 
 
 @njit(cache=True)
@@ -116,109 +120,76 @@ def _bound(bounds, rows, out):
 
 @njit(cache=True)
 @no_type_check
-def _split(bounds, order, first, last, leaf_size, depth):
-    """Reorders a range so that its two children are contiguous; returns where the second one begins."""
-    rows = order[first:last]
-    start, scale = _bin_frame(bounds, rows)
-    leaves = (last - first + leaf_size - 1) // leaf_size
-    balanced_depth = int(np.ceil(np.log2(leaves)))
-    if depth + 1 + balanced_depth < MAX_DEPTH:
-        axis, edge = _best_plane(bounds, rows, start, scale)
-        if axis >= 0:
-            return first + _partition(bounds, rows, axis, edge, start[axis], scale[axis])
-    axis = np.argmin(scale)  # the widest; a scale of infinity marks a flat one
-    center = bounds[rows, axis] + bounds[rows, axis + 3]
-    rows[:] = rows[np.argsort(center, kind="mergesort")]
-    # A whole number of full leaves on the left keeps the depth at its minimum.
-    return first + max(leaves // 2, 1) * leaf_size
+def _split(bounds, order, cost, is_left, leaf_size, depth):
+    """Parts the primitives of a range in all three orders; returns how many come first, or -1 if they are a leaf."""
+    n = order.shape[1]
+    leaves = (n + leaf_size - 1) // leaf_size
+    balanced_depth = int(np.ceil(np.log2(max(leaves, 1))))
+    if depth + 1 + balanced_depth < MAX_DEPTH and n > 1:
+        axis, count, split_cost, area = _cheapest(bounds, order, cost)
+        if n <= leaf_size and NODE_COST * area + split_cost >= n * area:
+            return -1
+    elif n > leaf_size:
+        # A whole number of full leaves on the left keeps the depth at its minimum.
+        axis, count = 0, max(leaves // 2, 1) * leaf_size
+    else:
+        return -1
+    _part(order, axis, count, is_left)
+    return count
 
 
 @njit(cache=True)
 @no_type_check
-def _bin_frame(bounds, rows):
-    """Start and bins per metre of each axis, over the (doubled) centres."""
-    start = np.full(3, np.inf, np.float32)
-    end = np.full(3, -np.inf, np.float32)
-    for row in rows:
-        for axis in range(3):
-            center = bounds[row, axis] + bounds[row, axis + 3]
-            start[axis] = min(start[axis], center)
-            end[axis] = max(end[axis], center)
-    scale = np.full(3, np.inf, np.float32)
+def _cheapest(bounds, order, cost):
+    """The axis, count of primitives on the left and cost of the best split, and the range's own half area.
+
+    The cost is the sum of count times half area over both parts. Of equal ones the most even is taken.
+    """
+    n = order.shape[1]
+    best, best_axis, best_count, area = np.inf, 0, n // 2, 0.0
     for axis in range(3):
-        if end[axis] > start[axis]:
-            scale[axis] = np.float32(BINS) / (end[axis] - start[axis])
-    return start, scale
+        rows = order[axis]
+        if axis < 2 and _center(bounds, rows[0], axis) == _center(bounds, rows[-1], axis):
+            continue  # this axis separates nothing
+        _sweep(bounds, rows[::-1], cost[1:n][::-1], False)
+        area = _sweep(bounds, rows, cost[1:n], True)
+        for count in range(1, n):
+            more_even = abs(2 * count - n) < abs(2 * best_count - n)
+            if cost[count] < best or (cost[count] == best and more_even):
+                best, best_axis, best_count = cost[count], axis, count
+    return best_axis, best_count, best, area
 
 
 @njit(cache=True, inline="always")
 @no_type_check
-def _bin(bounds, row, axis, start, scale):
-    return min(np.int32((bounds[row, axis] + bounds[row, axis + 3] - start) * scale), BINS - 1)
+def _center(bounds, row, axis):
+    return bounds[row, axis] + bounds[row, axis + 3]  # twice that
 
 
 @njit(cache=True)
 @no_type_check
-def _best_plane(bounds, rows, start, scale):
-    """The axis and bin edge of least cost; axis -1 if no plane separates the centres."""
-    size, box = _fill_bins(bounds, rows, start, scale)
-    best, best_axis, best_edge = np.inf, -1, 0
-    for axis in range(3):
-        if scale[axis] < np.inf:
-            cost, edge = _cheapest_edge(size[axis], box[axis])
-            if cost < best:
-                best, best_axis, best_edge = cost, axis, edge
-    return best_axis, best_edge
+def _sweep(bounds, rows, cost, add):
+    """Count times half area of the first one, two, ... of some rows; returns the half area of all."""
+    x0, y0, z0, x1, y1, z1 = np.inf, np.inf, np.inf, -np.inf, -np.inf, -np.inf
+    area = 0.0
+    for k in range(len(rows)):
+        row = rows[k]
+        x0, y0, z0 = min(x0, bounds[row, 0]), min(y0, bounds[row, 1]), min(z0, bounds[row, 2])
+        x1, y1, z1 = max(x1, bounds[row, 3]), max(y1, bounds[row, 4]), max(z1, bounds[row, 5])
+        a, b, c = x1 - x0, y1 - y0, z1 - z0
+        area = a * b + b * c + c * a
+        if k < len(cost):
+            cost[k] = (k + 1) * area + (cost[k] if add else 0.0)
+    return area
 
 
 @njit(cache=True)
 @no_type_check
-def _fill_bins(bounds, rows, start, scale):
-    size = np.zeros((3, BINS), np.int32)
-    box = np.empty((3, BINS, 6), np.float32)
-    box[:, :, :3], box[:, :, 3:] = np.inf, -np.inf
-    for row in rows:
-        for axis in range(3):
-            if scale[axis] < np.inf:
-                k = _bin(bounds, row, axis, start[axis], scale[axis])
-                size[axis, k] += 1
-                for side in range(3):
-                    box[axis, k, side] = min(box[axis, k, side], bounds[row, side])
-                    box[axis, k, side + 3] = max(box[axis, k, side + 3], bounds[row, side + 3])
-    return size, box
-
-
-@njit(cache=True)
-@no_type_check
-def _cheapest_edge(size, box):
-    """Sweeps from both ends: cost of an edge = count times half area, left plus right."""
-    cost = np.zeros(BINS)
-    _sweep(size, box, cost[1:])
-    _sweep(size[::-1], box[::-1], cost[:0:-1])
-    return cost[1:].min(), cost[1:].argmin() + 1
-
-
-@njit(cache=True)
-@no_type_check
-def _sweep(size, box, cost):
-    low, high, total = np.full(3, np.inf, np.float32), np.full(3, -np.inf, np.float32), 0
-    for k in range(BINS - 1):
-        for axis in range(3):
-            low[axis] = min(low[axis], box[k, axis])
-            high[axis] = max(high[axis], box[k, axis + 3])
-        total += size[k]
-        a, b, c = high[0] - low[0], high[1] - low[1], high[2] - low[2]
-        cost[k] += total * (a * b + b * c + c * a) if total else np.inf
-
-
-@njit(cache=True)
-@no_type_check
-def _partition(bounds, rows, axis, edge, start, scale):
-    left, right = 0, len(rows) - 1
-    while left <= right:
-        if _bin(bounds, rows[left], axis, start, scale) < edge:
-            left += 1
-        else:
-            rows[left], rows[right] = rows[right], rows[left]
-            right -= 1
-    return left
+def _part(order, axis, count, is_left):
+    """Brings the first primitives along one axis to the front of the other orders, which they keep."""
+    for k in range(order.shape[1]):
+        is_left[order[axis, k]] = k < count
+    for other in range(3):
+        if other != axis:
+            left = is_left[order[other]]
+            order[other] = np.concatenate((order[other][left], order[other][~left]))

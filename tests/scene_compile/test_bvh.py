@@ -65,10 +65,37 @@ def test_identical_flat_and_point_boxes(rng):
 
 
 def test_exponentially_spaced_boxes_stay_within_the_depth_limit():
-    # Each binned split of such a row cuts off only a few boxes, so without a limit the tree grows like a list.
+    # Each cheapest split of such a row cuts off only a few boxes, so without a limit the tree grows like a list.
     boxes = np.zeros((1200, 2, 3), np.float32)
     boxes[:, :, 0] = np.maximum(3.0 ** -np.arange(1200.0), 1e-36)[:, None] * 1e36
     assert_valid(boxes, 1)
+
+
+def test_leaves_are_parted_only_where_it_pays(rng):
+    apart = np.repeat(np.array([0.0, 50.0]), 2)[:, None, None] + random_boxes(rng, 4, spread=0.1)
+    tree, order = build_tree(apart.astype(np.float32))
+    leaves = leaves_below(tree, apart[order].astype(np.float32))
+    assert sorted(sorted(order[leaf].tolist()) for leaf in leaves if leaf) == [[0, 1], [2, 3]]
+    together = np.broadcast_to(random_boxes(rng, 1), (4, 2, 3)).copy()
+    assert [len(leaf) for leaf in leaves_below(*build_tree(together)[:1], together)] == [4, 0]
+
+
+def test_no_other_split_of_the_root_is_cheaper(rng):
+    boxes = random_boxes(rng, 60, size=3.0)
+    tree, order = build_tree(boxes)
+
+    def half_area(rows):
+        a, b, c = boxes[rows, 1].max(axis=0) - boxes[rows, 0].min(axis=0)
+        return a * b + b * c + c * a
+
+    def cost(left, right):
+        return len(left) * half_area(left) + len(right) * half_area(right)
+
+    first = [row for leaf in leaves_below(tree, boxes[order], int(tree.child[0, 0])) for row in leaf]
+    found = cost(order[first], np.setdiff1d(order, order[first]))
+    by_axis = [np.argsort(boxes.sum(axis=1)[:, axis]) for axis in range(3)]
+    best = min(cost(rows[:k], rows[k:]) for rows in by_axis for k in range(1, 60))
+    np.testing.assert_allclose(found, best, rtol=1e-5)
 
 
 def test_a_query_of_the_tree_equals_brute_force_and_visits_few_nodes(rng):
