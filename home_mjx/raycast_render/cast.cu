@@ -82,7 +82,7 @@ struct Shear {
 struct Best {
   float t;
   int instance, triangle;
-  float u, v;
+  float u, v, total;  // edge functions and their sum: u / total and v / total are the hit's
   bool front;
 };
 
@@ -187,7 +187,7 @@ INLINE void test(const World& world, int triangle, int instance, int material, c
   if ((__ldg(world.material_mask + material + __float_as_int(first.w)) & ray.mask) == 0) return;
   bool mirrored = s.axis != 2;  // by changing places with z
   bool front = positive == ((s.iz > 0) != mirrored);
-  best = {t, instance, triangle, __fdiv_rn(v, total), __fdiv_rn(w, total), front};
+  best = {t, instance, triangle, v, w, total, front};
 }
 
 // Instances -----------------------------------------------------------------------------------------------------------
@@ -281,21 +281,29 @@ struct Box {
 
 INLINE Box box_at(const float2* at) { return {__ldg(at), __ldg(at + 1), __ldg(at + 2)}; }
 
+// Bounds of all that a warp casts
+struct Beam {
+  Span x, y, z;
+  float start;
+};
+
+INLINE Beam beam_of(bool alive, const Ray& ray, const Slopes& s) {
+  return {span_of(alive, ray.ox, s.ix), span_of(alive, ray.oy, s.iy), span_of(alive, ray.oz, s.iz),
+          warp_min(alive ? ray.t_min : INF)};
+}
+
 // Which moving instances of a group any ray of the warp may meet; each lane looks at one box for all the rays.
-INLINE unsigned find_candidates(const float2* boxes, int count, bool alive, const Ray& ray, const Slopes& s,
-                                float limit) {
-  Span x = span_of(alive, ray.ox, s.ix), y = span_of(alive, ray.oy, s.iy), z = span_of(alive, ray.oz, s.iz);
-  float start = warp_min(alive ? ray.t_min : INF), end = warp_max(alive ? limit : -INF);
+INLINE unsigned find_candidates(const float2* boxes, int count, const Beam& beam, float end) {
   unsigned candidates = 0;
   for (int first = 0; first < count; first += WARP_SIZE) {
     int i = first + threadIdx.x % WARP_SIZE;
     bool may = false;
     if (i < count) {
       Box box = box_at(boxes + 3 * i);
-      float near = start, far = end;
-      narrow(x, box.p.x, box.q.y, near, far);
-      narrow(y, box.p.y, box.r.x, near, far);
-      narrow(z, box.q.x, box.r.y, near, far);
+      float near = beam.start, far = end;
+      narrow(beam.x, box.p.x, box.q.y, near, far);
+      narrow(beam.y, box.p.y, box.r.x, near, far);
+      narrow(beam.z, box.q.x, box.r.y, near, far);
       may = near <= far * (1 + 1e-5f) && box.q.y >= 0;  // not empty
     }
     candidates |= warp_ballot(may) << first;
@@ -304,10 +312,11 @@ INLINE unsigned find_candidates(const float2* boxes, int count, bool alive, cons
 }
 
 // Which moving instances of a group this ray meets
-INLINE unsigned find_moving(const float2* boxes, int count, bool alive, const Ray& ray, float limit) {
-  Slopes s = slopes_of(ray);
+INLINE unsigned find_moving(const float2* boxes, int count, const Beam& beam, const Slopes& s, bool alive,
+                            const Ray& ray, float limit) {
   unsigned found = 0;
-  for (unsigned left = find_candidates(boxes, count, alive, ray, s, limit); left; left &= left - 1) {
+  float end = warp_max(alive ? limit : -INF);
+  for (unsigned left = find_candidates(boxes, count, beam, end); left; left &= left - 1) {
     int i = __ffs(left) - 1;
     Box box = box_at(boxes + 3 * i);
     float near;
@@ -322,12 +331,14 @@ INLINE unsigned find_moving(const float2* boxes, int count, bool alive, const Ra
 // The static instances first: walls hide most of what moves.
 template <bool ANY_HIT>
 INLINE Best cast(const World& world, bool alive, const Ray& ray, float t_max) {
-  Best best{fminf(t_max, MISS), -1, -1, 0, 0, false};
+  Best best{fminf(t_max, MISS), -1, -1, 0, 0, 1, false};
   if (alive) traverse<ANY_HIT>(world, ray, world.root, world.moving, 0, best);
+  Slopes slopes = slopes_of(ray);
+  Beam beam = beam_of(alive && !(ANY_HIT && best.instance >= 0), ray, slopes);
   for (int first = 0; first < world.num_moving; first += GROUP) {
     int count = min(world.num_moving - first, GROUP);
     bool open = alive && !(ANY_HIT && best.instance >= 0);
-    unsigned pending = find_moving(world.box + 3 * first, count, open, ray, best.t);
+    unsigned pending = find_moving(world.box + 3 * first, count, beam, slopes, open, ray, best.t);
     if (pending) traverse<ANY_HIT>(world, ray, EMPTY, world.moving + 4 * first, pending, best);
   }
   return best;
@@ -412,8 +423,8 @@ extern "C" __global__ void __launch_bounds__(BLOCK, BLOCKS_PER_SM)
   t[row] = best.instance < 0 ? MISS : best.t;
   instance[row] = best.instance;
   triangle[row] = best.triangle;
-  u[row] = best.u;
-  v[row] = best.v;
+  u[row] = __fdiv_rn(best.u, best.total);
+  v[row] = __fdiv_rn(best.v, best.total);
   front[row] = best.front;
 }
 
