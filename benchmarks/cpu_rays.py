@@ -1,21 +1,20 @@
 """What rays cost on a CPU, of the form of `home-mjx bench --json`: cameras and timing are those of `gpu_rays.py`.
 
     python benchmarks/make_bank.py sample.pkl --suncg /path/to/suncg
-    python benchmarks/warp_renderer.py sample.pkl --num-envs 16 --out depth.npz > peer.jsonl
+    python benchmarks/warp_renderer.py sample.pkl --num-envs 64 --out depth.npz > peer.jsonl
     python benchmarks/cpu_rays.py sample.pkl --houses "the sample house" --peer peer.jsonl --peer-depth depth.npz
 
 The peer renders on one core, so ratios are also told per core. Embree is measured here where `embreex` is installed.
 """
 
 import argparse
-import json
 import os
 from pathlib import Path
 
 os.environ.setdefault("JAX_PLATFORMS", "cpu")
 
 import numpy as np
-from gpu_rays import Bench, against_peer, images, primary
+from gpu_rays import Bench, against_peer, images, primary, read_peers
 from views import every_object_movable, load_bank
 from warp_renderer import matrices, triangles_of
 
@@ -52,10 +51,7 @@ def main():
     parser.add_argument("--peer", type=Path, help="what warp_renderer.py printed for this bank")
     parser.add_argument("--peer-depth", type=Path, help="what it wrote")
     args = parser.parse_args()
-    lines = (
-        [json.loads(line) for line in args.peer.read_text().splitlines() if line.startswith("{")] if args.peer else []
-    )
-    peers = {(line["kind"], line["size"]): line for line in lines}
+    peers = read_peers(args.peer, args.num_envs)
     bank = load_bank(args.bank)
     moves = Bench(every_object_movable(bank), f"{args.houses}, every object movable", args.num_envs, peers)
     still = Bench(bank, f"{args.houses}, default movable objects", args.num_envs, peers)

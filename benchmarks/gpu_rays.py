@@ -84,6 +84,15 @@ class Bench:
         return seconds
 
 
+def read_peers(path, num_envs):
+    """What warp_renderer.py printed, by kind and size. Other numbers of cameras are other cameras."""
+    lines = path.read_text().splitlines() if path else []
+    records = [json.loads(line) for line in lines if line.startswith("{")]
+    if any(record["num_envs"] != num_envs for record in records):
+        raise SystemExit(f"{path} is about {records[0]['num_envs']} other cameras: run both with the same --num-envs")
+    return {(record["kind"], record["size"]): record for record in records}
+
+
 def timed(program, *args):
     """Median seconds of a call, several calls in flight."""
     jax.block_until_ready(program(*args))
@@ -315,10 +324,7 @@ def main():
     parser.add_argument("--colors", action="store_true", help="only measure colour images")
     parser.add_argument("--check", action="store_true", help="also compare the executors")
     args = parser.parse_args()
-    lines = (
-        [json.loads(line) for line in args.peer.read_text().splitlines() if line.startswith("{")] if args.peer else []
-    )
-    peers = {(line["kind"], line["size"]): line for line in lines}
+    peers = read_peers(args.peer, args.num_envs)
     bank = load_bank(args.bank)
     words = args.houses + (", default movable objects" if args.still else ", every object movable")
     bench = Bench(bank if args.still else every_object_movable(bank), words, args.num_envs, peers)
