@@ -198,13 +198,14 @@ def _key(light: Placed, number: Int[Array, ""], point: Point) -> Int[Array, "*ra
     alternative to Phong's specular model", Graphics Gems IV, 1994.
     """
     offset = light.pos - point.pos
-    square = offset.dot(offset)
-    inverse = jax.lax.rsqrt(jnp.maximum(square, 1e-4))
+    square = jnp.maximum(offset.dot(offset), 1e-4)
+    inverse = jax.lax.rsqrt(square)
     cosine = -offset.dot(light.aim) * inverse
     facing = jnp.maximum(offset.dot(point.shading) * inverse, 0.0)
     ahead = jnp.maximum(cosine, 1e-6)
     fall = (light.exponent + ahead * (1 - light.exponent)) * (square + light.area / math.pi)
-    strength = jnp.where(cosine >= light.cutoff, light.power * facing * ahead / fall, 0.0)
+    per_fall = jax.lax.rsqrt(fall) ** 2  # for so many lights a division costs a GPU too much
+    strength = jnp.where(cosine >= light.cutoff, light.power * facing * ahead * per_fall, 0.0)
     here = (light.room == point.room) | (point.room < 0)
     strength = jnp.where(here, strength, ELSEWHERE * strength)
     strength = jnp.where(_is_own(light, point.instance), light.power / SHADE**2, strength)
