@@ -61,12 +61,14 @@ def test_import_leaves_jax_alone_and_raises_no_warning():
 def test_no_module_starts_a_jax_backend():
     program = """
 import importlib, pkgutil, home_mjx
+from home_mjx.errors import ConfigError
 optional = {"brax", "flax", "matplotlib"}
 for module in pkgutil.walk_packages(home_mjx.__path__, "home_mjx."):
     try:
         importlib.import_module(module.name)
-    except ModuleNotFoundError as error:
-        assert error.name.split(".")[0] in optional, error
+    except (ModuleNotFoundError, ConfigError) as error:
+        missing = error if isinstance(error, ModuleNotFoundError) else error.__cause__
+        assert isinstance(missing, ModuleNotFoundError) and missing.name.split(".")[0] in optional, error
 import jax
 from jax._src import xla_bridge
 assert not xla_bridge.backends_are_initialized()
