@@ -112,6 +112,18 @@ def check_names(kind: str, names: object, known: Iterable[str]) -> None:
     check_known(kind, [str(name) for name in names], known)
 
 
+def check_flag(name: str, value: object) -> None:
+    """Raises `ConfigError` unless an option is True or False."""
+    if not isinstance(value, bool):
+        raise ConfigError(f"`{name}` must be True or False, got {value!r}")
+
+
+def check_type(name: str, value: object, kind: type) -> None:
+    """Raises `ConfigError` unless an option is of a class."""
+    if not isinstance(value, kind):
+        raise ConfigError(f"`{name}` must be of type {kind.__name__}, got {value!r}")
+
+
 def check_number(
     name: str, value: object, least: float = -math.inf, most: float = math.inf, *, whole: bool = False
 ) -> None:

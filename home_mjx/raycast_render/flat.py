@@ -33,7 +33,9 @@ def flat_cast(executor: str | None, any_hit: bool) -> Flat:
     @cast.def_vmap
     def fold(size: int, batched: Any, geometry: Geometry, house: Array, moving: Moving, rays: Rays) -> Any:
         geometry_batched, house_batched, moving_batched, rays_batched = batched
-        if _any(geometry_batched):
+        if size == 0:
+            hits = _no_hits(cast, tuple(batched), (geometry, house, moving, rays))
+        elif _any(geometry_batched):
             hits = _one_by_one(run, any_hit, size, tuple(batched), (geometry, house, moving, rays))
         elif _any((house_batched, moving_batched)):
             places = _broadcast(size, (house, moving, rays), (house_batched, moving_batched, rays_batched))
@@ -45,6 +47,12 @@ def flat_cast(executor: str | None, any_hit: bool) -> Flat:
         return hits, jax.tree.map(lambda _: True, hits)
 
     return cast
+
+
+def _no_hits(cast: Flat, batched: Any, args: Any) -> RawHit:
+    """Of a batch of none: executors are not asked."""
+    one = jax.tree.map(lambda x, b: jax.ShapeDtypeStruct(x.shape[1:] if b else x.shape, x.dtype), args, batched)
+    return jax.tree.map(lambda x: jnp.zeros((0, *x.shape), x.dtype), jax.eval_shape(cast, *one))
 
 
 def _one_by_one(run: Executor, any_hit: bool, size: int, batched: Any, args: Any) -> RawHit:

@@ -26,7 +26,7 @@ def make_scene(
 
     Args:
         bank: The houses.
-        house: Which of them.
+        house: Which of them; the nearest, if there is none.
         body_pos: Position of every movable body, its box's middle [m]; those of unused slots are ignored.
         body_quat: Orientation of every movable body, unit quaternions (w, x, y, z).
         agent_pos: Middle of every agent's capsule [m].
@@ -39,6 +39,7 @@ def make_scene(
         >>> scene = make_scene(bank, house, body_pos, body_quat, agent_pos, agent_quat)  # doctest: +SKIP
         >>> hit = cast(scene, eye, direction)  # doctest: +SKIP
     """
+    house = bank.known_house(house)
     bodies = _bodies(bank, house, body_pos, body_quat)
     agents = _agents(bank.geometry, agent_pos, agent_quat)
     moving = jax.tree.map(lambda b, a: jnp.concatenate([b, a]), bodies, agents)

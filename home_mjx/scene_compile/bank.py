@@ -252,6 +252,10 @@ class HouseBank(Pytree):
         """Number of houses."""
         return self.house_id.shape[0]
 
+    def known_house(self, house: Int[Array, "*n"] | int) -> Int[Array, "*n"]:
+        """The nearest index that the bank has; JAX's own indexing would take negative ones from the end."""
+        return jnp.clip(house, 0, self.num_houses - 1)
+
     def semantics_of(self, house: Int[Array, ""] | int, object_id: Int[Array, "*n"], column: int) -> Int[Array, "*n"]:
         """What objects are, by their ids: those of an instance image, say.
 
@@ -266,7 +270,7 @@ class HouseBank(Pytree):
         Example:
             >>> sizes = bank.semantics_of(0, images["instance"], Semantic.SIZE)  # doctest: +SKIP
         """
-        rows = self.geometry.object_semantic[house]
+        rows = self.geometry.object_semantic[self.known_house(house)]
         known = jnp.clip(object_id, 0, rows.shape[0] - 1)
         row = jnp.where(object_id < rows.shape[0], rows[known], self.geometry.agent_semantic)
         found = self.semantics[:, column][jnp.maximum(row, 0)]

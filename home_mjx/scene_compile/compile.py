@@ -1,11 +1,12 @@
 """From a house as the dataset says it to the arrays that the engines need."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 from jaxtyping import Float
 
+from home_mjx.errors import check_type
 from home_mjx.scene_compile.architecture import Architecture, build_architecture
 from home_mjx.scene_compile.colliders import ColliderOptions, leaf_box
 from home_mjx.scene_compile.compiled import CompiledHouse, Doors, Instances, Model
@@ -40,6 +41,11 @@ class CompileOptions:
     semantics: SemanticOptions = field(default_factory=SemanticOptions)
     lights: LightOptions = field(default_factory=LightOptions)
     read: ReadOptions = field(default_factory=ReadOptions)
+
+    def __post_init__(self) -> None:
+        kinds = NavigationOptions, ColliderOptions, MovableOptions, SemanticOptions, LightOptions, ReadOptions
+        for option, kind in zip(fields(self), kinds, strict=True):
+            check_type(option.name, getattr(self, option.name), kind)
 
 
 DEFAULT_OPTIONS = CompileOptions()

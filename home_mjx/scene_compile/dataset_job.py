@@ -11,6 +11,7 @@ from dataclasses import asdict, dataclass
 from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
+from zipfile import is_zipfile
 
 from tqdm import tqdm
 
@@ -80,7 +81,7 @@ def compile_dataset(
         workers: Processes on this machine.
         resume: Skip houses that an earlier run has noted as done and that are in the cache, without looking at their
             files again.
-        report: Where to note what became of each house; by default in the cache folder.
+        report: Where to note what became of each house; by default in the cache folder. A run of some `ids` adds to it.
         scheduler: Address of a Dask scheduler, whose workers are used instead; they must see the same dataset and
             cache folder. Needs the extra `distributed`.
         options: How to compile.
@@ -91,7 +92,8 @@ def compile_dataset(
 
     Raises:
         DatasetError: There is no dataset, or it has no such house.
-        ConfigError: The cache folder or the report cannot be written to, there are no workers, or a scheduler was
+        ConfigError: The cache folder or the report cannot be written to, something else than a report is in its place,
+            there are no workers, or a scheduler was
             given and it does not answer or the extra is not installed.
 
     Example:
@@ -105,7 +107,8 @@ def compile_dataset(
     chosen = list(dict.fromkeys(dataset.house_ids if ids is None else ids))
     for house_id in chosen:
         dataset.check_known(house_id)
-    path = report or report_path(dataset.root, options)
+    path = Path(report or report_path(dataset.root, options))
+    _refuse_other_files(path)
     done = _done(path) if resume else set()
     left = [house_id for house_id in chosen if house_id not in done]
     _prepare()
@@ -113,7 +116,8 @@ def compile_dataset(
     counts: dict[str, int] = dict.fromkeys((COMPILED, CACHED, FAILED), 0)
     with (
         _outcomes(task, left, workers, scheduler) as outcomes,
-        _journal(path, resume) as note,  # after the scheduler: nothing is lost from an old report if there is none
+        # After the scheduler: nothing is lost from an old report if there is none.
+        _journal(path, append=resume or ids is not None) as note,
         tqdm(total=len(left), desc="compile", unit="house", disable=not progress) as bar,
     ):
         for outcome in outcomes:
@@ -175,18 +179,31 @@ def _described(problem: Exception) -> dict[str, str | None]:
 def _done(report: Path) -> set[str]:
     """Houses that a report says are in the cache, and that are."""
     entries = {line["id"]: line.get("entry") for line in read_report(report) if line["status"] != FAILED}
-    return {house_id for house_id, entry in entries.items() if entry and (cache_folder() / entry).is_file()}
+    # The end of an entry's archive is looked at: one that was cut off has lost it.
+    return {house_id for house_id, entry in entries.items() if entry and is_zipfile(cache_folder() / entry)}
+
+
+def _refuse_other_files(path: Path) -> None:
+    """A file that is no report is not written over."""
+    try:
+        is_other = path.is_file() and path.read_bytes().strip() and not read_report(path)
+    except OSError as error:
+        raise ConfigError(f"report cannot be read: {error.strerror}", file=path, hint="Name a new file.") from None
+    if is_other:
+        raise ConfigError("there is a file that is no report", file=path, hint="Name a new file.")
 
 
 def read_report(path: Path) -> list[dict[str, Any]]:
-    """The lines of a report; one that a killed run has left half written is passed over."""
-    lines = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
+    """The lines of a report; what else is there, such as a line that a killed run left half written, is passed over."""
+    lines = path.read_text(encoding="utf-8", errors="replace").splitlines() if path.is_file() else []
     found = []
     for line in lines:
         try:
-            found.append(json.loads(line))
+            entry = json.loads(line)
         except ValueError:
             continue
+        if isinstance(entry, dict) and {"id", "status"} <= entry.keys():
+            found.append(entry)
     return found
 
 

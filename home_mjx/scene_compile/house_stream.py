@@ -15,7 +15,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Int
 from tqdm import tqdm
 
-from home_mjx.errors import ConfigError, HomeMjxError
+from home_mjx.errors import ConfigError, HomeMjxError, check_number
 from home_mjx.scene_compile.agent_model import agent_model
 from home_mjx.scene_compile.bank import HouseBank, to_bank
 from home_mjx.scene_compile.cache import HouseCache
@@ -91,6 +91,9 @@ class HouseStream:
         options: CompileOptions = DEFAULT_OPTIONS,
         progress: bool = False,
     ) -> None:
+        for name, value, least in (("num_slots", num_slots, 2), ("spare", spare, 1), ("seed", seed, 0)):
+            check_number(name, value, least, whole=True)
+        check_number("headroom", headroom, 1)
         dataset = root if isinstance(root, Dataset) else open_dataset(root)
         if not 0 < spare < num_slots:
             raise ConfigError(f"`spare` must be from 1 to num_slots - 1, got {spare} of {num_slots}")

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int, UInt16
 from scipy import ndimage
 
-from home_mjx.errors import DatasetError
+from home_mjx.errors import DatasetError, check_flag, check_number
 from home_mjx.scene_compile.boxes import BoxSet, footprint_distance
 from home_mjx.scene_compile.compiled import FIELD_FAR, FIELD_UNIT, Navigation, Rooms
 from home_mjx.scene_compile.geodesic import distance_fields
@@ -45,6 +45,14 @@ class NavigationOptions:
     num_starts: int = 256
     num_goals: int = 32
     climb: bool = False
+
+    def __post_init__(self) -> None:
+        check_number("cell", self.cell, 0.01, 10)
+        for name in ("agent_radius", "agent_height", "margin", "step"):
+            check_number(name, getattr(self, name), 0)
+        for name in ("num_starts", "num_goals"):
+            check_number(name, getattr(self, name), 1, whole=True)
+        check_flag("climb", self.climb)
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 import hashlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from numbers import Real
 
 from home_mjx.errors import ConfigError, check_known, check_names
 from home_mjx.scene_compile.compiled import CompiledHouse, Semantic
@@ -72,9 +73,7 @@ class HouseFilter:
         check_names("category", self.categories, {*FINE, *COARSE})
         for name in ("levels", "rooms", "area"):
             limits = getattr(self, name)
-            if limits is not None and not (
-                isinstance(limits, tuple | list) and len(limits) == 2 and limits[0] <= limits[1]
-            ):
+            if limits is not None and not _is_range(limits):
                 raise ConfigError(f"`{name}` must be (least, most), got {limits}")
 
     def accepts(self, house: CompiledHouse) -> bool:
@@ -83,6 +82,12 @@ class HouseFilter:
         sizes = ((house.report["levels"], self.levels), (len(house.rooms.type), self.rooms), (area, self.area))
         fits = all(limits is None or limits[0] <= size <= limits[1] for size, limits in sizes)
         return fits and set(self.categories) <= _categories(house)
+
+
+def _is_range(limits: object) -> bool:
+    if not isinstance(limits, tuple | list) or len(limits) != 2 or not all(isinstance(x, Real) for x in limits):
+        return False
+    return limits[0] <= limits[1]
 
 
 def _categories(house: CompiledHouse) -> set[str]:

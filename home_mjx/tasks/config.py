@@ -7,10 +7,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from home_mjx.audio_jax import CLIPS, AudioConfig
-from home_mjx.errors import ConfigError, check_known, check_names, check_number
+from home_mjx.errors import ConfigError, check_flag, check_known, check_names, check_number, check_type
 from home_mjx.physics import PhysicsConfig
 from home_mjx.raycast_render import Lens, Preset
 from home_mjx.raycast_render.executors import find_executor
+from home_mjx.raycast_render.image.camera import has_intrinsics
 from home_mjx.raycast_render.image.preset import resolve
 
 PIXEL_KINDS = ("rgb", "depth", "normal")
@@ -52,10 +53,16 @@ class AgentCamera:
 
     def __post_init__(self) -> None:
         check_names("kind of view", self.kinds, VIEW_KINDS)
+        check_type("lens", self.lens, Lens)
+        check_flag("looks", self.looks)
+        if not isinstance(self.offset, tuple | list) or len(self.offset) != 3:
+            raise ConfigError(f"`offset` must be three numbers, got {self.offset}")
         if not isinstance(self.name, str) or not self.name:
             raise ConfigError(f"a camera needs a name, got {self.name!r}")
         for name, value in zip(("offset",) * 3 + ("yaw", "pitch"), (*self.offset, self.yaw, self.pitch), strict=True):
             check_number(f"{name} of camera {self.name}", value)
+        if "intrinsics" in self.kinds and not has_intrinsics(self.lens):
+            raise ConfigError(f"camera `{self.name}` of model `{self.lens.model}` has no matrix of intrinsics")
         check_number(f"fovy of camera {self.name}", self.fovy)
         limit = math.inf if self.lens.model == "orthographic" else 180
         if not (0 < self.fovy < limit):

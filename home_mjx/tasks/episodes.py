@@ -7,15 +7,16 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.errors import ConfigError, DatasetError, check_number
 from home_mjx.scene_compile.bank import HouseBank
 from home_mjx.scene_compile.pytree import Pytree
-from home_mjx.tasks.grid import geodesic_distance, random_position
+from home_mjx.tasks.grid import cell_of, geodesic_distance, random_position
 
 SAME_PLACE = 0.01  # [m]: a goal of the bank is the goal of a file if it is as near
 OTHER_BANK = "Use a bank of the houses that the episodes were drawn in, compiled alike."
+ON_FLOOR = 0.3  # [m]: starts are no farther from a floor
 ATTEMPTS = 64  # draws per episode
 
 
@@ -100,7 +101,10 @@ def save_episodes(path: str | Path, bank: HouseBank, episodes: Episodes) -> None
         }
         for i in range(len(e.house))
     ]
-    Path(path).write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
+    try:
+        Path(path).write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
+    except OSError as error:
+        raise ConfigError(f"episodes cannot be written: {error.strerror}", file=path) from None
 
 
 def load_episodes(path: str | Path, bank: HouseBank) -> Episodes:
@@ -111,7 +115,8 @@ def load_episodes(path: str | Path, bank: HouseBank) -> Episodes:
         bank: Holds the houses, compiled with the same options.
 
     Raises:
-        DatasetError: A line is broken, names a house that the bank lacks, or a goal that the house lacks.
+        DatasetError: A line is broken, names a house that the bank lacks or a goal that the house lacks, or starts
+            where no way leads to the goal.
     """
     index = {name: i for i, name in enumerate(_house_ids(bank))}
     goals = np.asarray(bank.navigation.goal)
@@ -129,10 +134,29 @@ def load_episodes(path: str | Path, bank: HouseBank) -> Episodes:
     house, start, yaw, goal, length = (np.array(column) for column in zip(*rows, strict=True))
     reals = {"start": start, "yaw": yaw, "length": length}
     whole = {"house": house, "goal": goal}
-    return Episodes(
+    episodes = Episodes(
         **{name: jnp.asarray(values, jnp.float32) for name, values in reals.items()},
         **{name: jnp.asarray(values, jnp.int32) for name, values in whole.items()},
     )
+    lost = np.flatnonzero(~np.asarray(_are_possible(bank, episodes)))
+    if len(lost):
+        message = "from its start no agent can walk to its goal"
+        raise DatasetError(message, file=path, element=f"line {lost[0] + 1}", hint=OTHER_BANK)
+    return episodes
+
+
+@jax.jit
+def _are_possible(bank: HouseBank, episodes: Episodes) -> Bool[Array, " e"]:
+    """Whether starts are on a floor, within the grid, in or beside a cell that has a path to the goal."""
+
+    def one(e: Episodes) -> Bool[Array, ""]:
+        navigation, cell = bank.navigation, cell_of(bank, e.house, e.start)
+        middle = navigation.origin[e.house] + (cell[:0:-1].astype(jnp.float32) + 0.5) * jnp.float32(bank.spec.cell)
+        off = jnp.append(middle, navigation.floor[e.house, cell[0]]) - e.start
+        near = jnp.all(jnp.abs(off) < jnp.array([bank.spec.cell, bank.spec.cell, ON_FLOOR], jnp.float32))
+        return near & jnp.isfinite(geodesic_distance(bank, e.house, e.goal, e.start))
+
+    return jax.vmap(one)(episodes)
 
 
 def _lines(path: str | Path) -> list[str]:
@@ -152,7 +176,10 @@ def _row(line: dict[str, Any], index: dict[str, int], goals: Float[np.ndarray, "
     away = np.linalg.norm(goals[house] - place, axis=-1)
     if away.min() > SAME_PLACE:
         raise DatasetError(f"house {line['house']} has no goal at {line['goal']}", hint=OTHER_BANK)
-    return house, start, float(line["yaw"]), int(away.argmin()), float(line["length"])
+    yaw, length = float(line["yaw"]), float(line["length"])
+    if not np.isfinite(yaw) or not 0 <= length < np.inf:
+        raise ValueError("`yaw` must be a finite number, `length` one that is not negative")
+    return house, start, yaw, int(away.argmin()), length
 
 
 def _house_ids(bank: HouseBank) -> list[str]:

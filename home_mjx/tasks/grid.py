@@ -18,7 +18,7 @@ def cell_of(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "3"]) -> I
 
     The grid is the one of the highest floor that is not above the point.
     """
-    navigation = bank.navigation
+    navigation, house = bank.navigation, bank.known_house(house)
     levels, rows, columns = navigation.room.shape[1:]
     above = pos[2] >= navigation.floor[house] - jnp.float32(_BELOW)
     level = jnp.maximum(jnp.sum(above.astype(jnp.int32)) - 1, 0)
@@ -29,7 +29,7 @@ def cell_of(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "3"]) -> I
 def room_of(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "3"]) -> Int[Array, ""]:
     """Index of the room that holds a point; -1 outside."""
     level, row, column = cell_of(bank, house, pos)
-    return bank.navigation.room[house, level, row, column].astype(jnp.int32)
+    return bank.navigation.room[bank.known_house(house), level, row, column].astype(jnp.int32)
 
 
 def geodesic_distance(
@@ -46,7 +46,7 @@ def geodesic_distance(
     Returns:
         [m]; the best of the 3 × 3 cells around the point plus the way to that cell's centre; inf if none is reachable.
     """
-    navigation = bank.navigation
+    navigation, house = bank.navigation, bank.known_house(house)
     level, row, column = cell_of(bank, house, pos)
     rows, columns = navigation.room.shape[2:]
     offsets = jnp.array(_OFFSETS, jnp.int32)
@@ -88,7 +88,7 @@ def random_position(bank: HouseBank, house: Int[Array, ""], key: Array, margin: 
         [m]; at most `margin` / 2 from a cell's centre in x and in y, so nothing is nearer than the agent's radius.
     """
     which, shift = jax.random.split(key)
-    navigation = bank.navigation
+    navigation, house = bank.navigation, bank.known_house(house)
     cell = navigation.first_cell[house] + jax.random.randint(which, (), 0, navigation.num_cells[house])
     return cell_position(bank, house, cell) + jnp.concatenate(
         [jax.random.uniform(shift, (2,), jnp.float32, -margin / 2, margin / 2), jnp.zeros(1, jnp.float32)]
@@ -97,6 +97,7 @@ def random_position(bank: HouseBank, house: Int[Array, ""], key: Array, margin: 
 
 def cell_position(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, ""]) -> Float[Array, "3"]:
     """Middle of a cell, given by number, on its level's floor [m]."""
+    house = bank.known_house(house)
     level, row, column = bank.navigation.place[cell].astype(jnp.int32)
     plan = (jnp.stack([column, row]).astype(jnp.float32) + 0.5) * jnp.float32(bank.spec.cell)
     return jnp.append(plan + bank.navigation.origin[house], bank.navigation.floor[house, level])

@@ -7,7 +7,7 @@ import pytest
 from handmade import Furniture, shoebox, two_rooms
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
-from home_mjx.raycast_render import Scene, cast, make_scene
+from home_mjx.raycast_render import Scene, cast, make_scene, occluded
 from home_mjx.scene_compile.bank import HouseBank
 
 E, R = 8, 64
@@ -104,6 +104,17 @@ def test_a_permuted_batch_gives_permuted_hits_whatever_the_neighbours_do(bank, b
     order[0] = order[1]  # and one environment is replaced by another
     got = jax.jit(per_env)(bank.geometry, *jax.tree.map(lambda x: x[order], batch))
     assert_same(got, jax.tree.map(lambda x: x[order], expected))
+
+
+def test_batches_of_none(bank, batch):
+    house, moving, origin, direction = batch
+    none = jax.tree.map(lambda x: x[:0], (house, moving, origin, direction))
+    hits = jax.jit(jax.vmap(rows, (None, 0, 0, 0, 0)))(bank.geometry, *none)
+    assert hits.t.shape == hits.instance.shape == (0, R)
+    scene = Scene(bank.geometry, house[0], jax.tree.map(lambda x: x[0], moving))
+    hidden = jax.vmap(lambda o, d: occluded(scene, o, d))(origin[0, :0], direction[0, :0])
+    assert hidden.shape == (0,)
+    assert cast(scene, origin[0, :0], direction[0, :0]).t.shape == (0,)
 
 
 def test_scan(bank, batch, expected):

@@ -243,6 +243,9 @@ def test_no_lights_at_all_show_what_is_reflected_and_nothing_breaks():
     bank = HouseBank.from_compiled([shoebox()])
     image = render(bank, scene_of(bank), camera_at(), Lens(8, 8), kinds=("rgb",), preset="lit")["rgb"]
     assert (np.asarray(image) == 0).all(), "a closed room without lights is dark"
+    none = Lit(num_lights=0)
+    image = render(bank, scene_of(bank), camera_at(), Lens(8, 8), kinds=("rgb",), preset=none)["rgb"]
+    assert (np.asarray(image) == 0).all()
     up = camera_at(0.0, 0.0, 10.0, quat=[0.0, 1, 0, 0])
     sky = np.asarray(render(bank, scene_of(bank), up, Lens(8, 8), kinds=("rgb",), preset="lit")["rgb"])
     assert (sky[..., 2] >= sky[..., 0]).all()

@@ -7,12 +7,13 @@ import pytest
 from handmade import Furniture, shoebox
 
 from home_mjx.errors import ConfigError
-from home_mjx.raycast_render import KINDS, Camera, Lens, make_scene, render
+from home_mjx.raycast_render import KINDS, Camera, Lens, cast, make_scene, render
 from home_mjx.raycast_render.image import shading, texture
 from home_mjx.raycast_render.image.render import SEMANTIC_KINDS
 from home_mjx.scene_compile.bank import HouseBank
 from home_mjx.scene_compile.compiled import Semantic
 from home_mjx.scene_compile.textures import mip_levels
+from home_mjx.tasks.grid import geodesic_distance, random_position, room_of
 
 SIZE = 32
 LEVEL = np.array([0.5**0.5, 0.5**0.5, 0, 0])  # looks along +y
@@ -28,9 +29,9 @@ def bank():
     return HouseBank.from_compiled([shoebox(furniture=(left, right))])
 
 
-def place(bank, agent=(0.0, -1.0, 0.8)):
+def place(bank, agent=(0.0, -1.0, 0.8), house=0):
     physics, upright = bank.physics, jnp.array([[1.0, 0, 0, 0]])
-    return make_scene(bank, jnp.int32(0), physics.body_pos[0], physics.body_quat[0], jnp.array([agent]), upright)
+    return make_scene(bank, jnp.int32(house), physics.body_pos[0], physics.body_quat[0], jnp.array([agent]), upright)
 
 
 @pytest.fixture(scope="module")
@@ -70,6 +71,27 @@ def test_known_things_are_where_they_should_be(bank, look):
     column = ((-1.5 / 2.3) + 1) / 2 * SIZE
     row = (1 - (0.2 - 1.5) / 2.3) / 2 * SIZE
     assert image[int(row), int(column)] == 0
+
+
+def test_a_house_that_is_none_is_the_nearest_one_everywhere():
+    """A negative index would count from the end, and for rays it does not: an image of two houses."""
+    two = HouseBank.from_compiled([shoebox(furniture=[Furniture((0.0, 1.5))]), shoebox((8.0, 7.0, 2.5))])
+    camera = Camera(jnp.array([0.0, -1.0, 1.5]), jnp.asarray(LEVEL, jnp.float32), jnp.float32(np.pi / 2))
+
+    @jax.jit
+    def images(number):
+        return render(two, place(two).replace(house=number), camera, Lens(8, 8), kinds=KINDS)
+
+    @jax.jit
+    def others(number):
+        pos = random_position(two, number, jax.random.key(0))
+        hit = cast(place(two, house=number), camera.pos, jnp.array([0.0, 1.0, 0.0]))
+        room, ids = room_of(two, number, pos), two.semantics_of(number, jnp.arange(3), Semantic.FINE)
+        return pos, geodesic_distance(two, number, None, pos), room, ids, hit.t
+
+    for asked, given in ((-1, 0), (-2, 0), (9, 1)):
+        for found, expected in ((images(asked), images(given)), (others(asked), others(given))):
+            jax.tree.map(np.testing.assert_array_equal, found, expected)
 
 
 def test_depth_is_planar_and_distance_is_not(bank, look):

@@ -51,6 +51,12 @@ def test_only_the_chosen_environments_are_drawn(look, batch):
         assert not np.asarray(some[kind][jnp.array([1, 3])]).any()
 
 
+def test_nobody_may_be_chosen(look, batch):
+    blank = jax.tree.map(jnp.zeros_like, jax.eval_shape(lambda: jax.vmap(look)(*batch)))
+    none = jax.jit(lambda last: render_some(jnp.zeros(0, jnp.int32), look, last, *batch))(blank)
+    jax.tree.map(np.testing.assert_array_equal, none, blank)
+
+
 def test_images_are_drawn_on_every_nth_step_only(look, batch):
     draw = jax.jit(lambda step, last: render_every(3, step, lambda: jax.vmap(look)(*batch), last))
     first = draw(jnp.int32(0), jax.tree.map(jnp.zeros_like, jax.eval_shape(lambda: jax.vmap(look)(*batch))))

@@ -142,6 +142,33 @@ def test_what_the_cache_has_lost_is_compiled_again(houses, cache, tmp_path):
     assert (summary.skipped, summary.compiled) == (1, 1)
 
 
+def test_entries_that_were_cut_off_are_compiled_again(houses, cache):
+    root, _ = houses
+    compile_dataset(root)
+    first, second, *_ = cache.glob("*/houses/*.zip")
+    first.write_bytes(first.read_bytes()[:-100])
+    second.write_bytes(b"")
+    summary = compile_dataset(root, resume=True)
+    assert (summary.compiled, summary.skipped, summary.failed) == (2, NUM_HOUSES - 2, 0)
+
+
+def test_a_run_of_one_house_adds_to_the_report(houses):
+    root, ids = houses
+    compile_dataset(root)
+    compile_dataset(root, ids[:1])
+    assert compile_dataset(root, resume=True).skipped == NUM_HOUSES
+
+
+@pytest.mark.parametrize("content", [b"my notes\n", b'{"a": 1}\n', b"\xff\xfe\x00", b"[1]\n"])
+@pytest.mark.parametrize("resume", [False, True])
+def test_a_file_that_is_no_report_is_kept(houses, tmp_path, content, resume):
+    path = tmp_path / "notes.txt"
+    path.write_bytes(content)
+    with pytest.raises(ConfigError, match="no report"):
+        compile_dataset(houses[0], report=path, resume=resume)
+    assert path.read_bytes() == content
+
+
 def test_without_dask_the_old_report_stays(houses, tmp_path, monkeypatch):
     root, ids = houses
     report = compile_dataset(root, ids[:1]).report

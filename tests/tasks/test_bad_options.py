@@ -11,6 +11,8 @@ import pytest
 import home_mjx
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.raycast_render import Lens
+from home_mjx.raycast_render.image.preset import Lit
+from home_mjx.scene_compile.navigation import NavigationOptions
 from home_mjx.tasks import AgentCamera, make_config
 
 NAN, INF = float("nan"), float("inf")
@@ -29,10 +31,43 @@ def test_options_are_refused_by_name(name, value):
         make_config(**{name: value})
 
 
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("cell", 0.0), ("cell", -0.1), ("step", NAN), ("agent_height", NAN), ("agent_height", -2.0),
+        ("agent_radius", -1.0),
+        ("margin", -1.0), ("num_goals", 0), ("num_starts", 0),
+    ],
+)  # fmt: skip
+def test_options_of_navigation_are_refused_by_name(name, value):
+    with pytest.raises(ConfigError, match=name):
+        NavigationOptions(**{name: value})
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("exposure", NAN), ("sun_elevation", NAN), ("sky", INF), ("sun", NAN), ("num_lights", -1), ("bounces", -1)],
+)
+def test_options_of_the_lit_preset_are_refused_by_name(name, value):
+    with pytest.raises(ConfigError, match=name):
+        Lit(**{name: value})
+
+
+def test_cameras_that_cannot_give_what_they_should_are_refused():
+    with pytest.raises(ConfigError, match="intrinsics"):
+        AgentCamera("scanner", ("intrinsics",), Lens(8, 8, "lidar"))
+    with pytest.raises(ConfigError, match="samples"):
+        Lens(samples=10**9)
+
+
 WRONG_TYPES = """
-from home_mjx import HouseFilter, make
+from home_mjx import HouseFilter, HouseStream, make
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render import Lens
+from home_mjx.raycast_render.image.preset import Lit
+from home_mjx.scene_compile.compile import CompileOptions
+from home_mjx.scene_compile.navigation import NavigationOptions
+from home_mjx.scene_compile.suncg.reading import ReadOptions
 from home_mjx.tasks import AgentCamera, make_config
 
 options = [
@@ -47,6 +82,22 @@ calls |= {
     "one kind": lambda: AgentCamera("scanner", "depth"),
     "place": lambda: AgentCamera("scanner", offset=(0.0, "up", 0.0)),
     "pixels": lambda: Lens(10**20, 2.5),
+    "no elevation": lambda: Lens(elevation=()),
+    "one elevation": lambda: Lens(elevation=(5.0,)),
+    "half a light": lambda: Lit(num_lights=2.5),
+    "half a bounce": lambda: Lit(bounces=1.5),
+    "options": lambda: CompileOptions(read=3),
+    "rooms of letters": lambda: HouseFilter(rooms=("a", "b")),
+    "half open rooms": lambda: HouseFilter(rooms=(None, 3)),
+    "half a slot": lambda: HouseStream("nowhere", num_slots=2.5),
+    "no room": lambda: HouseStream("nowhere", headroom=0.0),
+    "seed": lambda: HouseStream("nowhere", seed=-1),
+    "lens": lambda: AgentCamera("scanner", lens="lidar"),
+    "two numbers": lambda: AgentCamera("scanner", offset=(1.0, 2.0)),
+    "looks": lambda: AgentCamera("scanner", looks="no"),
+    "climb": lambda: NavigationOptions(climb="no"),
+    "half a goal": lambda: NavigationOptions(num_goals=2.5),
+    "people": lambda: ReadOptions(people="no"),
     "id": lambda: make(None),
     "split": lambda: make("PointNav-v0", split=5),
     "houses": lambda: make("PointNav-v0", houses=5),

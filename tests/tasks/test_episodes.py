@@ -54,6 +54,21 @@ def test_lengths_that_do_not_occur_are_refused(bank):
         sample_episodes(bank, 2, min_length=90.0)
 
 
+@pytest.mark.parametrize(
+    "change",
+    [{"yaw": np.inf}, {"yaw": None}, {"length": -5.0}, {"length": np.inf}, {"start": [900.0, 900.0, 0.0]},
+     {"start": [0.0, 0.0, 50.0]}, {"start": [np.nan] * 3}, {"start": [0.0, 0.5, 0.0]}],
+)  # fmt: skip
+def test_impossible_episodes_are_refused(bank, tmp_path, change):
+    path = tmp_path / "e.jsonl"
+    save_episodes(path, bank, sample_episodes(bank, 2))
+    first = path.read_text().splitlines()[0]
+    house = {"house": "a"} if "start" in change else {}
+    path.write_text(first + "\n" + json.dumps(json.loads(first) | change | house) + "\n")
+    with pytest.raises(DatasetError, match="line 2"):
+        load_episodes(path, bank)
+
+
 def test_files_keep_episodes_for_any_bank_of_the_houses(bank, tmp_path):
     episodes = sample_episodes(bank, 12)
     save_episodes(tmp_path / "e.jsonl", bank, episodes)
@@ -79,7 +94,7 @@ def test_files_keep_episodes_for_any_bank_of_the_houses(bank, tmp_path):
 def test_broken_lines_are_named(bank, tmp_path, change, words):
     path = tmp_path / "e.jsonl"
     save_episodes(path, bank, sample_episodes(bank, 2))
-    first, second = path.read_text().splitlines()
+    first = path.read_text().splitlines()[0]
     path.write_text(f"{first}\n{json.dumps(json.loads(second) | change)}\n")
     with pytest.raises(DatasetError, match=words) as caught:
         load_episodes(path, bank)

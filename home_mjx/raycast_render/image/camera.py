@@ -13,6 +13,7 @@ from home_mjx.scene_compile.pytree import Pytree
 
 MODELS = ("pinhole", "panorama", "cube", "orthographic", "lidar")
 MAX_PIXELS = 2**26  # of one image: more is a slip, and kernels count rays in 32 bits
+MAX_SAMPLES = 1 << 16  # rays per pixel
 CENTER = (0.5, 0.5)  # of a pixel, right and down
 # Right, up and forward of the faces of a cube map in the camera's frame: front, right, back, left, up, down.
 CUBE = np.array(
@@ -77,19 +78,25 @@ class Lens:
 
     def __post_init__(self) -> None:
         check_known("camera model", [self.model], MODELS)
-        for name in ("width", "height", "samples"):
-            check_number(f"{name} of a camera", getattr(self, name), 1, whole=True)
+        for name, most in (("width", math.inf), ("height", math.inf), ("samples", MAX_SAMPLES)):
+            check_number(f"{name} of a camera", getattr(self, name), 1, most, whole=True)
         if math.prod(self.shape) > MAX_PIXELS:
             raise ConfigError(f"an image may have at most {MAX_PIXELS} pixels, got {' x '.join(map(str, self.shape))}")
         if self.model == "cube" and self.width != self.height:
             raise ConfigError(f"the faces of a cube map are square, got {self.width} x {self.height}")
-        if not -90 <= self.elevation[0] <= self.elevation[1] <= 90:
+        is_pair = isinstance(self.elevation, tuple) and len(self.elevation) == 2
+        if not (is_pair and -90 <= self.elevation[0] <= self.elevation[1] <= 90):
             raise ConfigError(f"`elevation` must be (lowest, highest) in [-90, 90] degrees, got {self.elevation}")
 
     @property
     def shape(self) -> tuple[int, ...]:
         """Leading shape of the images."""
         return (6, self.height, self.width) if self.model == "cube" else (self.height, self.width)
+
+
+def has_intrinsics(lens: Lens) -> bool:
+    """Whether the lens projects as a matrix does."""
+    return lens.model in ("pinhole", "cube")
 
 
 def camera_rays(
@@ -137,7 +144,7 @@ def intrinsics(camera: Camera, lens: Lens) -> Float[Array, "3 3"]:
         >>> intrinsics(camera, Lens(64, 64)).round(3).tolist()
         [[32.0, 0.0, 32.0], [0.0, 32.0, 32.0], [0.0, 0.0, 1.0]]
     """
-    if lens.model not in ("pinhole", "cube"):
+    if not has_intrinsics(lens):
         raise ConfigError(f"a camera of model `{lens.model}` has no matrix of intrinsics")
     focal = lens.height / 2 / _slope(camera, lens)
     zero, one = jnp.zeros_like(focal), jnp.ones_like(focal)

@@ -111,6 +111,9 @@ def lamp_light(
         count: Lights per point.
         executor: See `cast`.
     """
+    if count == 0:
+        none = point.pos * 0.0
+        return Received(none, none)
     # With the barriers nothing is computed again that every light, or the other side of the cast, needs as well.
     key = jax.lax.optimization_barrier(choose(lights, point, count))
     chosen = key & (2**INDEX_BITS - 1)

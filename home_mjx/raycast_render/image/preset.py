@@ -1,8 +1,9 @@
 """Which light colour images are drawn in."""
 
+import math
 from dataclasses import dataclass, fields
 
-from home_mjx.errors import ConfigError, check_known
+from home_mjx.errors import check_known, check_number
 
 PRESETS = ("fast", "lit")
 
@@ -36,9 +37,9 @@ class Lit:
     exposure: float = 2.3
 
     def __post_init__(self) -> None:
-        for name in (f.name for f in fields(self)):
-            if getattr(self, name) < 0 and not name.startswith("sun_"):
-                raise ConfigError(f"`{name}` of the lit preset must not be negative, got {getattr(self, name)}")
+        for option in fields(self):
+            least = -math.inf if option.name.startswith("sun_") else 0
+            check_number(option.name, getattr(self, option.name), least, whole=isinstance(option.default, int))
 
 
 Preset = str | Lit

@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from home_mjx.errors import check_known
+from home_mjx.errors import check_names, check_number, check_type
 from home_mjx.raycast_render import surface
 from home_mjx.raycast_render.image import shading
 from home_mjx.raycast_render.image.camera import Camera, Lens
@@ -68,14 +68,18 @@ def render(
         executor: See `cast`.
 
     Raises:
-        ConfigError: A kind, a preset or an executor is unknown.
+        ConfigError: A kind, a preset or an executor is unknown, or `depth_max` is negative.
 
     Example:
         >>> images = render(bank, scene, camera, Lens(64, 64), kinds=("rgb", "depth", "fine"))  # doctest: +SKIP
         >>> images["rgb"].shape, images["depth"].shape, images["fine"].shape  # doctest: +SKIP
         ((64, 64, 3), (64, 64, 1), (64, 64))
     """
-    check_known("image kind", kinds, KINDS)
+    check_names("kind of image", kinds, KINDS)
+    check_type("lens", lens, Lens)
+    if depth_max is not None:
+        check_number("depth_max", depth_max, 0)
+    scene = scene.replace(house=bank.known_house(scene.house))
     view = View(bank, scene, camera, lens, resolve(preset), exclude, executor)
     images = _Images(view, depth_max)
     return {kind: images.of(kind) for kind in kinds}

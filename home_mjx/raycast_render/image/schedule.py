@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Int
 
-from home_mjx.errors import ConfigError
+from home_mjx.errors import check_number
 
 T = TypeVar("T")
 
@@ -32,8 +32,7 @@ def render_every(interval: int, step: Int[Array, ""], draw: Callable[[], T], las
         >>> float(images["depth"].max())
         0.0
     """
-    if interval < 1:
-        raise ConfigError(f"`interval` must be at least 1, got {interval}")
+    check_number("interval", interval, 1, whole=True)
     return jax.lax.cond(step % interval == 0, draw, lambda: last)
 
 

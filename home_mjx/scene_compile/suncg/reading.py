@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, ParamSpec, TypeVar
 
-from home_mjx.errors import DatasetError
+from home_mjx.errors import DatasetError, check_flag
 from home_mjx.scene_compile.house import Mesh, Problem
 
 from .arch_json import Architecture, read_architecture
@@ -33,6 +33,10 @@ class ReadOptions:
     people: bool = True
     plants: bool = True
     backdrops: bool = False
+
+    def __post_init__(self) -> None:
+        for name in ("people", "plants", "backdrops"):
+            check_flag(name, getattr(self, name))
 
     @property
     def categories_left_out(self) -> tuple[str, ...]:
