@@ -94,7 +94,7 @@ def test_files_keep_episodes_for_any_bank_of_the_houses(bank, tmp_path):
 def test_broken_lines_are_named(bank, tmp_path, change, words):
     path = tmp_path / "e.jsonl"
     save_episodes(path, bank, sample_episodes(bank, 2))
-    first = path.read_text().splitlines()[0]
+    first, second = path.read_text().splitlines()
     path.write_text(f"{first}\n{json.dumps(json.loads(second) | change)}\n")
     with pytest.raises(DatasetError, match=words) as caught:
         load_episodes(path, bank)
