@@ -329,7 +329,9 @@ def main():
     words = args.houses + (", default movable objects" if args.still else ", every object movable")
     bench = Bench(bank if args.still else every_object_movable(bank), words, args.num_envs, peers)
     if args.colors:
-        return [colors(bench, size) for size in args.size]
+        for size in args.size:
+            colors(bench, size)
+        return
     kernel_compilation()
     if args.peer_depth:
         against_peer(bench, args.size[0], args.peer_depth)

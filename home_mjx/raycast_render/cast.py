@@ -115,8 +115,7 @@ def _run(scene: Scene, rays: Rays, shared: frozenset[str], executor: str | None,
     count = rays.t_min.size
     flat = jax.tree.map(lambda x: x.reshape(1, count, *x.shape[rays.t_min.ndim :]), rays)
     flat = flat.replace(**{name: getattr(flat, name)[:, :1] for name in shared})
-    # Native code would read past its arrays, where JAX's own indexing stays within them.
-    house = jnp.clip(scene.house, 0, scene.geometry.house_root.shape[0] - 1)
+    house = scene.geometry.known_house(scene.house)  # native code would read past its arrays
     args = scene.geometry, house[None], jax.tree.map(lambda x: x[None], scene.moving), flat
     hits = flat_cast(executor, any_hit)(*jax.tree.map(lax.stop_gradient, args))
     return tuple(x[0] for x in hits)

@@ -54,6 +54,10 @@ class Geometry(Pytree):
     agent_semantic: Int[Array, ""]
     gpu: GpuGeometry | None = None  # the same once more for the `cuda` ray executor; None: it lays it out at each cast
 
+    def known_house(self, house: Int[Array, "*n"] | int) -> Int[Array, "*n"]:
+        """The nearest index of a house that there is; JAX's own indexing would take negative ones from the end."""
+        return jnp.clip(house, 0, self.house_root.shape[0] - 1)
+
 
 class Materials(Pytree):
     """The bank's one material table."""
@@ -253,8 +257,8 @@ class HouseBank(Pytree):
         return self.house_id.shape[0]
 
     def known_house(self, house: Int[Array, "*n"] | int) -> Int[Array, "*n"]:
-        """The nearest index that the bank has; JAX's own indexing would take negative ones from the end."""
-        return jnp.clip(house, 0, self.num_houses - 1)
+        """See `Geometry.known_house`."""
+        return self.geometry.known_house(house)
 
     def semantics_of(self, house: Int[Array, ""] | int, object_id: Int[Array, "*n"], column: int) -> Int[Array, "*n"]:
         """What objects are, by their ids: those of an instance image, say.

@@ -1,7 +1,8 @@
 """From a house as the dataset says it to the arrays that the engines need."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
+from typing import get_type_hints
 
 import numpy as np
 from jaxtyping import Float
@@ -43,9 +44,8 @@ class CompileOptions:
     read: ReadOptions = field(default_factory=ReadOptions)
 
     def __post_init__(self) -> None:
-        kinds = NavigationOptions, ColliderOptions, MovableOptions, SemanticOptions, LightOptions, ReadOptions
-        for option, kind in zip(fields(self), kinds, strict=True):
-            check_type(option.name, getattr(self, option.name), kind)
+        for name, kind in get_type_hints(CompileOptions).items():
+            check_type(name, getattr(self, name), kind)
 
 
 DEFAULT_OPTIONS = CompileOptions()

@@ -93,8 +93,7 @@ def compile_dataset(
     Raises:
         DatasetError: There is no dataset, or it has no such house.
         ConfigError: The cache folder or the report cannot be written to, something else than a report is in its place,
-            there are no workers, or a scheduler was
-            given and it does not answer or the extra is not installed.
+            there are no workers, or a scheduler was given and it does not answer or the extra is not installed.
 
     Example:
         >>> compile_dataset("datasets/demo", workers=2).failed  # doctest: +SKIP
@@ -108,8 +107,8 @@ def compile_dataset(
     for house_id in chosen:
         dataset.check_known(house_id)
     path = Path(report or report_path(dataset.root, options))
-    _refuse_other_files(path)
-    done = _done(path) if resume else set()
+    earlier = _earlier_lines(path)
+    done = _done(earlier) if resume else set()
     left = [house_id for house_id in chosen if house_id not in done]
     _prepare()
     task = partial(compile_one, dataset.root, options, f"{os.getpid()} {time.time_ns()}")
@@ -176,21 +175,23 @@ def _described(problem: Exception) -> dict[str, str | None]:
     return {"type": type(problem).__name__, "message": str(problem), "file": None, "element": None, "hint": None}
 
 
-def _done(report: Path) -> set[str]:
-    """Houses that a report says are in the cache, and that are."""
-    entries = {line["id"]: line.get("entry") for line in read_report(report) if line["status"] != FAILED}
+def _done(lines: list[dict[str, Any]]) -> set[str]:
+    """Houses that the lines of a report say are in the cache, and that are."""
+    entries = {line["id"]: line.get("entry") for line in lines if line["status"] != FAILED}
     # The end of an entry's archive is looked at: one that was cut off has lost it.
     return {house_id for house_id, entry in entries.items() if entry and is_zipfile(cache_folder() / entry)}
 
 
-def _refuse_other_files(path: Path) -> None:
-    """A file that is no report is not written over."""
+def _earlier_lines(path: Path) -> list[dict[str, Any]]:
+    """What an earlier run has noted; a file that is no report is refused, lest it is written over."""
     try:
-        is_other = path.is_file() and path.read_bytes().strip() and not read_report(path)
+        lines = read_report(path)
+        is_other = not lines and path.is_file() and path.read_bytes().strip()
     except OSError as error:
         raise ConfigError(f"report cannot be read: {error.strerror}", file=path, hint="Name a new file.") from None
     if is_other:
         raise ConfigError("there is a file that is no report", file=path, hint="Name a new file.")
+    return lines
 
 
 def read_report(path: Path) -> list[dict[str, Any]]:

@@ -101,7 +101,7 @@ class HouseholdEnv:
             house = episode.house
         elif house is None:
             house = bank.draw[jax.random.randint(draw, (), 0, bank.num_houses)]
-        house = jnp.clip(house, 0, bank.num_houses - 1)
+        house = bank.known_house(house)
         agents = self.num_agents
         start, pos = spread_starts(bank, house, agents, 4 * self.config.physics.agent_radius, start_key)
         yaw = jax.random.uniform(yaw_key, (agents,), jnp.float32, -jnp.pi, jnp.pi)

@@ -12,7 +12,7 @@ from jaxtyping import Array, Bool, Float, Int
 from home_mjx.errors import ConfigError, DatasetError, check_number
 from home_mjx.scene_compile.bank import HouseBank
 from home_mjx.scene_compile.pytree import Pytree
-from home_mjx.tasks.grid import cell_of, geodesic_distance, random_position
+from home_mjx.tasks.grid import cell_of, geodesic_distance, place_position, random_position
 
 SAME_PLACE = 0.01  # [m]: a goal of the bank is the goal of a file if it is as near
 OTHER_BANK = "Use a bank of the houses that the episodes were drawn in, compiled alike."
@@ -150,9 +150,7 @@ def _are_possible(bank: HouseBank, episodes: Episodes) -> Bool[Array, " e"]:
     """Whether starts are on a floor, within the grid, in or beside a cell that has a path to the goal."""
 
     def one(e: Episodes) -> Bool[Array, ""]:
-        navigation, cell = bank.navigation, cell_of(bank, e.house, e.start)
-        middle = navigation.origin[e.house] + (cell[:0:-1].astype(jnp.float32) + 0.5) * jnp.float32(bank.spec.cell)
-        off = jnp.append(middle, navigation.floor[e.house, cell[0]]) - e.start
+        off = place_position(bank, e.house, cell_of(bank, e.house, e.start)) - e.start
         near = jnp.all(jnp.abs(off) < jnp.array([bank.spec.cell, bank.spec.cell, ON_FLOOR], jnp.float32))
         return near & jnp.isfinite(geodesic_distance(bank, e.house, e.goal, e.start))
 

@@ -97,7 +97,12 @@ def random_position(bank: HouseBank, house: Int[Array, ""], key: Array, margin: 
 
 def cell_position(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, ""]) -> Float[Array, "3"]:
     """Middle of a cell, given by number, on its level's floor [m]."""
+    return place_position(bank, house, bank.navigation.place[cell].astype(jnp.int32))
+
+
+def place_position(bank: HouseBank, house: Int[Array, ""], place: Int[Array, "3"]) -> Float[Array, "3"]:
+    """Middle of a cell, given by level, row and column as by `cell_of`, on its level's floor [m]."""
     house = bank.known_house(house)
-    level, row, column = bank.navigation.place[cell].astype(jnp.int32)
+    level, row, column = place
     plan = (jnp.stack([column, row]).astype(jnp.float32) + 0.5) * jnp.float32(bank.spec.cell)
     return jnp.append(plan + bank.navigation.origin[house], bank.navigation.floor[house, level])

@@ -18,39 +18,26 @@ from home_mjx.tasks import AgentCamera, make_config
 NAN, INF = float("nan"), float("inf")
 
 
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
+REFUSED = {
+    make_config: [
         ("width", 0), ("episode_length", 0), ("depth_max", -1.0), ("depth_max", NAN), ("eye_height", NAN),
         ("source_height", INF), ("pitch_max", 10.0), ("executor", "gpu"), ("fovy", 180.0), ("num_agents", 0),
         ("agent_mass", NAN), ("num_rays", 0), ("humidity", NAN),
     ],
-)  # fmt: skip
-def test_options_are_refused_by_name(name, value):
-    with pytest.raises(ConfigError, match=name):
-        make_config(**{name: value})
-
-
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
+    NavigationOptions: [
         ("cell", 0.0), ("cell", -0.1), ("step", NAN), ("agent_height", NAN), ("agent_height", -2.0),
-        ("agent_radius", -1.0),
-        ("margin", -1.0), ("num_goals", 0), ("num_starts", 0),
+        ("agent_radius", -1.0), ("margin", -1.0), ("num_goals", 0), ("num_starts", 0),
     ],
-)  # fmt: skip
-def test_options_of_navigation_are_refused_by_name(name, value):
-    with pytest.raises(ConfigError, match=name):
-        NavigationOptions(**{name: value})
+    Lit: [
+        ("exposure", NAN), ("sun_elevation", NAN), ("sky", INF), ("sun", NAN), ("num_lights", -1), ("bounces", -1),
+    ],
+}  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [("exposure", NAN), ("sun_elevation", NAN), ("sky", INF), ("sun", NAN), ("num_lights", -1), ("bounces", -1)],
-)
-def test_options_of_the_lit_preset_are_refused_by_name(name, value):
+@pytest.mark.parametrize(("make", "name", "value"), [(make, *row) for make, rows in REFUSED.items() for row in rows])
+def test_options_are_refused_by_name(make, name, value):
     with pytest.raises(ConfigError, match=name):
-        Lit(**{name: value})
+        make(**{name: value})
 
 
 def test_cameras_that_cannot_give_what_they_should_are_refused():

@@ -78,8 +78,9 @@ class Lens:
 
     def __post_init__(self) -> None:
         check_known("camera model", [self.model], MODELS)
-        for name, most in (("width", math.inf), ("height", math.inf), ("samples", MAX_SAMPLES)):
-            check_number(f"{name} of a camera", getattr(self, name), 1, most, whole=True)
+        check_number("width of a camera", self.width, 1, whole=True)
+        check_number("height of a camera", self.height, 1, whole=True)
+        check_number("samples of a camera", self.samples, 1, MAX_SAMPLES, whole=True)
         if math.prod(self.shape) > MAX_PIXELS:
             raise ConfigError(f"an image may have at most {MAX_PIXELS} pixels, got {' x '.join(map(str, self.shape))}")
         if self.model == "cube" and self.width != self.height:

@@ -112,7 +112,7 @@ def lamp_light(
         executor: See `cast`.
     """
     if count == 0:
-        none = point.pos * 0.0
+        none = point.pos.map(jnp.zeros_like)
         return Received(none, none)
     # With the barriers nothing is computed again that every light, or the other side of the cast, needs as well.
     key = jax.lax.optimization_barrier(choose(lights, point, count))
