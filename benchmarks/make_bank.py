@@ -11,10 +11,10 @@ os.environ.setdefault("JAX_PLATFORMS", "cpu")
 
 from views import save_bank
 
-from home_mjx.scene_compile.bank import HouseBank
-from home_mjx.scene_compile.cache import HouseCache
-from home_mjx.scene_compile.generate import generate_dataset
-from home_mjx.scene_compile.suncg import open_dataset
+from home_mjx.bank.bank import HouseBank
+from home_mjx.datasets.procedural.dataset import generate_dataset
+from home_mjx.datasets.suncg.dataset import open_dataset
+from home_mjx.scene_compile.cache.house_cache import HouseCache
 
 
 def compile_some(root, ids):

@@ -13,12 +13,12 @@ from pathlib import Path
 import numpy as np
 from tqdm import tqdm
 
+from home_mjx.datasets.suncg.dataset import open_dataset
 from home_mjx.registry import generated_houses
-from home_mjx.scene_compile.cache import HouseCache
-from home_mjx.scene_compile.compiled import CompiledHouse
-from home_mjx.scene_compile.mjcf import COLLISIONS, OVERLAPS, to_mjcf
-from home_mjx.scene_compile.stability import rest_drift
-from home_mjx.scene_compile.suncg import open_dataset
+from home_mjx.scene_compile.cache.house_cache import HouseCache
+from home_mjx.scene_compile.mjcf.export import COLLISIONS, OVERLAPS, to_mjcf
+from home_mjx.scene_compile.mjcf.stability import rest_drift
+from home_mjx.schema.compiled import CompiledHouse
 
 LIMIT = 0.02  # [m]
 

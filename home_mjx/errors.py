@@ -1,8 +1,6 @@
 """Typed, located errors: what was expected, what came, where, and what to do."""
 
 import difflib
-import math
-import numbers
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -95,62 +93,3 @@ def install_hint(extra: str) -> str:
         "In the clone of home_mjx: pip install '.[exact]'"
     """
     return f"In the clone of home_mjx: pip install '.[{extra}]'"
-
-
-def check_known(kind: str, names: Iterable[str], known: Iterable[str]) -> None:
-    """Raises `ConfigError` for the first of `names` that is not in `known`."""
-    known = list(known)
-    for name in names:
-        if name not in known:
-            raise ConfigError(f"unknown {kind} `{name}`", hint=did_you_mean(name, known))
-
-
-def check_names(kind: str, names: object, known: Iterable[str]) -> None:
-    """Raises `ConfigError` unless `names` is a sequence of known names; one bare string is not."""
-    if isinstance(names, str) or not isinstance(names, Iterable):
-        raise ConfigError(f"expected several names of a {kind}, got `{names}`", hint=f'Write ("{names}",)')
-    check_known(kind, [str(name) for name in names], known)
-
-
-def check_flag(name: str, value: object) -> None:
-    """Raises `ConfigError` unless an option is True or False."""
-    if not isinstance(value, bool):
-        raise ConfigError(f"`{name}` must be True or False, got {value!r}")
-
-
-def check_type(name: str, value: object, kind: type) -> None:
-    """Raises `ConfigError` unless an option is of a class."""
-    if not isinstance(value, kind):
-        raise ConfigError(f"`{name}` must be of type {kind.__name__}, got {value!r}")
-
-
-def check_number(
-    name: str, value: object, least: float = -math.inf, most: float = math.inf, *, whole: bool = False
-) -> None:
-    """Raises `ConfigError` unless an option is a finite number within limits.
-
-    Args:
-        name: Of the option, for the message.
-        value: Of the option.
-        least: The least value that is allowed.
-        most: The greatest value that is allowed.
-        whole: It must be an integer.
-
-    Example:
-        >>> check_number("width", 64, 1, whole=True)
-        >>> check_number("width", 3.5, 1, whole=True)
-        Traceback (most recent call last):
-        ...
-        home_mjx.errors.ConfigError: `width` must be a whole number of at least 1, got 3.5
-    """
-    kind = numbers.Integral if whole else numbers.Real
-    if (
-        isinstance(value, kind)
-        and not isinstance(value, bool)
-        and math.isfinite(value)
-        and least <= float(value) <= most
-    ):
-        return
-    above = f" of at least {least:g}" if math.isfinite(least) else ""
-    below = f"{' and' if above else ' of'} at most {most:g}" if math.isfinite(most) else ""
-    raise ConfigError(f"`{name}` must be a {'whole ' if whole else 'finite '}number{above}{below}, got {value!r}")

@@ -1,13 +1,13 @@
 """Environment ids and how to make them."""
 
 import itertools
-import os
 import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from home_mjx.errors import ConfigError, check_number, did_you_mean
+from home_mjx.core.checks import check_number
+from home_mjx.errors import ConfigError, did_you_mean
 
 _REGISTRY: dict[str, Callable[..., Any]] = {}
 _ID = re.compile(r"^[A-Z][A-Za-z0-9]*-v\d+$")
@@ -86,15 +86,16 @@ def as_bank(
     Raises:
         ConfigError: A selection was asked for of houses that are already a bank, or a filter of generated ones.
     """
-    from home_mjx.scene_compile.bank import HouseBank
-    from home_mjx.scene_compile.suncg.dataset import ROOT_VARIABLE, Dataset
+    from home_mjx.bank.bank import HouseBank
+    from home_mjx.core.paths import dataset_root
+    from home_mjx.datasets.suncg.dataset import Dataset
 
     if isinstance(houses, HouseBank):
         if split is not None or where is not None:
             raise ConfigError("`split` and `where` choose houses of a dataset, not of a bank that is made")
         return houses
     check_number("num_houses", num_houses, 1, whole=True)
-    houses = houses or os.environ.get(ROOT_VARIABLE) or None
+    houses = houses or dataset_root()
     if houses is not None and not isinstance(houses, str | Path | Dataset):
         raise ConfigError(f"`houses` must be a HouseBank or the folder of a dataset, got {houses!r}")
     if houses is not None:
@@ -112,9 +113,10 @@ def generated_houses(num_houses: int, progress: bool = False, split: str | None 
 
     With `split`, of the first ones that belong to it.
     """
-    from home_mjx.scene_compile.cache import cache_folder
-    from home_mjx.scene_compile.generate import VERSION, generate_dataset, house_id
-    from home_mjx.scene_compile.selection import select_ids
+    from home_mjx.core.paths import cache_folder
+    from home_mjx.datasets.procedural.build import house_id
+    from home_mjx.datasets.procedural.dataset import VERSION, generate_dataset
+    from home_mjx.scene_compile.cache.selection import select_ids
 
     root = cache_folder() / f"generated-v{VERSION}"
     seeds = (seed for seed in itertools.count() if select_ids([house_id(seed)], split))
@@ -122,8 +124,8 @@ def generated_houses(num_houses: int, progress: bool = False, split: str | None 
 
 
 def _point_nav(get_bank: Callable[[], Any], **options: Any) -> Any:
-    from home_mjx.tasks.config import make_config
-    from home_mjx.tasks.env import HouseholdEnv
+    from home_mjx.tasks.base.config import make_config
+    from home_mjx.tasks.environment.household import HouseholdEnv
 
     config = make_config(**options)  # refuse a wrong option before any house is compiled
     return HouseholdEnv(get_bank(), config)

@@ -14,11 +14,15 @@ import jax.numpy as jnp
 import numpy as np
 from PIL import Image
 
-from home_mjx.demo import pictures
-from home_mjx.raycast_render import Camera, Lens, Lit, kinect_depth, make_scene, render
-from home_mjx.scene_compile.bank import HouseBank
-from home_mjx.scene_compile.generate import generate_dataset
-from home_mjx.tasks.pose import camera_quat
+from home_mjx.bank.bank import HouseBank
+from home_mjx.core.transforms import camera_quat
+from home_mjx.datasets.procedural.dataset import generate_dataset
+from home_mjx.raycast_render.cameras.camera import Camera, Lens
+from home_mjx.raycast_render.cameras.noise import kinect_depth
+from home_mjx.raycast_render.images.render import render
+from home_mjx.raycast_render.scene.scene import make_scene
+from home_mjx.raycast_render.shading.preset import Lit
+from home_mjx.viz import pictures
 
 SEEDS = (3, 11, 20, 42)
 EYE = 1.5  # [m]

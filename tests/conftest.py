@@ -55,8 +55,8 @@ def other_bank(tmp_path_factory: pytest.TempPathFactory):
 
 
 def _generated(tmp_path_factory: pytest.TempPathFactory, seeds: range):
-    from home_mjx.scene_compile.bank import HouseBank
-    from home_mjx.scene_compile.generate import generate_dataset
+    from home_mjx.bank.bank import HouseBank
+    from home_mjx.datasets.procedural.dataset import generate_dataset
 
     root = tmp_path_factory.mktemp("generated")
     return HouseBank.from_dataset(root, ids=generate_dataset(root, seeds))

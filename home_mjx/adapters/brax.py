@@ -16,7 +16,9 @@ import jax.numpy as jnp
 from jaxtyping import Array
 
 from home_mjx.errors import ConfigError, install_hint
-from home_mjx.tasks import AutoReset, HouseholdEnv, State
+from home_mjx.tasks.base.state import State
+from home_mjx.tasks.environment.autoreset import AutoReset
+from home_mjx.tasks.environment.household import HouseholdEnv
 
 try:
     from brax.envs.base import Env, Wrapper

@@ -9,9 +9,12 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 
 from home_mjx.adapters.spaces import action_space, observation_space
-from home_mjx.errors import ConfigError, check_known, check_number
+from home_mjx.core.checks import check_known, check_number
+from home_mjx.errors import ConfigError
 from home_mjx.registry import make
-from home_mjx.tasks import AutoReset, HouseholdEnv, State
+from home_mjx.tasks.base.state import State
+from home_mjx.tasks.environment.autoreset import AutoReset
+from home_mjx.tasks.environment.household import HouseholdEnv
 
 
 class GymEnv(gymnasium.Env):

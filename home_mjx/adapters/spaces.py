@@ -3,7 +3,7 @@
 import gymnasium
 import numpy as np
 
-from home_mjx.tasks.env import HouseholdEnv
+from home_mjx.tasks.environment.household import HouseholdEnv
 
 UNBOUNDED = 1e6  # metres, pressures, speeds: no house is larger; Gymnasium's checker warns about infinity
 

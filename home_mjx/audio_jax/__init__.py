@@ -1,12 +1,12 @@
 """Sound: impulse responses by the ray caster, and what two ears hear through them."""
 
-from home_mjx.audio_jax.config import AudioConfig
-from home_mjx.audio_jax.histogram import energy_histogram
-from home_mjx.audio_jax.paths import Paths, early_paths
-from home_mjx.audio_jax.response import ear_gains, early_response, impulse_response, late_response
-from home_mjx.audio_jax.sources import CLIPS, clip_samples
-from home_mjx.audio_jax.stream import sound_frame
-from home_mjx.audio_jax.tracing import Trace, trace
+from home_mjx.audio_jax.auralization.response import ear_gains, early_response, impulse_response, late_response
+from home_mjx.audio_jax.auralization.sources import CLIPS, clip_samples
+from home_mjx.audio_jax.auralization.stream import sound_frame
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.propagation.histogram import energy_histogram
+from home_mjx.audio_jax.propagation.paths import Paths, early_paths
+from home_mjx.audio_jax.propagation.tracing import Trace, trace
 
 __all__ = [
     "CLIPS",

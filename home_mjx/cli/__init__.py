@@ -11,7 +11,8 @@ from collections.abc import Sequence
 
 from home_mjx import __version__
 from home_mjx.cli.parsing import Parser
-from home_mjx.errors import HomeMjxError, check_known
+from home_mjx.core.checks import check_known
+from home_mjx.errors import HomeMjxError
 
 __all__ = ["main"]
 
@@ -58,7 +59,7 @@ def _dispatch(argv: list[str]) -> int:
         top.print_help()
         return BAD_INPUT
     check_known("command", [args.command], COMMANDS)
-    module = importlib.import_module(f"home_mjx.cli.{args.command}")
+    module = importlib.import_module(f"home_mjx.cli.commands.{args.command}")
     parser = Parser(prog=f"home-mjx {args.command}", description=module.__doc__)
     module.add_arguments(parser)
     return module.run(parser.parse_args(args.arguments))

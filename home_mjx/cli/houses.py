@@ -1,22 +1,21 @@
 """Options and loading that several subcommands share: which dataset, which house."""
 
 import argparse
-import os
 from pathlib import Path
 
+from home_mjx.core.paths import dataset_root
+from home_mjx.datasets.suncg.dataset import Dataset, open_dataset
 from home_mjx.errors import ConfigError
-from home_mjx.scene_compile.compiled import CompiledHouse
-from home_mjx.scene_compile.house import House, Metadata
-from home_mjx.scene_compile.suncg import Dataset, open_dataset
+from home_mjx.schema.compiled import CompiledHouse
+from home_mjx.schema.house import House, Metadata
 
 
 def add_dataset_option(parser: argparse.ArgumentParser) -> None:
     """Adds `--suncg ROOT`."""
-    default = os.environ.get("SUNCG_DATA_DIR")
     parser.add_argument(
         "--suncg",
         type=Path,
-        default=Path(default) if default else None,
+        default=dataset_root(),
         metavar="ROOT",
         help="root of a SUNCG dataset (default: $SUNCG_DATA_DIR, or generated houses)",
     )
@@ -65,7 +64,7 @@ def names_root(args: argparse.Namespace) -> bool:
 
 def compile_named_house(args: argparse.Namespace) -> CompiledHouse:
     """The house that the arguments name, compiled."""
-    from home_mjx.scene_compile.compile import compile_house
+    from home_mjx.scene_compile.pipeline.compile import compile_house
 
     return compile_house(*load_house(args))
 

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from home_mjx.bank.bank import HouseBank
 from home_mjx.cli.houses import add_house_arguments, compile_named_house
 from home_mjx.cli.parsing import number
 from home_mjx.errors import ConfigError
-from home_mjx.raycast_render.types import Scene
-from home_mjx.scene_compile.bank import HouseBank
+from home_mjx.raycast_render.scene.types import Scene
 
 EYE_HEIGHT = 1.5  # [m]
 
@@ -52,8 +52,8 @@ def stand(args: argparse.Namespace) -> Viewpoint:
     """
     import jax.numpy as jnp
 
-    from home_mjx.raycast_render import make_scene
-    from home_mjx.tasks.pose import camera_quat
+    from home_mjx.core.transforms import camera_quat
+    from home_mjx.raycast_render.scene.scene import make_scene
 
     bank = HouseBank.from_compiled([compile_named_house(args)])
     start = np.asarray(bank.navigation.start[0, 0])

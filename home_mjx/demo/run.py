@@ -14,11 +14,13 @@ import jax.numpy as jnp
 import numpy as np
 from tqdm import tqdm
 
-from home_mjx.demo import media, pictures, timing
-from home_mjx.demo.top_view import TopView
-from home_mjx.demo.walk import Walker, make_walker
+from home_mjx.bench import timing
+from home_mjx.navigation.path_follower import Walker, make_walker
 from home_mjx.registry import make
-from home_mjx.tasks import HouseholdEnv, State
+from home_mjx.tasks.base.state import State
+from home_mjx.tasks.environment.household import HouseholdEnv
+from home_mjx.viz import media, pictures
+from home_mjx.viz.top_view import TopView
 
 SENSORS_ALONE = {
     "depth": ("depth",),

@@ -3,7 +3,8 @@
 import math
 from dataclasses import dataclass
 
-from home_mjx.errors import ConfigError, check_number
+from home_mjx.core.checks import check_number
+from home_mjx.errors import ConfigError
 
 IMPLS = ("jax", "warp")
 JACOBIANS = ("auto", "dense", "sparse")

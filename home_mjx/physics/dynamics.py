@@ -9,13 +9,14 @@ import mujoco
 from jaxtyping import Array, Bool, Float, Int
 from mujoco import mjx
 
+from home_mjx.bank.bank import HouseBank
+from home_mjx.bank.records import BankSpec, Physics
 from home_mjx.physics.config import PhysicsConfig
 from home_mjx.physics.control import motor_forces
 from home_mjx.physics.house_model import MovableBodies, house_model, movable_bodies, with_slots
 from home_mjx.physics.layout import Layout
 from home_mjx.physics.slots import FLAT, Boxes, fill, parked
 from home_mjx.physics.template_mjcf import template_mjcf
-from home_mjx.scene_compile.bank import BankSpec, HouseBank, Physics
 
 
 class Template:

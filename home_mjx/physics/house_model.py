@@ -6,11 +6,11 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 from mujoco import mjx
 
+from home_mjx.bank.records import Physics
+from home_mjx.core.pytree import Pytree
 from home_mjx.physics.layout import Layout
 from home_mjx.physics.slots import Boxes
 from home_mjx.physics.template_mjcf import CORNER_RADIUS, CORNERS, PARKED_HEIGHT, PARKED_MASS, PARKED_SIZE
-from home_mjx.scene_compile.bank import Physics
-from home_mjx.scene_compile.pytree import Pytree
 
 
 class MovableBodies(Pytree):

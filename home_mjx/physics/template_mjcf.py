@@ -7,7 +7,8 @@ import numpy as np
 
 from home_mjx.physics.config import PhysicsConfig
 from home_mjx.physics.layout import Layout
-from home_mjx.scene_compile.mjcf_agent import AGENT_SOLREF, BODY_SOLREF, AgentShape, add_agent, add_motors
+from home_mjx.scene_compile.mjcf.agent import AGENT_SOLREF, BODY_SOLREF, add_agent, add_motors
+from home_mjx.schema.agent import AgentShape
 
 PARKED_HEIGHT = 500.0  # [m]: bodies that a house does not use wait above it, slots as far below
 PARKED_SIZE = 0.1  # [m], half extent

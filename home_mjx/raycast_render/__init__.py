@@ -1,7 +1,6 @@
 """Rays in houses: `cast` and `occluded`, scenes of placed objects and agents, cameras and images."""
 
-from home_mjx.raycast_render.cast import cast, occluded
-from home_mjx.raycast_render.image.camera import (
+from home_mjx.raycast_render.cameras.camera import (
     Camera,
     Lens,
     camera_rays,
@@ -9,12 +8,13 @@ from home_mjx.raycast_render.image.camera import (
     intrinsics,
     world_from_camera,
 )
-from home_mjx.raycast_render.image.noise import kinect_depth, sensor_rgb
-from home_mjx.raycast_render.image.preset import Lit, Preset
-from home_mjx.raycast_render.image.render import KINDS, render
-from home_mjx.raycast_render.image.schedule import render_every, render_some
-from home_mjx.raycast_render.scene import make_scene
-from home_mjx.raycast_render.types import Hit, Moving, Rays, Scene
+from home_mjx.raycast_render.cameras.noise import kinect_depth, sensor_rgb
+from home_mjx.raycast_render.cameras.schedule import render_every, render_some
+from home_mjx.raycast_render.casting.cast import cast, occluded
+from home_mjx.raycast_render.images.render import KINDS, render
+from home_mjx.raycast_render.scene.scene import make_scene
+from home_mjx.raycast_render.scene.types import Hit, Moving, Rays, Scene
+from home_mjx.raycast_render.shading.preset import Lit, Preset
 
 __all__ = [
     "KINDS",

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from home_mjx.bank.bank import HouseBank
 from home_mjx.cli import main
 from home_mjx.cli.viewpoint import EYE_HEIGHT, longest_view
-from home_mjx.scene_compile.bank import HouseBank
-from home_mjx.scene_compile.generate import generate_dataset
+from home_mjx.datasets.procedural.dataset import generate_dataset
 
 RECORD = ["case", "value", "unit", "num_envs", "device", "versions", "compile_seconds", "peer", "peer_value", "ratio"]
 
@@ -58,7 +58,7 @@ def test_inspect_prints_a_table(houses: Path, capsys: pytest.CaptureFixture):
 
 
 def test_inspect_tells_bytes_per_house_and_per_model(houses: Path, capsys: pytest.CaptureFixture):
-    from home_mjx.scene_compile.bank import HouseBank
+    from home_mjx.bank.bank import HouseBank
 
     assert main(["inspect", str(houses), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)

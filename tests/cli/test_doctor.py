@@ -4,7 +4,8 @@ import json
 
 import pytest
 
-from home_mjx.cli import doctor, main
+from home_mjx.cli import main
+from home_mjx.cli.commands import doctor
 
 
 def findings(capsys: pytest.CaptureFixture) -> tuple[int, dict[str, dict]]:

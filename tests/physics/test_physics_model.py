@@ -11,8 +11,8 @@ from mujoco import mjx
 from numpy.testing import assert_allclose
 from tiny_houses import Box, TinyHouse, make_bank
 
-from home_mjx.physics import PhysicsConfig, Template, reset
-from home_mjx.physics.dynamics import nearest_boxes, static_boxes
+from home_mjx.physics.config import PhysicsConfig
+from home_mjx.physics.dynamics import Template, nearest_boxes, reset, static_boxes
 from home_mjx.physics.house_model import house_model, movable_bodies, with_slots
 from home_mjx.physics.template_mjcf import CORNER_RADIUS, slot_names, template_mjcf
 

@@ -6,18 +6,16 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from jaxtyping import Bool, Float
 
-from home_mjx.scene_compile.architecture import Architecture, build_architecture, inner_normal
-from home_mjx.scene_compile.compiled import Rooms
-from home_mjx.scene_compile.house import House, Metadata, Object
-from home_mjx.scene_compile.masses import surface_areas
-from home_mjx.scene_compile.materials import surface
-from home_mjx.scene_compile.objects import Placed, place_objects
-from home_mjx.scene_compile.plan import polygon_area
-from home_mjx.scene_compile.rooms import extract_rooms, ground_offset, house_rooms
-from home_mjx.scene_compile.semantics.appearance import Appearance, Skin, appearance
+from home_mjx.scene_compile.architecture.rooms import extract_rooms, ground_offset, house_rooms
+from home_mjx.scene_compile.architecture.shell import Architecture, build_architecture, inner_normal
+from home_mjx.scene_compile.geometry.mesh import surface_areas
+from home_mjx.scene_compile.geometry.polygons import polygon_area
+from home_mjx.scene_compile.materials.surface import surface
+from home_mjx.scene_compile.objects.place import Placed, place_objects
 from home_mjx.scene_compile.semantics.describe import short_text
-from home_mjx.scene_compile.semantics.home import home_appearance
-from home_mjx.scene_compile.semantics.options import SemanticOptions
+from home_mjx.scene_compile.semantics.looks.appearance import Appearance, Skin, appearance
+from home_mjx.scene_compile.semantics.looks.home import home_appearance
+from home_mjx.scene_compile.semantics.looks.options import SemanticOptions
 from home_mjx.scene_compile.semantics.sizes import SizeTable, size_table
 from home_mjx.scene_compile.semantics.supports import Support, find_supports
 from home_mjx.scene_compile.semantics.types import (
@@ -27,7 +25,9 @@ from home_mjx.scene_compile.semantics.types import (
     PartSemantics,
     RoomSemantics,
 )
-from home_mjx.scene_compile.suncg.categories import ROOM_TYPES
+from home_mjx.schema.categories import ROOM_TYPES
+from home_mjx.schema.compiled import Rooms
+from home_mjx.schema.house import House, Metadata, Object
 
 DEFAULT_OPTIONS = SemanticOptions()
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.scene_compile.house import Metadata, ModelInfo
+from home_mjx.schema.house import Metadata, ModelInfo
 
 SIZES = ("tiny", "small", "normal", "large", "huge")
 LIMITS = (-2.0, -1.0, 1.0, 2.0)  # standard deviations between them, HoME's

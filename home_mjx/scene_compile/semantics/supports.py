@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
-from home_mjx.scene_compile.boxes import BoxSet, footprint_distance, join, yaw_matrix
-from home_mjx.scene_compile.compiled import Rooms
-from home_mjx.scene_compile.mesh import bounds
-from home_mjx.scene_compile.objects import Placed
+from home_mjx.scene_compile.geometry.boxes import BoxSet, footprint_distance, join, yaw_matrix
+from home_mjx.scene_compile.geometry.mesh import bounds
+from home_mjx.scene_compile.objects.place import Placed
+from home_mjx.schema.compiled import Rooms
 
 SUPPORTS = ("floor", "wall", "ceiling", "object")
 TOUCH = 0.05  # [m]: SUNCG's furniture hovers or sinks by as much

@@ -3,9 +3,9 @@
 import numpy as np
 from jaxtyping import Int
 
-from home_mjx.scene_compile.compiled import Semantic
 from home_mjx.scene_compile.semantics.types import HouseSemantics, ObjectSemantics, PartSemantics
 from home_mjx.scene_compile.semantics.vocabulary import FIRST_COLOR, MAX_COLORS, number_of
+from home_mjx.schema.semantic import Semantic
 
 
 def with_meaning(rows: Int[np.ndarray, "q c"], house: HouseSemantics) -> Int[np.ndarray, "q c"]:

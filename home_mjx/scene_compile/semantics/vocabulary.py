@@ -6,13 +6,13 @@ from functools import cache
 import numpy as np
 from jaxtyping import Int
 
-from home_mjx.errors import check_known
-from home_mjx.scene_compile.compiled import Semantic
-from home_mjx.scene_compile.material_kinds import MATERIAL_KINDS
-from home_mjx.scene_compile.semantics.color_names import palettes
+from home_mjx.core.checks import check_known
+from home_mjx.scene_compile.semantics.looks.color_names import palettes
 from home_mjx.scene_compile.semantics.sizes import SIZES
 from home_mjx.scene_compile.semantics.supports import SUPPORTS
-from home_mjx.scene_compile.suncg.categories import COARSE, FINE, NYU40, ROOM_TYPES
+from home_mjx.schema.categories import COARSE, FINE, NYU40, ROOM_TYPES
+from home_mjx.schema.material_kinds import MATERIAL_KINDS
+from home_mjx.schema.semantic import Semantic
 
 MAX_COLORS = 3  # columns of each level
 FIRST_COLOR = {"basic": Semantic.BASIC, "css": Semantic.CSS, "xkcd": Semantic.XKCD}

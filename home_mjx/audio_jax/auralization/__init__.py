@@ -1,0 +1,1 @@
+"""Impulse responses at two ears, clips, and frames of sound."""

@@ -1,0 +1,1 @@
+"""Options, air, filters, acoustic measures."""

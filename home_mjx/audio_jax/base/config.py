@@ -1,0 +1,116 @@
+"""What can be chosen about sound; all of it is fixed when a step is compiled."""
+
+from dataclasses import dataclass
+
+from home_mjx.audio_jax.base.air import speed_of_sound
+from home_mjx.core.checks import check_known, check_number
+from home_mjx.errors import ConfigError
+
+RECEIVERS = ("binaural", "omni")
+DETECTORS = ("rain", "sphere")
+
+
+@dataclass(frozen=True)
+class AudioConfig:
+    """Options of the sound engine.
+
+    Attributes:
+        sample_rate: [Hz]. Octave bands above half of it carry nothing.
+        ctrl_dt: Length of one sound frame [s]; must hold a whole number of samples.
+        response_seconds: Length of impulse responses [s]; must hold a whole number of bins.
+        num_rays: Rays of the late part.
+        num_bounces: Reflections traced per ray; what is later is extrapolated.
+        num_reflections: First-order reflections rendered as paths, the strongest first.
+        max_crossings: Surfaces that the direct sound may cross; beyond them it is taken as silent.
+        bin_seconds: Time bin of the energy histogram [s].
+        detector: How late specular energy reaches the receiver. "rain" lets it leave every hit as if scattered: little
+            noise with few rays, and decay times right within a few per cent from a scattering of 0.1 on (-6 % at 0).
+            "sphere" counts specular rays through a sphere: exact at any scattering, but wants thousands of rays.
+        detector_radius: Radius of that sphere, and the shortest distance that rain sees [m].
+        receiver: "binaural" for two ears on a rigid sphere, "omni" for the same free-field pressure in both channels.
+        head_radius: [m].
+        ear_angle: Angle between nose and ears [degrees].
+        temperature: [degrees Celsius].
+        humidity: Relative humidity [%].
+        pressure: [kPa].
+
+    Raises:
+        ConfigError: For values that cannot be used.
+
+    Example:
+        >>> AudioConfig().frame, AudioConfig().response_length
+        (1600, 8000)
+    """
+
+    sample_rate: int = 16000
+    ctrl_dt: float = 0.1
+    response_seconds: float = 0.5
+    num_rays: int = 48
+    num_bounces: int = 24
+    num_reflections: int = 8
+    max_crossings: int = 32
+    bin_seconds: float = 0.004
+    detector: str = "rain"
+    detector_radius: float = 0.5
+    receiver: str = "binaural"
+    head_radius: float = 0.0875
+    ear_angle: float = 90.0
+    temperature: float = 20.0
+    humidity: float = 50.0
+    pressure: float = 101.325
+
+    def __post_init__(self) -> None:
+        check_known("receiver", [self.receiver], RECEIVERS)
+        check_known("detector", [self.detector], DETECTORS)
+        for name in ("sample_rate", "num_rays", "num_bounces", "max_crossings"):
+            check_number(name, getattr(self, name), 1, whole=True)
+        check_number("num_reflections", self.num_reflections, 0, whole=True)
+        for name in ("temperature", "humidity", "ear_angle"):
+            check_number(name, getattr(self, name))
+        for name in ("ctrl_dt", "response_seconds", "bin_seconds", "detector_radius", "head_radius", "pressure"):
+            check_number(name, getattr(self, name))
+            if getattr(self, name) <= 0:
+                raise ConfigError(f"`{name}` must be positive, got {getattr(self, name)}")
+        if not 0 <= self.humidity <= 100 or not -70 <= self.temperature <= 70:
+            raise ConfigError(
+                f"expected a humidity of 0..100 % and a temperature of -70..70 °C, "
+                f"got {self.humidity} and {self.temperature}"
+            )
+        _whole("ctrl_dt", self.ctrl_dt * self.sample_rate, "samples")
+        _whole("bin_seconds", self.bin_seconds * self.sample_rate, "samples")
+        _whole("response_seconds", self.response_seconds / self.bin_seconds, "bins of `bin_seconds`")
+        if self.bin_samples % 2:
+            raise ConfigError(f"`bin_seconds` must hold an even number of samples, got {self.bin_samples}")
+
+    @property
+    def frame(self) -> int:
+        """Samples per frame."""
+        return round(self.ctrl_dt * self.sample_rate)
+
+    @property
+    def bin_samples(self) -> int:
+        """Samples per bin of the histogram."""
+        return round(self.bin_seconds * self.sample_rate)
+
+    @property
+    def num_bins(self) -> int:
+        """Bins of the histogram."""
+        return round(self.response_seconds / self.bin_seconds)
+
+    @property
+    def response_length(self) -> int:
+        """Samples of an impulse response."""
+        return self.num_bins * self.bin_samples
+
+    @property
+    def speed_of_sound(self) -> float:
+        """[m/s]."""
+        return speed_of_sound(self.temperature)
+
+
+def _whole(name: str, value: float, unit: str) -> None:
+    if abs(value - round(value)) > 1e-6 or round(value) < 1:
+        raise ConfigError(
+            f"`{name}` must hold a whole number of {unit}, got {value:g}",
+            hint="Change it or `sample_rate` so that it divides exactly.",
+        )

@@ -1,0 +1,40 @@
+"""Octave filters as gains over frequency; host side, so that compiled steps hold them as constants."""
+
+import numpy as np
+from jaxtyping import Float
+
+from home_mjx.schema.compiled import BANDS
+
+TRANSITION = 0.25  # [octaves], width of the overlap of neighbouring bands
+HIGH_PASS = 20.0  # [Hz], half-power point
+
+
+def octave_gains(frequency: Float[np.ndarray, " f"]) -> Float[np.ndarray, "7 f"]:
+    """Gains of the octave bands 125 .. 8000 Hz that add up to one at every frequency.
+
+    The first band reaches down to 0 Hz, the last up without end. Bands meet at fc sqrt(2) in sin² ramps, as in Antoni,
+    Orthogonal-like fractional-octave-band filters, JASA 127 (2010). The gains are for amplitudes of deterministic
+    paths; their square roots add up to one in energy, which noise needs.
+
+    Args:
+        frequency: [Hz].
+
+    Returns:
+        Gain of each band.
+
+    Example:
+        >>> octave_gains(np.array([500.0, 500.0 * 2**0.5]))[2].round(6).tolist()
+        [1.0, 0.5]
+    """
+    octaves = np.log2(np.maximum(frequency, 1e-9) / BANDS[0])
+    edges = np.arange(1, len(BANDS)) - 0.5
+    ramp = np.clip((octaves[None] - edges[:, None]) / TRANSITION + 0.5, 0, 1)
+    above = np.sin(np.pi / 2 * ramp) ** 2
+    ones = np.ones((1, frequency.size))
+    return np.concatenate([ones, above]) - np.concatenate([above, 0 * ones])
+
+
+def high_pass(frequency: Float[np.ndarray, " f"]) -> Float[np.ndarray, " f"]:
+    """Amplitude of a zero-phase high-pass of second order, for noise, whose first band would reach down to 0 Hz."""
+    square = frequency**2
+    return square / (square + (np.sqrt(2) - 1) * HIGH_PASS**2)

@@ -1,0 +1,1 @@
+"""Paths of sound: direct, mirrored, traced."""

@@ -1,0 +1,192 @@
+"""Early sound: the direct path, through what stands in its way, and first-order reflections."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.audio_jax.base.air import air_absorption, energy_attenuation
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.propagation.surfaces import surface_at
+from home_mjx.bank.bank import HouseBank
+from home_mjx.core.pytree import Pytree
+from home_mjx.raycast_render.casting.cast import cast, occluded
+from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.schema.compiled import BANDS, Ray
+
+SKIN = 1e-4  # [m], by which rays start off a surface and end before one
+MIRROR_DEPTH = 0.03  # [m], within which a surface counts as lying in the mirror plane
+NEAREST = 0.05  # [m], distances are taken as at least this
+
+
+class Paths(Pytree):
+    """Sound paths from the source to the listener; the first is the direct one."""
+
+    distance: Float[Array, " p"]  # [m], travelled
+    gain: Float[Array, "p 7"]  # pressure per octave re the source at 1 m; 0 for no path
+    direction: Float[Array, "p 3"]  # unit vector from the listener to where the sound comes from, world
+
+
+def air_energy(config: AudioConfig) -> Float[np.ndarray, "7"]:
+    """The m of exp(-m r) per octave [1/m], for energy."""
+    loss = air_absorption(np.array(BANDS), config.temperature, config.humidity, config.pressure)
+    return energy_attenuation(loss).astype(np.float32)
+
+
+def early_paths(
+    bank: HouseBank,
+    scene: Scene,
+    source: Float[Array, "3"],
+    listener: Float[Array, "3"],
+    config: AudioConfig,
+    exclude: Int[Array, ""] | int = -1,
+    emitter: Int[Array, ""] | int = -1,
+    executor: str | None = None,
+) -> Paths:
+    """The direct path and the strongest first-order reflections.
+
+    Args:
+        bank: The houses.
+        scene: The environment.
+        source: Position of a point source [m].
+        listener: Position of the listener [m].
+        config: Options.
+        exclude: Object id of the listener's own body, which it does not hear as an obstacle; -1 none.
+        emitter: Object id of the body that sounds, which does not muffle itself; -1 none.
+        executor: Of the rays, see `cast`.
+
+    Returns:
+        1 + R paths, R being `config.num_reflections` or the house's number of mirror planes if that is less.
+    """
+    who = (jnp.int32(exclude), jnp.int32(emitter))
+    direct = direct_path(bank, scene, source, listener, config, *who, executor)
+    if config.num_reflections == 0:
+        return direct
+    mirrored = reflected_paths(bank, scene, source, listener, config, *who, executor)
+    return jax.tree.map(lambda a, b: jnp.concatenate([a, b]), direct, mirrored)
+
+
+def direct_path(
+    bank: HouseBank,
+    scene: Scene,
+    source: Float[Array, "3"],
+    listener: Float[Array, "3"],
+    config: AudioConfig,
+    exclude: Int[Array, ""],
+    emitter: Int[Array, ""],
+    executor: str | None = None,
+) -> Paths:
+    """The straight path, losing the transmission of every partition and object that it crosses, each once.
+
+    Args: see `early_paths`.
+
+    Returns:
+        One path.
+    """
+    offset = source - listener
+    distance = jnp.maximum(jnp.linalg.norm(offset), NEAREST)
+    direction = (offset / distance)[None]
+
+    def cross(carry: tuple, index: Array) -> tuple[tuple, None]:
+        start, skipped, seen, energy, _ = carry
+        hit = cast(
+            scene,
+            listener[None],
+            direction,
+            t_min=start,
+            t_max=distance - SKIN,
+            exclude=skipped,
+            mask=int(Ray.SOUND),
+            executor=executor,
+        )
+        met = surface_at(bank, scene, direction, hit)
+        barrier, object_id, blocked = met.barrier[0], met.object_id[0], hit.instance[0] >= 0
+        own = (object_id >= 0) & ((object_id == exclude) | (object_id == emitter))
+        counts = blocked & ~own & ~((barrier >= 0) & jnp.any(seen == barrier))
+        energy = jnp.where(counts, energy * met.transmission[0], energy)
+        seen = jnp.where(jnp.arange(seen.size, dtype=jnp.int32) == index, jnp.where(blocked, barrier, -1), seen)
+        start = jnp.where(blocked, hit.t[0] + SKIN, distance)
+        # Leaving out the object just met spares the casts for its other faces; architecture has to be marched through.
+        skipped = jnp.where(blocked & (object_id >= 0), object_id, skipped)
+        return (start, skipped, seen, energy, blocked), None
+
+    steps = config.max_crossings
+    seen = jnp.full(steps, -1, jnp.int32)
+    start = (jnp.float32(0), exclude, seen, jnp.ones(len(BANDS), jnp.float32), jnp.bool_(True))
+    (_, _, _, energy, blocked), _ = jax.lax.scan(cross, start, jnp.arange(steps, dtype=jnp.int32))
+    amplitude = jnp.sqrt(energy * jnp.exp(-air_energy(config) * distance)) / distance
+    return Paths(distance[None], jnp.where(blocked, 0.0, amplitude)[None], direction)
+
+
+def reflected_paths(
+    bank: HouseBank,
+    scene: Scene,
+    source: Float[Array, "3"],
+    listener: Float[Array, "3"],
+    config: AudioConfig,
+    exclude: Int[Array, ""],
+    emitter: Int[Array, ""],
+    executor: str | None = None,
+) -> Paths:
+    """First-order image sources in the house's mirror planes, the shortest first.
+
+    A reflection sounds where the ray from the listener really meets a surface in the plane, whose material then counts
+    (a window's where there is one), and the source sees that point.
+
+    Args: see `early_paths`.
+
+    Returns:
+        As many paths as fit, silent ones included.
+    """
+    point, distance = _nearest_mirrors(bank, scene, source, listener, config.num_reflections)
+    to_listener = jnp.linalg.norm(point - listener[None], axis=1)
+    to_source = jnp.linalg.norm(point - source[None], axis=1)
+    direction = (point - listener[None]) / jnp.maximum(to_listener, NEAREST)[:, None]
+    possible = jnp.isfinite(distance)
+    hit = cast(
+        scene,
+        jnp.broadcast_to(listener, point.shape),
+        direction,
+        t_max=jnp.where(possible, to_listener + MIRROR_DEPTH, -1.0),
+        exclude=exclude,
+        mask=int(Ray.SOUND),
+        executor=executor,
+    )
+    hidden = occluded(
+        scene,
+        jnp.broadcast_to(source, point.shape),
+        (point - source[None]) / jnp.maximum(to_source, NEAREST)[:, None],
+        t_max=jnp.where(possible, to_source - MIRROR_DEPTH, -1.0),
+        exclude=emitter,
+        mask=int(Ray.SOUND),
+        executor=executor,
+    )
+    met = surface_at(bank, scene, direction, hit)
+    heard = possible & ~hidden & (hit.instance >= 0) & (jnp.abs(hit.t - to_listener) < MIRROR_DEPTH)
+    length = jnp.where(possible, distance, 1.0)
+    energy = (1 - met.absorption) * (1 - met.scattering) * jnp.exp(-length[:, None] * air_energy(config)[None])
+    gain = jnp.sqrt(jnp.maximum(energy, 0.0)) / jnp.maximum(length, NEAREST)[:, None]
+    return Paths(length, jnp.where(heard[:, None], gain, 0.0), direction)
+
+
+def _nearest_mirrors(
+    bank: HouseBank, scene: Scene, source: Float[Array, "3"], listener: Float[Array, "3"], count: int
+) -> tuple[Float[Array, "r 3"], Float[Array, " r"]]:
+    """Points where the shortest reflections meet their planes, and their path lengths; inf for none."""
+    planes = bank.acoustics
+    center, normal = planes.plane_center[scene.house], planes.plane_normal[scene.house]
+    before_source = jnp.sum((source[None] - center) * normal, axis=1)
+    before_listener = jnp.sum((listener[None] - center) * normal, axis=1)
+    image = source[None] - 2 * before_source[:, None] * normal
+    share = before_listener / jnp.maximum(before_listener + before_source, 1e-9)
+    point = listener[None] + share[:, None] * (image - listener[None])
+    inside = _within(point - center, planes.plane_u[scene.house]) & _within(point - center, planes.plane_v[scene.house])
+    valid = planes.plane_valid[scene.house] & (before_source > 0) & (before_listener > 0) & inside
+    distance = jnp.where(valid, jnp.linalg.norm(image - listener[None], axis=1), jnp.inf)
+    _, nearest = jax.lax.top_k(-distance, min(count, distance.size))
+    return point[nearest], distance[nearest]
+
+
+def _within(offset: Float[Array, "p 3"], half: Float[Array, "p 3"]) -> Bool[Array, " p"]:
+    """Whether offsets from rectangles' middles lie within their half extent vectors."""
+    return jnp.abs(jnp.sum(offset * half, axis=1)) <= jnp.sum(half * half, axis=1)

@@ -1,0 +1,192 @@
+"""Late sound: rays from the listener, and the energy that each of their hits would receive from the source."""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.propagation.paths import SKIN, air_energy
+from home_mjx.audio_jax.propagation.surfaces import Surface, surface_at
+from home_mjx.bank.bank import HouseBank
+from home_mjx.core.pytree import Pytree
+from home_mjx.core.transforms import quat_matrix
+from home_mjx.raycast_render.casting.cast import cast, occluded
+from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.schema.compiled import ARCHITECTURE, BANDS, Ray
+
+FAR = 1e6  # [m], end of rays that still carry energy
+
+
+class Trace(Pytree):
+    """What N rays over B bounces gave. Distances are travelled ones [m], energies re the source at 1 m."""
+
+    direction: Float[Array, "n 3"]  # of each ray as it leaves the listener: where its sound comes from
+    arrival: Float[Array, "a n"]  # distance from source to listener over each hit
+    energy: Float[Array, "a n 7"]  # that arrives so
+    travelled: Float[Array, "b n"]  # distance of each hit from the listener
+    remaining: Float[Array, "b n 7"]  # energy of each ray after each hit, starting from 1 / N
+
+
+class _Ray(NamedTuple):
+    origin: Float[Array, "n 3"]
+    direction: Float[Array, "n 3"]
+    travelled: Float[Array, " n"]
+    energy: Float[Array, "n 7"]
+    specular: Float[Array, "n 7"]  # share of the energy that a sphere around the source would count
+
+
+def trace(
+    bank: HouseBank,
+    scene: Scene,
+    source: Float[Array, "3"],
+    listener: Float[Array, "3"],
+    key: Array,
+    config: AudioConfig,
+    exclude: Int[Array, ""] | int = -1,
+    emitter: Int[Array, ""] | int = -1,
+    executor: str | None = None,
+) -> Trace:
+    """Traces rays from the listener through specular and Lambert reflections.
+
+    Sound paths being reversible, a ray's energy times what the source would give to its hit is what the listener
+    hears. Each hit sends to the source, if that is visible, 4 e (1 - absorption) s cos / d², Schröder's diffuse rain
+    with a receiver of unit free-field level at 1 m. The specular rest, (1 - s), is counted as `config.detector` says,
+    but for first-order reflections in architecture, which `reflected_paths` renders.
+
+    Args:
+        bank: The houses.
+        scene: The environment.
+        source: Position of a point source [m].
+        listener: Position of the listener [m].
+        key: Random key, typed or raw; the same key gives the same rays.
+        config: Options.
+        exclude: Object id of the listener's own body; -1 none.
+        emitter: Object id of the body that sounds; -1 none.
+        executor: Of the rays, see `cast`.
+
+    Returns:
+        Arrivals and the rays' decay. With the detector "sphere" there are 2 B rows of arrivals.
+    """
+    turn_key, choice_key, scatter_key = jax.random.split(key, 3)
+    shape = (config.num_bounces, config.num_rays)
+    turn = jax.random.normal(turn_key, (4,), jnp.float32)  # a uniform rotation once normalised
+    turn = quat_matrix(turn / jnp.linalg.norm(turn))
+    direction = jnp.matmul(jnp.asarray(_spread(config.num_rays)), turn, precision="highest")
+    scattered = jax.random.normal(scatter_key, (*shape, 3), jnp.float32)
+    draws = (jnp.arange(shape[0], dtype=jnp.int32), jax.random.uniform(choice_key, shape, jnp.float32), scattered)
+    walk = _Walk(bank, scene, source, config, jnp.int32(exclude), jnp.int32(emitter), executor)
+    start = _Ray(
+        jnp.broadcast_to(listener, direction.shape),
+        direction,
+        jnp.zeros(shape[1], jnp.float32),
+        jnp.full((shape[1], len(BANDS)), 1 / config.num_rays, jnp.float32),
+        jnp.zeros((shape[1], len(BANDS)), jnp.float32),
+    )
+    _, (arrival, energy, travelled, remaining) = jax.lax.scan(walk.bounce, start, draws)
+    rows = (-1, shape[1])
+    return Trace(direction, arrival.reshape(rows), energy.reshape(*rows, len(BANDS)), travelled, remaining)
+
+
+class _Walk(NamedTuple):
+    """What all bounces share."""
+
+    bank: HouseBank
+    scene: Scene
+    source: Float[Array, "3"]
+    config: AudioConfig
+    exclude: Int[Array, ""]
+    emitter: Int[Array, ""]
+    executor: str | None
+
+    def bounce(self, ray: _Ray, draw: tuple[Array, Array, Array]) -> tuple[_Ray, tuple[Array, Array, Array, Array]]:
+        """One segment and the reflection at its end."""
+        index, choice, scattered = draw
+        alive = jnp.max(ray.energy, axis=1) > 0
+        hit = cast(
+            self.scene,
+            ray.origin,
+            ray.direction,
+            t_max=jnp.where(alive, FAR, -1.0),
+            exclude=self.exclude,
+            mask=int(Ray.SOUND),
+            executor=self.executor,
+        )
+        met = surface_at(self.bank, self.scene, ray.direction, hit)
+        alive = hit.instance >= 0
+        length = jnp.where(alive, hit.t, 0.0)
+        loss = jnp.exp(-length[:, None] * air_energy(self.config)[None]) * (1 - met.absorption)
+        energy = jnp.where(alive[:, None], ray.energy * loss, 0.0)
+        point = ray.origin + length[:, None] * ray.direction + SKIN * met.normal
+        travelled = ray.travelled + length
+
+        mirrored = (index == 0) & (hit.instance == ARCHITECTURE) & (self.config.num_reflections > 0)
+        rain = energy * jnp.where(mirrored[:, None] | (self.config.detector == "sphere"), met.scattering, 1.0)
+        arrival, arriving = self._rain(point, met.normal, rain)
+        arrival = arrival + travelled
+        if self.config.detector == "sphere":
+            passing, passed = self._sphere(ray, length)
+            arrival, arriving = jnp.stack([arrival, passing]), jnp.stack([arriving, passed])
+        direction, specular = _reflect(ray.direction, met, choice, scattered)
+        specular = jnp.where(mirrored[:, None], 0.0, specular)
+        new = _Ray(point, direction, travelled, energy, specular)
+        return new, (arrival, arriving, travelled, energy)
+
+    def _rain(
+        self, point: Float[Array, "n 3"], normal: Float[Array, "n 3"], energy: Float[Array, "n 7"]
+    ) -> tuple[Float[Array, " n"], Float[Array, "n 7"]]:
+        """Distance to the source, and the energy that hits scatter there."""
+        offset = self.source[None] - point
+        distance = jnp.linalg.norm(offset, axis=1)
+        toward = offset / jnp.maximum(distance, SKIN)[:, None]
+        cosine = jnp.sum(toward * normal, axis=1)
+        asks = (cosine > 0) & (jnp.max(energy, axis=1) > 0)
+        hidden = occluded(
+            self.scene,
+            point,
+            toward,
+            t_max=jnp.where(asks, distance - SKIN, -1.0),
+            exclude=self.emitter,
+            mask=int(Ray.SOUND),
+            executor=self.executor,
+        )
+        share = 4 * cosine / jnp.maximum(distance, self.config.detector_radius) ** 2
+        share = jnp.where(asks & ~hidden, share, 0.0)
+        return distance, energy * share[:, None] * jnp.exp(-distance[:, None] * air_energy(self.config)[None])
+
+    def _sphere(self, ray: _Ray, length: Float[Array, " n"]) -> tuple[Float[Array, " n"], Float[Array, "n 7"]]:
+        """Distance to, and energy of, specular rays that pass through a sphere around the source."""
+        offset = self.source[None] - ray.origin
+        nearest = jnp.sum(offset * ray.direction, axis=1)
+        miss = jnp.linalg.norm(offset - nearest[:, None] * ray.direction, axis=1)
+        radius = self.config.detector_radius
+        inside = (nearest > 0) & (nearest < length) & (miss < radius)
+        decay = jnp.exp(-nearest[:, None] * air_energy(self.config)[None])
+        energy = 4 / radius**2 * ray.energy * ray.specular * decay
+        return ray.travelled + nearest, jnp.where(inside[:, None], energy, 0.0)
+
+
+def _reflect(
+    direction: Float[Array, "n 3"], met: Surface, choice: Float[Array, " n"], scattered: Float[Array, "n 3"]
+) -> tuple[Float[Array, "n 3"], Float[Array, "n 7"]]:
+    """New directions, and the weight of the specular energy per octave (0 after scattering).
+
+    One direction serves all octaves, drawn by their mean scattering.
+    """
+    mean = jnp.mean(met.scattering, axis=1)
+    mirror = direction - 2 * jnp.sum(direction * met.normal, axis=1, keepdims=True) * met.normal
+    lambert = met.normal + scattered / jnp.maximum(jnp.linalg.norm(scattered, axis=1, keepdims=True), 1e-9)
+    lambert = lambert / jnp.maximum(jnp.linalg.norm(lambert, axis=1, keepdims=True), 1e-6)
+    scatters = (choice < mean)[:, None]
+    weight = (1 - met.scattering) / jnp.maximum(1 - mean, 1e-6)[:, None]
+    return jnp.where(scatters, lambert, mirror), jnp.where(scatters, 0.0, weight)
+
+
+def _spread(count: int) -> Float[np.ndarray, "n 3"]:
+    """Evenly spread unit vectors: a Fibonacci lattice."""
+    index = np.arange(count) + 0.5
+    z, turn = 1 - 2 * index / count, index * np.pi * (3 - np.sqrt(5))
+    ring = np.sqrt(1 - z * z)
+    return np.stack([ring * np.cos(turn), ring * np.sin(turn), z], axis=1).astype(np.float32)

@@ -1,0 +1,21 @@
+"""Many compiled houses on the device, as one pytree."""
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.bank.records import Acoustics, BankSpec, Finish, Geometry, Lights, Materials, Navigation, Physics
+from home_mjx.bank.stream import HouseStream
+from home_mjx.bank.usage import Usage, bank_usage
+
+__all__ = [
+    "Acoustics",
+    "BankSpec",
+    "Finish",
+    "Geometry",
+    "HouseBank",
+    "HouseStream",
+    "Lights",
+    "Materials",
+    "Navigation",
+    "Physics",
+    "Usage",
+    "bank_usage",
+]

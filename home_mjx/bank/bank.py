@@ -1,0 +1,159 @@
+"""Many compiled houses on the device: ragged geometry concatenated, small tables padded.
+
+The one module of this package (with `pytree`) that knows JAX. An environment holds only an int32 house index.
+"""
+
+from collections.abc import Sequence
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Int, UInt8
+from tqdm import tqdm
+
+from home_mjx.bank.packing.gpu_geometry import gpu_geometry
+from home_mjx.bank.packing.pack import Packed, pack
+from home_mjx.bank.records import (
+    RECORDS,
+    SIZES,
+    Acoustics,
+    BankSpec,
+    Finish,
+    Geometry,
+    Lights,
+    Materials,
+    Navigation,
+    Physics,
+)
+from home_mjx.core.checks import check_number
+from home_mjx.core.pytree import Pytree, static
+from home_mjx.datasets.suncg.dataset import Dataset, open_dataset
+from home_mjx.errors import ConfigError
+from home_mjx.scene_compile.cache.house_cache import HouseCache
+from home_mjx.scene_compile.cache.selection import HouseFilter, select_ids
+from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS, CompileOptions
+from home_mjx.schema.compiled import CompiledHouse
+
+
+class HouseBank(Pytree):
+    """Many houses in one pytree.
+
+    Example:
+        >>> bank = HouseBank.from_dataset("datasets/demo")  # doctest: +SKIP
+        >>> bank.num_houses  # doctest: +SKIP
+        8
+    """
+
+    geometry: Geometry
+    materials: Materials
+    semantics: Int[Array, "q 23"]  # columns: compiled.Semantic
+    physics: Physics
+    acoustics: Acoustics
+    navigation: Navigation
+    finish: Finish
+    lights: Lights
+    draw: Int[Array, " h"]  # what resets draw from: house indices, each as often as any other that may be drawn
+    house_id: UInt8[Array, "h 32"]  # ASCII of the dataset's house id
+    spec: BankSpec = static()
+
+    @classmethod
+    def from_compiled(cls, houses: Sequence[CompiledHouse]) -> "HouseBank":
+        """A bank of compiled houses, in the given order.
+
+        Args:
+            houses: At least one; all compiled with the same options.
+
+        Raises:
+            ConfigError: No house, or houses that cannot share a bank.
+            CapacityError: The houses have too many triangles for one bank.
+            DatasetError: A texture cannot be read.
+        """
+        return to_bank(pack(houses))
+
+    @classmethod
+    def from_dataset(
+        cls,
+        root: str | Path | Dataset | None,
+        ids: Sequence[str] | None = None,
+        limit: int | None = None,
+        progress: bool = False,
+        options: CompileOptions = DEFAULT_OPTIONS,
+        split: str | None = None,
+        where: HouseFilter | None = None,
+    ) -> "HouseBank":
+        """A bank of houses of a dataset in SUNCG's format; compiled houses are cached on disk.
+
+        Args:
+            root: Folder of the dataset, or an open one; None: the one that `SUNCG_DATA_DIR` names.
+            ids: Which houses, in this order; by default all, sorted.
+            limit: Take the first so many.
+            progress: Show a progress bar.
+            options: How to compile.
+            split: Only houses of this split, see `selection.split_of`.
+            where: Only houses that have all this.
+
+        Raises:
+            DatasetError: The dataset or one of the houses is missing or broken.
+            ConfigError: No house is left, or the houses cannot share a bank.
+        """
+        if isinstance(ids, str):
+            raise ConfigError(f"`ids` must be several ids, got `{ids}`", hint="One alone is written [id].")
+        if limit is not None:
+            check_number("limit", limit, 1, whole=True)
+        dataset = root if isinstance(root, Dataset) else open_dataset(root)
+        chosen = select_ids(dataset.house_ids if ids is None else ids, split)
+        wanted = chosen[:limit] if where is None else chosen
+        cache = HouseCache(dataset, options)
+        with tqdm(wanted, desc="houses", unit="house", disable=not progress) as bar:
+            loaded = (cache.load(house_id) for house_id in bar)
+            houses = list(islice((house for house in loaded if where is None or where.accepts(house)), limit))
+        if not houses:
+            hint = "Choose another split or a wider filter." if split or where else None
+            raise ConfigError("no house of the dataset was chosen", hint=hint)
+        return cls.from_compiled(houses)
+
+    @property
+    def num_houses(self) -> int:
+        """Number of houses."""
+        return self.house_id.shape[0]
+
+    def known_house(self, house: Int[Array, "*n"] | int) -> Int[Array, "*n"]:
+        """See `Geometry.known_house`."""
+        return self.geometry.known_house(house)
+
+    def semantics_of(self, house: Int[Array, ""] | int, object_id: Int[Array, "*n"], column: int) -> Int[Array, "*n"]:
+        """What objects are, by their ids: those of an instance image, say.
+
+        Args:
+            house: Index of the house in the bank.
+            object_id: Object ids; `spec.num_instances` + a for agent a.
+            column: One of `compiled.Semantic`; `semantics.vocabularies()` has the names of its numbers.
+
+        Returns:
+            The numbers; -1 for none, and for ids that the house has not, such as -1 of its architecture.
+
+        Example:
+            >>> sizes = bank.semantics_of(0, images["instance"], Semantic.SIZE)  # doctest: +SKIP
+        """
+        rows = self.geometry.object_semantic[self.known_house(house)]
+        known = jnp.clip(object_id, 0, rows.shape[0] - 1)
+        row = jnp.where(object_id < rows.shape[0], rows[known], self.geometry.agent_semantic)
+        found = self.semantics[:, column][jnp.maximum(row, 0)]
+        return jnp.where((object_id < 0) | (row < 0), -1, found)
+
+
+def to_bank(packed: Packed) -> HouseBank:
+    """Packed houses on the device."""
+    tables: dict[str, dict[str, Any]] = {}
+    for name, values in packed.arrays.items():
+        record, _, field = name.partition(".")
+        tables.setdefault(record, {})[field] = jnp.asarray(values)
+    if jax.default_backend() == "gpu":
+        tables["geometry"]["gpu"] = gpu_geometry(Geometry(**tables["geometry"]))
+    whole: dict[str, Any] = {name: table[""] for name, table in tables.items() if "" in table}
+    whole |= {name: record(**tables[name]) for name, record in RECORDS.items()}
+    sizes = {name: getattr(packed.capacity, name.removeprefix("num_")) for name in SIZES}
+    draw = jnp.arange(len(packed.arrays["house_id"]), dtype=jnp.int32)
+    return HouseBank(**whole, draw=draw, spec=BankSpec(**sizes, cell=packed.cell))

@@ -1,0 +1,1 @@
+"""Compiled houses into the arrays of a bank; host only, NumPy."""

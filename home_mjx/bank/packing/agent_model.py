@@ -1,0 +1,51 @@
+"""How an agent looks to others: a capsule with a visor on the side that it faces (+x)."""
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from home_mjx.scene_compile.geometry.mesh import box_triangles, make_model
+from home_mjx.scene_compile.materials.surface import Surface, material_table
+from home_mjx.schema.compiled import MaterialTable, Model
+from home_mjx.schema.semantic import semantic_row
+
+RADIUS = 0.1  # [m], as HoME's agent
+HEIGHT = 1.6  # [m]
+VISOR_CENTER = (0.09, 0.0, 0.62)  # [m], at eye height
+VISOR_SIZE = (0.07, 0.12, 0.06)  # [m]
+SEGMENTS = 16
+RINGS = 4  # per half sphere
+
+
+def agent_model() -> Model:
+    """The agent's library model: origin at the middle of the capsule, Z up, looking along +x; slots body and visor."""
+    body = _capsule()
+    visor = box_triangles(np.array(VISOR_CENTER), np.array(VISOR_SIZE) / 2)
+    slot = np.repeat([0, 1], [len(body), len(visor)])
+    return make_model("agent", np.concatenate([body, visor]), slot=slot)
+
+
+def agent_materials() -> MaterialTable:
+    """Rows of the agent's two slots."""
+    return material_table([Surface((0.15, 0.35, 0.75), kind="textile"), Surface((0.95, 0.75, 0.1), kind="plastic")])
+
+
+def agent_semantics() -> Int[np.ndarray, "1 23"]:
+    """The one semantic row of agents; which agent it was is the instance that the ray hit."""
+    return semantic_row("person", "person", "person")[None]
+
+
+def _capsule() -> Float[np.ndarray, "t 3 3"]:
+    """Triangles of a capsule along z, counter-clockwise outwards."""
+    angle = np.linspace(-np.pi / 2, 0, RINGS + 1)
+    radius = RADIUS * np.cos(np.concatenate([angle, -angle[::-1]]))
+    shift = np.repeat([-1, 1], RINGS + 1) * (HEIGHT / 2 - RADIUS)
+    z = RADIUS * np.sin(np.concatenate([angle, -angle[::-1]])) + shift
+    turn = np.arange(SEGMENTS) * 2 * np.pi / SEGMENTS
+    xy = radius[:, None, None] * np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+    points = np.concatenate([xy, np.broadcast_to(z[:, None, None], (*xy.shape[:2], 1))], axis=-1)
+    lower, upper = points[:-1], points[1:]
+    lower_next, upper_next = np.roll(lower, -1, axis=1), np.roll(upper, -1, axis=1)
+    quads = [[lower, lower_next, upper_next], [lower, upper_next, upper]]
+    triangles = np.concatenate([np.stack(q, axis=2).reshape(-1, 3, 3) for q in quads])
+    normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    return triangles[np.linalg.norm(normal, axis=1) > 1e-9]

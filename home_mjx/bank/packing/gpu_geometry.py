@@ -1,0 +1,74 @@
+"""A house bank's geometry once more, as the `cuda` ray executor likes to read it: in whole 16-byte words.
+
+A node and the codes of its children lie side by side, boxes are given by centre and half size, a triangle comes with
+its material slot, and what a ray needs to enter an instance is one record. Integers travel as the bits of floats.
+"""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+
+from home_mjx.core.pytree import Pytree
+
+ROUND_UP = 1 + 2.0**-22  # more than the rounding of a half size
+
+
+class GpuGeometry(Pytree):
+    """Derived arrays of a `bank.Geometry`."""
+
+    node: Float[Array, "n 16"]  # per child: centre xyz, half size xyz; then bits of the two codes, 2 unused
+    triangle: Float[Array, "t 12"]  # corner 0 and bits of the slot, corner 1, 0, corner 2, 0
+    instance: Float[Array, "h i 16"]  # as `records` makes them
+
+
+@jax.jit
+def gpu_geometry(geometry: Any) -> GpuGeometry:
+    """Lays out a `bank.Geometry`.
+
+    Example:
+        >>> bank = bank.replace(geometry=geometry.replace(gpu=gpu_geometry(geometry)))  # doctest: +SKIP
+    """
+    fixed = geometry.instance_model
+    root = geometry.model_root[jnp.maximum(fixed, 0)]
+    number = jnp.broadcast_to(jnp.arange(fixed.shape[1], dtype=jnp.int32)[None], fixed.shape)
+    return GpuGeometry(
+        node=_nodes(geometry.node_box, geometry.node_child),
+        triangle=_triangles(geometry.triangle, geometry.triangle_slot),
+        instance=records(geometry.instance_inverse, root, number, geometry.instance_object, geometry.instance_material),
+    )
+
+
+def records(
+    inverse: Float[Array, "*i 3 4"],
+    root: Int[Array, "*i"],
+    number: Int[Array, "*i"],
+    object_id: Int[Array, "*i"],
+    material: Int[Array, "*i"],
+) -> Float[Array, "*i 16"]:
+    """One row per instance: model from world, then the bits of root node, instance number, object id, material row."""
+    notes = _bits(jnp.stack([root, number, object_id, material], axis=-1))
+    return jnp.concatenate([inverse.astype(jnp.float32).reshape(*root.shape, 12), notes], axis=-1)
+
+
+def middles(low: Float[Array, "*n 3"], high: Float[Array, "*n 3"]) -> Float[Array, "*n 6"]:
+    """Boxes by centre and half size, never smaller; half size -inf of those inside out or not numbers."""
+    good = jnp.all(low <= high, axis=-1, keepdims=True)
+    center = jnp.where(good, low / 2 + high / 2, 0)
+    half = jnp.where(good, jnp.maximum(high - center, center - low) * ROUND_UP, -jnp.inf)
+    return jnp.concatenate([center, half], axis=-1)
+
+
+def _nodes(box: Float[Array, "n 2 6"], child: Int[Array, "n 2"]) -> Float[Array, "n 16"]:
+    codes = _bits(jnp.pad(child, [(0, 0), (0, 2)]))
+    return jnp.concatenate([middles(box[..., :3], box[..., 3:]).reshape(-1, 12), codes], axis=1)
+
+
+def _triangles(corner: Float[Array, "t 3 3"], slot: Int[Array, " t"]) -> Float[Array, "t 12"]:
+    fourth = jnp.pad(_bits(slot)[:, None], [(0, 0), (0, 2)])[..., None]
+    return jnp.concatenate([corner, fourth], axis=2).reshape(-1, 12)
+
+
+def _bits(x: Int[Array, "*n"]) -> Float[Array, "*n"]:
+    return jax.lax.bitcast_convert_type(x.astype(jnp.int32), jnp.float32)

@@ -1,0 +1,77 @@
+"""Image files as one array of layers."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float, UInt8
+from PIL import Image
+
+from home_mjx.bank.packing.padding import size_class
+from home_mjx.core.color import decode_srgb, encode_srgb
+from home_mjx.core.images import open_texture
+from home_mjx.errors import ConfigError
+from home_mjx.schema.compiled import TextureArray
+
+TEXTURE_SIZE = 128  # [px]
+
+
+def load_textures(paths: Sequence[str], size: int = TEXTURE_SIZE) -> TextureArray:
+    """Images as sRGB and alpha layers, each with its mip levels; layers beyond the last image are white.
+
+    Args:
+        paths: Image files.
+        size: Edge of the square layers [px], a power of two.
+
+    Raises:
+        DatasetError: As `open_texture`.
+        ConfigError: `size` is no power of two.
+    """
+    if size < 1 or size & (size - 1):
+        raise ConfigError(f"the edge of texture layers must be a power of two, got {size}")
+    layers = np.full((_num_layers(len(paths)), sum(mip_sizes(size)), 4), 255, np.uint8)
+    for layer, path in zip(layers, paths, strict=False):
+        image = open_texture(Path(path)).resize((size, size), Image.Resampling.LANCZOS)
+        layer[...] = mip_levels(np.asarray(image))
+    return layers
+
+
+def mip_sizes(size: int) -> list[int]:
+    """Texels of each mip level of a square texture, from the full size down to one.
+
+    Example:
+        >>> mip_sizes(4)
+        [16, 4, 1]
+    """
+    return [(size >> level) ** 2 for level in range(size.bit_length())]
+
+
+def mip_levels(image: UInt8[np.ndarray, "s s 4"]) -> UInt8[np.ndarray, "p 4"]:
+    """A texture and its halvings, row by row after one another; each texel is the mean of four, in linear light.
+
+    Texels count by their opacity, so that what is cut away does not bleed into what stays.
+    """
+    color, alpha = decode_srgb(image[..., :3] / 255.0), image[..., 3:] / 255.0
+    levels = [image.reshape(-1, 4)]
+    while len(color) > 1:
+        weight = np.maximum(alpha, 1e-6)
+        alpha = _halved(alpha)
+        color = _halved(color * weight) / np.maximum(_halved(weight), 1e-6)
+        levels.append(
+            np.round(255 * np.concatenate([encode_srgb(color), alpha], axis=-1)).astype(np.uint8).reshape(-1, 4)
+        )
+    return np.concatenate(levels)
+
+
+def _halved(values: Float[np.ndarray, "s s c"]) -> Float[np.ndarray, "s2 s2 c"]:
+    size = len(values) // 2
+    return values.reshape(size, 2, size, 2, -1).mean(axis=(1, 3))
+
+
+def _num_layers(count: int) -> int:
+    return size_class(count, 1)
+
+
+def texture_bytes(count: int, size: int = TEXTURE_SIZE) -> int:
+    """What the layers of `count` images take."""
+    return _num_layers(count) * sum(mip_sizes(size)) * 4

@@ -1,0 +1,241 @@
+"""A bank whose houses change while environments run: for datasets that are larger than memory."""
+
+import functools
+import logging
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Int
+from tqdm import tqdm
+
+from home_mjx.bank.bank import HouseBank, to_bank
+from home_mjx.bank.packing.agent_model import agent_model
+from home_mjx.bank.packing.capacity import Capacity, row_stride
+from home_mjx.bank.packing.gpu_geometry import gpu_geometry
+from home_mjx.bank.packing.pack import Library, pack_slot, pack_slots
+from home_mjx.core.checks import check_number
+from home_mjx.datasets.suncg.dataset import Dataset, open_dataset
+from home_mjx.errors import ConfigError, HomeMjxError
+from home_mjx.scene_compile.cache.entry import BROKEN
+from home_mjx.scene_compile.cache.house_cache import HouseCache
+from home_mjx.scene_compile.cache.selection import select_ids
+from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS, CompileOptions
+from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse
+
+log = logging.getLogger(__name__)
+
+Prepared = tuple[str, dict[str, Array], dict[str, Array]]  # house id, rows, and where they begin
+
+
+@dataclass
+class _Retiring:
+    """A slot that no reset draws any more, and the house that will take it."""
+
+    slot: int
+    since: int  # the call of `advance` from which on no reset draws it
+    house: "Future[Prepared | None]"
+
+
+class HouseStream:
+    """A `HouseBank` of a fixed number of slots, into which a thread brings the houses of a dataset one after the other.
+
+    Models and textures of all houses stay on the device; a slot holds what is a house's own. Shapes never change, so
+    nothing is compiled again. A slot is first retired, that is, resets stop drawing it; when no environment is in it
+    any more, the next house is written over it, in place.
+
+    Houses should be in the cache (`home-mjx compile ROOT`), or the first pass compiles them.
+
+    Args:
+        root: Folder of the dataset, or an open one.
+        ids: Which houses; all by default.
+        num_slots: Houses in the bank at a time.
+        spare: How many of them may be retired at a time.
+        headroom: How many times as large as the largest of the first houses a house may be. Houses that do not fit are
+            skipped, see `skipped`.
+        split: Only houses of this split.
+        seed: Of the order, which is another one in every pass over the dataset.
+        options: How to compile.
+        progress: Show a progress bar while all houses are looked through.
+
+    Attributes:
+        bank: The bank as it is now. The one before is gone once `advance` was called: its memory is written over.
+        skipped: Reason by id of each house that cannot be shown.
+        swaps: Houses exchanged so far.
+
+    Raises:
+        ConfigError: There are fewer houses than slots.
+
+    Example:
+        >>> with HouseStream("datasets/suncg", num_slots=64) as stream:  # doctest: +SKIP
+        ...     states = reset(stream.bank, keys)
+        ...     for _ in range(1000):
+        ...         states = step(stream.advance(states.info["world"].house), states, actions)
+    """
+
+    def __init__(
+        self,
+        root: str | Path | Dataset,
+        ids: Sequence[str] | None = None,
+        *,
+        num_slots: int = 8,
+        spare: int = 1,
+        headroom: float = 1.5,
+        split: str | None = None,
+        seed: int = 0,
+        options: CompileOptions = DEFAULT_OPTIONS,
+        progress: bool = False,
+    ) -> None:
+        for name, value, least in (("num_slots", num_slots, 2), ("spare", spare, 1), ("seed", seed, 0)):
+            check_number(name, value, least, whole=True)
+        check_number("headroom", headroom, 1)
+        dataset = root if isinstance(root, Dataset) else open_dataset(root)
+        if not 0 < spare < num_slots:
+            raise ConfigError(f"`spare` must be from 1 to num_slots - 1, got {spare} of {num_slots}")
+        self.skipped: dict[str, str] = {}
+        self.swaps = 0
+        self._cache = HouseCache(dataset, options)
+        ids = select_ids(dataset.house_ids if ids is None else ids, split)
+        self._library = self._look_through(ids, progress)
+        self._order = self._endless(ids, np.random.default_rng(seed))
+        first = self._first_houses(num_slots)
+        self._capacity, self._stride = Capacity.of(first, headroom), row_stride(first, headroom)
+        self.bank: HouseBank = to_bank(pack_slots(first, self._library, self._capacity, self._stride))
+        self.bank = _write(self.bank, *self._prepare(first[0], 0)[1:])  # compiles it, lest the first swap waits
+        self._calls, self._used, self._closed = 0, None, False
+        self._worker = ThreadPoolExecutor(1, "house-stream")
+        self._active = list(range(num_slots))
+        self._retiring: list[_Retiring] = []
+        for _ in range(spare):
+            self._retire()
+
+    def advance(self, houses: Int[Array, "..."]) -> HouseBank:
+        """Exchanges a house if one is ready; call it before every step, or as often as houses may change.
+
+        Args:
+            houses: House index of every environment that there is, as in `state.info["world"].house`.
+
+        Returns:
+            The bank for the next steps; do not use an earlier one.
+        """
+        if self._closed:
+            raise ConfigError("the stream is closed: no house comes any more", hint="Step inside its `with` block.")
+        used = self._used  # of the last call: it is known by now, so nothing waits for the device
+        self._calls += 1
+        self._used = (self._calls, _slots_in_use(houses, self.bank.num_houses))
+        if used is not None:
+            call, slots = used[0], np.asarray(used[1])
+            for item in list(self._retiring):
+                if item.since < call and not slots[item.slot] and item.house.done():
+                    self._exchange(item)
+        return self.bank
+
+    def close(self) -> None:
+        """Ends the thread."""
+        self._closed = True
+        self._worker.shutdown(cancel_futures=True)
+
+    def __enter__(self) -> "HouseStream":
+        return self
+
+    def __exit__(self, kind: type | None, value: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+    def _look_through(self, ids: Sequence[str], progress: bool) -> Library:
+        """Every model and texture of the houses; those that cannot be compiled are skipped."""
+        agent = agent_model()
+        models, textures = {agent.key: agent}, set()
+        for house_id in tqdm(ids, desc="models", unit="house", disable=not progress):
+            try:
+                notes = self._cache.notes(house_id)
+                for key in notes["instances.model"][ARCHITECTURE + 1 :]:
+                    models[key] = self._cache.model(key)
+                textures.update(filter(None, self._cache.textures(notes)))
+            except (HomeMjxError, *BROKEN) as error:
+                self.skipped[house_id] = str(error)
+        return Library(models, tuple(sorted(textures)))
+
+    def _endless(self, ids: Sequence[str], rng: np.random.Generator) -> Iterator[str]:
+        """Ids of houses that are not skipped, every pass in another order; ends if none is left."""
+        while any(house_id not in self.skipped for house_id in ids):
+            for i in rng.permutation(len(ids)):
+                house_id = ids[int(i)]
+                if house_id not in self.skipped:
+                    yield house_id
+
+    def _first_houses(self, num_slots: int) -> list[CompiledHouse]:
+        houses: dict[str, CompiledHouse] = {}
+        for house_id in self._order:
+            if house_id in houses:
+                break
+            houses[house_id] = self._cache.load(house_id)
+            if len(houses) == num_slots:
+                return list(houses.values())
+        raise ConfigError(
+            f"{num_slots} slots need at least as many houses, there are {len(houses)}",
+            hint="Use fewer slots, or a HouseBank: it holds all houses.",
+        )
+
+    def _retire(self) -> None:
+        """Takes the slot that was filled first out of what resets draw, and has the next house made ready for it."""
+        slot = self._active.pop(0)
+        self.bank = self.bank.replace(draw=jnp.asarray(np.resize(self._active, self.bank.num_houses), jnp.int32))
+        self._retiring.append(_Retiring(slot, self._calls, self._worker.submit(self._next, slot)))
+
+    def _exchange(self, item: _Retiring) -> None:
+        self._retiring.remove(item)
+        prepared = item.house.result()
+        if prepared is None:  # no house is left that could be shown: the slot stays as it is
+            return
+        _, rows, starts = prepared
+        self.bank = _write(self.bank, rows, starts)
+        self._active.append(item.slot)
+        self.swaps += 1
+        self._retire()
+
+    def _next(self, slot: int) -> Prepared | None:
+        """The next house that fits, made ready for a slot; in the thread."""
+        for house_id in self._order:
+            try:
+                return self._prepare(self._cache.load(house_id), slot)
+            except HomeMjxError as error:
+                self.skipped[house_id] = str(error)
+                log.warning("house %s is skipped: %s", house_id, error)
+        return None
+
+    def _prepare(self, house: CompiledHouse, slot: int) -> Prepared:
+        """Raises `CapacityError` if the house does not fit."""
+        rows, starts = pack_slot(house, self._library, self._capacity, self._stride, slot)
+        for key in house.instances.model[:1]:
+            self._cache.library.pop(key, None)  # its architecture; models stay
+        return house.id, jax.device_put(rows), jax.device_put({k: np.int32(v) for k, v in starts.items()})
+
+
+@functools.partial(jax.jit, donate_argnums=0)
+def _write(bank: HouseBank, rows: Mapping[str, Array], starts: Mapping[str, Array]) -> HouseBank:
+    """The bank with other rows, in the same memory."""
+    changes: dict[str, dict[str, Array]] = {}
+    for name, values in rows.items():
+        record, _, field = name.partition(".")
+        whole = getattr(getattr(bank, record), field) if field else getattr(bank, record)
+        new = jax.lax.dynamic_update_slice_in_dim(whole, values, starts[name], axis=0)
+        changes.setdefault(record, {})[field] = new
+    replaced: dict[str, Any] = {
+        record: fields[""] if "" in fields else getattr(bank, record).replace(**fields)
+        for record, fields in changes.items()
+    }
+    bank = bank.replace(**replaced)
+    if bank.geometry.gpu is not None:
+        bank = bank.replace(geometry=bank.geometry.replace(gpu=gpu_geometry(bank.geometry)))
+    return bank
+
+
+@functools.partial(jax.jit, static_argnums=1)
+def _slots_in_use(houses: Int[Array, "..."], num_slots: int) -> Bool[Array, " h"]:
+    return jnp.zeros(num_slots, bool).at[houses.reshape(-1)].set(True)

@@ -1,0 +1,36 @@
+"""The whole environment step."""
+
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+
+from home_mjx.bench import timing
+from home_mjx.bench.record import Record, Settings, make_record
+from home_mjx.registry import make
+
+
+def all_sensors(settings: Settings) -> Record:
+    """Steps of all environments with the default sensors."""
+    return _steps(settings, "env/all-sensors")
+
+
+def depth(settings: Settings) -> Record:
+    """Steps with the depth image only."""
+    return _steps(settings, "env/depth", sensors=("depth",))
+
+
+def _steps(settings: Settings, case: str, **options: Any) -> Record:
+    env = make("PointNav-v0", settings.bank, episode_length=10**6, **options)
+    keys = jax.random.key_data(jax.random.split(jax.random.key(0), settings.num_envs))
+    states = jax.jit(jax.vmap(env.reset_in, (None, 0)))(env.bank, keys)
+    actions = jnp.full((settings.num_envs, env.action_size), 0.5, jnp.float32)
+    step, seconds = timing.compiled(jax.vmap(env.step_in, (None, 0, 0)), env.bank, states, actions)
+    rate = timing.calls_per_second(step, env.bank, states, actions, seconds=settings.seconds)
+    note = f"PointNav-v0 with {', '.join(env.config.sensors)}; {settings.houses}"
+    steps = rate * settings.num_envs
+    return make_record(case, steps, "steps/s", note, num_envs=settings.num_envs, compile_seconds=seconds)
+
+
+CASES: dict[str, Callable[[Settings], Record]] = {"all-sensors": all_sensors, "depth": depth}

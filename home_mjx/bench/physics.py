@@ -1,0 +1,54 @@
+"""Bodies and agents alone: no images, no sound."""
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import jax
+import jax.numpy as jnp
+import mujoco
+
+from home_mjx import physics
+from home_mjx.bench import timing
+from home_mjx.bench.batch import houses_and_starts
+from home_mjx.bench.record import Record, Settings, make_record
+
+
+def step(settings: Settings) -> Record:
+    """Control steps of all environments; the peer is MuJoCo in C on the first house's full MJCF."""
+    bank, config = settings.bank, physics.PhysicsConfig()
+    template = physics.Template(config, bank.spec)
+    houses, starts = houses_and_starts(settings)
+    yaw = jnp.zeros((settings.num_envs, 1), jnp.float32)
+    reset = jax.jit(jax.vmap(lambda *args: physics.reset(template, bank, *args)))
+    data = reset(houses, starts[:, None], yaw)
+    action = jnp.full((settings.num_envs, 1, 3), 0.5, jnp.float32)
+    function = jax.vmap(lambda bank, *args: physics.step(template, bank, *args), (None, 0, 0, 0))
+    program, seconds = timing.compiled(function, bank, houses, data, action)
+    rate = timing.calls_per_second(program, bank, houses, data, action, seconds=settings.seconds)
+    value = rate * settings.num_envs
+    note = f"{config.substeps} x {config.sim_dt} s, {bank.spec.num_bodies} bodies; {settings.houses}"
+    peer = ("MuJoCo C (1 thread, 1 house)", _mujoco(settings, config))
+    return make_record(
+        "physics/step", value, "steps/s", note, num_envs=settings.num_envs, compile_seconds=seconds, peer=peer
+    )
+
+
+def _mujoco(settings: Settings, config: physics.PhysicsConfig) -> float:
+    """Control steps per second."""
+    from home_mjx.scene_compile.mjcf.export import export_mjcf
+
+    with TemporaryDirectory() as folder:
+        path = str(export_mjcf(settings.first_house, Path(folder)))
+        model = mujoco.MjModel.from_xml_path(path)  # pyright: ignore[reportAttributeAccessIssue]
+    model.opt.timestep = config.sim_dt
+    data = mujoco.MjData(model)  # pyright: ignore[reportAttributeAccessIssue]
+    start, count = time.perf_counter(), 0
+    while time.perf_counter() - start < settings.seconds:
+        mujoco.mj_step(model, data, config.substeps)  # pyright: ignore[reportAttributeAccessIssue]
+        count += 1
+    return count / (time.perf_counter() - start)
+
+
+CASES: dict[str, Callable[[Settings], Record]] = {"step": step}

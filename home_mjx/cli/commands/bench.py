@@ -1,0 +1,40 @@
+"""Measure speed. CASE is `all`, a case (load, compile, rays, physics, audio, env) or a figure (rays/primary-depth)."""
+
+import argparse
+import json
+import sys
+from dataclasses import asdict
+
+from home_mjx.bench import CASE_NAMES, measure
+from home_mjx.bench.record import Record, Settings
+from home_mjx.cli.houses import add_dataset_option
+from home_mjx.cli.parsing import positive_int
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds the options of `home-mjx bench`."""
+    parser.add_argument("case", metavar="CASE", help=f"all, {', '.join(CASE_NAMES)}, or one figure of a case")
+    parser.add_argument("--json", action="store_true", help="print one JSON object a line")
+    parser.add_argument("--houses", type=positive_int, default=8, help="how many houses (default: 8)")
+    parser.add_argument("--envs", type=positive_int, default=64, help="environments in the batch (default: 64)")
+    parser.add_argument("--seconds", type=positive_int, default=2, help="how long each figure is measured (default: 2)")
+    add_dataset_option(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Prints each figure as soon as it is known."""
+    settings = Settings(args.suncg, args.houses, args.envs, float(args.seconds))
+    for record in measure(args.case, settings):
+        sys.stdout.write((json.dumps(asdict(record)) if args.json else as_text(record)) + "\n")
+        sys.stdout.flush()
+    return 0
+
+
+def as_text(record: Record) -> str:
+    """One line for people."""
+    text = f"{record.case:<24}{record.value:>14,.4g} {record.unit:<12}"
+    if record.compile_seconds is not None:
+        text += f" compiled in {record.compile_seconds:.1f} s"
+    if record.ratio is not None:
+        text += f"; {record.ratio:.3g} x {record.peer}"
+    return f"{text}\n{'':<24}{record.note}, {record.device}"

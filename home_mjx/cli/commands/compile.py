@@ -1,0 +1,74 @@
+"""Compile the houses of a dataset into the cache, or write one house as MJCF to open in MuJoCo's viewer."""
+
+import argparse
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from home_mjx.cli.houses import add_house_arguments, compile_named_house, named_root, names_root
+from home_mjx.cli.parsing import positive_int
+from home_mjx.core.checks import check_known
+from home_mjx.errors import ConfigError
+
+COLLISIONS = ("box", "exact")
+
+if TYPE_CHECKING:
+    from home_mjx.scene_compile.cache.job import Summary
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds the options of `home-mjx compile`."""
+    add_house_arguments(parser, "id of a house, or root of a dataset: then all its houses are compiled")
+    parser.add_argument("--mjcf", type=Path, metavar="OUT", help="write one house as MJCF into this folder instead")
+    parser.add_argument("--collision", default="box", help="with --mjcf: objects collide by `box` or `exact` pieces")
+    group = parser.add_argument_group("whole datasets")
+    group.add_argument("--workers", type=positive_int, default=os.cpu_count() or 1, help="processes (default: all)")
+    group.add_argument("--resume", action="store_true", help="skip houses that an earlier run has done")
+    group.add_argument("--report", type=Path, metavar="FILE", help="what became of each house (default: in the cache)")
+    group.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster that does the work")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Compiles, and says what came of it; 1 if a house failed."""
+    check_known("collision", [args.collision], COLLISIONS)
+    if args.mjcf is not None:
+        return _write_mjcf(args)
+    from home_mjx.scene_compile.cache.job import compile_dataset
+
+    summary = compile_dataset(
+        named_root(args),
+        None if args.house is None or names_root(args) else [args.house],
+        workers=args.workers,
+        resume=args.resume,
+        report=args.report,
+        scheduler=args.scheduler,
+        progress=True,
+    )
+    _tell(summary)
+    return int(summary.failed > 0)
+
+
+def _write_mjcf(args: argparse.Namespace) -> int:
+    from home_mjx.scene_compile.mjcf.export import export_mjcf
+
+    if names_root(args):
+        raise ConfigError("--mjcf takes one house, not a dataset", hint="Name a house, and its dataset by --suncg.")
+    path = export_mjcf(compile_named_house(args), args.mjcf, collision=args.collision)
+    sys.stdout.write(f"{path}\nLook at it: python -m mujoco.viewer --mjcf={path}\n")
+    return 0
+
+
+def _tell(summary: "Summary") -> None:
+    from home_mjx.scene_compile.cache.job import FAILED, read_report
+
+    done = summary.compiled + summary.cached
+    rate = done / max(summary.seconds, 1e-9)
+    sys.stdout.write(
+        f"{summary.compiled} compiled, {summary.cached} in the cache, {summary.skipped} skipped, "
+        f"{summary.failed} failed in {summary.seconds:.1f} s ({rate:.2g} houses/s)\n{summary.report}\n"
+    )
+    if summary.failed:
+        failed = [line for line in read_report(summary.report) if line["status"] == FAILED]
+        for line in failed[-10:]:
+            sys.stderr.write(f"{line['id']}: {line['error']['message']} (in {line['error']['file']})\n")

@@ -1,0 +1,46 @@
+"""Walk agents through houses; write pictures, a film with stereo sound and a report."""
+
+import argparse
+import sys
+from pathlib import Path
+
+from home_mjx.cli.houses import add_dataset_option
+from home_mjx.cli.output import make_folder
+from home_mjx.cli.parsing import positive_int, seed
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds the options of `home-mjx demo`."""
+    parser.add_argument("--out", type=Path, default=Path("demo"), help="folder for the files (default: demo)")
+    add_dataset_option(parser)
+    parser.add_argument("--houses", type=positive_int, default=8, help="how many houses (default: 8)")
+    parser.add_argument("--envs", type=positive_int, default=64, help="environments in the batch (default: 64)")
+    parser.add_argument("--steps", type=positive_int, default=150, help="length of the walk in steps of 0.1 s")
+    parser.add_argument("--seed", type=seed, default=0, help="of poses and noise (default: 0)")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Runs the demo and says where to look."""
+    from home_mjx.demo.run import DemoOptions, run_demo
+
+    options = DemoOptions(
+        out=make_folder(args.out),
+        suncg=args.suncg,
+        num_houses=args.houses,
+        num_envs=args.envs,
+        num_steps=args.steps,
+        num_views=min(3, args.envs),
+        seed=args.seed,
+    )
+    report = run_demo(options)
+    rates = report["steps_per_second"]
+    lines = [
+        f"{rates['all']:.0f} environment steps/s with all sensors "
+        f"({report['num_envs']} environments, {report['num_houses']} houses, {report['device']})",
+        f"Look at {args.out / 'contact_sheet.png'}",
+        f"Watch   {args.out / 'walk.mp4'} (with the agent's stereo sound)",
+        f"Listen  {args.out / 'walk.wav'}",
+        f"Figures {args.out / 'report.json'}",
+    ]
+    sys.stdout.write("\n".join(lines) + "\n")
+    return 0

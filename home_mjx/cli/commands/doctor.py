@@ -1,0 +1,173 @@
+"""Say whether this machine is ready, and what to do if it is not. Exit code 1 if something is broken."""
+
+import argparse
+import importlib.metadata as metadata
+import json
+import os
+import platform
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+
+from home_mjx.errors import HomeMjxError
+
+OK, NOTE, BROKEN = "ok", "note", "broken"
+OPTIONAL = ("brax", "flax", "matplotlib", "mujoco-warp", "warp-lang")
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One line of the report."""
+
+    topic: str
+    status: str  # OK, NOTE or BROKEN
+    detail: str
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds the options of `home-mjx doctor`."""
+    parser.add_argument("--json", action="store_true", help="print one JSON object a line")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Prints the findings."""
+    broken = False
+    for finding in examine():
+        broken |= finding.status == BROKEN
+        line = json.dumps(asdict(finding)) if args.json else f"{finding.status:<7} {finding.topic:<14} {finding.detail}"
+        sys.stdout.write(line + "\n")
+    return int(broken)
+
+
+def examine() -> Iterator[Finding]:
+    """All findings, quick ones first; a check that fails is itself a finding."""
+    checks = (_python, _packages, _extras, _known_bad_pairs, _devices, _executors, _ffmpeg, _caches, _dataset)
+    for check in checks:
+        try:
+            yield from check()
+        except Exception as error:  # whatever is wrong here is what the user asks about
+            yield Finding(check.__name__.strip("_"), BROKEN, f"{type(error).__name__}: {error}")
+
+
+def _python() -> Iterator[Finding]:
+    detail = f"{platform.python_version()} on {platform.system()} {platform.machine()}, {os.cpu_count()} processors"
+    yield Finding("python", OK, detail)
+
+
+def _packages() -> Iterator[Finding]:
+    """Every hard dependency, from our own metadata."""
+    required = [r for r in metadata.requires("home-mjx") or [] if "extra ==" not in r]
+    for name in sorted({_project_name(r) for r in required} | {"home-mjx", "jaxlib"}):
+        version = _version(name)
+        if version is None:
+            yield Finding(name, BROKEN, f"not installed. Try: pip install {name}")
+        else:
+            yield Finding(name, OK, version)
+
+
+def _extras() -> Iterator[Finding]:
+    found = [f"{name} {version}" for name in OPTIONAL if (version := _version(name))]
+    yield Finding("extras", OK, ", ".join(found) or "none installed")
+
+
+def _known_bad_pairs() -> Iterator[Finding]:
+    """Versions that install side by side and then fail."""
+    import jax
+
+    brax, flax = _version("brax"), _version("flax")
+    if brax and _parts(brax) <= (0, 14, 2) and not hasattr(jax, "device_put_replicated"):
+        text = f"brax {brax} calls jax.device_put_replicated, which jax {jax.__version__} lacks: before "
+        yield Finding("brax", NOTE, text + "brax.training, call home_mjx.training.shim.install()")
+    if flax and _parts(flax) >= (0, 12, 7) and _parts(jax.__version__) < (0, 10):
+        yield Finding("flax", BROKEN, f"flax {flax} needs jax >= 0.10, found {jax.__version__}. Install flax==0.12.6")
+
+
+def _devices() -> Iterator[Finding]:
+    import jax
+
+    for device in jax.devices():
+        yield Finding("device", OK, f"{device.platform} {device.device_kind} (id {device.id})")
+
+
+def _executors() -> Iterator[Finding]:
+    """Which ways of casting rays run here."""
+    from home_mjx.raycast_render.executors.cpu import cpu_problem
+
+    yield Finding("executor xla", OK, "the reference, runs everywhere")
+    problem = cpu_problem()
+    detail = f"does not work: {problem}; `xla` takes its place, slower on a CPU" if problem else "compiled by Numba"
+    yield Finding("executor cpu", NOTE if problem else OK, detail)
+    yield _cuda_executor()
+
+
+def _cuda_executor() -> Finding:
+    from home_mjx.raycast_render.executors import nvrtc
+    from home_mjx.raycast_render.executors.cuda import cuda_devices, cuda_problem
+
+    if not cuda_devices():
+        return Finding("executor cuda", NOTE, "JAX has no NVIDIA GPU here")
+    problem = cuda_problem()
+    if problem:
+        return Finding("executor cuda", NOTE, f"does not work: {problem}; `xla` takes its place, slower")
+    version = ".".join(map(str, nvrtc.version(nvrtc.find_library())))
+    return Finding("executor cuda", OK, f"compiled by NVRTC {version}, kept in {nvrtc.cache_folder() / 'kernels'}")
+
+
+def _ffmpeg() -> Iterator[Finding]:
+    import imageio_ffmpeg
+
+    program = imageio_ffmpeg.get_ffmpeg_exe()
+    shown = subprocess.run([program, "-version"], capture_output=True, text=True, timeout=60, check=True).stdout
+    yield Finding("ffmpeg", OK, f"{shown.split(' Copyright')[0]} at {program}")
+
+
+def _caches() -> Iterator[Finding]:
+    folder = cache_folder()
+    nearest = next(p for p in (folder, *folder.parents) if p.exists())
+    try:
+        with tempfile.TemporaryFile(dir=nearest):
+            yield Finding("house cache", OK, str(folder))
+    except OSError as error:
+        text = f"cannot write to {nearest}: {error.strerror}. Set {CACHE_VARIABLE} to a folder of yours"
+        yield Finding("house cache", BROKEN, text)
+    programs = os.environ.get("JAX_COMPILATION_CACHE_DIR")
+    advice = "none: set JAX_COMPILATION_CACHE_DIR to a folder, and later starts need not compile again"
+    yield Finding("jax cache", OK if programs else NOTE, programs or advice)
+
+
+def _dataset() -> Iterator[Finding]:
+    from home_mjx.datasets.suncg.dataset import open_dataset
+
+    root = dataset_root()
+    if root is None:
+        yield Finding("dataset", NOTE, f"{ROOT_VARIABLE} is not set: houses are generated")
+        return
+    try:
+        dataset = open_dataset(root)
+    except HomeMjxError as error:
+        yield Finding("dataset", BROKEN, str(error))
+    else:
+        yield Finding("dataset", OK, f"{len(dataset.house_ids)} houses in {root}")
+
+
+def _version(name: str) -> str | None:
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return None
+
+
+def _project_name(requirement: str) -> str:
+    return next(requirement[:i] for i, c in enumerate(requirement + " ") if not (c.isalnum() or c in "-_."))
+
+
+def _parts(version: str) -> tuple[int, ...]:
+    """The leading whole numbers of a version."""
+    numbers: list[int] = []
+    for part in version.split("."):
+        if not part.isdecimal():
+            break
+        numbers.append(int(part))
+    return tuple(numbers)

@@ -1,0 +1,156 @@
+"""Count what a house holds, as read and as compiled, say what everything in it is, or validate it."""
+
+import argparse
+import json
+import sys
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+from home_mjx.cli.houses import add_house_arguments, load_house, names_root, open_named_dataset
+
+if TYPE_CHECKING:
+    from home_mjx.datasets.suncg.dataset import Dataset
+    from home_mjx.schema.compiled import CompiledHouse
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds the options of `home-mjx inspect`."""
+    add_house_arguments(parser, "id of the house (default: the dataset's first), or root of a dataset: all its houses")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    doing = parser.add_mutually_exclusive_group()
+    doing.add_argument("--semantics", action="store_true", help="instead say what everything is, looks like and is on")
+    doing.add_argument("--home", action="store_true", help="as --semantics, by the rules of HoME's code of 2017")
+    doing.add_argument(
+        "--validate", action="store_true", help="instead report everything that is wrong; exit code 1 if errors are"
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    """Prints the counts and everything odd that was tolerated, or with `--validate` what is wrong."""
+    if args.validate:
+        return _validate(args)
+    if args.semantics or args.home:
+        return _semantics(args)
+    if names_root(args):
+        return _dataset(args)
+    from home_mjx.bank.usage import bank_usage
+    from home_mjx.scene_compile.pipeline.compile import compile_house
+
+    house, metadata = load_house(args)
+    compiled = compile_house(house, metadata)
+    problems = [f"{problem.element}: {problem.message}" for problem in house.problems]
+    taken = bank_usage([compiled])
+    if args.json:
+        record = {"id": house.id, "version": house.version, "path": str(house.path), "problems": problems}
+        sizes = {"house": taken.houses[house.id], "models": taken.models, "textures": taken.textures}
+        sizes["fields"] = compiled.navigation.field.nbytes
+        record["stuck"] = compiled.stuck.tolist()
+        sys.stdout.write(json.dumps({**record, "counts": dict(compiled.report), "bytes": sizes}) + "\n")
+        return 0
+    sys.stdout.write(f"{house.id} (format {house.version})\n{house.path}\n")
+    for name, count in compiled.report.items():
+        _row(name.replace("_", " "), count)
+    _row("bytes of the house alone", taken.houses[house.id])
+    _row("  of which distance fields", compiled.navigation.field.nbytes)
+    _row("bytes of its models", sum(taken.models.values()))
+    for key in sorted(taken.models, key=lambda key: -taken.models[key])[:3]:
+        _row(f"  {key}", taken.models[key])
+    _row("bytes of its textures", taken.textures)
+    for problem in problems:
+        sys.stdout.write(f"tolerated: {problem}\n")
+    for object_id in compiled.stuck.tolist():
+        sys.stdout.write(
+            f"stuck: {_category(compiled, object_id)} {object_id} stands in something, so it does not move\n"
+        )
+    return 0
+
+
+def _category(house: "CompiledHouse", object_id: int) -> str:
+    from home_mjx.schema.categories import FINE
+    from home_mjx.schema.semantic import Semantic
+
+    (row,) = house.semantics[house.semantics[:, Semantic.OBJECT] == object_id]
+    return FINE[row[Semantic.FINE]]
+
+
+def _row(name: str, count: int) -> None:
+    sys.stdout.write(f"{name:<40}{count:>16,}\n")
+
+
+def _dataset(args: argparse.Namespace) -> int:
+    """Prints what all houses of a dataset take of a bank; they are compiled if they are not in the cache."""
+    from tqdm import tqdm
+
+    from home_mjx.bank.usage import bank_usage
+    from home_mjx.scene_compile.cache.house_cache import HouseCache
+
+    dataset = open_named_dataset(args)
+    cache = HouseCache(dataset)
+    taken = bank_usage([cache.load(house_id) for house_id in tqdm(dataset.house_ids, desc="houses", unit="house")])
+    houses, models = list(taken.houses.values()), list(taken.models.values())
+    counts = {
+        "houses": len(houses),
+        "models": len(models),
+        "bytes_per_house_mean": sum(houses) // len(houses),
+        "bytes_per_house_largest": max(houses),
+        "bytes_of_houses": sum(houses),
+        "bytes_per_model_mean": sum(models) // len(models),
+        "bytes_per_model_largest": max(models),
+        "bytes_of_models": sum(models),
+        "bytes_of_textures": taken.textures,
+    }
+    if args.json:
+        sizes = {"houses": taken.houses, "models": taken.models, "textures": taken.textures}
+        sys.stdout.write(json.dumps({"root": str(dataset.root), "counts": counts, "bytes": sizes}) + "\n")
+        return 0
+    for name, count in counts.items():
+        _row(name.replace("_", " "), count)
+    return 0
+
+
+def _semantics(args: argparse.Namespace) -> int:
+    """Prints a line per surface and object, or one JSON object with all that the semantic engine says."""
+    from home_mjx.scene_compile.semantics.engine import house_semantics
+    from home_mjx.scene_compile.semantics.looks.options import HOME, SemanticOptions
+    from home_mjx.scene_compile.semantics.records import house_record
+
+    meaning = house_semantics(*load_house(args), HOME if args.home else SemanticOptions())
+    if args.json:
+        sys.stdout.write(json.dumps(house_record(meaning)) + "\n")
+        return 0
+    for part in meaning.parts:
+        sys.stdout.write(_line(f"part {part.index}", part.room_type, "", part.description))
+    for item in meaning.objects:
+        held = meaning.by_id.get(max(item.support.supporter, item.support.container))
+        on = f"{held.fine} {held.object_id}" if held else item.support.kind
+        sys.stdout.write(
+            _line(f"object {item.object_id}", item.room_type if item.room >= 0 else "outside", on, item.description)
+        )
+    sys.stdout.write(f"{len(meaning.outside)} objects outside of every room, {len(meaning.relations)} relations\n")
+    return 0
+
+
+def _line(name: str, room: str, support: str, description: str) -> str:
+    return f"{name:<12}{room:<16}{support:<22}{description}\n"
+
+
+def _validate(args: argparse.Namespace) -> int:
+    """Prints the findings of the house, or of all houses of a root; 1 if there are errors, else 0."""
+    dataset = open_named_dataset(args)
+    ids = dataset.house_ids if names_root(args) else [args.house or dataset.house_ids[0]]
+    return int(sum(_validate_one(dataset, house_id, args.json) for house_id in ids) > 0)
+
+
+def _validate_one(dataset: "Dataset", house_id: str, as_json: bool) -> int:
+    """Prints the findings, or one JSON object of them; the number of errors."""
+    from home_mjx.datasets.suncg.validate.validate import validate_house
+
+    findings = validate_house(dataset, house_id)
+    errors = sum(finding.severity == "error" for finding in findings)
+    if as_json:
+        listed = [{"severity": finding.severity, **asdict(finding)} for finding in findings]
+        sys.stdout.write(json.dumps({"id": house_id, "errors": errors, "findings": listed}) + "\n")
+    else:
+        sys.stdout.writelines(f"{finding.severity}: {finding}\n" for finding in findings)
+        sys.stdout.write(f"{house_id}: {errors} errors, {len(findings) - errors} warnings\n")
+    return errors

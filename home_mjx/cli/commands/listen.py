@@ -1,0 +1,55 @@
+"""Write a sound as heard at a point of a house, and the impulse response that made it."""
+
+import argparse
+import sys
+from pathlib import Path
+
+from home_mjx.cli.output import make_folder
+from home_mjx.cli.parsing import number
+from home_mjx.cli.viewpoint import EYE_HEIGHT, add_viewpoint_arguments, check_inside, stand
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds the options of `home-mjx listen`."""
+    add_viewpoint_arguments(parser)
+    parser.add_argument("--source", type=number(), nargs=3, metavar=("X", "Y", "Z"), help="where it sounds [m]")
+    parser.add_argument("--clip", default="speech", help="radio, noise, speech or tone (default: speech)")
+    parser.add_argument("--out", type=Path, default=Path("sound"), help="folder for the files (default: sound)")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Writes the WAV files."""
+    import jax
+    import jax.numpy as jnp
+    import numpy as np
+    import scipy.signal
+
+    from home_mjx.audio_jax.auralization.response import impulse_response
+    from home_mjx.audio_jax.auralization.sources import clip_samples
+    from home_mjx.audio_jax.base.config import AudioConfig
+    from home_mjx.viz.media import write_wav
+
+    config = AudioConfig()
+    clip = clip_samples(args.clip, config)
+    make_folder(args.out)
+    view = stand(args)
+    goal = np.asarray(view.bank.navigation.goal[0, 0]) + np.array([0, 0, EYE_HEIGHT], np.float32)
+    source = goal if args.source is None else np.array(args.source, np.float32)
+    check_inside(view.bank, source, "--source")
+    response = jax.jit(impulse_response, static_argnames="config")(
+        view.bank,
+        view.scene,
+        jnp.asarray(source),
+        jnp.asarray(view.position),
+        jnp.asarray(view.head_quat),
+        jax.random.key(0),
+        config,
+    )
+    response = np.asarray(response)
+    heard = scipy.signal.fftconvolve(response, clip[None], axes=1)
+    for name, samples in (("heard.wav", heard), ("response.wav", response)):
+        write_wav(args.out / name, samples.astype(np.float32), config.sample_rate)
+        sys.stdout.write(f"{args.out / name}\n")
+    distance = np.linalg.norm(source - view.position)
+    sys.stdout.write(f"source {np.round(source, 2)} m, head {np.round(view.position, 2)} m: {distance:.2f} m apart\n")
+    return 0

@@ -1,0 +1,35 @@
+"""Images of datasets, decoded with limits."""
+
+import io
+from pathlib import Path
+
+from PIL import Image, UnidentifiedImageError
+
+from home_mjx.core.files import read_bytes
+from home_mjx.errors import DatasetError
+
+MAX_PIXELS = 1 << 26  # 8,192 x 8,192; SUNCG's are up to 2,048 x 2,048
+
+
+def open_texture(path: Path) -> Image.Image:
+    """A decoded image with red, green, blue and alpha.
+
+    Args:
+        path: A PNG or JPEG file.
+
+    Raises:
+        DatasetError: The file is missing, truncated or broken, is of another kind, or has more than `MAX_PIXELS`:
+            a few kilobytes can claim gigabytes, so that is checked before anything is decoded.
+    """
+    try:
+        image = Image.open(io.BytesIO(read_bytes(path)), formats=("PNG", "JPEG"))
+        if image.width * image.height <= MAX_PIXELS:
+            return image.convert("RGBA")
+        reason = f"it has {image.width} x {image.height} pixels, at most {MAX_PIXELS} are decoded"
+    except DatasetError:
+        raise
+    except UnidentifiedImageError:  # whose text names an object in memory
+        reason = "it cannot be identified as PNG or JPEG"
+    except Exception as error:  # Pillow raises whatever a broken file makes its decoders stumble over
+        reason = str(error) if isinstance(error, OSError) else f"{type(error).__name__}: {error}"
+    raise DatasetError(f"cannot read texture: {reason}", file=path, hint="Restore the file, as 8-bit PNG or JPEG.")

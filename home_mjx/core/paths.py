@@ -1,0 +1,24 @@
+"""Folders and environment variables of the whole package."""
+
+import os
+from pathlib import Path
+
+CACHE_VARIABLE = "HOME_MJX_CACHE"
+ROOT_VARIABLE = "SUNCG_DATA_DIR"
+
+
+def cache_folder() -> Path:
+    """The folder of compiled houses, generated datasets and compiled programs.
+
+    `$HOME_MJX_CACHE`, else `home_mjx` in the user's cache folder.
+    """
+    named = os.environ.get(CACHE_VARIABLE)
+    if named:
+        return Path(named).expanduser()
+    return Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser() / "home_mjx"
+
+
+def dataset_root() -> Path | None:
+    """The dataset that `$SUNCG_DATA_DIR` names, None if it is not set."""
+    named = os.environ.get(ROOT_VARIABLE)
+    return Path(named) if named else None

@@ -1,0 +1,79 @@
+"""Affine maps as 3x4 matrices (linear part and translation) and quaternions (w, x, y, z), for one environment."""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+
+def body_quat(yaw: Float[Array, ""]) -> Float[Array, "4"]:
+    """Quaternion wxyz of a rotation by `yaw` about +z."""
+    half = yaw / 2
+    zero = jnp.zeros_like(half)
+    return jnp.stack([jnp.cos(half), zero, zero, jnp.sin(half)])
+
+
+def camera_quat(yaw: Float[Array, ""], pitch: Float[Array, ""]) -> Float[Array, "4"]:
+    """Quaternion wxyz of MuJoCo's camera frame (looks along -z, +y up) for an agent that looks along +x at yaw 0.
+
+    The product of the yaw about +z, the pitch about -y (up is positive) and the fixed turn that maps -z to +x and +y
+    to +z, which is (1, 1, -1, -1) / 2.
+    """
+    cy, sy = jnp.cos(yaw / 2), jnp.sin(yaw / 2)
+    cp, sp = jnp.cos(pitch / 2), jnp.sin(pitch / 2)
+    turn = jnp.stack([cy * cp, sy * sp, -cy * sp, sy * cp])  # yaw * pitch
+    base = jnp.array([0.5, 0.5, -0.5, -0.5], jnp.float32)
+    return quat_multiply(turn, base)
+
+
+def quat_multiply(a: Float[Array, "4"], b: Float[Array, "4"]) -> Float[Array, "4"]:
+    """The rotation `b`, then `a`; both wxyz."""
+    w = a[0] * b[0] - jnp.dot(a[1:], b[1:])
+    xyz = a[0] * b[1:] + b[0] * a[1:] + jnp.cross(a[1:], b[1:])
+    return jnp.concatenate([w[None], xyz])
+
+
+def quat_matrix(quat: Float[Array, "4"]) -> Float[Array, "3 3"]:
+    """Rotation matrix of a unit quaternion.
+
+    Example:
+        >>> quat_matrix(jnp.array([1.0, 0.0, 0.0, 0.0])).tolist()
+        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+    """
+    w, x, y, z = quat
+    return jnp.stack(
+        [
+            jnp.stack([1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)]),
+            jnp.stack([2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)]),
+            jnp.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]),
+        ]
+    )
+
+
+def rigid(pos: Float[Array, "3"], quat: Float[Array, "4"]) -> Float[Array, "3 4"]:
+    """The map of a body frame into the world."""
+    return jnp.concatenate([quat_matrix(quat), pos[:, None]], axis=1)
+
+
+def compose(outer: Float[Array, "3 4"], inner: Float[Array, "3 4"]) -> Float[Array, "3 4"]:
+    """The map that applies `inner`, then `outer`."""
+    linear = jnp.matmul(outer[:, :3], inner, precision="highest")
+    return linear.at[:, 3].add(outer[:, 3])
+
+
+def invert(pose: Float[Array, "3 4"]) -> Float[Array, "3 4"]:
+    """The inverse map, by cofactors; the linear part may scale, mirror and shear, but not be singular."""
+    a, b, c = pose[:, 0], pose[:, 1], pose[:, 2]
+    rows = jnp.stack([jnp.cross(b, c), jnp.cross(c, a), jnp.cross(a, b)])
+    linear = rows / jnp.sum(a * rows[0])
+    offset = -jnp.matmul(linear, pose[:, 3], precision="highest")
+    return jnp.concatenate([linear, offset[:, None]], axis=1)
+
+
+def bounds(pose: Float[Array, "3 4"], box: Float[Array, "2 3"]) -> Float[Array, "2 3"]:
+    """World bounds of a box given in the mapped frame.
+
+    Source: J. Arvo, "Transforming axis-aligned bounding boxes", Graphics Gems, 1990.
+    """
+    center, half = (box[0] + box[1]) / 2, (box[1] - box[0]) / 2
+    middle = jnp.matmul(pose[:, :3], center, precision="highest") + pose[:, 3]
+    extent = jnp.matmul(jnp.abs(pose[:, :3]), half, precision="highest")
+    return jnp.stack([middle - extent, middle + extent])

@@ -1,0 +1,25 @@
+"""Houses on disk: readers, writer and validator of SUNCG's format, and procedural houses.
+
+Host only: nothing here loads JAX.
+"""
+
+from home_mjx.datasets.options import ReadOptions
+from home_mjx.datasets.procedural import build_house, generate_dataset, house_id
+from home_mjx.datasets.suncg import Dataset, LibraryModel, open_dataset, write_house, write_library
+from home_mjx.datasets.suncg.validate.finding import RULES, Finding
+from home_mjx.datasets.suncg.validate.validate import validate_house
+
+__all__ = [
+    "RULES",
+    "Dataset",
+    "Finding",
+    "LibraryModel",
+    "ReadOptions",
+    "build_house",
+    "generate_dataset",
+    "house_id",
+    "open_dataset",
+    "validate_house",
+    "write_house",
+    "write_library",
+]

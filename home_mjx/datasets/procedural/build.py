@@ -1,0 +1,90 @@
+"""Turns the design of a house into the record that the writer and the compiler take."""
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from home_mjx.datasets.procedural.design import Design, draw_design
+from home_mjx.datasets.procedural.floor_plan.placed import Placed
+from home_mjx.datasets.procedural.floor_plan.walls import room_meshes
+from home_mjx.schema.house import House, Level, Mesh, Object, Room
+
+# "home" in hexadecimal: SUNCG's ids are hashes, so one of its 45,622 begins so with probability 1e-5.
+ID_PREFIX = "686f6d65"
+
+
+def house_id(seed: int) -> str:
+    """The id of a seed's house: 32 hexadecimal digits.
+
+    Example:
+        >>> house_id(0)
+        '686f6d6574c24b12dede1f713a5bbb04'
+    """
+    return ID_PREFIX + hashlib.sha256(f"home_mjx house {seed}".encode()).hexdigest()[:24]
+
+
+def build_house(seed: int) -> House:
+    """The house of a seed, with paths relative to the dataset root.
+
+    Example:
+        >>> build_house(7).levels[0].rooms[0].types
+        ('Living_Room',)
+    """
+    return to_house(house_id(seed), draw_design(seed))
+
+
+def to_house(name: str, design: Design) -> House:
+    """A design as a house of one level: rooms first, then everything that has a model.
+
+    Args:
+        name: Id of the house.
+        design: What it consists of.
+    """
+    count = len(design.plan.rooms)
+    rooms = tuple(_room(design, index, Path("room") / name) for index in range(count))
+    objects = tuple(_object(placed, index) for index, (placed, _) in enumerate(design.objects, count))
+    level = Level(id="0", index=0, rooms=rooms, objects=objects, boxes=(), grounds=())
+    models = _models([placed for placed, _ in design.objects])
+    return House(name, "suncg@1.0.0", Path("house") / name / "house.json", (level,), models)
+
+
+def _room(design: Design, index: int, folder: Path) -> Room:
+    plan, count = design.plan, len(design.plan.rooms)
+    openings = [opening.placed for opening in plan.openings]
+    floor, ceiling, walls = room_meshes(folder, index, plan.rooms[index], plan.height, openings, design.surfaces[index])
+    return Room(
+        id=f"0_{index}",
+        index=index,
+        path=f"levels[0].nodes[{index}]",
+        bbox=None,
+        model_id=f"fr_0rm_{index}",
+        types=(plan.rooms[index].type,),
+        members=tuple(node for node, (_, owner) in enumerate(design.objects, count) if owner == index),
+        floor=floor,
+        ceiling=ceiling,
+        walls=walls,
+    )
+
+
+def _object(placed: Placed, index: int) -> Object:
+    transform = np.eye(4)
+    transform[:3, :3], transform[:3, 3] = placed.linear, placed.position
+    return Object(
+        id=f"0_{index}",
+        index=index,
+        path=f"levels[0].nodes[{index}]",
+        bbox=None,
+        model_id=placed.model.id,
+        state=1 if placed.closed else None,
+        transform=transform,
+        materials=placed.materials,
+    )
+
+
+def _models(objects: Sequence[Placed]) -> Mapping[str, Mesh]:
+    """Every mesh that the objects show, and the base of each."""
+    meshes = {placed.model.id: placed.model.mesh for placed in objects}
+    closed = {f"{p.model.id}_0": p.model.closed for p in objects if p.closed and p.model.closed is not None}
+    return meshes | closed

@@ -1,0 +1,1 @@
+"""Solids, joinery, colours and textures that furniture is made of."""

@@ -1,0 +1,1 @@
+"""Solids from outlines: slabs and wall prisms."""

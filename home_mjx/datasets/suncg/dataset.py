@@ -1,0 +1,115 @@
+"""A SUNCG dataset on disk, v1 or v2: its houses and the tables beside them."""
+
+import os
+from collections.abc import Callable
+from functools import cached_property
+from pathlib import Path
+
+from home_mjx.core.paths import ROOT_VARIABLE, dataset_root
+from home_mjx.datasets.options import ReadOptions
+from home_mjx.datasets.suncg.formats.asset_library import Assets
+from home_mjx.datasets.suncg.formats.element import Value
+from home_mjx.datasets.suncg.read.house_json import read_house
+from home_mjx.datasets.suncg.read.metadata import read_metadata
+from home_mjx.errors import DatasetError, did_you_mean
+from home_mjx.schema.house import House, Mesh, Metadata
+
+DEFAULT_OPTIONS = ReadOptions()
+LAYOUT = "A dataset root holds house/, room/, object/, texture/ and metadata/."
+
+
+class Dataset:
+    """A dataset root; `open_dataset` makes one. Library models are parsed once and shared by its houses.
+
+    Args:
+        root: Absolute dataset root.
+
+    Example:
+        >>> dataset = open_dataset("/data/suncg")  # doctest: +SKIP
+        >>> house = dataset.load_house(dataset.house_ids[0])  # doctest: +SKIP
+        >>> dataset.metadata.info(house.levels[0].objects[0].model_id).fine  # doctest: +SKIP
+        'window'
+    """
+
+    def __init__(self, root: Path) -> None:
+        self.root = root
+        self.assets = Assets(root)
+
+    @cached_property
+    def house_ids(self) -> tuple[str, ...]:
+        """Sorted names of the folders that hold a house.json."""
+        return tuple(sorted(path.parent.name for path in (self.root / "house").glob("*/house.json")))
+
+    @cached_property
+    def metadata(self) -> Metadata:
+        """Categories, sizes and lights of the models; read on first use.
+
+        Raises:
+            DatasetError: The category table is missing, or a table is broken.
+        """
+        return read_metadata(self.root / "metadata")
+
+    def load_house(self, house_id: str, options: ReadOptions = DEFAULT_OPTIONS) -> House:
+        """Reads one house and the models that it uses.
+
+        Args:
+            house_id: One of `house_ids`.
+            options: Whether people, plants and backdrops are read.
+
+        Raises:
+            DatasetError: There is no such house, or a file that it needs is missing or broken.
+        """
+        self.check_known(house_id)
+        return read_house(house_id, self.assets, options, self._left_out(options))
+
+    def load_model(self, key: str) -> Mesh:
+        """Reads one library model, such as `122` or its variants `122_0` (closed) and, in v2, `122_2` (frame only).
+
+        Raises:
+            DatasetError: It has no OBJ file, or that is broken.
+        """
+        place = Value(self.root / "object", "", key)
+        return self.assets.model(place.name(), key, place)
+
+    def check_known(self, house_id: str) -> None:
+        """Raises `DatasetError` if there is no such house."""
+        if house_id not in self._known:
+            where = self.root / "house"
+            raise DatasetError(f"unknown house `{house_id}`", file=where, hint=did_you_mean(house_id, self.house_ids))
+
+    def _left_out(self, options: ReadOptions) -> Callable[[str], bool]:
+        unwanted = options.categories_left_out
+        return lambda model_id: bool(unwanted) and self.metadata.info(model_id).coarse in unwanted
+
+    @cached_property
+    def _known(self) -> frozenset[str]:
+        return frozenset(self.house_ids)
+
+
+def open_dataset(root: str | Path | None = None) -> Dataset:
+    """Opens a dataset in SUNCG's on-disk format, real or generated.
+
+    Args:
+        root: Its folder; by default the one that the environment variable `SUNCG_DATA_DIR` names.
+
+    Raises:
+        DatasetError: No folder was given, it does not exist, or it holds no house.
+    """
+    named = dataset_root() if root is None else root
+    if named is None or not str(named):
+        raise DatasetError("no dataset root was given", hint=f"Pass a folder or set {ROOT_VARIABLE}. {LAYOUT}")
+    path = Path(os.path.abspath(Path(named).expanduser()))
+    if not path.is_dir():
+        hint = f"Correct the path or {ROOT_VARIABLE}. {LAYOUT}"
+        raise DatasetError("dataset root is not a folder", file=path, hint=hint)
+    dataset = Dataset(path)
+    if not dataset.house_ids:
+        raise DatasetError("folder holds no house/<id>/house.json", file=path, hint=_root_hint(path))
+    return dataset
+
+
+def _root_hint(path: Path) -> str:
+    for parent in path.parents[:2]:
+        if any((parent / "house").glob("*/house.json")):
+            return f"Did you mean {parent}? {LAYOUT}"
+    return f"Correct the path or {ROOT_VARIABLE}. {LAYOUT}"

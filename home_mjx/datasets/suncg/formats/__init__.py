@@ -1,0 +1,1 @@
+"""Single files and fields of SUNCG: OBJ, MTL, materials, polygons."""

@@ -1,0 +1,63 @@
+"""The meshes of a dataset: library models, parsed once each, and the meshes of rooms."""
+
+from pathlib import Path
+
+from home_mjx.core.files import is_file, is_folder
+from home_mjx.datasets.suncg.formats.element import Place
+from home_mjx.datasets.suncg.formats.obj import read_obj
+from home_mjx.datasets.suncg.formats.texture_paths import Textures
+from home_mjx.schema.house import Mesh, base_model
+
+
+class Assets:
+    """Meshes and textures below one dataset root.
+
+    Args:
+        root: Absolute dataset root.
+    """
+
+    def __init__(self, root: Path) -> None:
+        self.root = root
+        self.textures = Textures(root)
+        self._models: dict[str, Mesh] = {}
+
+    def model_path(self, model_id: str, key: str) -> Path:
+        """Where the OBJ of a model lies; variants share the folder of their base."""
+        objects = self.root / "object"
+        folder = base_model(model_id, lambda name: name not in ("", ".", "..") and is_folder(objects / name))
+        return objects / folder / f"{key}.obj"
+
+    def model(self, model_id: str, key: str, place: Place) -> Mesh:
+        """A library model.
+
+        Args:
+            model_id: Its id, already checked to be a plain name.
+            key: Stem of its OBJ: the id, or a variant of it.
+            place: Who asks, for the error.
+
+        Raises:
+            DatasetError: The OBJ is missing or broken.
+        """
+        if key not in self._models:
+            self._models[key] = self.mesh(self.find_model(model_id, key, place))
+        return self._models[key]
+
+    def find_model(self, model_id: str, key: str, place: Place) -> Path:
+        """Where the OBJ of a model lies; arguments as of `model`.
+
+        Raises:
+            DatasetError: There is none.
+        """
+        path = self.model_path(model_id, key)
+        if not is_file(path):
+            hint = f"Expected {path}: fetch the `object` archive of the dataset or remove the node."
+            raise place.error(f"model `{key}` has no OBJ file", hint)
+        return path
+
+    def mesh(self, path: Path) -> Mesh:
+        """A mesh that is not kept; raises `DatasetError` as `model`."""
+        return read_obj(path, self.textures)
+
+    def room_path(self, house_id: str, stem: str) -> Path:
+        """Where a mesh of a room or a ground lies."""
+        return self.root / "room" / house_id / f"{stem}.obj"

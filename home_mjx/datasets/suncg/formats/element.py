@@ -1,0 +1,184 @@
+"""Where in a dataset something stands, and JSON values that know it."""
+
+import json
+import math
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from home_mjx.core.files import read_text
+from home_mjx.errors import DatasetError
+
+LIMIT = 1e6  # [m]: coordinates beyond it are mistakes, and their products soon leave float32
+MAX_SHOWN = 500  # characters of a message
+MAX_JSON_BYTES = 1 << 24  # a value of two characters may take a hundred bytes of memory
+MAX_ENTRIES = 100_000  # of a list
+MAX_NAME = 200  # bytes of a file name, with room for an extension
+
+
+def printable(text: str) -> str:
+    """`text` without what no terminal can print, and not longer than a few lines."""
+    text = text if len(text) <= MAX_SHOWN else f"{text[:MAX_SHOWN]}…"
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
+@dataclass(frozen=True)
+class Place:
+    """A file, and a line or an element path in it.
+
+    Example:
+        >>> print(Place(Path("a.obj"), "line 7").error("expected 3 numbers, got `1 2`"))
+        expected 3 numbers, got `1 2` (in a.obj, at line 7). Correct the line, or fetch or export the file again.
+    """
+
+    file: Path
+    element: str = ""
+
+    def error(self, message: str, hint: str | None = None) -> DatasetError:
+        """The error that says what is wrong here and what to do, by default about any line or value."""
+        return DatasetError(
+            printable(message),
+            file=self.file,
+            element=printable(self.element) or None,
+            hint=printable(hint or self._remedy()),
+        )
+
+    def _remedy(self) -> str:
+        return "Correct the line, or fetch or export the file again."
+
+
+@dataclass(frozen=True)
+class Value(Place):
+    """A JSON value with its place; absent and `null` are the same, as in the JavaScript that wrote SUNCG.
+
+    Example:
+        >>> node = Value(Path("house.json"), "levels[0].nodes[2]", {"state": "open"})
+        >>> print(node.member("state").error("expected an integer", "Remove it."))
+        expected an integer (in house.json, at levels[0].nodes[2].state). Remove it.
+    """
+
+    data: Any = None
+    given: bool = True  # whether the file has the key, be it with `null`
+
+    @property
+    def present(self) -> bool:
+        """Whether the file has the value."""
+        return self.data is not None
+
+    def member(self, key: str) -> "Value":
+        """The value under `key`; raises `DatasetError` if this is not an object."""
+        if not isinstance(self.data, dict):
+            raise self._expected("an object")
+        return Value(self.file, f"{self.element}.{key}" if self.element else key, self.data.get(key), key in self.data)
+
+    def entries(self) -> list["Value"]:
+        """The values of a list."""
+        if not isinstance(self.data, list):
+            raise self._expected("a list")
+        if len(self.data) > MAX_ENTRIES:
+            raise self.error(f"expected at most {MAX_ENTRIES} entries, got {len(self.data)}")
+        return [Value(self.file, f"{self.element}[{i}]", item) for i, item in enumerate(self.data)]
+
+    def text(self) -> str:
+        """A string."""
+        if not isinstance(self.data, str):
+            raise self._expected("a string")
+        return self.data
+
+    def name(self) -> str:
+        """A string that can be used as one file name: no separator, not `.` or `..`."""
+        text = self.text()
+        if text in ("", ".", "..") or any(c in text for c in "/\\\0"):
+            hint = "It must not be empty, hold `/` or lead out of its folder."
+            raise self.error(f"`{text[:60]}` is not a plain name", hint)
+        if len(text.encode("utf-8", "replace")) > MAX_NAME:
+            raise self.error(f"`{text[:60]}…` is too long for a name", f"Names have at most {MAX_NAME} bytes.")
+        return text
+
+    def integer(self) -> int:
+        """An integer; a float with an integral value counts."""
+        if isinstance(self.data, bool) or not isinstance(self.data, int | float) or self.data != self._floor():
+            raise self._expected("an integer")
+        return int(self.data)
+
+    def number(self) -> float:
+        """A finite number."""
+        if isinstance(self.data, bool) or not isinstance(self.data, int | float):
+            raise self._expected("a number")
+        if self._floor() is None:
+            raise self._expected("a finite number")
+        return float(self.data)
+
+    def coordinate(self) -> float:
+        """A number within a million metres of 0."""
+        number = self.number()
+        if abs(number) > LIMIT:
+            raise self.error(f"expected a number between -{LIMIT:g} and {LIMIT:g}, got {number:g}")
+        return number
+
+    def flag(self, default: bool = False) -> bool:
+        """A switch written as 0, 1, "0", "1", true or false; `default` if absent."""
+        if not self.present:
+            return default
+        if self.data in (0, "0"):
+            return False
+        if self.data in (1, "1"):
+            return True
+        raise self._expected("0 or 1")
+
+    def vector(self, length: int) -> Float[np.ndarray, " n"]:
+        """A list of `length` numbers that can be coordinates."""
+        if isinstance(self.data, list) and len(self.data) != length:
+            raise self.error(f"expected {length} numbers, got {len(self.data)}")
+        return np.array([item.coordinate() for item in self.entries()])
+
+    def color(self) -> tuple[float, float, float]:
+        """A colour `#rrggbb` as sRGB in 0..1."""
+        if not re.fullmatch("#[0-9a-fA-F]{6}", self.text()):
+            raise self._expected("a colour such as `#a3b0ff`")
+        red, green, blue = bytes.fromhex(self.text()[1:])
+        return red / 255, green / 255, blue / 255
+
+    def _remedy(self) -> str:
+        if ".nodes[" in self.element:
+            return "Correct the value, or leave the node out by setting its `valid` to 0."
+        return "Correct the value in the file."
+
+    def _floor(self) -> int | None:
+        # None for NaN, infinities and integers that no float can hold
+        try:
+            return math.floor(float(self.data))
+        except (ValueError, OverflowError):
+            return None
+
+    def _expected(self, what: str) -> DatasetError:
+        return self.error(f"expected {what}, got `{self._shown()[:60]}`")
+
+    def _shown(self) -> str:
+        try:
+            return json.dumps(self.data, default=str) if self.given else "nothing"
+        except RecursionError:  # nested as deep as a file can just be read
+            return type(self.data).__name__
+
+
+def read_json(path: Path, hint: str | None = None) -> Value:
+    """The JSON document in a file.
+
+    Raises:
+        DatasetError: The file is missing, is not UTF-8 or is not JSON (with line and column).
+    """
+    text = read_text(path, hint, MAX_JSON_BYTES)
+    place = Place(path)
+    try:
+        return Value(path, "", json.loads(text))
+    except json.JSONDecodeError as error:
+        place = Place(path, f"line {error.lineno}, column {error.colno}")
+        raise place.error(
+            f"not valid JSON: {error.msg}", "The file may be truncated: fetch or write it again."
+        ) from None
+    except (ValueError, RecursionError) as error:
+        raise place.error(f"not valid JSON: {error}", "Fetch or write the file again.") from None

@@ -1,0 +1,20 @@
+"""The fields that house.json has in the format, of the house, its levels and its nodes by type."""
+
+from typing import Any
+
+from home_mjx.datasets.suncg.formats.element import Value
+
+HOUSE = {"version", "id", "up", "front", "scaleToMeters", "levels", "bbox", "materials", "camera"}
+LEVEL = {"id", "bbox", "nodes", "valid"}
+_NODE = {"id", "type", "valid", "bbox", "transform", "materials", "materialIndices"}
+NODES = {
+    "object": _NODE | {"modelId", "state", "isMirrored"},
+    "box": _NODE | {"dimensions", "isMirrored"},
+    "room": _NODE | {"modelId", "nodeIndices", "roomTypes", "hideCeiling", "hideFloor", "hideWalls", "stats"},
+    "ground": _NODE | {"modelId", "hideFloor"},
+}
+
+
+def unknown_fields(value: Value, known: set[str]) -> dict[str, Any]:
+    """Fields of an object in JSON that the format does not have, as they are."""
+    return {key: data for key, data in value.data.items() if key not in known} if isinstance(value.data, dict) else {}

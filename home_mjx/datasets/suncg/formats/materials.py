@@ -1,0 +1,54 @@
+"""Reads the material overrides of house.json, which are those of arch.json as well."""
+
+from home_mjx.datasets.suncg.formats.element import Value
+from home_mjx.datasets.suncg.formats.texture_paths import Textures
+from home_mjx.schema.house import Material
+
+MAX_SLOTS = 1_000  # of one model; SUNCG has up to 18
+
+
+def read_materials(node: Value, shared: Value | None, textures: Textures) -> tuple[Material, ...]:
+    """The overrides of a node, by slot position.
+
+    Args:
+        node: It has `materials`, or `materialIndices` into the house's own list, or neither.
+        shared: The house's own list.
+        textures: Where textures are looked up.
+
+    Raises:
+        DatasetError: A texture is missing, or a value is not of its type.
+    """
+    values = node.member("materials")
+    if values.present:
+        return tuple(read_material(value, textures) for value in _few(values))
+    indices = node.member("materialIndices")
+    if not indices.present:
+        return ()
+    table = shared.entries() if shared and shared.present else []
+    return tuple(read_material(table[_position(value, len(table))], textures) for value in _few(indices))
+
+
+def read_material(value: Value, textures: Textures) -> Material:
+    """One override; raises `DatasetError` as `read_materials`."""
+    if not value.present:
+        return Material("")
+    name, texture, diffuse = (value.member(key) for key in ("name", "texture", "diffuse"))
+    return Material(
+        name=name.text() if name.present else "",
+        diffuse=diffuse.color() if diffuse.data else None,
+        texture=textures.named(texture.text(), texture) if texture.data else None,
+    )
+
+
+def _few(value: Value) -> list[Value]:
+    entries = value.entries()
+    if len(entries) > MAX_SLOTS:
+        raise value.error(f"expected at most {MAX_SLOTS} materials, got {len(entries)}")
+    return entries
+
+
+def _position(value: Value, count: int) -> int:
+    index = value.integer()
+    if not 0 <= index < count:
+        raise value.error(f"expected an index into the house's {count} materials, got {index}")
+    return index

@@ -1,0 +1,95 @@
+"""Reads Wavefront MTL files: names, diffuse colours, opacities and colour maps."""
+
+import math
+from pathlib import Path
+
+from home_mjx.core.files import read_text
+from home_mjx.datasets.suncg.formats.element import Place
+from home_mjx.datasets.suncg.formats.texture_paths import Textures
+from home_mjx.schema.house import Material
+
+MAX_SHININESS = 1000.0  # as the MTL format has it
+
+
+def read_mtl(path: Path, textures: Textures, hint: str | None = None) -> tuple[Material, ...]:
+    """The materials of an MTL in file order, which is the order of SUNCG's material slots.
+
+    What a material does not state is white and opaque.
+
+    Args:
+        path: The MTL file.
+        textures: Where colour maps are looked up.
+        hint: What to do if the file is missing.
+
+    Raises:
+        DatasetError: The file is missing or a line of it is broken.
+    """
+    blocks: dict[str, dict] = {}
+    block: dict | None = None
+    for number, line in enumerate(read_text(path, hint).split("\n"), 1):
+        keyword, _, rest = line.strip().replace("\t", " ").partition(" ")
+        place = Place(path, f"line {number}")
+        if keyword == "newmtl":
+            block = blocks[_new_name(rest.strip(), blocks, place)] = {"diffuse": (1.0, 1.0, 1.0), "opacity": 1.0}
+        elif keyword in _PROPERTIES:
+            if block is None:
+                raise place.error(f"`{keyword}` before the first `newmtl`")
+            block.update(_PROPERTIES[keyword](rest.strip(), textures, place))
+    return tuple(Material(name, **block) for name, block in blocks.items())
+
+
+def _new_name(name: str, known: dict, place: Place) -> str:
+    if not name:
+        raise place.error("`newmtl` without a name")
+    if name in known:
+        raise place.error(f"material `{name[:60]}` is defined twice", "Give each material its own name.")
+    return name
+
+
+def _numbers(text: str, count: int, place: Place, largest: float = 1.0) -> list[float]:
+    words = text.split()[:count]
+    try:
+        numbers = [float(word) for word in words]
+    except ValueError:
+        numbers = []
+    if len(numbers) != count or not all(map(math.isfinite, numbers)):
+        raise place.error(f"expected {count} finite number(s), got `{text[:60]}`")
+    return [min(max(x, 0.0), largest) for x in numbers]
+
+
+def _diffuse(text: str, _: Textures, place: Place) -> dict:
+    red, green, blue = _numbers(text, 3, place)
+    return {"diffuse": (red, green, blue)}
+
+
+def _opacity(text: str, _: Textures, place: Place) -> dict:
+    return {"opacity": _numbers(text, 1, place)[0]}
+
+
+def _transparency(text: str, _: Textures, place: Place) -> dict:
+    return {"opacity": 1.0 - _numbers(text, 1, place)[0]}
+
+
+def _specular(text: str, _: Textures, place: Place) -> dict:
+    red, green, blue = _numbers(text, 3, place)
+    return {"specular": (red, green, blue)}
+
+
+def _shininess(text: str, _: Textures, place: Place) -> dict:
+    return {"shininess": _numbers(text, 1, place, MAX_SHININESS)[0]}
+
+
+def _color_map(text: str, textures: Textures, place: Place) -> dict:
+    if not text or text.startswith("-"):
+        raise place.error(f"expected a file name, got `{text[:60]}`", "Options of map_Kd are not supported.")
+    return {"texture": textures.mapped(text, place.file.parent, place)}
+
+
+_PROPERTIES = {
+    "Kd": _diffuse,
+    "d": _opacity,
+    "Tr": _transparency,
+    "Ks": _specular,
+    "Ns": _shininess,
+    "map_Kd": _color_map,
+}

@@ -1,0 +1,138 @@
+"""Reads Wavefront OBJ files into `Mesh`: positions, texture coordinates, materials and groups of triangles.
+
+Lines are sorted by keyword first; what holds at a face then follows from line numbers alone.
+"""
+
+from collections import defaultdict
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from home_mjx.core.files import below, read_text
+from home_mjx.datasets.suncg.formats.element import LIMIT, Place
+from home_mjx.datasets.suncg.formats.mtl import read_mtl
+from home_mjx.datasets.suncg.formats.obj_normals import smooth_normals
+from home_mjx.datasets.suncg.formats.polygons import Rows, fan, line_numbers, read_corners
+from home_mjx.datasets.suncg.formats.texture_paths import Textures, escape
+from home_mjx.errors import DatasetError, did_you_mean
+from home_mjx.schema.house import Material, Mesh
+
+PLAIN = Material("default", (1.0, 1.0, 1.0), None, 1.0)  # of faces above the first usemtl
+
+
+def read_obj(path: Path, textures: Textures) -> Mesh:
+    """A mesh with its materials; polygons become fans of triangles, degenerate ones included.
+
+    Args:
+        path: The OBJ file.
+        textures: Where colour maps are looked up; its root bounds every path.
+
+    Raises:
+        DatasetError: The file or its MTL is missing, or a line is broken: not a number, not finite, an index
+            out of range, an unknown material, a path that leads out of the dataset, no face at all.
+    """
+    rows = _scan(read_text(path))
+    if not rows["f"]:
+        raise Place(path).error("mesh has no faces", "Export the model again or remove the nodes that use it.")
+    vertices = _table(rows["v"], 3, path)
+    uv = np.vstack([np.zeros(2), _table(rows["vt"], 2, path)])
+    index, sides = read_corners(rows, path)
+    corner, face = fan(sides)
+    materials, slot = _materials(rows, path, textures)
+    groups, group = _groups(rows)
+    return Mesh(
+        path=path,
+        vertices=vertices,
+        faces=(index[corner, 0] - 1).astype(np.int32),
+        uv=uv[index[corner, 1]].astype(np.float32),
+        slot=slot[face],
+        group=group[face],
+        materials=materials,
+        groups=groups,
+        normal=smooth_normals(rows["vn"], index[corner, 2], vertices[index[corner, 0] - 1]),
+    )
+
+
+def _scan(text: str) -> dict[str, Rows]:
+    rows: dict[str, Rows] = defaultdict(list)
+    for number, line in enumerate(text.split("\n"), 1):
+        words = line.split(None, 1)
+        if words:
+            rows[words[0]].append((number, words[1] if len(words) == 2 else ""))
+    return rows
+
+
+def _table(rows: Rows, width: int, path: Path) -> Float[np.ndarray, "n w"]:
+    words = [word for _, rest in rows for word in rest.split(None, width)[:width]]
+    try:
+        table = np.array([float(word) for word in words]).reshape(len(rows), width)
+    except ValueError:
+        number, rest = next(row for row in rows if not _numeric(row[1], width))
+        raise Place(path, f"line {number}").error(f"expected {width} numbers, got `{rest.strip()[:60]}`") from None
+    usable = (abs(table) <= LIMIT).all(axis=1)  # false for NaN
+    if not usable.all():
+        number, rest = rows[int(usable.argmin())]
+        hint = f"Coordinates must be finite and below {LIMIT:g}: export the model again."
+        raise Place(path, f"line {number}").error(f"expected finite numbers, got `{rest.strip()[:60]}`", hint)
+    return table
+
+
+def _numeric(text: str, width: int) -> bool:
+    try:
+        return len([float(word) for word in text.split(None, width)[:width]]) == width
+    except ValueError:
+        return False
+
+
+def _current(rows: Rows, faces: Rows) -> Int[np.ndarray, " f"]:
+    """Which of `rows` is the last above each face; -1 for none."""
+    return np.searchsorted(line_numbers(rows), line_numbers(faces)) - 1
+
+
+def _materials(
+    rows: dict[str, Rows], path: Path, textures: Textures
+) -> tuple[tuple[Material, ...], Int[np.ndarray, " f"]]:
+    libraries: dict[Path, Place] = {}  # each is read once, however often it is named
+    for row in rows["mtllib"]:
+        libraries.setdefault(*_library(row, path, textures))
+    materials = tuple(m for library, place in libraries.items() for m in read_mtl(library, textures, _remedy(place)))
+    slots = {material.name: slot for slot, material in enumerate(materials)}
+    used = [_slot(row, slots, path) for row in rows["usemtl"]]
+    current = _current(rows["usemtl"], rows["f"])
+    if (current < 0).any():
+        materials += (PLAIN,)
+    # index -1, of faces above every usemtl, picks the plain material at the end of both
+    return materials, np.array([*used, len(materials) - 1], np.int32)[current]
+
+
+def _library(row: tuple[int, str], path: Path, textures: Textures) -> tuple[Path, Place]:
+    place = Place(path, f"line {row[0]}")
+    library = below(textures.root, path.parent, row[1].strip())
+    if library is None:
+        raise escape(row[1].strip(), place)
+    return library, place
+
+
+def _remedy(place: Place) -> str:
+    return f"{place.file} needs it: fetch or write it again, or correct {place.element} there."
+
+
+def _slot(row: tuple[int, str], slots: dict[str, int], path: Path) -> int:
+    name = row[1].strip()
+    if name not in slots:
+        raise _unknown_material(name, slots, Place(path, f"line {row[0]}"))
+    return slots[name]
+
+
+def _unknown_material(name: str, slots: dict[str, int], place: Place) -> DatasetError:
+    hint = did_you_mean(name, slots) if slots else "Add a `mtllib` line that names an MTL file."
+    return place.error(f"material `{name[:60]}` is not in the material library", hint)
+
+
+def _groups(rows: dict[str, Rows]) -> tuple[tuple[str, ...], Int[np.ndarray, " f"]]:
+    marks = rows["o"] or rows["g"]
+    names = [rest.strip() for _, rest in marks]
+    position = {name: i for i, name in enumerate(dict.fromkeys(names))}
+    number = np.array([*(position[name] for name in names), -1], np.int32)
+    return tuple(position), number[_current(marks, rows["f"])]

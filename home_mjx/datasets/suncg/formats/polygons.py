@@ -1,0 +1,85 @@
+"""The `f` lines of an OBJ: corners, their indices, and fans of triangles."""
+
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Int
+
+from home_mjx.datasets.suncg.formats.element import Place
+
+Rows = list[tuple[int, str]]  # line number and what follows the keyword
+MAX_CORNERS = 1 << 22
+_KINDS = ("v", "vt", "vn")
+
+
+def line_numbers(rows: Rows) -> Int[np.ndarray, " n"]:
+    """Where the rows stand in the file, ascending."""
+    return np.array([number for number, _ in rows], np.int64)
+
+
+def read_corners(rows: dict[str, Rows], path: Path) -> tuple[Int[np.ndarray, "c 3"], Int[np.ndarray, " f"]]:
+    """One-based v, vt and vn of every corner (0: none), and how many corners each face has."""
+    count = sum(rest.count(" ") + rest.count("\t") + 1 for _, rest in rows["f"])
+    if count > MAX_CORNERS:
+        message = f"faces have about {count} corners, at most {MAX_CORNERS} are read"
+        raise Place(path).error(message, "Simplify the model: SUNCG's largest has 33,000 faces.")
+    faces = [rest.partition("#")[0].split() for _, rest in rows["f"]]
+    sides = np.array([len(words) for words in faces])
+    raw = _indices(faces)
+    if raw is None or sides.min() < 3:
+        number, rest = next(row for row, words in zip(rows["f"], faces, strict=True) if _malformed(words))
+        raise Place(path, f"line {number}").error(
+            f"expected a face such as `f 1/1/1 2/2/2 3/3/3`, got `{rest.strip()[:60]}`"
+        )
+    face = np.repeat(np.arange(len(faces)), sides)
+    return _absolute(raw, line_numbers(rows["f"])[face], rows, path), sides
+
+
+def _indices(faces: list[list[str]]) -> Int[np.ndarray, "c 3"] | None:
+    corners = [corner for words in faces for corner in words]
+    slashes = np.array([corner.count("/") for corner in corners])
+    words = " ".join(corners).replace("//", "/0/").replace("/", " ").split()
+    try:
+        numbers = np.array([int(word) for word in words], np.int64)
+    except (ValueError, OverflowError):
+        return None
+    end = np.cumsum(slashes + 1)
+    if not len(corners) or slashes.max() > 2 or len(numbers) != end[-1]:
+        return None
+    index = np.zeros((len(corners), 3), np.int64)
+    for column in range(3):
+        has = slashes >= column
+        index[has, column] = numbers[(end - slashes - 1)[has] + column]
+    return index
+
+
+def _malformed(words: list[str]) -> bool:
+    return len(words) < 3 or _indices([words]) is None
+
+
+def _absolute(
+    raw: Int[np.ndarray, "c 3"], line: Int[np.ndarray, " c"], rows: dict[str, Rows], path: Path
+) -> Int[np.ndarray, "c 3"]:
+    """Counts negative indices back from the line of their face and checks the range of all."""
+    index = raw.copy()
+    for column, kind in enumerate(_KINDS):
+        above = np.searchsorted(line_numbers(rows[kind]), line)
+        index[:, column] += np.where(raw[:, column] < 0, above + 1, 0)
+        absent = (raw[:, column] == 0) & (kind != "v")
+        bad = ~absent & ((index[:, column] < 1) | (index[:, column] > len(rows[kind])))
+        if bad.any():
+            first = int(bad.argmax())
+            raise Place(path, f"line {line[first]}").error(
+                f"face refers to `{kind}` {raw[first, column]}, but the file has {len(rows[kind])}",
+                "The file may be truncated: fetch or export it again.",
+            )
+    return index
+
+
+def fan(sides: Int[np.ndarray, " f"]) -> tuple[Int[np.ndarray, "t 3"], Int[np.ndarray, " t"]]:
+    """Triangles (0, k, k + 1) of every polygon as corner indices, and the polygon of each."""
+    count = sides - 2
+    face = np.repeat(np.arange(len(sides)), count)
+    start = (np.cumsum(sides) - sides)[face]
+    step = np.arange(len(face)) - (np.cumsum(count) - count)[face] + 1
+    return np.stack([start, start + step, start + step + 1], axis=1), face

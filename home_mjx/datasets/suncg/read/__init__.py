@@ -1,0 +1,1 @@
+"""A house from its files."""

@@ -1,0 +1,209 @@
+"""Reads `wall/<id>/<id>.arch.json` of SUNCG v2, which comes without meshes of rooms, and builds those meshes."""
+
+from collections import defaultdict
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from home_mjx.datasets.shapes.polygon_slab import slab
+from home_mjx.datasets.shapes.wall_prism import DEPTH, RISE, Hole, Prism, Wall, wall_prisms
+from home_mjx.datasets.suncg.formats.element import Place, Value, read_json
+from home_mjx.datasets.suncg.formats.materials import read_material
+from home_mjx.datasets.suncg.formats.texture_paths import Textures
+from home_mjx.schema.house import Material, Mesh
+
+WHITE = (1.0, 1.0, 1.0)
+CUT = Material("cut", (0.5, 0.5, 0.5), None, 1.0)  # the grey of cut faces
+THICKNESS = {"Floor": 0.05, "Ceiling": 0.05, "Ground": 0.08}  # [m], where the file has no `defaults`
+MAX_ELEMENTS = 10_000  # the largest house of SUNCG has 155 rooms
+MAX_HOLES = 50  # in one wall
+MAX_CORNERS = 1_000  # of one polygon
+
+Note = Callable[[Place, str, str], None]
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A closed part of a mesh, with its slots counted from its own materials."""
+
+    group: str
+    vertices: Float[np.ndarray, "v 3"]
+    faces: Int[np.ndarray, "f 3"]
+    uv: Float[np.ndarray, "f 3 2"]
+    slot: Int[np.ndarray, " f"]
+
+
+@dataclass(frozen=True)
+class Architecture:
+    """The elements of one house; a mesh is built when it is asked for."""
+
+    file: Path
+    scale: float  # [m] per unit of the file
+    defaults: Value
+    elements: dict[tuple[str, str], list[Value]]  # by type, and by the id of their room or, of grounds, their own
+    textures: Textures
+    note: Note
+
+    def mesh(self, kind: str, node_id: str) -> Mesh | None:
+        """The walls, floor, ceiling or ground of a node; None if the file has none.
+
+        Args:
+            kind: `Wall`, `Floor`, `Ceiling` or `Ground`.
+            node_id: Id of the room or ground.
+
+        Raises:
+            DatasetError: An element is broken.
+        """
+        values = self.elements.get((kind, node_id), [])
+        pieces: list[Piece] = []
+        materials: list[Material] = []
+        for value in values:
+            found, slots = self._walls(value) if kind == "Wall" else self._slab(value, kind, node_id)
+            pieces += [replace(piece, slot=piece.slot + len(materials)) for piece in found if len(piece.faces)]
+            materials += slots
+        return _join(self.file, pieces, materials, self.scale) if pieces else None
+
+    def _walls(self, value: Value) -> tuple[list[Piece], list[Material]]:
+        wall = self._wall(value)
+        if wall is None:
+            return [], []
+        names = [f"{name}#{value.member('id').text()}" for name in ("WallInside", "WallOutside")]
+        pieces = [_wall_piece(*item) for item in zip(names, wall_prisms(wall), (0, 2), strict=True)]
+        inside, outside = self._materials(value, 2)
+        return pieces, [inside, CUT, outside]
+
+    def _wall(self, value: Value) -> Wall | None:
+        start, end = (point.vector(3) for point in _exactly(value.member("points"), 2))
+        if np.linalg.norm((end - start)[[0, 2]]) < 1e-6:
+            self.note(value.member("points"), "flat-wall", "wall without length: left out")
+            return None
+        if abs(end - start)[1] > 1e-6:
+            raise value.member("points").error(f"expected ends of one height, got {start[1]:g} and {end[1]:g}")
+        return Wall(
+            start,
+            end,
+            self._measure(value, "Wall", "height", 2.7),
+            tuple(_hole(hole.member("box")) for hole in _holes(value.member("holes"))),
+            self._measure(value, "Wall", "depth", DEPTH),
+            self._measure(value, "Wall", "extraHeight", RISE, least=0.0),
+        )
+
+    def _slab(self, value: Value, kind: str, node_id: str) -> tuple[list[Piece], list[Material]]:
+        x, high, z = value.member("offset").vector(3)
+        if value.member("points").data == []:
+            raise value.member("points").error("expected a polygon or more, got none")
+        polygons = [_polygon(points) + np.array([x, z]) for points in value.member("points").entries()]
+        low = high - self._measure(value, kind, "depth", THICKNESS[kind])
+        outset = self._length(self._default("Wall", "depth"), DEPTH, 1e-3) / 5
+        try:
+            vertices, faces, uv = slab(polygons, low, high, outset)
+        except ValueError as error:
+            raise value.member("points").error(str(error)) from None
+        return [Piece(f"{kind}#{node_id}", vertices, faces, uv, np.zeros(len(faces), int))], self._materials(value, 1)
+
+    def _measure(self, value: Value, kind: str, key: str, default: float, least: float = 1e-3) -> float:
+        """A length of an element, or what `defaults` says, or SUNCG's own; in units of the file."""
+        own = value.member(key)
+        return self._length(own if own.present else self._default(kind, key), default, least)
+
+    def _default(self, kind: str, key: str) -> Value:
+        common = self.defaults.member(kind) if self.defaults.present else self.defaults
+        return common.member(key) if common.present else common
+
+    def _length(self, value: Value, default: float, least: float) -> float:
+        length = value.coordinate() if value.present else default / self.scale
+        if length < least:
+            raise value.error(f"expected a length of {least:g} or more, got {length:g}")
+        return length
+
+    def _materials(self, value: Value, count: int) -> list[Material]:
+        listed = value.member("materials")
+        found = [read_material(entry, self.textures) for entry in listed.entries()] if listed.present else []
+        padded = [*found, *[Material("")] * count][:count]
+        return [replace(material, diffuse=material.diffuse or WHITE, opacity=1.0) for material in padded]
+
+
+def read_architecture(path: Path, textures: Textures, note: Note) -> Architecture:
+    """The architecture of one house.
+
+    Args:
+        path: The file.
+        textures: Where textures are looked up.
+        note: Takes oddities that are tolerated: place, rule, message.
+
+    Raises:
+        DatasetError: The file is missing, is not JSON, or does not list elements.
+    """
+    document = read_json(path)
+    version, scale = document.member("version"), document.member("scaleToMeters")
+    if not version.present or not version.text().startswith("suncg-arch"):
+        note(version, "format-version", "expected suncg-arch@1.0.0 or suncg-arch@1.0.2: read as such")
+    house_id = document.member("id")
+    if house_id.present and house_id.data != path.parent.name:
+        note(house_id, "house-id", f"expected {path.parent.name}, the folder's name: ignored")
+    if scale.present and not 1e-4 <= scale.number() <= 1e4:
+        raise scale.error(f"expected metres per unit, got {scale.number():g}", "SUNCG writes 1.")
+    elements: dict[tuple[str, str], list[Value]] = defaultdict(list)
+    values = document.member("elements").entries()
+    if len(values) > MAX_ELEMENTS:
+        raise document.member("elements").error(f"expected at most {MAX_ELEMENTS} elements, got {len(values)}")
+    for value in values:
+        kind = value.member("type").text()
+        if kind in ("Wall", *THICKNESS):
+            owner = value.member("id" if kind == "Ground" else "roomId")
+            elements[kind, owner.text()].append(value)
+        else:
+            note(value.member("type"), "element-type", f"unknown element type `{kind}`: left out")
+    unit = scale.number() if scale.present else 1.0
+    return Architecture(path, unit, document.member("defaults"), dict(elements), textures, note)
+
+
+def _exactly(value: Value, count: int) -> list[Value]:
+    entries = value.entries()
+    if len(entries) != count:
+        raise value.error(f"expected {count} points, got {len(entries)}")
+    return entries
+
+
+def _holes(value: Value) -> list[Value]:
+    entries = value.entries() if value.present else []
+    if len(entries) > MAX_HOLES:
+        raise value.error(f"expected at most {MAX_HOLES} holes in a wall, got {len(entries)}")
+    return entries
+
+
+def _hole(box: Value) -> Hole:
+    (left, low), (right, high) = box.member("min").vector(2).tolist(), box.member("max").vector(2).tolist()
+    if left > right or low > high:
+        raise box.error("hole is inside out")
+    return left, right, low, high
+
+
+def _polygon(points: Value) -> Float[np.ndarray, "n 2"]:
+    entries = points.entries()
+    if not 3 <= len(entries) <= MAX_CORNERS:
+        raise points.error(f"expected 3 corners or more, at most {MAX_CORNERS}, got {len(entries)}")
+    corners = [point.vector(3)[[0, 2]] for point in entries]
+    return np.array(corners)
+
+
+def _wall_piece(group: str, prism: Prism, slot: int) -> Piece:
+    return Piece(group, prism.vertices, prism.faces, prism.uv, np.where(prism.large, slot, 1))
+
+
+def _join(path: Path, pieces: list[Piece], materials: list[Material], scale: float) -> Mesh:
+    starts = np.cumsum([0, *(len(piece.vertices) for piece in pieces)])
+    names = tuple(dict.fromkeys(piece.group for piece in pieces))
+    return Mesh(
+        path=path,
+        vertices=np.concatenate([piece.vertices for piece in pieces]) * scale,
+        faces=np.concatenate([p.faces + start for p, start in zip(pieces, starts, strict=False)]).astype(np.int32),
+        uv=(np.concatenate([piece.uv for piece in pieces]) * scale).astype(np.float32),
+        slot=np.concatenate([piece.slot for piece in pieces]).astype(np.int32),
+        group=np.concatenate([np.full(len(p.faces), names.index(p.group)) for p in pieces]).astype(np.int32),
+        materials=tuple(replace(material, name=f"material_{i}") for i, material in enumerate(materials)),
+        groups=names,
+    )

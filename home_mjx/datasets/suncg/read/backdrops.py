@@ -1,0 +1,77 @@
+"""Boxes of a hundred metres that houses have for a landscape behind the windows."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Float
+
+from home_mjx.datasets.suncg.formats.element import Place
+from home_mjx.datasets.suncg.read.reading import Reading
+from home_mjx.schema.house import Box, Ground, Node, Object, Room
+
+LONG = 20.0  # [m]: boxes with a longer edge may be backdrops; rooms, partitions and steps are smaller
+AXIS = 1e-3  # most sine of the angle between a box and the axes for it to be cut
+
+
+def cut_backdrops(nodes: Sequence[Node], place: Place, reading: Reading) -> list[Node]:
+    """The nodes of a level, with long boxes cut to where anything else is, and left out where nothing is.
+
+    Args:
+        nodes: The nodes of a level.
+        place: Of the level, for levels that hold nothing but backdrops.
+        reading: Its options say whether backdrops are kept whole.
+    """
+    extent = None if reading.options.backdrops else level_extent(nodes)
+    if extent is None:
+        return list(nodes)
+    return [kept for node in nodes if (kept := _cut(node, extent, Place(place.file, node.path), reading)) is not None]
+
+
+def level_extent(nodes: Sequence[Node]) -> Float[np.ndarray, "2 3"] | None:
+    """The box around rooms, grounds and objects [m]; None if there are none.
+
+    The boxes that the file states are of no use for rooms: they enclose the members, backdrops among them.
+    """
+    rooms = [part for node in nodes if isinstance(node, Room) for part in (node.floor, node.ceiling, node.walls)]
+    meshes = [*rooms, *(node.mesh for node in nodes if isinstance(node, Ground))]
+    corners = [[mesh.vertices.min(0), mesh.vertices.max(0)] for mesh in meshes if mesh is not None]
+    corners += [list(node.bbox) for node in nodes if isinstance(node, Object) and node.bbox is not None]
+    if not corners:
+        return None
+    low, high = np.array(corners).transpose(1, 0, 2)
+    return np.stack([low.min(0), high.max(0)])
+
+
+def box_bounds(box: Box) -> Float[np.ndarray, "2 3"]:
+    """The box around a box in the scene [m]."""
+    half = abs(box.transform[:3, :3]) @ box.dimensions / 2
+    return np.stack([box.transform[:3, 3] - half, box.transform[:3, 3] + half])
+
+
+def _cut(node: Node, extent: Float[np.ndarray, "2 3"], place: Place, reading: Reading) -> Node | None:
+    if not isinstance(node, Box):
+        return node
+    bounds = box_bounds(node)
+    inside = np.stack([np.maximum(bounds[0], extent[0]), np.minimum(bounds[1], extent[1])])
+    if np.ptp(bounds, axis=0).max() <= LONG or np.array_equal(inside, bounds):
+        return node
+    if (inside[1] - inside[0] <= 0).any() or not _along_axes(node):
+        reading.note(place, "backdrop", "backdrop box: left out")
+        return None
+    reading.note(place, "backdrop", "backdrop box: cut to the extent of the level")
+    return _resize(node, inside)
+
+
+def _along_axes(box: Box) -> bool:
+    columns = abs(box.transform[:3, :3] / np.linalg.norm(box.transform[:3, :3], axis=0))
+    return bool((np.sort(columns, axis=0)[:2] < AXIS).all())
+
+
+def _resize(box: Box, bounds: Float[np.ndarray, "2 3"]) -> Box:
+    """The box of the same orientation that fills an upright one."""
+    transform = box.transform.copy()
+    transform[:3, 3] = bounds.mean(axis=0)
+    axes = abs(box.transform[:3, :3]).argmax(axis=0)
+    scale = np.linalg.norm(box.transform[:3, :3], axis=0)
+    return replace(box, transform=transform, dimensions=np.ptp(bounds, axis=0)[axes] / scale)

@@ -1,0 +1,182 @@
+"""Reads house.json: the house, its levels, and which nodes of a level count."""
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, TypeVar
+
+from home_mjx.datasets.options import ReadOptions
+from home_mjx.datasets.suncg.formats.asset_library import Assets
+from home_mjx.datasets.suncg.formats.element import Value, read_json
+from home_mjx.datasets.suncg.formats.fields import HOUSE, LEVEL, NODES, unknown_fields
+from home_mjx.datasets.suncg.read.backdrops import cut_backdrops
+from home_mjx.datasets.suncg.read.nodes import READERS, read_bbox
+from home_mjx.datasets.suncg.read.reading import Reading
+from home_mjx.schema.house import Box, Ground, House, Level, Node, Object, Room, Unknown
+
+MAX_NODES = 10_000  # in one level; the largest houses of SUNCG have about two thousand
+MAX_LEVELS = 100
+AXES = (("up", [0, 1, 0]), ("front", [0, 0, 1]))
+N = TypeVar("N", bound=Node)
+
+
+def read_house(house_id: str, assets: Assets, options: ReadOptions, left_out: Callable[[str], bool]) -> House:
+    """One house with every mesh that it shows.
+
+    Args:
+        house_id: Name of its folder.
+        assets: Meshes and textures of the dataset.
+        options: What is read.
+        left_out: Whether the options leave out a model.
+
+    Raises:
+        DatasetError: house.json or a file that it needs is missing or broken.
+    """
+    document = read_json(house_path(house_id, assets))
+    house = build_house(document, Reading(house_id, assets, left_out, options))
+    if not any(level.rooms or level.objects or level.boxes or level.grounds for level in house.levels):
+        raise document.member("levels").error("house shows nothing", "Remove its folder from the dataset.")
+    return house
+
+
+def house_path(house_id: str, assets: Assets) -> Path:
+    """Where the house.json of a house lies."""
+    return assets.root / "house" / house_id / "house.json"
+
+
+def build_house(document: Value, reading: Reading) -> House:
+    """The house that a document describes; errors and problems go where `reading` wants them."""
+    reading.materials = document.member("materials")
+    reading.scale = reading.attempt(_scale, document.member("scaleToMeters")) or 1.0
+    reading.attempt(_check_header, document, reading)
+    values = reading.attempt(_bounded, document.member("levels"), MAX_LEVELS) or []
+    levels = [reading.attempt(read_level, value, index, reading) for index, value in enumerate(values)]
+    version = document.member("version").data
+    return House(
+        id=reading.house_id,
+        version=version if isinstance(version, str) else "",
+        path=document.file,
+        levels=tuple(level for level in levels if level is not None),
+        models=reading.models,
+        others=reading.others,
+        problems=tuple(problem for _, problem in reading.notes),
+        extra=unknown_fields(document, HOUSE),
+    )
+
+
+def _bounded(value: Value, most: int) -> list[Value]:
+    entries = value.entries()
+    if len(entries) > most:
+        raise value.error(f"expected at most {most} entries, got {len(entries)}")
+    return entries
+
+
+def _scale(value: Value) -> float:
+    scale = value.number() if value.present else 1.0
+    if not 1e-4 <= scale <= 1e4:
+        raise value.error(f"expected metres per unit above 0, 0.0001 to 10000, got {scale:g}", "SUNCG writes 1.")
+    return scale
+
+
+def _check_header(document: Value, reading: Reading) -> None:
+    version, house_id = document.member("version"), document.member("id")
+    if not version.present or not version.text().startswith("suncg"):
+        reading.note(version, "format-version", f"version is {json.dumps(version.data)}: read as suncg@1.0.0")
+    if not house_id.present or house_id.text() != reading.house_id:
+        reading.note(house_id, "house-id", f"id is {json.dumps(house_id.data)}: the folder's name is taken")
+    for key, axis in AXES:
+        value = document.member(key)
+        if value.present and value.vector(3).tolist() != axis:
+            reading.note(value, "axes", f"expected {axis}: ignored, as other readers do")
+
+
+def read_level(level: Value, index: int, reading: Reading) -> Level | None:
+    """One storey; None if it is switched off."""
+    if not level.member("valid").flag(default=True):
+        return None
+    nodes = level.member("nodes")
+    if not nodes.present:
+        reading.note(nodes, "empty-level", "level without nodes")
+    values = _bounded(nodes, MAX_NODES) if nodes.present else []
+    read = [reading.attempt(_read_node, value, f"{index}_{i}", i, reading) for i, value in enumerate(values)]
+    found = [node for node in read if node is not None]
+    same = _duplicates(found, values, reading)
+    found = cut_backdrops([node for node in found if node.index not in same], level, reading)
+    kinds = {node.index: isinstance(node, Object | Box) for node in found if not isinstance(node, Unknown)}
+    rooms = [_with_members(room, values, kinds, same, reading) for room in _of_type(found, Room)]
+    return Level(
+        id=_id(level, str(index), reading),
+        index=index,
+        rooms=tuple(rooms),
+        objects=_of_type(found, Object),
+        boxes=_of_type(found, Box),
+        grounds=_of_type(found, Ground),
+        unknown=_of_type(found, Unknown),
+        extra=unknown_fields(level, LEVEL),
+    )
+
+
+def _of_type(nodes: Sequence[Node], kind: type[N]) -> tuple[N, ...]:
+    return tuple(node for node in nodes if isinstance(node, kind))
+
+
+def _read_node(value: Value, default_id: str, index: int, reading: Reading) -> Node | None:
+    if not value.data:
+        reading.note(value, "empty-node", "empty node: left out")
+        return None
+    if not value.member("valid").flag(default=True):
+        return None  # the format's own way of hiding a node
+    kind = value.member("type")
+    reader = READERS.get(kind.text().lower()) if kind.present else None
+    common: dict[str, Any] = {"id": _id(value, default_id, reading), "index": index, "path": value.element}
+    if reader is None:
+        reading.note(kind, "node-type", f"unknown node type {json.dumps(kind.data)}: kept, but not shown")
+        return Unknown(**common, bbox=None, data=value.data)
+    extra = unknown_fields(value, NODES[kind.text().lower()])
+    return reader(value, common | {"bbox": read_bbox(value, reading), "extra": extra}, reading)
+
+
+def _id(value: Value, default: str, reading: Reading) -> str:
+    """The id as a string; some files write numbers, some nothing."""
+    found = value.member("id")
+    if not found.present:
+        reading.note(found, "missing-id", f"no id: `{default}` taken")
+        return default
+    return found.data if isinstance(found.data, str) else str(found.integer())
+
+
+def _duplicates(nodes: Sequence[Node], values: Sequence[Value], reading: Reading) -> dict[int, int]:
+    """Nodes that repeat an earlier one in every respect, by index; one that only shares its id is kept."""
+    first: dict[str, Node] = {}
+    same: dict[int, int] = {}
+    for node in nodes:
+        earlier = first.setdefault(node.id, node)
+        if earlier is node:
+            continue
+        equal = values[node.index].data == values[earlier.index].data
+        if equal:
+            same[node.index] = earlier.index
+        what = "an equal node: left out" if equal else "another node: both kept"
+        message = f"`{node.id}` is also the id of {earlier.path}, {what}"
+        reading.note(values[node.index].member("id"), "duplicate-id", message)
+    return same
+
+
+def _with_members(
+    room: Room, values: Sequence[Value], kinds: Mapping[int, bool], same: Mapping[int, int], reading: Reading
+) -> Room:
+    """The room with those members that are shown, each once; `kinds` says by index which nodes are furniture."""
+    place = values[room.index].member("nodeIndices")
+    beyond = [index for index in room.members if not 0 <= index < len(values)]
+    if beyond:
+        more = f", and {len(beyond) - 1} more" if len(beyond) > 1 else ""
+        message = f"index {beyond[0]} is out of range: the level has {len(values)} nodes{more}"
+        reading.note(place, "member-index", message)
+    if len(set(room.members)) < len(room.members):
+        reading.note(place, "repeated-member", "nodes listed twice")
+    members = list(dict.fromkeys(same.get(index, index) for index in room.members))
+    architecture = sorted(index for index in members if kinds.get(index) is False)
+    if architecture:
+        reading.note(place, "member-type", f"indices {architecture} are rooms or grounds: not taken as members")
+    return replace(room, members=tuple(index for index in members if kinds.get(index)))

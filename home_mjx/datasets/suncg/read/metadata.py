@@ -1,0 +1,125 @@
+"""Reads the tables beside the houses: categories, sizes and lights of the models."""
+
+import csv
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+from home_mjx.core.files import read_text
+from home_mjx.datasets.suncg.formats.element import Place, Value, read_json
+from home_mjx.schema.house import Light, Metadata, ModelInfo
+
+CATEGORIES = "ModelCategoryMapping.csv"
+SIZES = "models.csv"
+LIGHTS = "suncgModelLights.json"
+FRONT = ModelInfo("").front
+LIGHT_KINDS = ("PointLight", "SpotLight", "LineLight")
+
+
+def read_metadata(folder: Path) -> Metadata:
+    """The tables of `<root>/metadata`.
+
+    Args:
+        folder: Holds `ModelCategoryMapping.csv` and, optionally, `models.csv` and `suncgModelLights.json`.
+
+    Raises:
+        DatasetError: The category table is missing, or a row of any table is broken.
+    """
+    named = Metadata(_read_categories(folder / CATEGORIES))
+    sized = _read_sizes(folder / SIZES, named) if (folder / SIZES).is_file() else {}
+    lights = _read_lights(folder / LIGHTS) if (folder / LIGHTS).is_file() else {}
+    return Metadata({**named.models, **sized}, lights)
+
+
+def _read_categories(path: Path) -> dict[str, ModelInfo]:
+    hint = "Fetch the `metadata` archive of the dataset: categories come from this table."
+    columns = ("model_id", "fine_grained_class", "coarse_grained_class", "nyuv2_40class")
+    models: dict[str, ModelInfo] = {}
+    for place, (model_id, fine, coarse, nyu40, front) in _rows(path, columns, hint, ("front",)):
+        _check_new(model_id, models, place)
+        facing = _triple(front, place) if front else FRONT
+        models[model_id] = ModelInfo(model_id, fine or "unknown", coarse or "unknown", nyu40 or "void", front=facing)
+    return models
+
+
+def _read_sizes(path: Path, named: Metadata) -> dict[str, ModelInfo]:
+    """Adds sizes and fronts; variants, which the category table lacks, take the categories of their base."""
+    models: dict[str, ModelInfo] = {}
+    for place, (model_id, front, low, high) in _rows(path, ("id", "front", "minPoint", "maxPoint"), None):
+        _check_new(model_id, models, place)
+        (x0, y0, z0), (x1, y1, z1) = _triple(low, place), _triple(high, place)
+        # not `aligned.dims`: those are of the model turned to its front
+        dims = (x1 - x0, y1 - y0, z1 - z0)
+        info = named.info(model_id)
+        facing = _triple(front, place) if info.front == FRONT else info.front  # v2's category table is the better one
+        models[model_id] = replace(info, model_id=model_id, dims=dims, front=facing)
+    return models
+
+
+def _check_new(model_id: str, models: dict[str, ModelInfo], place: Place) -> None:
+    if model_id in models:
+        raise place.error(f"model `{model_id}` has two rows", "Keep one of them.")
+
+
+def _triple(text: str, place: Place) -> tuple[float, float, float]:
+    try:
+        x, y, z = (float(word) for word in text.split(","))
+    except ValueError:
+        x = y = z = math.nan
+    if not math.isfinite(x + y + z):
+        raise place.error(f"expected three finite numbers, got `{text[:60]}`")
+    return x, y, z
+
+
+def _rows(
+    path: Path, columns: tuple[str, ...], hint: str | None, optional: tuple[str, ...] = ()
+) -> Iterator[tuple[Place, list[str]]]:
+    """The named columns of every row of a CSV file; optional ones that the file lacks are empty."""
+    table = csv.reader(read_text(path, hint).splitlines(), strict=True)
+    try:
+        header = next(table, [])
+        missing = [column for column in columns if column not in header]
+        if missing:
+            raise Place(path, "line 1").error(f"table lacks the column(s) {', '.join(missing)}", hint)
+        for row in table:
+            place = Place(path, f"line {table.line_num}")
+            if len(row) != len(header):
+                raise place.error(f"expected {len(header)} cells, got {len(row)}", "The file may be truncated.")
+            cells = dict(zip(header, row, strict=True))
+            yield place, [cells.get(column, "") for column in (*columns, *optional)]
+    except csv.Error as error:
+        raise Place(path, f"line {table.line_num}").error(f"not valid CSV: {error}") from None
+
+
+def _read_lights(path: Path) -> dict[str, tuple[Light, ...]]:
+    document = read_json(path)
+    if not isinstance(document.data, dict):
+        raise document.error("expected an object of lists of lights by model id")
+    return {key: tuple(_light(value) for value in document.member(key).entries()) for key in document.data}
+
+
+def _light(value: Value) -> Light:
+    kind = value.member("type").text()
+    if kind not in LIGHT_KINDS:
+        raise value.member("type").error(f"unknown light `{kind}`", f"Known: {', '.join(LIGHT_KINDS)}.")
+    cutoff, dropoff = value.member("cutoffAngle"), value.member("dropoffRate")
+    return Light(
+        kind=kind,
+        power=value.member("power").number(),
+        color=value.member("color").color(),
+        position=_point(value.member("position")),
+        direction=_optional_point(value.member("direction")),
+        cutoff=cutoff.number() if cutoff.present else None,
+        dropoff=dropoff.number() if dropoff.present else 0.0,
+        end=_optional_point(value.member("position2")),
+    )
+
+
+def _point(value: Value) -> tuple[float, float, float]:
+    x, y, z = value.vector(3).tolist()
+    return x, y, z
+
+
+def _optional_point(value: Value) -> tuple[float, float, float] | None:
+    return _point(value) if value.present else None

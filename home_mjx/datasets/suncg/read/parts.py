@@ -1,0 +1,52 @@
+"""The meshes of rooms and grounds: from `room/` as in SUNCG v1, else from the architecture file of v2."""
+
+from dataclasses import replace
+from pathlib import Path
+
+from home_mjx.core.files import is_file, is_folder
+from home_mjx.datasets.suncg.formats.element import Value
+from home_mjx.datasets.suncg.read.reading import Reading
+from home_mjx.schema.house import Mesh
+
+SUFFIX = {"Floor": "f", "Ceiling": "c", "Wall": "w", "Ground": "f"}
+HIDDEN_BY = {"Floor": "hideFloor", "Ceiling": "hideCeiling", "Wall": "hideWalls", "Ground": "hideFloor"}
+
+
+def read_part(node: Value, kind: str, node_id: str, reading: Reading) -> Mesh | None:
+    """A mesh of a room or ground, in metres; None where it is hidden or, with a problem, missing.
+
+    Args:
+        node: The node.
+        kind: `Floor`, `Ceiling`, `Wall` or `Ground`.
+        node_id: Its id, by which the architecture file knows it.
+        reading: The state of reading the house.
+
+    Raises:
+        DatasetError: The house has neither a folder of meshes nor an architecture file, or one of them is broken.
+    """
+    if node.member(HIDDEN_BY[kind]).flag():
+        return None
+    stem = node.member("modelId").name() + SUFFIX[kind]
+    path = reading.assets.room_path(reading.house_id, stem)
+    if is_file(path):
+        return reading.once(f"room/{stem}", _mesh, path, reading)
+    return _built(node, kind, node_id, stem, reading)
+
+
+def _mesh(path: Path, reading: Reading) -> Mesh:
+    mesh = reading.assets.mesh(path)
+    return replace(mesh, vertices=mesh.vertices * reading.scale) if reading.scale != 1 else mesh
+
+
+def _built(node: Value, kind: str, node_id: str, stem: str, reading: Reading) -> Mesh | None:
+    folder, architecture = reading.assets.room_path(reading.house_id, stem).parent, reading.architecture
+    mesh = reading.once(f"{kind}#{node_id}", architecture.mesh, kind, node_id) if architecture else None
+    if mesh is None and architecture is None and not is_folder(folder):
+        hint = (
+            f"SUNCG v2 comes without room meshes: fetch them with `download_suncg.py -v v1 -t room`, "
+            f"or put wall/{reading.house_id}/{reading.house_id}.arch.json into the dataset."
+        )
+        raise node.error(f"house has no folder of room meshes {folder}", hint)
+    if mesh is None:
+        reading.note(node.member("modelId"), "missing-part", f"mesh {stem}.obj is missing: not shown")
+    return mesh

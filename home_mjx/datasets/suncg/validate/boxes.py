@@ -1,0 +1,58 @@
+"""Rules about bounding boxes: those of the file against those of the geometry."""
+
+import numpy as np
+from jaxtyping import Float
+
+from home_mjx.datasets.suncg.formats.element import Value
+from home_mjx.datasets.suncg.read.backdrops import LONG
+from home_mjx.datasets.suncg.read.nodes import read_bbox
+from home_mjx.datasets.suncg.validate.subject import Subject, level_nodes
+from home_mjx.schema.house import Box, Node, Object
+
+TOLERANCE = 1e-3  # [m]; SUNCG's numbers have been through float32
+
+Bounds = Float[np.ndarray, "2 3"]
+
+
+def check_boxes(subject: Subject) -> None:
+    """Boxes of nodes against vertices, of levels against nodes, of the house against levels; and backdrops."""
+    for node in subject.nodes:
+        _check_node(subject, node)
+    read = {level.index: level_nodes(level) for level in subject.house.levels}
+    levels = [
+        _check_union(subject, level, [node.bbox for node in read.get(index, ())])
+        for index, level, _ in subject.entries()
+    ]
+    _check_union(subject, subject.document, levels)
+
+
+def _check_node(subject: Subject, node: Node) -> None:
+    bounds = subject.bounds(node)
+    if bounds is None:
+        return
+    if isinstance(node, Box) and np.ptp(bounds, axis=0).max() > LONG:
+        subject.report("backdrop", node.path, f"box of {np.ptp(bounds, axis=0).max():.0f} m")
+    if node.bbox is not None and isinstance(node, Object | Box):
+        _report(subject, "bbox-mismatch", node.path, abs(bounds - node.bbox), "from the vertices of the base model")
+    elif node.bbox is not None:  # rooms enclose their members as well
+        outside = np.maximum((bounds - node.bbox) * [[-1], [1]], 0)
+        _report(subject, "room-bbox", node.path, outside, "inside of the mesh")
+
+
+def _check_union(subject: Subject, owner: Value, parts: list[Bounds | None]) -> Bounds | None:
+    """Compares a level or house with the box around its parts, and returns the latter."""
+    boxes = [box for box in parts if box is not None]
+    if not boxes:
+        return None
+    union = np.stack([np.min(boxes, axis=0)[0], np.max(boxes, axis=0)[1]])
+    stated = subject.reading.attempt(read_bbox, owner, subject.reading)
+    if stated is not None:
+        _report(subject, "level-bbox", owner.element, abs(union - stated), "from the box around its parts")
+    return union
+
+
+def _report(subject: Subject, rule: str, element: str, off: Bounds, what: str) -> None:
+    if off.max() > TOLERANCE:
+        side, axis = np.unravel_index(off.argmax(), off.shape)
+        place = f"{element}.bbox.{('min', 'max')[side]}[{axis}]".lstrip(".")
+        subject.report(rule, place, f"{off.max():.3g} m {what}")

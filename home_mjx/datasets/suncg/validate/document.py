@@ -1,0 +1,61 @@
+"""Rules about house.json as it is written: fields, ids, lists of members."""
+
+from collections import defaultdict
+
+from home_mjx.datasets.suncg.formats.element import Value
+from home_mjx.datasets.suncg.formats.fields import HOUSE, LEVEL, NODES, unknown_fields
+from home_mjx.datasets.suncg.validate.subject import Subject
+
+
+def check_document(subject: Subject) -> None:
+    """Unknown fields, ids that are no positions, members that are shared or hidden, missing mirror flags."""
+    _check_fields(subject, subject.document, HOUSE)
+    for index, level, nodes in subject.entries():
+        _check_fields(subject, level, LEVEL)
+        for position, node in enumerate(nodes):
+            if isinstance(node.data, dict) and node.data:
+                _check_node(subject, node, f"{index}_{position}")
+        _check_members(subject, nodes)
+    for item in subject.nodes:
+        if getattr(item, "mirrored", False) and "isMirrored" not in _data(subject, item.path):
+            subject.report("missing-mirror-flag", item.path, "the transform mirrors the model")
+
+
+def _check_fields(subject: Subject, value: Value, known: set[str]) -> None:
+    for key in unknown_fields(value, known):
+        subject.report("unknown-field", value.member(key).element, "kept, but no reader uses this")
+
+
+def _check_node(subject: Subject, node: Value, expected: str) -> None:
+    kind, node_id = node.data.get("type"), node.data.get("id")
+    _check_fields(subject, node, NODES.get(str(kind).lower(), set(node.data)))
+    if isinstance(node_id, str | int) and str(node_id) != expected:
+        subject.report("id-position", f"{node.element}.id", f"expected `{expected}`, got `{node_id}`")
+
+
+def _check_members(subject: Subject, nodes: list[Value]) -> None:
+    rooms: dict[int, list[Value]] = defaultdict(list)
+    for node in nodes:
+        for index in set(_members(node, len(nodes))):
+            rooms[index].append(node)
+    for index, owners in sorted(rooms.items()):
+        if len(owners) > 1:
+            message = f"node {index} is also a member of {owners[0].element}"
+            subject.report("shared-member", f"{owners[1].element}.nodeIndices", message)
+        if not _shown(nodes[index]):
+            subject.report("hidden-member", f"{owners[0].element}.nodeIndices", f"node {index} is not shown")
+
+
+def _members(node: Value, count: int) -> list[int]:
+    """Members that are in range; the reader reports the others, and what is no list of numbers."""
+    listed = node.data.get("nodeIndices") if _shown(node) else None
+    return [int(i) for i in listed if isinstance(i, int | float) and 0 <= i < count] if isinstance(listed, list) else []
+
+
+def _shown(node: Value) -> bool:
+    return isinstance(node.data, dict) and bool(node.data) and node.data.get("valid", 1) not in (0, "0")
+
+
+def _data(subject: Subject, path: str) -> dict:
+    level, node = (int(part.partition("]")[0]) for part in path.split("[")[1:3])
+    return subject.document.data["levels"][level]["nodes"][node]

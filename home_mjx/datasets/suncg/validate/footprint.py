@@ -1,0 +1,58 @@
+"""What meshes cover seen from above, on a grid."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from home_mjx.schema.house import Mesh
+
+STEP = 0.1  # [m]
+MAX_CELLS = 512  # along one axis: levels of more than 51 m get a coarser grid
+MAX_TRIANGLES = 2_000  # of one mesh; real floors and walls have a few dozen
+
+Triangles = Float[np.ndarray, "_ 3 2"]  # (x, z) [m]
+
+
+def upward(mesh: Mesh) -> Triangles:
+    """The faces of a mesh that look up, seen from above."""
+    corners = mesh.vertices[mesh.faces]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return corners[normal[:, 1] > 0.7 * np.linalg.norm(normal, axis=1)][:MAX_TRIANGLES, :, [0, 2]]
+
+
+@dataclass(frozen=True)
+class Raster:
+    """A grid of square cells."""
+
+    low: Float[np.ndarray, "2"]  # [m], corner of the first cell
+    step: float  # [m]
+    shape: tuple[int, int]
+
+    @classmethod
+    def around(cls, areas: Sequence[Triangles]) -> "Raster":
+        """The grid around some areas, with a margin of two cells."""
+        corners = np.concatenate([area.reshape(-1, 2) for area in areas])
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        step = max(STEP, float((high - low).max()) / MAX_CELLS)
+        columns, rows = (np.ceil((high - low) / step).astype(int) + 4).tolist()
+        return cls(low - 2 * step, step, (columns, rows))
+
+    def mask(self, area: Triangles) -> Bool[np.ndarray, "c r"]:
+        """Cells whose middle lies in a triangle."""
+        found = np.zeros(self.shape, bool)
+        for triangle in (area - self.low) / self.step - 0.5:  # in cells, from the middle of the first
+            (i, j), (k, m) = np.ceil(triangle.min(0)).astype(int), np.floor(triangle.max(0)).astype(int) + 1
+            x, z = np.mgrid[i:k, j:m]
+            sides = [
+                (q[0] - p[0]) * (z - p[1]) - (q[1] - p[1]) * (x - p[0])
+                for p, q in zip(triangle, np.roll(triangle, -1, axis=0), strict=True)
+            ]
+            found[i:k, j:m] |= (np.min(sides, axis=0) >= 0) | (np.max(sides, axis=0) <= 0)
+        return found
+
+    def at(self, mask: Bool[np.ndarray, "c r"], point: Float[np.ndarray, "2"]) -> bool:
+        """What a mask says about a point; false outside of the grid."""
+        cell = np.floor((point - self.low) / self.step).astype(int)
+        return bool((cell >= 0).all() and (cell < self.shape).all() and mask[tuple(cell)])

@@ -1,0 +1,58 @@
+"""Rules about material slots and textures."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from home_mjx.core.files import read_bytes
+from home_mjx.core.images import open_texture
+from home_mjx.datasets.suncg.formats.obj import PLAIN
+from home_mjx.datasets.suncg.validate.subject import Subject
+from home_mjx.errors import DatasetError
+from home_mjx.schema.house import Material, Mesh
+
+KINDS = {b"\x89PNG": (".png",), b"\xff\xd8\xff": (".jpg", ".jpeg")}  # extensions by how a file starts
+
+
+def check_materials(subject: Subject) -> None:
+    """Slots without faces, faces without slots, textures that do not decode or are of another kind."""
+    meshes = {mesh.path: mesh for mesh in subject.reading.kept.values() if isinstance(mesh, Mesh)}
+    for mesh in (mesh for path, mesh in meshes.items() if path.suffix == ".obj"):
+        _check_slots(subject, mesh)
+    for texture in sorted({m.texture for m in _materials(subject) if m.texture}):
+        _check_texture(subject, texture)
+
+
+def _materials(subject: Subject) -> Iterator[Material]:
+    for level in subject.house.levels:
+        for node in (*level.objects, *level.boxes):
+            yield from node.materials
+        for mesh in (part for room in level.rooms for part in (room.floor, room.ceiling, room.walls)):
+            yield from () if mesh is None else mesh.materials
+        for ground in level.grounds:
+            yield from () if ground.mesh is None else ground.mesh.materials
+    for mesh in subject.house.models.values():
+        yield from mesh.materials
+
+
+def _check_slots(subject: Subject, mesh: Mesh) -> None:
+    if mesh.materials[-1] is PLAIN:
+        count = int((mesh.slot == len(mesh.materials) - 1).sum())
+        subject.report("missing-slot", "", f"{count} faces have no `usemtl` above them", mesh.path)
+    used = set(np.unique(mesh.slot).tolist())
+    unused = [material.name for slot, material in enumerate(mesh.materials) if slot not in used]
+    if unused:
+        subject.report("unused-slot", ", ".join(unused), "no face is of this material", mesh.path)
+
+
+def _check_texture(subject: Subject, path: Path) -> None:
+    try:
+        open_texture(path)
+    except DatasetError as error:
+        subject.report("texture-broken", "", error.message, path)
+        return
+    start = read_bytes(path)[:4]
+    fitting = next(extensions for magic, extensions in KINDS.items() if start.startswith(magic))
+    if path.suffix.lower() not in fitting:
+        subject.report("texture-type", "", f"expected the extension {fitting[0]} for what the file holds", path)

@@ -1,0 +1,90 @@
+"""Rules about where things stand: rooms that overlap, objects outside of rooms, doors outside of walls."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float
+from scipy import ndimage
+
+from home_mjx.datasets.suncg.validate.footprint import Raster, upward
+from home_mjx.datasets.suncg.validate.subject import Subject
+from home_mjx.schema.house import Ground, Level, Mesh, Object, Room
+
+NEAR = 0.15  # [m]: a wall and a half
+MAX_EDGES = 20_000  # of the walls of a level; real ones have a few hundred
+OPENINGS = ("door", "window", "arch", "garage_door")
+
+Triangles = Float[np.ndarray, "_ 3 2"]  # (x, z) [m]
+
+
+def check_rooms(subject: Subject) -> None:
+    """Overlaps, objects outside of rooms, doors off walls, models without categories."""
+    for level in subject.house.levels:
+        rooms = [(room, area) for room in level.rooms if (area := footprint(room)) is not None]
+        if rooms:
+            areas = [area for _, area in rooms]
+            areas += [area for ground in level.grounds if (area := footprint(ground)) is not None]
+            raster = Raster.around(areas)
+            _check_overlap(subject, rooms, raster)
+            _check_outside(subject, level, areas, raster)
+        edges = _wall_edges([room.walls for room in level.rooms if room.walls is not None])
+        for item in level.objects:
+            _check_category(subject, item, edges)
+
+
+def footprint(node: Room | Ground) -> Triangles | None:
+    """Upward faces of the floor (or ceiling, or else the box around the walls) seen from above; None without meshes."""
+    slabs = (node.floor, node.ceiling) if isinstance(node, Room) else (node.mesh,)
+    for mesh in slabs:
+        if mesh is not None and len(area := upward(mesh)):
+            return area
+    if not isinstance(node, Room) or node.walls is None:
+        return None
+    (x0, _, z0), (x1, _, z1) = node.walls.vertices.min(0), node.walls.vertices.max(0)
+    return np.array([[[x0, z0], [x1, z0], [x1, z1]], [[x0, z0], [x1, z1], [x0, z1]]])
+
+
+def _check_overlap(subject: Subject, rooms: Sequence[tuple[Room, Triangles]], raster: Raster) -> None:
+    owner = np.full(raster.shape, -1)
+    for number, (room, area) in enumerate(rooms):
+        mask = raster.mask(area)
+        for other in np.unique(owner[mask & (owner >= 0)]):
+            both = mask & (owner == other)
+            if ndimage.binary_erosion(both).any():  # strips are the outsets of two floors
+                message = f"{both.sum() * raster.step**2:.1f} m² are also in {rooms[other][0].path}"
+                subject.report("room-overlap", room.path, message)
+        owner[mask & (owner < 0)] = number
+
+
+def _check_outside(subject: Subject, level: Level, areas: Sequence[Triangles], raster: Raster) -> None:
+    covered = np.any([raster.mask(area) for area in areas], axis=0)
+    cells = int(np.ceil(NEAR / raster.step))
+    near = ndimage.binary_dilation(covered, iterations=cells)
+    for node in (*level.objects, *level.boxes):
+        if not raster.at(near, node.transform[[0, 2], 3]):
+            subject.report("outside-rooms", node.path, "its origin is in no room and on no ground")
+
+
+def _wall_edges(walls: Sequence[Mesh]) -> Float[np.ndarray, "e 2 2"]:
+    """Edges of the upper faces of walls: their outlines, and those of sills."""
+    tops = np.concatenate([np.zeros((0, 3, 2)), *(upward(mesh) for mesh in walls)])
+    return np.stack([tops, np.roll(tops, -1, axis=1)], axis=2).reshape(-1, 2, 2)[:MAX_EDGES]
+
+
+def _check_category(subject: Subject, item: Object, edges: Float[np.ndarray, "e 2 2"]) -> None:
+    if subject.metadata is None:
+        return
+    info = subject.metadata.info(item.model_id)
+    if info.coarse == "unknown":
+        subject.report("unknown-model", f"{item.path}.modelId", f"model `{item.model_id}` has no category")
+    if info.coarse in OPENINGS and len(edges):
+        distance = _distance(edges, item.transform[[0, 2], 3])
+        if distance > NEAR:
+            subject.report("door-off-wall", item.path, f"{info.coarse} {distance:.2f} m away from the nearest wall")
+
+
+def _distance(edges: Float[np.ndarray, "e 2 2"], point: Float[np.ndarray, "2"]) -> float:
+    """From a point to the nearest of some segments [m]."""
+    start, way = edges[:, 0], edges[:, 1] - edges[:, 0]
+    along = ((point - start) * way).sum(-1) / np.maximum((way**2).sum(-1), 1e-12)
+    return float(np.linalg.norm(start + np.clip(along, 0, 1)[:, None] * way - point, axis=-1).min())

@@ -1,0 +1,72 @@
+"""Reports everything that is wrong with a house, as linters do, and not only what keeps it from being read."""
+
+from home_mjx.datasets.options import ReadOptions
+from home_mjx.datasets.suncg.dataset import Dataset
+from home_mjx.datasets.suncg.formats.element import read_json
+from home_mjx.datasets.suncg.read.house_json import build_house, house_path
+from home_mjx.datasets.suncg.read.reading import Reading
+from home_mjx.datasets.suncg.validate.boxes import check_boxes
+from home_mjx.datasets.suncg.validate.document import check_document
+from home_mjx.datasets.suncg.validate.finding import RULES, Finding
+from home_mjx.datasets.suncg.validate.materials import check_materials
+from home_mjx.datasets.suncg.validate.rooms import check_rooms
+from home_mjx.datasets.suncg.validate.subject import Subject
+from home_mjx.errors import DatasetError
+from home_mjx.schema.house import Mesh, Metadata, Room
+
+__all__ = ["RULES", "Finding", "validate_house"]
+
+
+def validate_house(dataset: Dataset, house_id: str) -> tuple[Finding, ...]:
+    """Everything that is wrong with a house and the files that it uses, errors first; empty if nothing is.
+
+    Nodes that cannot be read are reported and left out of further checks, so correct them and validate again.
+
+    Args:
+        dataset: Where the house lies.
+        house_id: One of `dataset.house_ids`.
+
+    Raises:
+        DatasetError: There is no such house.
+
+    Example:
+        >>> for finding in validate_house(open_dataset("/data/suncg"), house_id):  # doctest: +SKIP
+        ...     print(finding.severity, finding)
+        error …/house.json: levels[0].nodes[3].bbox.min[2]: 0.57 m from the vertices of the base model [bbox-mismatch]
+    """
+    dataset.check_known(house_id)
+    path = house_path(house_id, dataset.assets)
+    try:
+        document = read_json(path)
+        document.member("levels")
+    except DatasetError as error:
+        return (_unreadable(error, str(path)),)
+    reading = Reading(house_id, dataset.assets, options=ReadOptions(backdrops=True), errors=[])
+    subject = Subject(document, reading, build_house(document, reading), _metadata(dataset, reading))
+    if not any(subject.nodes):
+        subject.report("nothing-shown", "levels", "house shows nothing")
+    elif not any(mesh for level in subject.house.levels for room in level.rooms for mesh in _meshes(room)):
+        subject.report("no-room", "levels", "no room has a floor, ceiling or wall mesh")
+    for check in (check_document, check_boxes, check_rooms, check_materials):
+        check(subject)
+    return _sorted(subject, str(path))
+
+
+def _meshes(room: Room) -> tuple[Mesh | None, ...]:
+    return room.floor, room.ceiling, room.walls
+
+
+def _metadata(dataset: Dataset, reading: Reading) -> Metadata | None:
+    return reading.attempt(lambda: dataset.metadata)
+
+
+def _sorted(subject: Subject, path: str) -> tuple[Finding, ...]:
+    """Errors first, otherwise in the order of checks; what several nodes share is reported once."""
+    notes = [Finding(str(place.file), p.element, p.rule, p.message) for place, p in subject.reading.notes]
+    errors = [_unreadable(error, path) for error in subject.reading.errors or []]
+    found = dict.fromkeys((*errors, *notes, *subject.findings))
+    return tuple(sorted(found, key=lambda finding: finding.severity))
+
+
+def _unreadable(error: DatasetError, path: str) -> Finding:
+    return Finding(error.file or path, error.element or "", "unreadable", error.message)

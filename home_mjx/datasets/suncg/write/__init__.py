@@ -1,0 +1,1 @@
+"""Houses and models to SUNCG's files."""

@@ -1,0 +1,206 @@
+"""Writes houses and libraries of models in SUNCG v1's on-disk format, each folder whole or not at all.
+
+The writer takes the same records as the reader gives, so whatever makes a `House` can write it.
+"""
+
+import json
+import os
+import shutil
+import tempfile
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float, UInt8
+from PIL import Image
+
+from home_mjx.datasets.suncg.write.metadata import LibraryModel, categories_csv, lights_json, sizes_csv
+from home_mjx.datasets.suncg.write.obj import mtl_text, obj_text
+from home_mjx.errors import DatasetError
+from home_mjx.schema.house import Box, Ground, House, Level, Material, Mesh, Node, Object, Room
+
+Bounds = Float[np.ndarray, "2 3"]
+_BOX_CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+
+
+def write_house(root: Path, house: House) -> None:
+    """Writes `house/<id>/` and `room/<id>/` below a dataset root; a house that is there already is kept.
+
+    Bounding boxes are computed from the geometry, by SUNCG's rules: an object's from its base model whatever its
+    state, a room's from its architecture and its members.
+
+    Args:
+        root: Dataset root; its library must hold the models and textures that the house names.
+        house: What to write. For an object in another state, `models` should hold the base model too; without it
+            the box that the object came with is kept.
+
+    Raises:
+        DatasetError: The folders cannot be written.
+    """
+    rooms = {f"{mesh.path.stem}": mesh for level in house.levels for mesh in _architecture(level)}
+    files = {
+        name: text
+        for stem, mesh in rooms.items()
+        for name, text in ((f"{stem}.obj", obj_text(mesh, f"{stem}.mtl")), (f"{stem}.mtl", mtl_text(mesh.materials)))
+    }
+    document = json.dumps(house_document(house), separators=(",", ":"))
+    # house.json last: readers list houses by it, so no house is ever seen without its rooms
+    _write_folder(root, Path("room") / house.id, files)
+    _write_folder(root, Path("house") / house.id, {"house.json": document})
+
+
+def write_library(
+    root: Path, models: Sequence[LibraryModel], textures: Mapping[str, UInt8[np.ndarray, "h w 3"]]
+) -> None:
+    """Writes `object/`, `texture/` and, as the last, `metadata/` below a dataset root.
+
+    Args:
+        root: Dataset root.
+        models: The models, in the order of their rows in the tables.
+        textures: Images by name without extension, row 0 at the top, sRGB.
+
+    Raises:
+        DatasetError: The folders cannot be written.
+    """
+    for model in models:
+        key = model.info.model_id
+        meshes = {key: model.mesh, **model.variants}
+        files = {f"{stem}.obj": obj_text(mesh, f"{key}.mtl") for stem, mesh in meshes.items()}
+        _write_folder(root, Path("object") / key, {**files, f"{key}.mtl": mtl_text(model.mesh.materials)})
+    _write_folder(root, Path("texture"), {f"{name}.png": image for name, image in textures.items()})
+    tables = {
+        "ModelCategoryMapping.csv": categories_csv(models),
+        "models.csv": sizes_csv(models),
+        "suncgModelLights.json": lights_json(models),
+    }
+    _write_folder(root, Path("metadata"), tables)
+
+
+def _write_folder(root: Path, folder: Path, files: Mapping[str, str | UInt8[np.ndarray, "h w 3"]]) -> None:
+    """Fills a temporary folder and renames it, so that `folder` appears complete; one that is there is kept."""
+    target = root / folder
+    if target.is_dir():
+        return
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        temporary = Path(tempfile.mkdtemp(prefix=".partial-", dir=root))
+        try:
+            for name, content in files.items():
+                _write_file(temporary / name, content)
+            temporary.chmod(0o755)  # mkdtemp's is private
+            _rename(temporary, target)
+        finally:
+            shutil.rmtree(temporary, ignore_errors=True)
+    except OSError as error:
+        hint = "Choose a folder that you may write to, with enough space."
+        raise DatasetError(f"cannot write {folder}: {error.strerror}", file=root, hint=hint) from None
+
+
+def _write_file(path: Path, content: str | UInt8[np.ndarray, "h w 3"]) -> None:
+    if isinstance(content, str):
+        path.write_text(content, encoding="utf-8", newline="\n")
+    else:
+        Image.fromarray(content).save(path, optimize=False)
+
+
+def _rename(temporary: Path, target: Path) -> None:
+    try:
+        os.rename(temporary, target)
+    except OSError:
+        if not target.is_dir():  # else another process wrote the same folder in the meantime
+            raise
+
+
+def _architecture(level: Level) -> Iterable[Mesh]:
+    parts = [mesh for room in level.rooms for mesh in (room.ceiling, room.floor, room.walls)]
+    return (mesh for mesh in (*parts, *(ground.mesh for ground in level.grounds)) if mesh is not None)
+
+
+def house_document(house: House) -> dict[str, Any]:
+    """The content of house.json, in SUNCG's order of keys, with absent flags left out."""
+    levels = [_level(level, house) for level in house.levels]
+    return {
+        "version": house.version,
+        "id": house.id,
+        "up": [0, 1, 0],
+        "front": [0, 0, 1],
+        "scaleToMeters": 1,
+        "levels": [entry for entry, _ in levels],
+        "bbox": _bbox(_union([bounds for _, bounds in levels])),
+        **house.extra,
+    }
+
+
+def _level(level: Level, house: House) -> tuple[dict[str, Any], Bounds]:
+    things = {node.index: _bounds(node, house) for node in (*level.objects, *level.boxes, *level.grounds)}
+    for room in level.rooms:
+        own = [_mesh_bounds(mesh) for mesh in (room.ceiling, room.floor, room.walls) if mesh is not None]
+        things[room.index] = _union(own + [things[i] for i in room.members])
+    nodes = sorted((*level.rooms, *level.objects, *level.boxes, *level.grounds), key=lambda node: node.index)
+    bounds = _union(list(things.values()))
+    entries = [(node.index, _entry(node, _bbox(things[node.index])) | dict(node.extra)) for node in nodes]
+    entries += [(node.index, dict(node.data)) for node in level.unknown]
+    ordered = [entry for _, entry in sorted(entries, key=lambda pair: pair[0])]
+    return {"id": level.id, "bbox": _bbox(bounds), "nodes": ordered, **level.extra}, bounds
+
+
+def _entry(node: Node, bbox: dict[str, Any]) -> dict[str, Any]:
+    entry: dict[str, Any] = {"id": node.id, "type": type(node).__name__, "valid": 1}
+    match node:
+        case Room():
+            entry |= {"modelId": node.model_id, "nodeIndices": list(node.members), "roomTypes": list(node.types)}
+            hidden = {"hideCeiling": node.ceiling, "hideFloor": node.floor, "hideWalls": node.walls}
+            entry |= {key: 1 for key, mesh in hidden.items() if mesh is None}
+            return entry | {"bbox": bbox}
+        case Ground():
+            return entry | {"modelId": node.model_id, "bbox": bbox}
+        case Box():
+            entry |= {"transform": _numbers(node.transform.T), "dimensions": _numbers(node.dimensions)}
+            return entry | {"bbox": bbox, "materials": [_material(m) for m in node.materials]}
+        case Object():
+            entry |= {"modelId": node.model_id} | ({"state": node.state} if node.state else {})
+            entry |= {"transform": _numbers(node.transform.T)} | ({"isMirrored": 1} if node.mirrored else {})
+            return entry | {"bbox": bbox, "materials": [_material(m) for m in node.materials]}
+    raise TypeError(f"unknown node {type(node).__name__}")
+
+
+def _bounds(node: Object | Box | Ground, house: House) -> Bounds:
+    match node:
+        case Object():
+            if node.model_id not in house.models and node.bbox is not None:
+                return node.bbox
+            points = house.models.get(node.model_id, house.models[node.model_key]).vertices
+        case Box():
+            points = _BOX_CORNERS * node.dimensions
+        case Ground():
+            return _mesh_bounds(node.mesh) if node.mesh is not None else np.zeros((2, 3))
+    moved = points @ node.transform[:3, :3].T + node.transform[:3, 3]
+    return np.stack([moved.min(0), moved.max(0)])
+
+
+def _mesh_bounds(mesh: Mesh) -> Bounds:
+    return np.stack([mesh.vertices.min(0), mesh.vertices.max(0)])
+
+
+def _union(bounds: Sequence[Bounds]) -> Bounds:
+    return np.stack([np.min([b[0] for b in bounds], 0), np.max([b[1] for b in bounds], 0)])
+
+
+def _bbox(bounds: Bounds) -> dict[str, Any]:
+    return {"min": _numbers(bounds[0]), "max": _numbers(bounds[1])}
+
+
+def _numbers(values: np.ndarray) -> list[int | float]:
+    """Rounded to a nanometre; whole numbers without a fraction, as JavaScript writes them."""
+    rounded = (np.round(values.reshape(-1).astype(float), 9) + 0.0).tolist()
+    return [int(x) if x.is_integer() else x for x in rounded]
+
+
+def _material(material: Material) -> dict[str, str]:
+    entry = {"name": material.name}
+    if material.texture is not None:
+        entry["texture"] = material.texture.stem
+    if material.diffuse is not None:
+        entry["diffuse"] = "#" + "".join(f"{round(255 * x):02x}" for x in material.diffuse)
+    return entry

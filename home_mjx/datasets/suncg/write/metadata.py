@@ -1,0 +1,104 @@
+"""The tables beside the houses, as text: categories, sizes and lights of library models."""
+
+import csv
+import io
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from home_mjx.schema.house import Light, Mesh, ModelInfo
+
+# Rows 0..4 of every ModelCategoryMapping.csv.
+PSEUDO = (
+    ("Empty", "empty", "empty", "0", "void", "n03284308", "empty.n.01"),
+    ("Wall", "wall", "wall", "1", "wall", "n04546855", "wall.n.01"),
+    ("Ceiling", "ceiling", "ceiling", "1", "ceiling", "n02990373", "ceiling.n.01"),
+    ("Floor", "floor", "floor", "1", "floor", "n03365592", "floor.n.01"),
+    ("Box", "unknown", "unknown", "2", "void", "n08632096", "unknown.n.01"),
+)
+_CATEGORY_COLUMNS = (
+    "index",
+    "model_id",
+    "fine_grained_class",
+    "coarse_grained_class",
+    "empty_struct_obj",
+    "nyuv2_40class",
+    "wnsynsetid",
+    "wnsynsetkey",
+)
+_SIZE_COLUMNS = ("id", "front", "nmaterials", "minPoint", "maxPoint", "aligned.dims", "index", "variantIds")
+_STRUCTURE = ("partition", "stairs", "column")  # fine classes that count as structure, not as objects
+
+
+@dataclass(frozen=True)
+class LibraryModel:
+    """A model of the library with its rows in the tables."""
+
+    info: ModelInfo  # id, classes and front; the size is taken from the mesh
+    mesh: Mesh
+    synset: tuple[str, str]  # WordNet offset and key
+    variants: Mapping[str, Mesh] = field(default_factory=dict)  # by stem, such as `122_0`; they share slots
+    lights: tuple[Light, ...] = ()
+
+
+def categories_csv(models: Sequence[LibraryModel]) -> str:
+    """`ModelCategoryMapping.csv`; the index of a row is the label of its pixels."""
+    rows = [*PSEUDO, *(_category_row(model) for model in models)]
+    return _csv(_CATEGORY_COLUMNS, ((i, *row) for i, row in enumerate(rows)))
+
+
+def _category_row(model: LibraryModel) -> tuple[str, ...]:
+    info = model.info
+    kind = "1" if info.fine in _STRUCTURE else "2"
+    return info.model_id, info.fine, info.coarse, kind, info.nyu40, *model.synset
+
+
+def sizes_csv(models: Sequence[LibraryModel]) -> str:
+    """`models.csv`: variants have rows of their own, with the index of their base."""
+    return _csv(_SIZE_COLUMNS, (row for i, model in enumerate(models, len(PSEUDO)) for row in _size_rows(model, i)))
+
+
+def _size_rows(model: LibraryModel, index: int) -> Iterable[tuple[Any, ...]]:
+    meshes = {model.info.model_id: model.mesh, **model.variants}
+    variants = ",".join(meshes) if model.variants else ""
+    front = ",".join(f"{x:g}" for x in model.info.front)
+    for stem, mesh in meshes.items():
+        low, high = mesh.vertices.min(0), mesh.vertices.max(0)
+        extent = _triple(100 * (high - low))
+        yield stem, front, len(mesh.materials), _triple(low), _triple(high), extent, index, variants
+
+
+def _triple(values: Float[np.ndarray, " 3"]) -> str:
+    return ", ".join(str(value) for value in (np.round(values, 6) + 0.0).tolist())
+
+
+def _csv(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows([header, *rows])
+    return text.getvalue().removesuffix("\n")
+
+
+def lights_json(models: Sequence[LibraryModel]) -> str:
+    """`suncgModelLights.json`: lights by model id, in the model's frame."""
+    lit = {m.info.model_id: [_light(light, m.info.model_id) for light in m.lights] for m in models if m.lights}
+    return json.dumps(lit, separators=(",", ":"))
+
+
+def _light(light: Light, model_id: str) -> dict[str, Any]:
+    entry: dict[str, Any] = {
+        "type": light.kind,
+        "modelId": model_id,
+        "power": light.power,
+        "color": "#" + "".join(f"{round(255 * x):02x}" for x in light.color),
+        "position": light.position,
+        "position2": light.end,
+        "direction": light.direction,
+        "cutoffAngle": light.cutoff,
+        "dropoffRate": light.dropoff or None,
+        "attenuation": [0, 0, 1],
+    }
+    return {key: value for key, value in entry.items() if value is not None}

@@ -1,0 +1,87 @@
+"""A scripted walk: from goal to goal down the geodesic distance fields, on the host."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Float
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.navigation.grid import ground_fields
+
+LOOK_AHEAD = 5  # cells
+
+
+@dataclass
+class Walker:
+    """Steers one agent through the rooms of its house.
+
+    Args:
+        fields: Geodesic distance to each goal [m]; inf where an agent cannot stand.
+        origin: Corner of cell (0, 0) [m].
+        cell: Cell size [m].
+        targets: Goals in the order of the visit.
+        turn_per_step: Fastest turn [rad] of one step.
+    """
+
+    fields: Float[np.ndarray, "g ny nx"]
+    origin: Float[np.ndarray, " 2"]
+    cell: float
+    targets: list[int]
+    turn_per_step: float
+    visited: int = field(default=0)
+
+    def action(self, pos: Float[np.ndarray, " 3"], yaw: float) -> Float[np.ndarray, " 4"]:
+        """Forward, left, turn and look for the next step."""
+        cell = self._free_cell(self._cell(pos))
+        if self._field[cell] < 0.4:
+            self.visited += 1
+        aim = self._downhill(cell)
+        offset = self.origin + (np.array([aim[1], aim[0]]) + 0.5) * self.cell - pos[:2]
+        error = (np.arctan2(offset[1], offset[0]) - yaw + np.pi) % (2 * np.pi) - np.pi
+        forward = max(0.0, np.cos(error)) if abs(error) < 0.8 else 0.0
+        return np.array([forward, 0.0, np.clip(error / self.turn_per_step, -1, 1), 0.0], np.float32)
+
+    @property
+    def _field(self) -> Float[np.ndarray, "ny nx"]:
+        return self.fields[self.targets[self.visited % len(self.targets)]]
+
+    def _cell(self, pos: Float[np.ndarray, " 3"]) -> tuple[int, int]:
+        x, y = np.floor((pos[:2] - self.origin) / self.cell).astype(int)
+        rows, columns = self._field.shape
+        return int(np.clip(y, 0, rows - 1)), int(np.clip(x, 0, columns - 1))
+
+    def _free_cell(self, cell: tuple[int, int]) -> tuple[int, int]:
+        if np.isfinite(self._field[cell]):
+            return cell
+        free = np.argwhere(np.isfinite(self._field))
+        nearest = free[np.argmin(np.abs(free - np.array(cell)).sum(-1))]
+        return int(nearest[0]), int(nearest[1])
+
+    def _downhill(self, cell: tuple[int, int]) -> tuple[int, int]:
+        """The cell `LOOK_AHEAD` steps down the field."""
+        for _ in range(LOOK_AHEAD):
+            y, x = cell
+            y0, x0 = max(y - 1, 0), max(x - 1, 0)
+            window = self._field[y0 : y + 2, x0 : x + 2]
+            dy, dx = np.unravel_index(np.argmin(window), window.shape)
+            cell = (y0 + int(dy), x0 + int(dx))
+        return cell
+
+
+def make_walker(bank: HouseBank, house: int, pos: Float[np.ndarray, " 3"], turn_per_step: float) -> Walker:
+    """A walker that visits other rooms first, the nearest before the farther, and no room twice before all once."""
+    navigation = bank.navigation
+    fields = ground_fields(bank, house)
+    walker = Walker(fields, np.asarray(navigation.origin[house]), bank.spec.cell, [0], turn_per_step)
+    rooms = [_room(bank, house, goal) for goal in np.asarray(navigation.goal[house])]
+    seen = [_room(bank, house, pos)]
+    reach = fields[:, *walker._free_cell(walker._cell(pos))]
+    order = sorted(range(len(rooms)), key=lambda g: ((seen + rooms[:g]).count(rooms[g]), reach[g]))
+    walker.targets = [g for g in order if np.isfinite(reach[g])] or [0]
+    return walker
+
+
+def _room(bank: HouseBank, house: int, pos: np.ndarray) -> int:
+    grid = np.asarray(bank.navigation.room[house, 0])
+    x, y = np.floor((pos[:2] - np.asarray(bank.navigation.origin[house])) / bank.spec.cell).astype(int)
+    return int(grid[np.clip(y, 0, grid.shape[0] - 1), np.clip(x, 0, grid.shape[1] - 1)])

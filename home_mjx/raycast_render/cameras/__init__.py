@@ -1,0 +1,1 @@
+"""Cameras: their rays, how they sample, their noise, when they look."""

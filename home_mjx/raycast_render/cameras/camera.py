@@ -1,0 +1,214 @@
+"""Cameras in MuJoCo's convention: looking along -z, +y up. Where they are is arrays, how they image is static."""
+
+import math
+from dataclasses import dataclass
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from home_mjx.core.checks import check_known, check_number
+from home_mjx.core.pytree import Pytree
+from home_mjx.core.transforms import quat_matrix
+from home_mjx.errors import ConfigError
+
+MODELS = ("pinhole", "panorama", "cube", "orthographic", "lidar")
+MAX_PIXELS = 2**26  # of one image: more is a slip, and kernels count rays in 32 bits
+MAX_SAMPLES = 1 << 16  # rays per pixel
+CENTER = (0.5, 0.5)  # of a pixel, right and down
+# Right, up and forward of the faces of a cube map in the camera's frame: front, right, back, left, up, down.
+CUBE = np.array(
+    [
+        [[1, 0, 0], [0, 1, 0], [0, 0, -1]],
+        [[0, 0, 1], [0, 1, 0], [1, 0, 0]],
+        [[-1, 0, 0], [0, 1, 0], [0, 0, 1]],
+        [[0, 0, -1], [0, 1, 0], [-1, 0, 0]],
+        [[1, 0, 0], [0, 0, 1], [0, 1, 0]],
+        [[1, 0, 0], [0, 0, -1], [0, -1, 0]],
+    ],
+    np.float32,
+)
+
+
+class Camera(Pytree):
+    """A camera in the world.
+
+    Example:
+        >>> upright = jnp.array([0.5**0.5, 0.5**0.5, 0.0, 0.0])  # level, looking along +y
+        >>> camera = Camera(jnp.array([0.0, 0.0, 1.5]), upright, jnp.deg2rad(90.0))
+    """
+
+    pos: Float[Array, "3"]  # [m]
+    quat: Float[Array, "4"]  # w, x, y, z, unit
+    fovy: Float[Array, ""]  # [rad]; of an orthographic camera the height of the image [m], as in MuJoCo
+
+
+@dataclass(frozen=True)
+class Lens:
+    """How a camera images the world; fixed when a program is compiled.
+
+    Models:
+
+    * pinhole: `fovy` is the vertical field of view; pixels are square.
+    * panorama: equirectangular, all around; the middle looks ahead, the left edge backwards over the left shoulder.
+    * cube: six pinholes of 90 degrees, images get a leading axis: front, right, back, left, up, down.
+    * orthographic: parallel rays through an image that is `fovy` metres high.
+    * lidar: `width` azimuths all around as in a panorama, `height` elevations evenly spaced over `elevation`, both ends
+      included, the highest first.
+
+    Attributes:
+        width: Columns.
+        height: Rows.
+        model: One of `MODELS`.
+        samples: Rays per pixel of the colour images, spread over the pixel; all else is seen through its middle.
+        elevation: Lowest and highest beam of a lidar [degrees].
+
+    Raises:
+        ConfigError: An unknown model, or a number that makes no image.
+
+    Example:
+        >>> Lens(360, 16, "lidar", elevation=(-15, 15)).shape
+        (16, 360)
+    """
+
+    width: int = 64
+    height: int = 64
+    model: str = "pinhole"
+    samples: int = 1
+    elevation: tuple[float, float] = (-15.0, 15.0)
+
+    def __post_init__(self) -> None:
+        check_known("camera model", [self.model], MODELS)
+        check_number("width of a camera", self.width, 1, whole=True)
+        check_number("height of a camera", self.height, 1, whole=True)
+        check_number("samples of a camera", self.samples, 1, MAX_SAMPLES, whole=True)
+        if math.prod(self.shape) > MAX_PIXELS:
+            raise ConfigError(f"an image may have at most {MAX_PIXELS} pixels, got {' x '.join(map(str, self.shape))}")
+        if self.model == "cube" and self.width != self.height:
+            raise ConfigError(f"the faces of a cube map are square, got {self.width} x {self.height}")
+        is_pair = isinstance(self.elevation, tuple) and len(self.elevation) == 2
+        if not (is_pair and -90 <= self.elevation[0] <= self.elevation[1] <= 90):
+            raise ConfigError(f"`elevation` must be (lowest, highest) in [-90, 90] degrees, got {self.elevation}")
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Leading shape of the images."""
+        return (6, self.height, self.width) if self.model == "cube" else (self.height, self.width)
+
+
+def has_intrinsics(lens: Lens) -> bool:
+    """Whether the lens projects as a matrix does."""
+    return lens.model in ("pinhole", "cube")
+
+
+def camera_rays(
+    camera: Camera, lens: Lens, at: Float[Array, "2"] | tuple[float, float] = CENTER
+) -> tuple[Float[Array, "*image 3"], Float[Array, "*image 3"]]:
+    """World origins and directions of one ray per pixel, row 0 at the top.
+
+    Directions of pinholes are of such a length that t is the depth along the optical axis; all others are unit.
+
+    Args:
+        camera: Where it is.
+        lens: How it images.
+        at: Where in each pixel, right and down of its top left corner [px].
+    """
+    column, row = (jnp.arange(n, dtype=jnp.float32) + at[i] for i, n in enumerate((lens.width, lens.height)))
+    column, row = jnp.meshgrid(column, row)
+    turn = quat_matrix(camera.quat)
+    if lens.model == "orthographic":
+        x, y = _on_plane(column, row, lens, camera.fovy / 2)
+        shift = _turned(turn, jnp.stack([x, y, jnp.zeros_like(x)], axis=-1))
+        return jnp.broadcast_to(camera.pos, shift.shape) + shift, jnp.broadcast_to(-turn[:, 2], shift.shape)
+    direction = _turned(turn, _local(camera, lens, column, row))
+    return jnp.broadcast_to(camera.pos, direction.shape), direction
+
+
+def pixel_width(camera: Camera, lens: Lens) -> tuple[Float[Array, ""], Float[Array, ""]]:
+    """Width of a pixel's footprint across its ray [m]: where the ray starts, and its growth per unit of t."""
+    none = jnp.zeros_like(camera.fovy)
+    if lens.model == "orthographic":
+        return camera.fovy / lens.height, none
+    if lens.model in ("pinhole", "cube"):
+        return none, 2 * _slope(camera, lens) / lens.height
+    span = 180.0 if lens.model == "panorama" else lens.elevation[1] - lens.elevation[0]
+    return none, jnp.full_like(none, np.deg2rad(span) / lens.height)
+
+
+def intrinsics(camera: Camera, lens: Lens) -> Float[Array, "3 3"]:
+    """Pixel coordinates (right, down, from the image's top left corner) of points (right, down, ahead) of the camera.
+
+    Raises:
+        ConfigError: The camera is no pinhole.
+
+    Example:
+        >>> camera = Camera(jnp.zeros(3), jnp.array([1.0, 0, 0, 0]), jnp.float32(jnp.pi / 2))
+        >>> intrinsics(camera, Lens(64, 64)).round(3).tolist()
+        [[32.0, 0.0, 32.0], [0.0, 32.0, 32.0], [0.0, 0.0, 1.0]]
+    """
+    if not has_intrinsics(lens):
+        raise ConfigError(f"a camera of model `{lens.model}` has no matrix of intrinsics")
+    focal = lens.height / 2 / _slope(camera, lens)
+    zero, one = jnp.zeros_like(focal), jnp.ones_like(focal)
+    middle = one * (lens.width / 2), one * (lens.height / 2)
+    rows = [[focal, zero, middle[0]], [zero, focal, middle[1]], [zero, zero, one]]
+    return jnp.stack([jnp.stack(row) for row in rows])
+
+
+def world_from_camera(camera: Camera) -> Float[Array, "4 4"]:
+    """World coordinates of points in the camera's frame: x right, y up, looking along -z."""
+    top = jnp.concatenate([quat_matrix(camera.quat), camera.pos[:, None]], axis=1)
+    return jnp.concatenate([top, jnp.array([[0.0, 0.0, 0.0, 1.0]], jnp.float32)])
+
+
+def depth_points(camera: Camera, lens: Lens, depth: Float[Array, "*image 1"]) -> Float[Array, "*image 3"]:
+    """World points [m] of a depth image that was not clipped; not finite on a miss.
+
+    Example:
+        >>> images = render(bank, scene, camera, lens, kinds=("depth",), depth_max=None)  # doctest: +SKIP
+        >>> points = depth_points(camera, lens, images["depth"])  # doctest: +SKIP
+    """
+    origin, direction = camera_rays(camera, lens)
+    return origin + direction * depth
+
+
+def _local(
+    camera: Camera, lens: Lens, column: Float[Array, "h w"], row: Float[Array, "h w"]
+) -> Float[Array, "*image 3"]:
+    """Directions in the camera's frame."""
+    if lens.model in ("panorama", "lidar"):
+        return _on_sphere(column, row, lens)
+    x, y = _on_plane(column, row, lens, _slope(camera, lens))
+    if lens.model == "pinhole":
+        return jnp.stack([x, y, -jnp.ones_like(x)], axis=-1)
+    weight = jnp.stack([x, y, jnp.ones_like(x)], axis=-1)
+    return jnp.sum(jnp.asarray(CUBE)[:, None, None] * weight[None, ..., None], axis=-2)
+
+
+def _slope(camera: Camera, lens: Lens) -> Float[Array, ""]:
+    """Half the height of the image at unit depth."""
+    return jnp.ones_like(camera.fovy) if lens.model == "cube" else jnp.tan(camera.fovy / 2)
+
+
+def _on_plane(
+    column: Float[Array, "h w"], row: Float[Array, "h w"], lens: Lens, half: Float[Array, ""]
+) -> tuple[Float[Array, "h w"], Float[Array, "h w"]]:
+    """Right and up, on an image of half height `half`."""
+    x, y = column * (2 / lens.width) - 1, 1 - row * (2 / lens.height)
+    return x * half * (lens.width / lens.height), y * half
+
+
+def _on_sphere(column: Float[Array, "h w"], row: Float[Array, "h w"], lens: Lens) -> Float[Array, "h w 3"]:
+    left = (0.5 - column / lens.width) * (2 * np.pi)
+    if lens.model == "panorama":
+        up = (0.5 - row / lens.height) * np.pi
+    else:
+        low, high = np.deg2rad(lens.elevation).tolist()
+        share = (row - 0.5) / max(lens.height - 1, 1) if lens.height > 1 else jnp.full_like(row, 0.5)
+        up = high - (high - low) * share
+    return jnp.stack([-jnp.sin(left) * jnp.cos(up), jnp.sin(up), -jnp.cos(left) * jnp.cos(up)], axis=-1)
+
+
+def _turned(turn: Float[Array, "3 3"], local: Float[Array, "*image 3"]) -> Float[Array, "*image 3"]:
+    # Not a matrix product: accelerators may round those to few bits.
+    return jnp.sum(turn.reshape((1,) * (local.ndim - 1) + (3, 3)) * local[..., None, :], axis=-1)

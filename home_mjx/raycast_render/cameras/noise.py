@@ -1,0 +1,76 @@
+"""Sensor noise as pure functions of images, for whoever wants cameras less perfect than rays."""
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, UInt8
+
+from home_mjx.raycast_render.shading.shading import encode
+from home_mjx.raycast_render.shading.texture import DECODE
+
+BASELINE = 351.3  # [m], by which the published model divides to get disparities (it has 35130 and centimetres)
+SHIFT = 0.5  # [px], standard deviation of the shift of a reading
+JITTER = 1 / 6  # standard deviation of a disparity, in its steps
+
+
+def kinect_depth(
+    key: Array,
+    depth: Float[Array, "h w 1"],
+    near: float = 0.5,
+    far: float = 8.0,
+) -> Float[Array, "h w 1"]:
+    """Depth as a structured-light sensor reads it: torn edges, noisy and quantised disparities.
+
+    Readings are shifted by a Gaussian of half a pixel, then disparities of 1/351.3 per metre are shifted by a Gaussian
+    of a sixth of a step and rounded, so that errors grow with the square of the distance.
+
+    Source: J. T. Barron and J. Malik, "Intrinsic scene properties from a single RGB-D image", CVPR 2013,
+    as used by A. Handa et al., "A benchmark for RGB-D visual odometry, 3D reconstruction and SLAM", ICRA 2014.
+
+    Args:
+        key: Random key.
+        depth: [m], not clipped; made for 640 x 480, but any size will do.
+        near: Below it there is no reading [m].
+        far: Beyond it there is none.
+
+    Returns:
+        Depth [m]; inf where there is no reading.
+
+    Example:
+        >>> noisy = kinect_depth(jax.random.key(0), jnp.full((4, 4, 1), 2.0))
+        >>> bool((abs(noisy - 2) < 0.05).all())
+        True
+    """
+    shift_key, jitter_key = jax.random.split(key)
+    height, width, _ = depth.shape
+    shift = jnp.round(jax.random.normal(shift_key, (2, height, width), jnp.float32) * SHIFT).astype(jnp.int32)
+    rows, columns = jnp.meshgrid(jnp.arange(height), jnp.arange(width), indexing="ij")
+    seen = depth[jnp.clip(rows + shift[0], 0, height - 1), jnp.clip(columns + shift[1], 0, width - 1)]
+    inside = (seen >= near) & (seen <= far)
+    disparity = BASELINE / jnp.where(inside, seen, 1.0)
+    disparity = jnp.round(disparity + JITTER * jax.random.normal(jitter_key, seen.shape, jnp.float32))
+    return jnp.where(inside, BASELINE / jnp.maximum(disparity, 1.0), jnp.inf)
+
+
+def sensor_rgb(
+    key: Array, rgb: UInt8[Array, "h w 3"], shot: float = 0.002, read: float = 0.0001
+) -> UInt8[Array, "h w 3"]:
+    """Colours as an image sensor reads them: shot noise that grows with the light, and read noise.
+
+    In linear light the variance is `shot` times the signal, plus `read`.
+
+    Source: A. Foi, M. Trimeche, V. Katkovnik and K. Egiazarian, "Practical Poissonian-Gaussian noise modeling and
+    fitting for single-image raw-data", IEEE Transactions on Image Processing 17(10), 2008.
+
+    Args:
+        key: Random key.
+        rgb: sRGB.
+        shot: Variance per unit of signal.
+        read: Variance in the dark.
+
+    Example:
+        >>> sensor_rgb(jax.random.key(0), jnp.zeros((4, 4, 3), jnp.uint8)).dtype
+        dtype('uint8')
+    """
+    linear = jnp.asarray(DECODE)[rgb.astype(jnp.int32)]
+    deviation = jnp.sqrt(shot * linear + read)
+    return encode(linear + deviation * jax.random.normal(key, rgb.shape, jnp.float32))

@@ -1,0 +1,59 @@
+"""Rendering less often, or not for everybody: images that are not drawn keep their last value."""
+
+from collections.abc import Callable
+from typing import TypeVar
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Int
+
+from home_mjx.core.checks import check_number
+
+T = TypeVar("T")
+
+
+def render_every(interval: int, step: Int[Array, ""], draw: Callable[[], T], last: T) -> T:
+    """`draw()` on every `interval`-th step, else the last images; the others cost nothing.
+
+    Call it outside of `vmap`, with a step that all environments share: mapped over, JAX computes both branches.
+
+    Args:
+        interval: Steps between images, at least 1.
+        step: Counts the steps from 0.
+        draw: Makes the images.
+        last: Those of the last step.
+
+    Raises:
+        ConfigError: `interval` is less than 1.
+
+    Example:
+        >>> last = {"depth": jnp.zeros((2, 4, 4, 1))}
+        >>> images = render_every(3, jnp.int32(4), lambda: {"depth": jnp.ones((2, 4, 4, 1))}, last)
+        >>> float(images["depth"].max())
+        0.0
+    """
+    check_number("interval", interval, 1, whole=True)
+    return jax.lax.cond(step % interval == 0, draw, lambda: last)
+
+
+def render_some(chosen: Int[Array, " n"], draw: Callable[..., T], last: T, *batched: object) -> T:
+    """Images of some environments of a batch; the others keep theirs and cost nothing.
+
+    Args:
+        chosen: Indices of the environments; out of range ones are ignored, so that the list can be padded.
+        draw: Makes the images of one environment.
+        last: Images of all, with a leading axis of environments.
+        batched: Arguments of `draw`, with the same leading axis.
+
+    Example:
+        >>> draw = lambda camera: {"depth": jnp.full((4, 4, 1), camera)}
+        >>> last = {"depth": jnp.zeros((3, 4, 4, 1))}
+        >>> images = render_some(jnp.array([2, 3]), draw, last, jnp.arange(3.0))
+        >>> images["depth"].max((1, 2, 3)).tolist()
+        [0.0, 0.0, 2.0]
+    """
+    some = jax.tree.map(lambda x: jnp.take(x, chosen, axis=0, mode="clip"), batched)
+    images = jax.vmap(draw)(*some)
+    size = jax.tree.leaves(last)[0].shape[0]
+    rows = jnp.where((chosen >= 0) & (chosen < size), chosen, size)
+    return jax.tree.map(lambda old, new: old.at[rows].set(new, mode="drop"), last, images)

@@ -1,0 +1,1 @@
+"""`cast` and `occluded`: batching, partitioning, gradients."""

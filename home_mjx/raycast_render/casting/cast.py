@@ -1,0 +1,124 @@
+"""Closest and any hits of rays in one environment's scene."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jax import lax
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.raycast_render.casting.flat import flat_cast
+from home_mjx.raycast_render.casting.hit_gradient import differentiable
+from home_mjx.raycast_render.executors.cpu import refuse_forked
+from home_mjx.raycast_render.scene.types import Hit, Rays, Scene
+from home_mjx.schema.compiled import Ray
+
+Distance = Float[Array, "..."] | float
+Id = Int[Array, "..."] | int
+
+
+def cast(
+    scene: Scene,
+    origin: Float[Array, "*#rays 3"],
+    direction: Float[Array, "*#rays 3"],
+    t_min: Distance = 0.0,
+    t_max: Distance = float("inf"),
+    exclude: Id = -1,
+    mask: Id = Ray.CAMERA,
+    executor: str | None = None,
+) -> Hit:
+    """The closest hits of rays with t_min <= t <= t_max, for any leading shape.
+
+    Triangles are two-sided and the intersection is watertight: no ray slips between triangles that share an edge. t, u
+    and v can be differentiated with respect to the rays and to `scene.moving.pose`, as the hit triangle moves; ids
+    have no gradient. Batch with `vmap`; everything but `scene.geometry` may be batched at no cost.
+
+    Args:
+        scene: The environment.
+        origin: [m], world; one for all rays is read once, which is quicker.
+        direction: World; t counts in units of its length.
+        t_min: Of the part of the ray that counts, >= 0; one value or one per ray.
+        t_max: The other end; rays with t_max < t_min hit nothing at no cost.
+        exclude: Object id, or I + a for agent a, that the ray passes through; -1 none.
+        mask: `Ray` bits; materials that stop none of them are passed through.
+        executor: "xla", "cpu", "cuda" or None, which chooses by the platform that the program is compiled for.
+
+    Returns:
+        The hits, with the leading shape of `origin`.
+
+    Raises:
+        ConfigError: There is no such executor.
+        ExecutorError: The executor cannot run in this process.
+
+    Example:
+        >>> hit = cast(scene, jnp.zeros(3), jnp.array([1.0, 0.0, 0.0]))  # doctest: +SKIP
+        >>> hit.t  # doctest: +SKIP
+        Array(2.95, dtype=float32)
+    """
+    rays = _rays(origin, direction, t_min, t_max, exclude, mask)
+    shared = _shared(origin, t_min, t_max, exclude, mask)
+    t, instance, triangle, u, v, front = _run(scene, rays, shared, executor, any_hit=False)
+    t, u, v = differentiable(scene, rays, instance, triangle, t, u, v)
+    t = jnp.where(instance < 0, jnp.inf, t)
+    shape = rays.t_min.shape
+    return Hit(*(x.reshape(shape) for x in (t, instance, triangle, u, v, front)))
+
+
+def occluded(
+    scene: Scene,
+    origin: Float[Array, "*#rays 3"],
+    direction: Float[Array, "*#rays 3"],
+    t_min: Distance = 0.0,
+    t_max: Distance = float("inf"),
+    exclude: Id = -1,
+    mask: Id = Ray.LIGHT,
+    executor: str | None = None,
+) -> Bool[Array, "*rays"]:
+    """Whether anything stops the rays between t_min and t_max; cheaper than `cast`. See there.
+
+    Example:
+        >>> offset = lamp - point  # doctest: +SKIP
+        >>> lit = ~occluded(scene, point, offset, t_min=1e-3, t_max=1.0)  # doctest: +SKIP
+    """
+    rays = _rays(origin, direction, t_min, t_max, exclude, mask)
+    shared = _shared(origin, t_min, t_max, exclude, mask)
+    _, instance, *_ = _run(scene, rays, shared, executor, any_hit=True)
+    return (instance >= 0).reshape(rays.t_min.shape)
+
+
+def _rays(origin: Array, direction: Array, t_min: Distance, t_max: Distance, exclude: Id, mask: Id) -> Rays:
+    shape = jnp.broadcast_shapes(origin.shape, direction.shape)[:-1]
+
+    def fill(value: Any, dtype: Any) -> Array:
+        return jnp.broadcast_to(jnp.asarray(value, dtype), shape)
+
+    return Rays(
+        origin=jnp.broadcast_to(origin, (*shape, 3)).astype(jnp.float32),
+        direction=jnp.broadcast_to(direction, (*shape, 3)).astype(jnp.float32),
+        t_min=fill(t_min, jnp.float32),
+        t_max=fill(t_max, jnp.float32),
+        exclude=fill(exclude, jnp.int32),
+        mask=fill(mask, jnp.int32),
+        width=shape[-1] if len(shape) > 1 else 0,
+    )
+
+
+def _shared(origin: Array, t_min: Distance, t_max: Distance, exclude: Id, mask: Id) -> tuple[str, ...]:
+    """Names of the fields for which one value was given for all rays.
+
+    In a fixed order: a set of strings has another one in every process, and JAX's compile cache would never hit.
+    """
+    given = {"t_min": t_min, "t_max": t_max, "exclude": exclude, "mask": mask}
+    return (*(name for name, x in given.items() if jnp.ndim(x) == 0), *(("origin",) if origin.ndim == 1 else ()))
+
+
+def _run(scene: Scene, rays: Rays, shared: tuple[str, ...], executor: str | None, any_hit: bool) -> tuple[Array, ...]:
+    """Hits of shape (rays,); of `shared` fields the executor gets one value, which saves the memory's time."""
+    refuse_forked()
+    count = rays.t_min.size
+    flat = jax.tree.map(lambda x: x.reshape(1, count, *x.shape[rays.t_min.ndim :]), rays)
+    flat = flat.replace(**{name: getattr(flat, name)[:, :1] for name in shared})
+    house = scene.geometry.known_house(scene.house)  # native code would read past its arrays
+    args = scene.geometry, house[None], jax.tree.map(lambda x: x[None], scene.moving), flat
+    hits = flat_cast(executor, any_hit)(*jax.tree.map(lax.stop_gradient, args))
+    return tuple(x[0] for x in hits)

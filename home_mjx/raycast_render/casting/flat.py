@@ -1,0 +1,92 @@
+"""The primitive beneath `cast`: rays as (environments, rays per environment), any nesting of `vmap` folded in."""
+
+import functools
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jax.custom_batching import custom_vmap
+from jaxtyping import Array
+
+from home_mjx.bank.records import Geometry
+from home_mjx.raycast_render.casting.partition import partitioned
+from home_mjx.raycast_render.executors.choose import Executor, find_executor
+from home_mjx.raycast_render.scene.types import Moving, RawHit, Rays
+
+Flat = Callable[[Geometry, Array, Moving, Rays], RawHit]
+
+
+@functools.cache
+def flat_cast(executor: str | None, any_hit: bool) -> Flat:
+    """Casts rays (e r ...) in environments (e ...) that share one geometry; `vmap` adds to e or to r."""
+    run = find_executor(executor)
+
+    @partitioned
+    def spread(geometry: Geometry, house: Array, moving: Moving, rays: Rays) -> RawHit:
+        return run(geometry, house, moving, rays, any_hit)
+
+    @custom_vmap
+    def cast(geometry: Geometry, house: Array, moving: Moving, rays: Rays) -> RawHit:
+        return spread(geometry, house, moving, rays)
+
+    @cast.def_vmap
+    def fold(size: int, batched: Any, geometry: Geometry, house: Array, moving: Moving, rays: Rays) -> Any:
+        geometry_batched, house_batched, moving_batched, rays_batched = batched
+        if size == 0:
+            hits = _no_hits(cast, tuple(batched), (geometry, house, moving, rays))
+        elif _any(geometry_batched):
+            hits = _one_by_one(run, any_hit, size, tuple(batched), (geometry, house, moving, rays))
+        elif _any((house_batched, moving_batched)):
+            places = _broadcast(size, (house, moving, rays), (house_batched, moving_batched, rays_batched))
+            hits = cast(geometry, *jax.tree.map(_merge, places))
+            hits = jax.tree.map(lambda x: x.reshape(size, x.shape[0] // size, x.shape[1]), hits)
+        else:
+            hits = cast(geometry, house, moving, _more_rays(size, rays, rays_batched))
+            hits = jax.tree.map(lambda x: jnp.swapaxes(x.reshape(x.shape[0], size, x.shape[1] // size), 0, 1), hits)
+        return hits, jax.tree.map(lambda _: True, hits)
+
+    return cast
+
+
+def _no_hits(cast: Flat, batched: Any, args: Any) -> RawHit:
+    """Of a batch of none: executors are not asked."""
+    one = jax.tree.map(lambda x, b: jax.ShapeDtypeStruct(x.shape[1:] if b else x.shape, x.dtype), args, batched)
+    return jax.tree.map(lambda x: jnp.zeros((0, *x.shape), x.dtype), jax.eval_shape(cast, *one))
+
+
+def _one_by_one(run: Executor, any_hit: bool, size: int, batched: Any, args: Any) -> RawHit:
+    """Geometries of their own cannot share a cast."""
+
+    def one(args: tuple[Geometry, Array, Moving, Rays]) -> RawHit:
+        geometry, house, moving, rays = args
+        return run(geometry, house, moving, rays, any_hit)
+
+    return jax.lax.map(one, _broadcast(size, args, batched))
+
+
+def _more_rays(size: int, rays: Rays, batched: Any) -> Rays:
+    """Rays (e r ...), or of batched fields (size e r ...), as (e size*r ...); fields that all rays share stay so."""
+    count = max(x.shape[2 if b else 1] for x, b in zip(jax.tree.leaves(rays), jax.tree.leaves(batched), strict=True))
+
+    def merge(x: Array, is_batched: bool) -> Array:
+        if not is_batched and x.shape[1] == 1:
+            return x
+        x = x if is_batched else x[None]
+        x = jnp.broadcast_to(x, (size, x.shape[1], count, *x.shape[3:]))
+        return _merge(jnp.swapaxes(x, 0, 1), 1)
+
+    return jax.tree.map(merge, rays, batched)
+
+
+def _any(batched: Any) -> bool:
+    return any(jax.tree.leaves(batched))
+
+
+def _broadcast(size: int, values: Any, batched: Any) -> Any:
+    return jax.tree.map(lambda x, b: x if b else jnp.broadcast_to(x[None], (size, *x.shape)), values, batched)
+
+
+def _merge(x: Array, axis: int = 0) -> Array:
+    """Merges an axis with the next one."""
+    return x.reshape(*x.shape[:axis], x.shape[axis] * x.shape[axis + 1], *x.shape[axis + 2 :])

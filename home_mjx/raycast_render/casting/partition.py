@@ -1,0 +1,52 @@
+"""How a compiler that spreads a program over devices may cut a cast: by environments and rays, never the geometry."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import jax
+from jax.experimental.custom_partitioning import custom_partitioning
+from jax.interpreters.mlir import ir
+from jax.sharding import NamedSharding, PartitionSpec
+
+from home_mjx.raycast_render.scene.types import RawHit
+
+NUM_PLACES = 9  # arrays with a leading axis of environments: the house and the fields of Moving
+NUM_RAYS = 6  # fields of Rays
+
+
+def partitioned(run: Callable[..., RawHit]) -> Callable[..., RawHit]:
+    """`run(geometry, house (e), moving (e ...), rays (e r ...))` with a partitioning rule.
+
+    Without one, a program on sharded inputs gathers them all on every device before each cast.
+    """
+
+    def partition(mesh: Any, arguments: Any, results: Any) -> Any:
+        count = arguments[3].shape[1]
+        full = next(x for x in jax.tree.leaves(arguments[3]) if x.shape[1] == count)
+        by_env, by_ray = (*full.sharding.spec, None, None)[:2]
+        whole, env, ray = (NamedSharding(mesh, PartitionSpec(*axes)) for axes in ((), (by_env,), (by_env, by_ray)))
+        geometry, house, moving = (
+            jax.tree.map(lambda _, s=s: s, x) for s, x in zip((whole, env, env), arguments[:3], strict=True)
+        )
+        rays = jax.tree.map(lambda x: ray if x.shape[1] == count else env, arguments[3])
+        return mesh, run, jax.tree.map(lambda _: ray, results), (geometry, house, moving, rays)
+
+    cast = custom_partitioning(run)
+    cast.def_partition(partition=partition, sharding_rule=_sharding_rule)
+    return cast
+
+
+def _sharding_rule(mesh: Any, operands: Sequence[ir.Type], results: Sequence[ir.Type]) -> str:
+    """An einsum-like rule: `e` environments, `r` rays; all other axes stand for themselves."""
+    alone = len(operands) - NUM_PLACES - NUM_RAYS
+    shared = [()] * alone + [("e",)] * NUM_PLACES
+    shared += [("e", "r") if _shape(rays)[1] == _shape(results[0])[1] else ("e",) for rays in operands[-NUM_RAYS:]]
+    rule = [
+        " ".join((*names, *(f"x{i}y{axis}" for axis in range(len(names), len(_shape(operand))))))
+        for i, (names, operand) in enumerate(zip(shared, operands, strict=True))
+    ]
+    return ", ".join(rule) + " -> " + ", ".join("e r" for _ in results)
+
+
+def _shape(operand: ir.Type) -> list[int]:
+    return ir.RankedTensorType(operand).shape

@@ -1,0 +1,1 @@
+"""The ways to cast rays: pure JAX, CUDA, native CPU code."""

@@ -1,0 +1,42 @@
+"""The ways to cast rays, all with one signature over the same arrays, and the choice among them."""
+
+import functools
+from collections.abc import Callable
+
+import jax
+from jaxtyping import Array, Int
+
+from home_mjx.bank.records import Geometry
+from home_mjx.core.checks import check_known
+from home_mjx.raycast_render.executors.cpu import cast_cpu, cpu_available
+from home_mjx.raycast_render.executors.cuda import cast_cuda, cuda_available
+from home_mjx.raycast_render.executors.xla import cast_xla
+from home_mjx.raycast_render.scene.types import Moving, RawHit, Rays
+
+Executor = Callable[[Geometry, Array, Moving, Rays, bool], RawHit]
+"""(geometry, house (e), moving (e ...), rays (e r ...), any_hit) -> hits (e r).
+
+Ray [e, r] belongs to environment e. With `any_hit` a ray may stop at the first triangle that it meets.
+"""
+
+
+def cast_auto(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, any_hit: bool) -> RawHit:
+    """The best executor of the platform that the program is lowered for."""
+    special = {"cpu": cast_cpu} if cpu_available() else {}
+    special |= {"cuda": cast_cuda} if cuda_available() else {}
+    branches = {name: functools.partial(cast, any_hit=any_hit) for name, cast in special.items()}
+    default = functools.partial(cast_xla, any_hit=any_hit)
+    return jax.lax.platform_dependent(geometry, house, moving, rays, default=default, **branches)
+
+
+EXECUTORS: dict[str | None, Executor] = {None: cast_auto, "xla": cast_xla, "cpu": cast_cpu, "cuda": cast_cuda}
+
+
+def find_executor(name: str | None) -> Executor:
+    """The executor of that name; None: by platform.
+
+    Raises:
+        ConfigError: There is no such executor.
+    """
+    check_known("executor", [] if name is None else [name], [n for n in EXECUTORS if n])
+    return EXECUTORS[name]

@@ -1,0 +1,124 @@
+"""The `cpu` executor: a loop compiled by Numba that XLA calls directly. Compiled, registered and tried on first use."""
+
+import functools
+import os
+import threading
+import warnings
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Int
+
+from home_mjx.bank.records import Geometry
+from home_mjx.errors import ExecutorError
+from home_mjx.raycast_render.executors.probe import probe
+from home_mjx.raycast_render.executors.varying import varying_false
+from home_mjx.raycast_render.scene.types import Moving, RawHit, Rays
+
+TARGET = "home_mjx_cast"
+
+_kept: list[object] = []  # compiled functions that XLA may call until the process ends
+_started_in: list[int] = []  # the process that compiled them
+
+
+def cast_cpu(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, any_hit: bool) -> RawHit:
+    """Casts rays of shape (environments, rays per environment); see `executors.Executor`.
+
+    Raises:
+        ExecutorError: It does not work here.
+    """
+    problem = cpu_problem()
+    if problem:
+        raise ExecutorError(f"the `cpu` executor does not work here: {problem}", hint="Use executor='xla'.")
+    return _call(geometry, house, moving, rays, any_hit)
+
+
+@functools.cache
+def cpu_available() -> bool:
+    """Whether the `cpu` executor works here; if there is a CPU backend and it does not, says so once."""
+    problem = cpu_problem()
+    if problem and "cpu" in {device.platform for device in _cpu_devices()}:
+        warnings.warn(f"rays are cast by the slower `xla` executor: {problem}", RuntimeWarning, stacklevel=2)
+    return problem is None
+
+
+@functools.cache
+def cpu_problem() -> str | None:
+    """Why the executor cannot be used; None if it works. The first call compiles, registers and tries it."""
+    if not _cpu_devices():
+        return "JAX has no CPU backend here"
+    answer: list[str | None] = []
+    # In a thread of its own: the caller may be in the middle of a trace, or under a mesh.
+    thread = threading.Thread(target=lambda: answer.append(_start()))
+    thread.start()
+    thread.join()
+    return answer[0]
+
+
+def refuse_forked() -> None:
+    """Raises ExecutorError in a child that was forked off after the first cast: XLA's threads are not in it."""
+    if _started_in and _started_in[0] != os.getpid():
+        raise ExecutorError(
+            "rays cannot be cast in a forked child of a process that has cast rays",
+            hint="Start workers by multiprocessing's `spawn` or `forkserver` method.",
+        )
+
+
+def _cpu_devices() -> list:
+    try:
+        return jax.local_devices(backend="cpu")
+    except RuntimeError:
+        return []
+
+
+def _start() -> str | None:
+    _started_in.append(os.getpid())
+    # A wrong guess about this machine must not end a program that the `xla` executor can serve.
+    try:
+        from home_mjx.raycast_render.executors.native.ffi_handler import build_handler
+
+        task, handler = build_handler()
+        _kept.extend((task, handler))
+        jax.ffi.register_ffi_target(TARGET, jax.ffi.pycapsule(handler.ctypes), platform="cpu", api_version=1)
+        with jax.default_device(_cpu_devices()[0]):
+            return probe(_call)
+    except Exception as error:
+        return f"{type(error).__name__}: {error}"
+
+
+def _call(geometry: Geometry, house: Array, moving: Moving, rays: Rays, any_hit: bool) -> RawHit:
+    shape = rays.shape
+    float_, int_ = jax.ShapeDtypeStruct(shape, jnp.float32), jax.ShapeDtypeStruct(shape, jnp.int32)
+    results = (float_, int_, int_, float_, float_, jax.ShapeDtypeStruct(shape, jnp.bool_))
+    # In the order of native.World, then of Rays.
+    operands = (
+        geometry.node_box,
+        geometry.node_child,
+        geometry.triangle,
+        geometry.triangle_slot,
+        geometry.model_root,
+        geometry.house_root,
+        geometry.instance_model,
+        geometry.instance_inverse,
+        geometry.instance_object,
+        geometry.instance_material,
+        geometry.material_mask,
+        house,
+        moving.instance,
+        moving.model,
+        moving.inverse,
+        moving.box,
+        moving.object_id,
+        moving.material,
+        rays.origin,
+        rays.direction,
+        rays.t_min,
+        rays.t_max,
+        rays.exclude,
+        rays.mask,
+    )
+    operands = (x.astype(jnp.float32 if jnp.issubdtype(x.dtype, jnp.floating) else jnp.int32) for x in operands)
+    hits = RawHit(*jax.ffi.ffi_call(TARGET, results)(*operands, any_hit=np.int32(any_hit), width=np.int32(rays.width)))
+    never = varying_false(house, moving, rays)
+    return jax.tree.map(lambda x: jnp.where(never, jnp.zeros_like(x), x), hits)

@@ -1,0 +1,1 @@
+"""The CPU executor: loops compiled by Numba, called inside `jit`."""

@@ -1,0 +1,153 @@
+"""CUDA C to PTX at run time, by the NVRTC library that `jax[cuda]` installs; results are kept on disk."""
+
+import ctypes
+import functools
+import hashlib
+import importlib.util
+import logging
+import os
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from home_mjx.core.paths import cache_folder
+from home_mjx.errors import ExecutorError, install_hint
+
+OPTIONS = ("--std=c++17",)
+NAMES = ("libnvrtc.so.13", "libnvrtc.so.12", "libnvrtc.so")  # for the loader's own search
+MARK = "// sha256 of the rest: "
+
+log = logging.getLogger(__name__)
+
+
+def compile_ptx(source: Path, capability: int) -> str:
+    """PTX of a CUDA C file, from the cache if source, target and compiler are as they were.
+
+    Args:
+        source: The file; what its functions are called is left alone if they are `extern "C"`.
+        capability: Compute capability of the device, 90 for 9.0. An NVRTC that does not know it yet compiles for the
+            newest one that it does know, which runs there too.
+
+    Raises:
+        ExecutorError: There is no NVRTC here, or it refuses the source.
+
+    Example:
+        >>> ptx = compile_ptx(Path("kernel.cu"), 90)  # doctest: +SKIP
+    """
+    library = find_library()
+    code = source.read_bytes()
+    target = f"compute_{_known(library, capability)}"
+    key = hashlib.sha256(repr((code, target, OPTIONS, version(library))).encode()).hexdigest()
+    entry = cache_folder() / "kernels" / f"{source.stem}-{key[:24]}.ptx"
+    kept = _read(entry)
+    if kept is not None:
+        return kept
+    ptx = _compile(library, code, source.name, target)
+    _keep(entry, ptx)
+    return ptx
+
+
+@functools.cache
+def find_library() -> ctypes.CDLL:
+    """NVRTC, from NVIDIA's Python packages or wherever the system's loader finds it.
+
+    Raises:
+        ExecutorError: It is nowhere.
+    """
+    for name in (*_installed(), *NAMES):
+        try:
+            return _load(name)
+        except OSError:
+            continue
+    raise ExecutorError("no NVRTC library found", hint=install_hint("cuda"))
+
+
+def _load(name: Path | str) -> ctypes.CDLL:
+    if isinstance(name, Path):
+        # NVRTC asks the loader for this one by name, and the loader does not look in Python packages.
+        for part in name.parent.glob("libnvrtc-builtins.so.*"):
+            ctypes.CDLL(str(part), ctypes.RTLD_GLOBAL)
+    return ctypes.CDLL(str(name))
+
+
+def version(library: ctypes.CDLL) -> tuple[int, int]:
+    """Major and minor version of NVRTC."""
+    major, minor = ctypes.c_int(), ctypes.c_int()
+    _check(library, library.nvrtcVersion(ctypes.byref(major), ctypes.byref(minor)))
+    return major.value, minor.value
+
+
+def _installed() -> Iterator[Path]:
+    """In NVIDIA's packages: nvidia/cu13/lib, nvidia/cuda_nvrtc/lib; newest first."""
+    package = importlib.util.find_spec("nvidia")
+    folders = [Path(p) for p in package.submodule_search_locations or ()] if package else []
+    found = [path for folder in folders for path in folder.glob("*/lib/libnvrtc.so.*")]
+    return iter(sorted(found, key=lambda path: path.name, reverse=True))
+
+
+def _known(library: ctypes.CDLL, capability: int) -> int:
+    """The newest architecture that NVRTC knows and the device can run."""
+    count = ctypes.c_int()
+    _check(library, library.nvrtcGetNumSupportedArchs(ctypes.byref(count)))
+    known = (ctypes.c_int * count.value)()
+    _check(library, library.nvrtcGetSupportedArchs(known))
+    return max((arch for arch in known if arch <= capability), default=capability)
+
+
+def _compile(library: ctypes.CDLL, code: bytes, name: str, target: str) -> str:
+    program = ctypes.c_void_p()
+    create = library.nvrtcCreateProgram(ctypes.byref(program), code, name.encode(), 0, None, None)
+    _check(library, create)
+    try:
+        options = [o.encode() for o in (f"--gpu-architecture={target}", *OPTIONS)]
+        status = library.nvrtcCompileProgram(program, len(options), (ctypes.c_char_p * len(options))(*options))
+        if status:
+            raise ExecutorError(f"NVRTC refuses {name}: {_text(library, program, 'ProgramLog')}")
+        return _text(library, program, "PTX")
+    finally:
+        library.nvrtcDestroyProgram(ctypes.byref(program))
+
+
+def _text(library: ctypes.CDLL, program: ctypes.c_void_p, what: str) -> str:
+    size = ctypes.c_size_t()
+    _check(library, getattr(library, f"nvrtcGet{what}Size")(program, ctypes.byref(size)))
+    text = ctypes.create_string_buffer(size.value)
+    _check(library, getattr(library, f"nvrtcGet{what}")(program, text))
+    return text.value.decode()
+
+
+def _check(library: ctypes.CDLL, status: int) -> None:
+    if status:
+        library.nvrtcGetErrorString.restype = ctypes.c_char_p
+        raise ExecutorError(f"NVRTC fails: {library.nvrtcGetErrorString(status).decode()}")
+
+
+def _read(entry: Path) -> str | None:
+    """What the cache holds; None if it holds nothing, or something broken."""
+    try:
+        head, _, ptx = entry.read_text().partition("\n")
+    except FileNotFoundError:
+        return None
+    except (OSError, UnicodeDecodeError) as error:
+        log.warning("broken cache entry %s is made again: %s", entry, error)
+        return None
+    if head != MARK + _digest(ptx):
+        log.warning("broken cache entry %s is made again", entry)
+        return None
+    return ptx
+
+
+def _keep(entry: Path, ptx: str) -> None:
+    """Writes to a file beside the entry and then renames it, so that no reader ever meets half an entry."""
+    try:
+        entry.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(dir=entry.parent, prefix=".", suffix=".tmp")
+        with os.fdopen(handle, "w") as file:
+            file.write(f"{MARK}{_digest(ptx)}\n{ptx}")
+        os.replace(name, entry)
+    except OSError as error:
+        log.warning("compiled kernel is not cached: %s", error)
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()

@@ -1,1 +1,0 @@
-"""Images from rays: cameras, what they see, and how it is shaded."""

@@ -1,0 +1,1 @@
+"""Images of a scene from a camera."""

@@ -1,0 +1,125 @@
+"""Images of one camera."""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.core.checks import check_names, check_number, check_type
+from home_mjx.raycast_render.cameras.camera import Camera, Lens
+from home_mjx.raycast_render.images.view import View
+from home_mjx.raycast_render.scene import surface
+from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.raycast_render.shading import shading
+from home_mjx.raycast_render.shading.preset import Preset, resolve
+from home_mjx.schema.semantic import Semantic
+
+SEMANTIC_KINDS = {
+    "fine": Semantic.FINE,
+    "coarse": Semantic.COARSE,
+    "nyu40": Semantic.NYU40,
+    "room": Semantic.ROOM,
+    "level": Semantic.LEVEL,
+    "partition": Semantic.PARTITION,
+    "room_type": Semantic.ROOM_TYPE,
+    "size": Semantic.SIZE,
+    "color": Semantic.BASIC,
+}
+LENS = Lens()
+KINDS = ("rgb", "depth", "distance", "normal", "albedo", "instance", "material", *SEMANTIC_KINDS, "valid")
+
+
+def render(
+    bank: HouseBank,
+    scene: Scene,
+    camera: Camera,
+    lens: Lens = LENS,
+    *,
+    kinds: tuple[str, ...] = ("rgb", "depth"),
+    preset: Preset = "fast",
+    exclude: Int[Array, ""] | int = -1,
+    depth_max: float | None = 10.0,
+    executor: str | None = None,
+) -> dict[str, Array]:
+    """Images that one camera sees; only the kinds that are asked for are computed, all from one cast.
+
+    Row 0 is at the top; H, W is `lens.shape`. Kinds:
+
+    * rgb: uint8 (H, W, 3), sRGB, as the preset draws it: "fast", textured albedo under a light at the camera; "lit",
+      or a `Lit` with options, under the lights of the house.
+    * albedo: float32 (H, W, 3), linear light.
+    * depth: float32 (H, W, 1), t of the camera's rays [m]: along the optical axis for pinholes, cubes and orthographic
+      cameras, along the ray for others; distance: along the ray [m]. inf on a miss, unless clipped.
+    * normal: float32 (H, W, 3), unit, world, facing the camera; zero on a miss.
+    * instance: int32 (H, W), object ids, I + a for agent a; -1 for the architecture and on a miss.
+    * fine, coarse, nyu40, room, level, partition, room_type, size, color (of 16): int32 (H, W), columns of
+      `bank.semantics`; -1 for none and on a miss.
+    * material: int32 (H, W), rows of `bank.materials`; -1 on a miss.
+    * valid: bool (), whether the camera's and all objects' poses are finite; if not, the image shows only misses.
+
+    Args:
+        bank: The houses.
+        scene: The environment.
+        camera: Where the camera is.
+        lens: How it images.
+        kinds: Which images.
+        preset: How rgb is lit.
+        exclude: Object id that the camera does not see, such as its own agent; -1 none.
+        depth_max: Greatest value of depth and distance images [m]; None leaves them as they are.
+        executor: See `cast`.
+
+    Raises:
+        ConfigError: A kind, a preset or an executor is unknown, or `depth_max` is negative.
+
+    Example:
+        >>> images = render(bank, scene, camera, Lens(64, 64), kinds=("rgb", "depth", "fine"))  # doctest: +SKIP
+        >>> images["rgb"].shape, images["depth"].shape, images["fine"].shape  # doctest: +SKIP
+        ((64, 64, 3), (64, 64, 1), (64, 64))
+    """
+    check_names("kind of image", kinds, KINDS)
+    check_type("lens", lens, Lens)
+    if depth_max is not None:
+        check_number("depth_max", depth_max, 0)
+    scene = scene.replace(house=bank.known_house(scene.house))
+    view = View(bank, scene, camera, lens, resolve(preset), exclude, executor)
+    images = _Images(view, depth_max)
+    return {kind: images.of(kind) for kind in kinds}
+
+
+class _Images:
+    """Images of one view, each made when asked for."""
+
+    def __init__(self, view: View, depth_max: float | None) -> None:
+        self._view, self._depth_max = view, depth_max
+        self._bank, self._scene, self._rays = view.bank, view.scene, view.middle
+
+    def of(self, kind: str) -> Array:
+        if kind in SEMANTIC_KINDS:
+            return surface.semantics(self._bank, self._scene, self._rays.hit, SEMANTIC_KINDS[kind])
+        return getattr(self, f"_{kind}")()
+
+    def _rgb(self) -> Array:
+        return self._view.rgb()
+
+    def _albedo(self) -> Array:
+        return shading.albedo(self._bank, self._scene, self._rays.hit).packed()
+
+    def _normal(self) -> Array:
+        return surface.normals(self._scene, self._rays.direction, self._rays.hit)
+
+    def _depth(self) -> Array:
+        return self._clip(self._rays.hit.t)
+
+    def _distance(self) -> Array:
+        return self._clip(self._rays.hit.t * jnp.linalg.norm(self._rays.direction, axis=-1))
+
+    def _clip(self, distance: Float[Array, "*image"]) -> Array:
+        return (distance if self._depth_max is None else jnp.minimum(distance, self._depth_max))[..., None]
+
+    def _instance(self) -> Array:
+        return surface.object_ids(self._scene, self._rays.hit)
+
+    def _material(self) -> Array:
+        return surface.material_rows(self._scene, self._rays.hit)
+
+    def _valid(self) -> Array:
+        return self._view.valid

@@ -1,0 +1,113 @@
+"""What one camera sees of one environment: its rays, and their colours under a preset."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int, UInt8
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.core.pytree import Pytree
+from home_mjx.raycast_render.cameras import sampling
+from home_mjx.raycast_render.cameras.camera import Camera, Lens, camera_rays, pixel_width
+from home_mjx.raycast_render.casting.cast import cast
+from home_mjx.raycast_render.scene import surface
+from home_mjx.raycast_render.scene.types import Hit, Scene
+from home_mjx.raycast_render.scene.vec import Vec
+from home_mjx.raycast_render.shading import lit, optics, shading
+from home_mjx.raycast_render.shading.lights import Spread
+from home_mjx.raycast_render.shading.preset import Lit
+from home_mjx.schema.compiled import Ray
+
+
+class CameraRays(Pytree):
+    """One ray per pixel, and what it meets first."""
+
+    origin: Float[Array, "*image 3"]
+    direction: Float[Array, "*image 3"]
+    hit: Hit
+
+
+@dataclass(frozen=True)
+class View:
+    """A camera in an environment; `options` None is the fast preset."""
+
+    bank: HouseBank
+    scene: Scene
+    camera: Camera
+    lens: Lens
+    options: Lit | None
+    exclude: Int[Array, ""] | int
+    executor: str | None
+
+    @cached_property
+    def valid(self) -> Bool[Array, ""]:
+        """Whether the poses of the camera and of everything that moves are numbers."""
+        leaves = [*jax.tree.leaves(self.camera), self.scene.moving.pose]
+        return jnp.all(jnp.stack([jnp.all(jnp.isfinite(leaf)) for leaf in leaves]))
+
+    @cached_property
+    def middle(self) -> CameraRays:
+        """Through the middle of every pixel."""
+        return self.cast(sampling.point(0))
+
+    def cast(self, at: Float[Array, "2"]) -> CameraRays:
+        """Through a point of every pixel; nothing is met where a pose is no number."""
+        origin, direction = camera_rays(self.camera, self.lens, at)
+        reach = jnp.where(self.valid, jnp.inf, -1.0)
+        found = cast(
+            self.scene,
+            origin if self.lens.model == "orthographic" else self.camera.pos,
+            direction,
+            t_max=reach,
+            exclude=self.exclude,
+            mask=Ray.CAMERA,
+            executor=self.executor,
+        )
+        # Without the barrier XLA fuses the camera's rays into every image and computes them again for each component.
+        direction, found = jax.lax.optimization_barrier((direction, found))
+        return CameraRays(origin, direction, found)
+
+    def rgb(self) -> UInt8[Array, "*image 3"]:
+        """sRGB: the mean of the samples of each pixel as they would be shown."""
+        first = self._shown(self.middle, 0)
+        if self.lens.samples == 1:
+            return first.map(shading.encode).packed()
+
+        def add(total: Vec, sample: Int[Array, ""]) -> tuple[Vec, None]:
+            return total + self._shown(self.cast(sampling.point(sample)), sample), None
+
+        total, _ = jax.lax.scan(add, first, jnp.arange(1, self.lens.samples, dtype=jnp.int32))
+        return (total * (1 / self.lens.samples)).map(shading.encode).packed()
+
+    def _shown(self, rays: CameraRays, sample: Int[Array, ""] | int) -> Vec:
+        """Linear light on a display, 0..1."""
+        if self.options is None:
+            albedo = shading.albedo(self.bank, self.scene, rays.hit)
+            direction = Vec.of(rays.direction)
+            normal = surface.unit_normals(self.scene, direction, rays.hit)
+            return shading.head_light(albedo, normal, direction).map(lambda x: jnp.clip(x, 0, 1))
+        light = lit.radiance(
+            self.bank,
+            self.scene,
+            self.sight(rays),
+            pixel_width(self.camera, self.lens)[1],
+            self._spread(rays.hit.t.shape, sample),
+            self.options,
+            self.exclude,
+            self.executor,
+        )
+        return lit.tone_map(light, self.options.exposure)
+
+    def sight(self, rays: CameraRays) -> optics.Sight:
+        """Camera rays before they go on through glass or off mirrors."""
+        width = jnp.full_like(rays.hit.t, pixel_width(self.camera, self.lens)[0])
+        white = Vec(*[jnp.ones_like(width)] * 3)
+        return optics.Sight(Vec.of(rays.origin), Vec.of(rays.direction), rays.hit, width, white)
+
+    def _spread(self, shape: tuple[int, ...], sample: Int[Array, ""] | int) -> Spread:
+        """Where on a light its light comes from; its middle, unless several samples can be told apart."""
+        if self.lens.samples == 1 and not (self.options and self.options.corners):
+            return None
+        return 2 * sampling.points(sample, shape, seed=1) - 1

@@ -1,0 +1,1 @@
+"""The scene of one environment as rays see it."""

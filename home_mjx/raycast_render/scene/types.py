@@ -1,0 +1,81 @@
+"""What `cast` takes and gives."""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.bank.records import Geometry
+from home_mjx.core.pytree import Pytree, static
+
+
+class Moving(Pytree):
+    """Instances that move: D = movable objects, then agents. One environment's poses."""
+
+    instance: Int[Array, " d"]  # instance index in the house, I + a for agent a; -1 unused slot
+    model: Int[Array, " d"]  # library model
+    pose: Float[Array, "d 3 4"]  # world from model
+    inverse: Float[Array, "d 3 4"]  # model from world
+    box: Float[Array, "d 2 3"]  # [m], world bounds; inverted (min > max) for unused slots
+    object_id: Int[Array, " d"]  # the house's object id, I + a for agents
+    material: Int[Array, " d"]  # first material row
+    semantic: Int[Array, " d"]  # first semantic row
+
+
+class Scene(Pytree):
+    """One environment as rays see it."""
+
+    geometry: Geometry  # shared by all environments; never batched
+    house: Int[Array, ""]
+    moving: Moving
+
+
+class Rays(Pytree):
+    """Rays of any leading shape.
+
+    As executors get them, of shape (environments, rays per environment), a field of which all rays of an environment
+    have the same value may have one ray only.
+    """
+
+    origin: Float[Array, "*rays 3"]  # [m], world
+    direction: Float[Array, "*rays 3"]  # need not be of unit length
+    t_min: Float[Array, "*rays"]  # in units of |direction|, >= 0
+    t_max: Float[Array, "*rays"]  # no hit can be found where t_max < t_min
+    exclude: Int[Array, "*rays"]  # object id (I + a for agent a) that the ray passes through; -1 none
+    mask: Int[Array, "*rays"]  # `compiled.Ray` bits
+    width: int = static(default=0)  # of the image whose rows the rays are; 0 if they are none
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Environments, rays per environment."""
+        return max(field.shape[:2] for field in jax.tree.leaves(self))
+
+    def expanded(self) -> "Rays":
+        """The same rays, every field with one value per ray."""
+        return jax.tree.map(lambda x: jnp.broadcast_to(x, (*self.shape, *x.shape[2:])), self)
+
+
+class RawHit(NamedTuple):
+    """What executors return, of shape (environments, rays per environment).
+
+    After casting for any hit only `instance` counts, and of that only whether it is >= 0.
+    """
+
+    t: Array  # MISS on a miss
+    instance: Array
+    triangle: Array
+    u: Array
+    v: Array
+    front: Array
+
+
+class Hit(Pytree):
+    """The closest hits of rays of any leading shape."""
+
+    t: Float[Array, "*rays"]  # in units of |direction|, so [m] for unit directions; inf on a miss
+    instance: Int[Array, "*rays"]  # -1 on a miss
+    triangle: Int[Array, "*rays"]  # absolute index into Geometry.triangle; -1 on a miss
+    u: Float[Array, "*rays"]  # barycentric weight of corner 1
+    v: Float[Array, "*rays"]  # barycentric weight of corner 2
+    front: Bool[Array, "*rays"]  # met the side that the corners wind counter-clockwise around, in the model's frame

@@ -1,0 +1,101 @@
+"""Vectors of many pixels with one array per component, and numbers picked from tables for them.
+
+Of such arrays XLA makes few kernels that compute everything once. Behind a trailing axis of 3 it computes what leads to
+a vector once per component, or hands rows through memory.
+"""
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int, Shaped
+
+from home_mjx.core.pytree import Pytree
+
+Component = Shaped[Array, "*rays"] | float
+
+
+class Vec(Pytree):
+    """Three-dimensional vectors or colours of pixels of any shape, or one for all of them.
+
+    Example:
+        >>> a = Vec.of(jnp.array([[3.0, 0.0, 4.0]]))
+        >>> a.dot(a).tolist(), a.cross(Vec(0.0, 1.0, 0.0)).packed().tolist()
+        ([25.0], [[-4.0, 0.0, 3.0]])
+    """
+
+    x: Component
+    y: Component
+    z: Component
+
+    @classmethod
+    def of(cls, rows: Shaped[Array, "*rays 3"]) -> "Vec":
+        """Vectors from a trailing axis of 3."""
+        return cls(*(rows[..., i] for i in range(3)))
+
+    def packed(self) -> Shaped[Array, "*rays 3"]:
+        """The vectors along a trailing axis of 3."""
+        # Without the barrier XLA computes what the components have in common once for each of them.
+        return jnp.stack(jax.lax.optimization_barrier((self.x, self.y, self.z)), axis=-1)
+
+    def map(self, function: Callable[..., Any], *others: "Vec") -> "Vec":
+        """A function of each component, and of the same ones of other vectors."""
+        return Vec(*(function(*parts) for parts in zip(*(_parts(v) for v in (self, *others)), strict=True)))
+
+    def __add__(self, other: "Vec") -> "Vec":
+        return self.map(lambda a, b: a + b, other)
+
+    def __sub__(self, other: "Vec") -> "Vec":
+        return self.map(lambda a, b: a - b, other)
+
+    def __neg__(self) -> "Vec":
+        return self.map(lambda a: -a)
+
+    def __mul__(self, factor: "Vec | Component") -> "Vec":
+        """Component by component, or by a number per pixel."""
+        return self.map(lambda a, b: a * b, factor if isinstance(factor, Vec) else Vec(factor, factor, factor))
+
+    def dot(self, other: "Vec") -> Any:
+        """Scalar products."""
+        return self.x * other.x + self.y * other.y + self.z * other.z
+
+    def cross(self, other: "Vec") -> "Vec":
+        """Vector products."""
+        return Vec(
+            self.y * other.z - self.z * other.y,
+            self.z * other.x - self.x * other.z,
+            self.x * other.y - self.y * other.x,
+        )
+
+    def inverse_norm(self) -> Any:
+        """1 / length; large, but finite, of zero."""
+        return jax.lax.rsqrt(jnp.maximum(self.dot(self), 1e-37))
+
+    def unit(self) -> "Vec":
+        """The same directions with length 1; zero stays zero."""
+        return self * self.inverse_norm()
+
+
+def select(condition: Bool[Array, "*rays"], yes: Vec, no: Vec) -> Vec:
+    """`yes` where the condition holds."""
+    return yes.map(lambda a, b: jnp.where(condition, a, b), no)
+
+
+def take(table: Shaped[Array, "n *row"], index: Int[Array, "*rays"], *place: int) -> Shaped[Array, "*rays"]:
+    """table[index, *place] of indices that are not negative, without copying a column of the table first."""
+    row = table.shape[1:]
+    if row:
+        index = index * math.prod(row) + int(np.ravel_multi_index(place, row))
+    return table.reshape(-1).at[index].get(mode="promise_in_bounds", wrap_negative_indices=False)
+
+
+def take_vec(table: Float[Array, "n *row"], index: Int[Array, "*rays"], *place: int) -> Vec:
+    """The vectors table[index, *place, :3]."""
+    return Vec(*(take(table, index, *place, i) for i in range(3)))
+
+
+def _parts(vec: Vec) -> tuple[Any, Any, Any]:
+    return vec.x, vec.y, vec.z

@@ -1,0 +1,1 @@
+"""Colour of what rays hit: textures, lights, glass and mirrors."""

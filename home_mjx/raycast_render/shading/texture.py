@@ -1,0 +1,136 @@
+"""Texels of mip-mapped textures, in linear light."""
+
+import math
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int, UInt32
+
+from home_mjx.core.color import decode_srgb
+from home_mjx.raycast_render.scene.vec import Vec, take
+
+
+def _decode_table() -> Float[np.ndarray, "256"]:
+    """Linear light of each sRGB byte (IEC 61966-2-1)."""
+    return decode_srgb(np.arange(256) / 255).astype(np.float32)
+
+
+DECODE = _decode_table()
+# The curve above byte 10 as a polynomial, highest power first: a least maximum error fit to the 245 bytes.
+DECODE_POWERS = (-0.05466916, 0.22675983, -0.43463315, 0.71703972, 0.51144349, 0.03313933, 0.00091457)
+ALPHA = 3  # place of the channel
+
+
+def edge_of(textures: UInt32[Array, "l p"]) -> int:
+    """Edge of the largest mip level [px]: a square texture of edge s has (4 s^2 - 1) / 3 texels in all levels."""
+    return math.isqrt((3 * textures.shape[1] + 1) // 4)
+
+
+def channel(texel: UInt32[Array, "*rays"], place: int) -> Int[Array, "*rays"]:
+    """A byte of texels: red, green, blue, `ALPHA`."""
+    return ((texel >> (8 * place)) & 255).astype(jnp.int32)
+
+
+def linear(texel: UInt32[Array, "*rays"]) -> Vec:
+    """Colours of texels in linear light."""
+    return Vec(*(take(jnp.asarray(DECODE), channel(texel, place)) for place in range(3)))
+
+
+def nearly_linear(texel: UInt32[Array, "*rays"]) -> Vec:
+    """The same within 6e-6 without a look-up per channel, for the many texels of a filter."""
+
+    def decode(byte: Int[Array, "*rays"]) -> Float[Array, "*rays"]:
+        value = byte.astype(jnp.float32) * (1 / 255)
+        curve = jnp.full_like(value, DECODE_POWERS[0])
+        for power in DECODE_POWERS[1:]:
+            curve = curve * value + power
+        return jnp.where(byte <= 10, value * (1 / 12.92), curve)
+
+    return Vec(*(decode(channel(texel, place)) for place in range(3)))
+
+
+def nearest(
+    textures: UInt32[Array, "l p"], layer: Int[Array, "*rays"], u: Float[Array, "*rays"], v: Float[Array, "*rays"]
+) -> UInt32[Array, "*rays"]:
+    """The nearest texel of the largest level, the texture repeating; v = 0 is the bottom row.
+
+    Nearest, because at 64x64 pixels textures are minified and bilinear taps would cost four gathers and still alias.
+    """
+    size = edge_of(textures)
+    column, row = (jnp.minimum(jnp.floor((x - jnp.floor(x)) * size).astype(jnp.int32), size - 1) for x in (u, v))
+    return _pick(textures, layer, (size - 1 - row) * size + column)
+
+
+def trilinear(
+    textures: UInt32[Array, "l p"],
+    layer: Int[Array, "*rays"],
+    u: Float[Array, "*rays"],
+    v: Float[Array, "*rays"],
+    level: Float[Array, "*rays"],
+) -> Vec:
+    """Colours between texels and between mip levels, in linear light; the texture repeats.
+
+    Args:
+        textures: Layers with all their levels.
+        layer: Which.
+        u: Where, to the right.
+        v: Where, up; 0 is the bottom row.
+        level: 0 is the largest level, 1 half of it; beyond both ends the nearest is taken.
+    """
+    last = edge_of(textures).bit_length() - 1
+    level = jnp.clip(level, 0.0, float(last))
+    low = jnp.floor(level)
+    fine = _bilinear(textures, layer, u, v, low.astype(jnp.int32))
+    coarse = _bilinear(textures, layer, u, v, jnp.minimum(low.astype(jnp.int32) + 1, last))
+    return _mix(fine, coarse, level - low)
+
+
+def mip_level(texels: Float[Array, "*rays"]) -> Float[Array, "*rays"]:
+    """The level whose texels are as large as the footprint of a pixel.
+
+    Source: T. Akenine-Möller et al., "Texture level of detail strategies for real-time ray tracing", Ray Tracing Gems
+    2019: half the binary logarithm of the area, in texels of the largest level.
+
+    Args:
+        texels: Area of the footprint in texels of level 0.
+
+    Example:
+        >>> mip_level(jnp.array([1.0, 4.0, 64.0])).tolist()
+        [0.0, 1.0, 3.0]
+    """
+    return 0.5 * jnp.log2(jnp.maximum(texels, 1e-20))
+
+
+def _bilinear(
+    textures: UInt32[Array, "l p"],
+    layer: Int[Array, "*rays"],
+    u: Float[Array, "*rays"],
+    v: Float[Array, "*rays"],
+    level: Int[Array, "*rays"],
+) -> Vec:
+    edge = edge_of(textures)
+    size = edge >> level
+    start = (edge * edge - size * size) * 4 // 3  # texels of all larger levels
+    # Texel centres lie at half integers; rows count down from v = 1.
+    span = size.astype(jnp.float32)
+    column, row = (u - jnp.floor(u)) * span - 0.5, (1 - (v - jnp.floor(v))) * span - 0.5
+    left, top = jnp.floor(column), jnp.floor(row)
+
+    def texel(dx: int, dy: int) -> Vec:
+        # Edges are powers of two, so the mask is the remainder.
+        x, y = (left.astype(jnp.int32) + dx) & (size - 1), (top.astype(jnp.int32) + dy) & (size - 1)
+        return nearly_linear(_pick(textures, layer, start + y * size + x))
+
+    upper = _mix(texel(0, 0), texel(1, 0), column - left)
+    lower = _mix(texel(0, 1), texel(1, 1), column - left)
+    return _mix(upper, lower, row - top)
+
+
+def _pick(
+    textures: UInt32[Array, "l p"], layer: Int[Array, "*rays"], texel: Int[Array, "*rays"]
+) -> UInt32[Array, "*rays"]:
+    return take(textures.reshape(-1), layer * textures.shape[1] + texel)
+
+
+def _mix(first: Vec, second: Vec, share: Float[Array, "*rays"]) -> Vec:
+    return first + (second - first) * share

@@ -1,0 +1,1 @@
+"""Rooms, walls, floors, ceilings, and the planes that mirror sound."""

@@ -1,0 +1,216 @@
+"""Walls, floors, ceilings and grounds of a house as one model with a semantic part per surface."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from home_mjx.scene_compile.architecture.rooms import house_rooms, triangles_of
+from home_mjx.scene_compile.architecture.slabs import Slab, fit_slab, same_wall
+from home_mjx.scene_compile.geometry.mesh import bounds, make_model
+from home_mjx.scene_compile.geometry.polygons import inside_polygon
+from home_mjx.scene_compile.materials.surface import Surface, surface
+from home_mjx.schema.compiled import Model, Rooms
+from home_mjx.schema.house import House, Mesh
+from home_mjx.schema.semantic import semantic_row
+
+PROBE = 0.15  # [m] beyond a wall, where it is asked whether there is a room
+SKIN = 0.01  # [m]: surfaces deeper than this inside a wall are not seen
+LAYER_GAP = 0.12  # [m]: slabs nearer than this above one another are one, such as a ceiling and the floor upon it
+
+
+@dataclass(frozen=True)
+class Part:
+    """One surface of the architecture in the world frame: a floor, a ceiling, a ground, or a wall of one room."""
+
+    kind: str  # floor, ceiling, wall or ground
+    room: int  # -1 for grounds
+    level: int
+    mesh: Mesh
+    faces: Int[np.ndarray, " f"]  # rows of the mesh
+    triangles: Float[np.ndarray, "f 3 3"]  # [m]
+
+
+@dataclass(frozen=True)
+class Wall(Part):
+    """Both layers of a room's wall."""
+
+    slab: Slab
+
+
+@dataclass(frozen=True)
+class Architecture:
+    """Instance 0 of a house."""
+
+    parts: tuple[Part, ...]
+    partition: Int[np.ndarray, " q"]  # of each part
+    model: Model
+    surfaces: tuple[Surface, ...]  # by slot of the model
+    facing: Int[np.ndarray, " q"]  # slot of most of each part's area on the side of its room
+    backing: Int[np.ndarray, " q"]  # and on the other side
+    semantics: Int[np.ndarray, "q 23"]
+    num_meshes: int
+
+
+def build_architecture(house: House, rooms: Rooms, offset: Float[np.ndarray, "3"]) -> Architecture:
+    """The house itself.
+
+    Args:
+        house: The house.
+        rooms: Its rooms in the world frame.
+        offset: Added to Z-up file coordinates [m].
+    """
+    parts = tuple(_parts(house, offset))
+    partition = partitions(parts)
+    surfaces, slots = _slots(parts, _categories(parts, partition, rooms))
+    model = make_model(
+        f"architecture_{house.id}",
+        np.concatenate([p.triangles for p in parts]),
+        np.concatenate([p.mesh.uv[p.faces] for p in parts]),
+        np.concatenate(slots),
+        np.repeat(np.arange(len(parts)), [len(p.faces) for p in parts]),
+    )
+    return Architecture(
+        parts=parts,
+        partition=partition,
+        model=model,
+        surfaces=tuple(surfaces),
+        facing=np.array([_slot_on_side(p, s, inner_normal(p, rooms)) for p, s in zip(parts, slots, strict=True)]),
+        backing=np.array([_slot_on_side(p, s, -inner_normal(p, rooms)) for p, s in zip(parts, slots, strict=True)]),
+        semantics=np.array([_row(p, int(i)) for p, i in zip(parts, partition, strict=True)]),
+        num_meshes=len({id(p.mesh) for p in parts}),
+    )
+
+
+def _parts(house: House, offset: Float[np.ndarray, "3"]) -> Iterator[Part]:
+    for index, (level, room) in enumerate(house_rooms(house)):
+        for kind, mesh in (("floor", room.floor), ("ceiling", room.ceiling)):
+            if mesh is not None:
+                yield _part(kind, index, level, mesh, np.arange(len(mesh.faces)), offset)
+        if room.walls is not None:
+            for faces in _wall_faces(room.walls):
+                yield _part("wall", index, level, room.walls, faces, offset)
+    for level in house.levels:
+        for ground in level.grounds:
+            if ground.mesh is not None:
+                yield _part("ground", -1, level.index, ground.mesh, np.arange(len(ground.mesh.faces)), offset)
+
+
+def _part(kind: str, room: int, level: int, mesh: Mesh, faces: np.ndarray, offset: np.ndarray) -> Part:
+    triangles = triangles_of(mesh, offset)[faces]
+    if kind == "wall":
+        return Wall(kind, room, level, mesh, faces, triangles, fit_slab(triangles))
+    return Part(kind, room, level, mesh, faces, triangles)
+
+
+def _wall_faces(walls: Mesh) -> list[Int[np.ndarray, " _"]]:
+    """Faces of each wall: the inner and the outer layer, WallInside#0_1_3 and WallOutside#0_1_3, are one."""
+    numbers = [name.rpartition("#")[2] for name in walls.groups]
+    order = {number: i for i, number in enumerate(dict.fromkeys(numbers))}
+    wall_of_group = np.array([*(order[n] for n in numbers), -1])
+    wall = wall_of_group[walls.group]
+    return [np.flatnonzero(wall == w) for w in np.unique(wall)]
+
+
+def partitions(parts: Sequence[Part]) -> Int[np.ndarray, " q"]:
+    """A number per physical wall or slab: copies of one wall in neighbouring rooms share theirs."""
+    leader = list(range(len(parts)))
+    for i, a in enumerate(parts):
+        for j in range(i):
+            if _same_partition(a, parts[j]):
+                _unite(leader, i, j)
+    roots = [_root(leader, i) for i in range(len(parts))]
+    return np.unique(roots, return_inverse=True)[1].astype(np.int32)
+
+
+def _same_partition(a: Part, b: Part) -> bool:
+    if isinstance(a, Wall) and isinstance(b, Wall):
+        return same_wall(a.slab, b.slab)
+    if {a.kind, b.kind} & {"wall", "ground"}:
+        return False
+    (low_a, high_a), (low_b, high_b) = bounds(a.triangles), bounds(b.triangles)
+    common = np.minimum(high_a, high_b) - np.maximum(low_a, low_b)
+    return bool((common[:2] > LAYER_GAP).all() and common[2] > -LAYER_GAP)
+
+
+def _root(leader: list[int], i: int) -> int:
+    while leader[i] != i:
+        i = leader[i]
+    return i
+
+
+def _unite(leader: list[int], i: int, j: int) -> None:
+    a, b = _root(leader, i), _root(leader, j)
+    leader[max(a, b)] = min(a, b)
+
+
+def _categories(parts: Sequence[Part], partition: Int[np.ndarray, " q"], rooms: Rooms) -> list[str]:
+    """What each part is to sound; all copies of a wall are alike, so that both sides let through the same."""
+    numbered = zip(parts, partition, strict=True)
+    inner = {int(p) for part, p in numbered if isinstance(part, Wall) and _is_inner(part, rooms)}
+    walls = ["wall" if p in inner else "outer_wall" for p in partition]
+    return [wall if isinstance(part, Wall) else part.kind for part, wall in zip(parts, walls, strict=True)]
+
+
+def _is_inner(part: Wall, rooms: Rooms) -> bool:
+    """Whether there are rooms on both sides of most of a wall."""
+    polygons = [rooms.polygon[r] for r in np.flatnonzero(rooms.level == part.level)]
+    between = _indoors(part.slab, -1, polygons) & _indoors(part.slab, 1, polygons)
+    return bool(between.mean() >= 0.5)
+
+
+def _indoors(slab: Slab, side: int, polygons: Sequence[Float[np.ndarray, "_ 2"]]) -> Bool[np.ndarray, " p"]:
+    """Whether points along a wall, a little beyond one of its sides, lie in any of some rooms."""
+    edge = slab.high[1] + PROBE if side > 0 else slab.low[1] - PROBE
+    along = np.linspace(slab.low[0], slab.high[0], 13)[1:-1]
+    points = slab.to_world(np.stack([along, np.full_like(along, edge), np.zeros_like(along)], axis=-1))[:, :2]
+    return np.any([inside_polygon(polygon, points) for polygon in polygons], axis=0)
+
+
+def _slots(parts: Sequence[Part], categories: Sequence[str]) -> tuple[list[Surface], list[np.ndarray]]:
+    """Surfaces by slot of the joint model, and each part's slots; a slot is a material of a mesh in one category."""
+    first: dict[tuple[int, int, str], int] = {}
+    surfaces, slots = [], []
+    for part, category in zip(parts, categories, strict=True):
+        own = part.mesh.slot[part.faces]
+        for slot in np.unique(own):
+            key = (id(part.mesh), int(slot), category)
+            if key not in first:
+                first[key] = len(surfaces)
+                surfaces.append(surface(part.mesh.materials[slot], category, _coarse(part.kind)))
+        slots.append(np.array([first[id(part.mesh), int(slot), category] for slot in own]))
+    return surfaces, slots
+
+
+def _coarse(kind: str) -> str:
+    return "floor" if kind == "ground" else kind
+
+
+def _row(part: Part, partition: int) -> Int[np.ndarray, "23"]:
+    name = _coarse(part.kind)
+    return semantic_row(name, name, name, room=part.room, level=part.level, partition=partition)
+
+
+def inner_normal(part: Part, rooms: Rooms) -> Float[np.ndarray, "3"]:
+    """The direction in which the part faces its room."""
+    if not isinstance(part, Wall):
+        return np.array([0.0, 0.0, -1.0 if part.kind == "ceiling" else 1.0])
+    polygon = [rooms.polygon[part.room]]
+    left, right = (_indoors(part.slab, side, polygon).mean() for side in (1, -1))
+    return part.slab.to_world(np.array([0.0, 1.0 if left > right else -1.0, 0.0]))
+
+
+def _slot_on_side(part: Part, slots: Int[np.ndarray, " f"], toward: Float[np.ndarray, "3"]) -> int:
+    """The slot of most of the area that is seen from a side."""
+    normal = np.cross(part.triangles[:, 1] - part.triangles[:, 0], part.triangles[:, 2] - part.triangles[:, 0])
+    height = (part.triangles @ toward).min(axis=1)
+    surface = height > height.max() - SKIN
+    return int(np.bincount(slots, np.maximum(normal @ toward, 0) * surface).argmax())
+
+
+def has_room_behind(part: Wall, rooms: Rooms) -> bool:
+    """Whether there is a room, whichever, beyond most of a wall's far side."""
+    polygons = [rooms.polygon[r] for r in np.flatnonzero(rooms.level == part.level)]
+    away = part.slab.to_world(np.array([0.0, 1.0, 0.0])) @ inner_normal(part, rooms) < 0
+    return bool(_indoors(part.slab, 1 if away else -1, polygons).mean() >= 0.5)

@@ -1,0 +1,96 @@
+"""Walls as upright slabs: their frame, their extents and where they are solid."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, join, no_boxes, yaw_matrix
+from home_mjx.scene_compile.geometry.rectangles import cell_centers, cluster, cover, in_triangles, split
+
+SNAP = 0.03  # [m]: copies of one opening in neighbouring walls differ by less
+
+
+@dataclass(frozen=True)
+class Slab:
+    """An upright slab; local axes are along it, across it, up."""
+
+    yaw: float  # [rad], of the axis along it
+    low: Float[np.ndarray, "3"]  # [m], local
+    high: Float[np.ndarray, "3"]
+    faces: Float[np.ndarray, "f 3 3"]  # [m], local: triangles of its two large sides
+
+    @property
+    def length(self) -> float:
+        """[m]."""
+        return float(self.high[0] - self.low[0])
+
+    @property
+    def middle(self) -> float:
+        """Where the middle plane lies across the slab [m], local."""
+        return float((self.low[1] + self.high[1]) / 2)
+
+    def to_world(self, local: Float[np.ndarray, "*p 3"]) -> Float[np.ndarray, "*p 3"]:
+        """Points in the world."""
+        return local @ yaw_matrix(self.yaw).T
+
+
+def fit_slab(triangles: Float[np.ndarray, "t 3 3"]) -> Slab:
+    """The frame of a wall: across it is where its area faces."""
+    normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]) / 2
+    area = np.linalg.norm(normal, axis=1)
+    flat = normal[:, :2] / np.sqrt(np.maximum(area, 1e-12))[:, None]
+    across = np.linalg.eigh(flat.T @ flat)[1][:, -1]
+    return slab_along(float(np.arctan2(-across[0], across[1])), triangles, normal)
+
+
+def slab_along(yaw: float, triangles: Float[np.ndarray, "t 3 3"], normal: Float[np.ndarray, "t 3"]) -> Slab:
+    """The slab of a known direction around triangles."""
+    turn = yaw_matrix(yaw)
+    local = triangles @ turn
+    facing = abs((normal @ turn)[:, 1]) > 0.7 * np.linalg.norm(normal, axis=1)
+    flat = local.reshape(-1, 3)
+    return Slab(yaw, flat.min(axis=0), flat.max(axis=0), local[facing])
+
+
+def same_wall(a: Slab, b: Slab, gap: float = 0.08, overlap: float = 0.2) -> bool:
+    """Whether two slabs are copies or continuations-with-overlap of one physical wall.
+
+    Args:
+        a: A slab.
+        b: Another.
+        gap: Most distance between their middle planes [m].
+        overlap: Least common length [m], more than what walls run into one another at corners.
+    """
+    if abs(np.sin(a.yaw - b.yaw)) > 0.03 or min(a.high[2], b.high[2]) - max(a.low[2], b.low[2]) < 0.5:
+        return False
+    ends = b.to_world(np.array([[b.low[0], b.middle, 0], [b.high[0], b.middle, 0]])) @ yaw_matrix(a.yaw)
+    along = np.sort(ends[:, 0])
+    common = min(a.high[0], along[1]) - max(a.low[0], along[0])
+    return bool(common > overlap and abs(ends[:, 1].mean() - a.middle) < gap)
+
+
+def wall_boxes(slabs: Sequence[Slab], longest: float) -> BoxSet:
+    """Boxes that fill one physical wall except for its openings.
+
+    Args:
+        slabs: Its prisms: copies of neighbouring rooms, inner and outer layers.
+        longest: Most length of a box [m].
+    """
+    main = max(slabs, key=lambda s: s.length)
+    turn = yaw_matrix(main.yaw)
+    corners = np.concatenate([s.to_world(np.stack([s.low, s.high])) for s in slabs]) @ turn
+    faces = np.concatenate([s.to_world(s.faces) for s in slabs]) @ turn
+    if not len(faces):
+        return no_boxes()
+    across = corners[:, 1].min(), corners[:, 1].max()
+    u, v = (cluster(faces[..., axis], SNAP) for axis in (0, 2))
+    solid = in_triangles(faces[..., [0, 2]], cell_centers(u, v))
+    pieces = split(cover(u, v, solid), longest)
+    return join(_piece(piece, across, main.yaw) for piece in pieces)
+
+
+def _piece(piece: Float[np.ndarray, "4"], across: tuple[float, float], yaw: float) -> BoxSet:
+    low, high = np.array([piece[0], across[0], piece[1]]), np.array([piece[2], across[1], piece[3]])
+    return box_set(yaw_matrix(yaw) @ ((low + high) / 2), (high - low) / 2, yaw)

@@ -1,0 +1,260 @@
+"""Compiled houses on disk, addressed by what they were compiled from.
+
+Below the cache folder lies one folder per version of the format and the compiler; in it `houses/` and `models/`, since
+houses share most models. Entries are written whole or not at all, and checked by their CRCs, see `entry`.
+"""
+
+import contextlib
+import functools
+import hashlib
+import logging
+import os
+import re
+import shutil
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import home_mjx
+from home_mjx.core.paths import cache_folder
+from home_mjx.datasets.suncg.dataset import Dataset
+from home_mjx.datasets.suncg.digests import Inputs
+from home_mjx.scene_compile.cache.entry import BROKEN, SUFFIX, TEMPORARY, read_entry, read_notes, write_entry
+from home_mjx.scene_compile.cache.flatten import Notes, flatten, rebuild
+from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS, CompileOptions, compile_house
+from home_mjx.schema.compiled import CompiledHouse, Model
+
+FORMAT = 3
+# What makes an entry: a change of any of these makes all houses anew. A test holds it against the imports.
+COMPILER = (
+    "core/color.py",
+    "core/files.py",
+    "core/images.py",
+    "datasets/options.py",
+    "datasets/shapes",
+    "datasets/suncg/dataset.py",
+    "datasets/suncg/formats",
+    "datasets/suncg/read",
+    "schema",
+    *(
+        f"scene_compile/{stage}"
+        for stage in (
+            "architecture",
+            "collision",
+            "geometry",
+            "lighting",
+            "materials",
+            "navigation",
+            "objects",
+            "pipeline",
+            "semantics",
+        )
+    ),
+    "scene_compile/cache/flatten.py",
+)
+VERSION_FOLDER = re.compile(r"v\d+-[0-9a-f]{12}")
+DISCARDED = ".discarded-"
+KEEP_SECONDS = 30 * 24 * 3600.0  # that an unused version's folder is kept
+LEFTOVER_SECONDS = 3600.0  # no entry takes so long to write
+
+log = logging.getLogger(__name__)
+
+
+class HouseCache:
+    """Compiled houses of one dataset, from disk if nothing that they depend on has changed.
+
+    What houses share, such as the files of a model, is looked at once; so make a new one to see changes.
+
+    Args:
+        dataset: An open dataset.
+        options: How its houses are compiled.
+        library: Models by key that other houses have brought; new ones are added, so that houses share them.
+
+    Example:
+        >>> houses = HouseCache(open_dataset("datasets/demo"))  # doctest: +SKIP
+        >>> houses.load("0004d52d1aeeb8ae6de39d6bd993e992").report["rooms"]  # doctest: +SKIP
+        4
+    """
+
+    def __init__(
+        self, dataset: Dataset, options: CompileOptions = DEFAULT_OPTIONS, library: dict[str, Model] | None = None
+    ) -> None:
+        self.dataset = dataset
+        self.options = options
+        self.library: dict[str, Model] = {} if library is None else library
+        self.compiled = 0  # houses that were not in the cache
+        self._root = str(dataset.root)
+        self._inputs = Inputs(dataset.root)
+        self._folder = cache_folder() / _version()
+        _mark_used(self._folder)
+
+    def load(self, house_id: str) -> CompiledHouse:
+        """A compiled house.
+
+        A broken entry is compiled and written again; a folder that cannot be written to only costs time.
+
+        Raises:
+            DatasetError: The house is unknown or broken.
+        """
+        self.dataset.check_known(house_id)
+        entry = self.entry(house_id)
+        broken = False
+        try:
+            return self._read(entry)
+        except FileNotFoundError:
+            pass
+        except BROKEN as error:
+            broken = True
+            log.warning("broken cache entry %s is made again: %s", entry, error)
+        return self._compile(house_id, entry, broken)
+
+    def notes(self, house_id: str) -> Notes:
+        """What of a compiled house is no array, such as `instances.model`; it is compiled if need be."""
+        try:
+            return read_notes(self.entry(house_id))
+        except BROKEN:
+            return flatten(self.load(house_id), frozenset(("models",)))[1]
+
+    def textures(self, notes: Notes) -> list[str]:
+        """Paths of the images that a house shows, from its notes."""
+        return [self._absolute(path) for path in notes["materials.texture"]]
+
+    def model(self, key: str) -> Model:
+        """A library model that a compiled house names; raises as `entry.read_entry`."""
+        if key not in self.library:
+            self.library[key] = rebuild(Model, *read_entry(self._model_path(key)))
+        return self.library[key]
+
+    def entry(self, house_id: str) -> Path:
+        """Where the house is in the cache, or would be."""
+        key = hashlib.sha256(repr((house_id, self.options)).encode() + self._inputs.house(house_id)).hexdigest()
+        return self._folder / "houses" / f"{key}{SUFFIX}"
+
+    def _read(self, entry: Path) -> CompiledHouse:
+        """Raises `FileNotFoundError` if there is no entry, or if an image that it shows is not as it was."""
+        arrays, notes = read_entry(entry)
+        textures = {self._absolute(path): digest for path, digest in notes.pop("textures").items()}
+        if any(self._inputs.texture(path) != digest for path, digest in textures.items()):
+            raise FileNotFoundError(entry)
+        models = {key: self.model(key) for key in dict.fromkeys(notes["instances.model"])}
+        house = rebuild(CompiledHouse, arrays, notes, models=models)
+        texture = tuple(map(self._absolute, house.materials.texture))
+        return replace(house, materials=replace(house.materials, texture=texture))
+
+    def _compile(self, house_id: str, entry: Path, broken: bool) -> CompiledHouse:
+        house = self.dataset.load_house(house_id, self.options.read)
+        compiled = compile_house(house, self.dataset.metadata, self.options)
+        self.compiled += 1
+        try:
+            self._write(compiled, entry, broken)
+        except OSError as error:
+            log.warning("compiled house is not cached: %s", error)
+        models = {key: self.library.setdefault(key, model) for key, model in compiled.models.items()}
+        return replace(compiled, models=models)
+
+    def _write(self, house: CompiledHouse, entry: Path, broken: bool) -> None:
+        """Writes those of the house's models that are not there yet, or all to mend what is broken; then the house."""
+        _claim(self._folder)
+        for key, model in house.models.items():
+            path = self._model_path(key)
+            if broken or not path.is_file():
+                write_entry(path, *flatten(model))
+        arrays, notes = flatten(house, skip=frozenset(("models",)))
+        paths = house.materials.texture
+        notes["materials.texture"] = [self._relative(path) for path in paths]
+        notes["textures"] = {self._relative(path): self._inputs.texture(path) for path in sorted(set(paths)) if path}
+        write_entry(entry, arrays, notes)
+
+    def _relative(self, path: str) -> str:
+        """A texture's path as it is kept: datasets may move."""
+        root = self.dataset.root
+        return str(Path(path).relative_to(root)) if path and Path(path).is_relative_to(root) else path
+
+    def _absolute(self, path: str) -> str:
+        return os.path.join(self._root, path) if path else ""
+
+    def _model_path(self, key: str) -> Path:
+        return self._folder / "models" / f"{hashlib.sha256(key.encode()).hexdigest()}{SUFFIX}"
+
+
+def load_compiled(
+    dataset: Dataset,
+    house_id: str,
+    options: CompileOptions = DEFAULT_OPTIONS,
+    library: dict[str, Model] | None = None,
+) -> CompiledHouse:
+    """One compiled house; for several, `HouseCache` looks at what they share once.
+
+    Args:
+        dataset: An open dataset.
+        house_id: Which house.
+        options: How to compile it.
+        library: Models by key that other houses have brought; new ones are added, so that houses share them.
+
+    Raises:
+        DatasetError: The house is unknown or broken.
+    """
+    return HouseCache(dataset, options, library).load(house_id)
+
+
+@functools.cache
+def _version() -> str:
+    """Name of the format and of the code that makes entries, so that a changed compiler never meets old ones."""
+    code = hashlib.sha256()
+    for path in compiler_files():
+        code.update(path.read_bytes())
+    return f"v{FORMAT}-{code.hexdigest()[:12]}"
+
+
+def compiler_files() -> list[Path]:
+    """Code and tables of `COMPILER`, in order."""
+    root = Path(home_mjx.__file__).parent
+    named = [root / name for name in COMPILER]
+    found = [path for place in named for path in (place.rglob("*") if place.is_dir() else (place,))]
+    return sorted(path for path in found if path.suffix in (".py", ".csv", ".json", ".npz"))
+
+
+def _mark_used(folder: Path) -> None:
+    """Notes on a version's folder, if there is one, that it is in use."""
+    with contextlib.suppress(OSError):  # not there yet, or someone else's
+        os.utime(folder)
+
+
+def _claim(folder: Path) -> None:
+    """Makes a version's folder; with a new version, those that were not used for a month go."""
+    if folder.is_dir():
+        return
+    folder.mkdir(parents=True, exist_ok=True)
+    for other in folder.parent.iterdir():
+        old = VERSION_FOLDER.fullmatch(other.name) and time.time() - other.stat().st_mtime > KEEP_SECONDS
+        if other.name.startswith(DISCARDED) or old:
+            discard(other)
+
+
+def discard(folder: Path) -> None:
+    """Removes a folder of the cache; renamed first, so that nobody meets it half removed."""
+    hidden = folder.with_name(DISCARDED + folder.name.removeprefix(DISCARDED))
+    try:
+        folder.replace(hidden)
+        shutil.rmtree(hidden)
+    except OSError as error:  # another process may be at it
+        log.warning("old cache folder %s is not removed: %s", folder, error)
+
+
+def report_path(root: Path, options: CompileOptions) -> Path:
+    """Where it is noted what became of each house of a dataset."""
+    name = hashlib.sha256(repr((str(root), options)).encode()).hexdigest()[:16]
+    return cache_folder() / _version() / "reports" / f"{name}.jsonl"
+
+
+def prepare_folder() -> None:
+    """Makes the folder of this version, and removes what killed writers have left in it.
+
+    Raises:
+        OSError: It cannot be written to.
+    """
+    folder = cache_folder() / _version()
+    _claim(folder)
+    for path in folder.glob(f"*/.*{TEMPORARY}"):
+        if time.time() - path.stat().st_mtime > LEFTOVER_SECONDS:
+            path.unlink(missing_ok=True)

@@ -1,0 +1,1 @@
+"""Boxes that stop bodies, and which objects can be pushed."""

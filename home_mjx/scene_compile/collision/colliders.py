@@ -1,0 +1,198 @@
+"""Static collision boxes of a house's ground floor: walls around their openings, doors, furniture."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from home_mjx.scene_compile.architecture.shell import Architecture, Wall
+from home_mjx.scene_compile.architecture.slabs import wall_boxes
+from home_mjx.scene_compile.geometry.box_fit import components, fit_boxes, narrowest_box
+from home_mjx.scene_compile.geometry.boxes import BoxSet, box_of, footprint, join, no_boxes, yaw_matrix
+from home_mjx.scene_compile.geometry.mesh import bounds, transform
+from home_mjx.scene_compile.objects.place import Placed
+from home_mjx.schema.compiled import Model, Rooms
+
+PORTALS = ("door", "garage_door", "arch")
+SOFT = ("curtain", "rug")  # an agent walks through or over them
+FITTING = 0.2  # [m]: handles and hinges of a door are smaller
+SILL = 0.04  # [m]: what of a door lies lower above the floor is its sill, which an agent steps over
+LEAF_HEIGHT = 1.0  # [m], least of a door's leaf
+LEAF_TURN = np.deg2rad(3.0)  # from which on a leaf counts as open
+
+
+@dataclass(frozen=True)
+class ColliderOptions:
+    """How collision boxes are made.
+
+    Attributes:
+        height: Boxes that begin higher above the ground floor are left out [m].
+        step: Boxes that end lower above the ground floor are left out [m].
+        wall_length: Most length of one piece of a wall [m].
+        boxes_per_object: Most boxes that stand for one object.
+    """
+
+    height: float = 2.0
+    step: float = 0.03
+    wall_length: float = 1.5
+    boxes_per_object: int = 8
+
+
+def wall_colliders(house: Architecture, options: ColliderOptions) -> BoxSet:
+    """Every physical wall once, solid except for its openings."""
+    walls: dict[int, list] = {}
+    for part, partition in zip(house.parts, house.partition, strict=True):
+        if isinstance(part, Wall):
+            walls.setdefault(int(partition), []).append(part.slab)
+    return join(wall_boxes(slabs, options.wall_length) for slabs in walls.values())
+
+
+def floor_colliders(rooms: Rooms, floor: float, options: ColliderOptions) -> BoxSet:
+    """Slabs under rooms whose floor lies above the ground floor, which itself is a plane."""
+    raised = np.flatnonzero((rooms.floor > floor + options.step) & (rooms.floor < floor + options.height))
+    slabs = []
+    for room in raised:
+        low, high = rooms.polygon[room].min(axis=0), rooms.polygon[room].max(axis=0)
+        slabs.append(box_of(np.array([[*low, floor], [*high, rooms.floor[room]]])))
+    return join(slabs)
+
+
+def object_colliders(item: Placed, floor: float, options: ColliderOptions) -> tuple[BoxSet, list[BoxSet]]:
+    """The boxes that stand for one object that cannot be moved, and those of its door leaves, one each.
+
+    Of a door whose hinges are known these are all leaves, in the order of its parts; of any other the open ones.
+
+    Args:
+        item: The object.
+        floor: Height of the ground floor [m].
+        options: How many boxes, and how high.
+    """
+    boxes, leaves = no_boxes(), []
+    if item.info.coarse == "window":
+        boxes = item.box
+    elif item.info.coarse not in SOFT and bounds(item.triangles)[0, 2] < floor + options.height:
+        sill = floor + SILL - item.pose[2, 3] if item.info.coarse in PORTALS else None
+        frame, *hinged = item.parts
+        boxes, leaves = _fit_shape(_shape(item, frame.model), sill, options.boxes_per_object)
+        boxes, leaves = _place(boxes, item), [_place(leaf, item) for leaf in leaves]
+        leaves = [leaf_box(item, part.model) for part in hinged] or leaves
+    return keep_reachable(boxes, floor, options), leaves
+
+
+@dataclass(frozen=True)
+class _Shape:
+    """A model as it stands in a house, but not where: equal shapes have equal boxes."""
+
+    key: str
+    linear: bytes
+    triangles: Float[np.ndarray, "t 3 3"] = field(compare=False)  # [m], around the origin, turned to yaw 0
+
+
+def _shape(item: Placed, model: Model) -> _Shape:
+    """The shape of an object, or of a part of it."""
+    linear = yaw_matrix(-item.yaw) @ item.pose[:, :3]
+    return _Shape(model.key, np.round(linear, 6).tobytes(), model.triangle.astype(np.float64) @ linear.T)
+
+
+def leaf_box(item: Placed, leaf: Model) -> BoxSet:
+    """The narrowest box around the largest piece of a leaf, so without its handles, in the world."""
+    triangles = transform(item.pose, leaf.triangle.astype(np.float64))
+    part = components(triangles)
+    boxes = [narrowest_box(triangles[part == p].reshape(-1, 3)) for p in np.unique(part)]
+    return max(boxes, key=lambda box: float(box.half.prod()))
+
+
+@lru_cache(maxsize=1 << 12)
+def _fit_shape(shape: _Shape, sill: float | None, most: int) -> tuple[BoxSet, tuple[BoxSet, ...]]:
+    """Boxes of a shape and of its open leaves; `sill` is None for what is no door."""
+    if sill is None:
+        return fit_boxes(shape.triangles, 0.0, most), ()
+    return door_boxes(shape.triangles, sill, most)
+
+
+def _place(boxes: BoxSet, item: Placed) -> BoxSet:
+    return BoxSet(boxes.center @ yaw_matrix(item.yaw).T + item.pose[:, 3], boxes.half, boxes.yaw + item.yaw)
+
+
+def door_boxes(triangles: Float[np.ndarray, "t 3 3"], sill: float, most: int) -> tuple[BoxSet, tuple[BoxSet, ...]]:
+    """Frame and open leaves of a door; a leaf gets a box along itself, so that the way stays as free as it looks.
+
+    Args:
+        triangles: The door, its wall along x [m].
+        sill: What ends lower is left out [m].
+        most: Number of boxes for the frame.
+    """
+    part = components(triangles)
+    frame, leaves = [], []
+    for number in np.unique(part):
+        piece = triangles[(part == number) & (triangles[..., 2].max(axis=1) > sill)]
+        if len(piece) and np.ptp(piece.reshape(-1, 3), axis=0).max() > FITTING:
+            box = narrowest_box(piece.reshape(-1, 3))
+            if _is_open_leaf(box):
+                leaves.append(box)
+            else:
+                frame.append(piece)
+    return fit_boxes(np.concatenate(frame), 0.0, most) if frame else no_boxes(), tuple(leaves)
+
+
+def _is_open_leaf(box: BoxSet) -> bool:
+    turn = (box.yaw[0] + np.pi / 4) % (np.pi / 2) - np.pi / 4
+    return bool(box.half[0, 2] * 2 > LEAF_HEIGHT and abs(turn) > LEAF_TURN)
+
+
+def keep_reachable(boxes: BoxSet, floor: float, options: ColliderOptions) -> BoxSet:
+    """The boxes that something on the ground floor can touch."""
+    return boxes[(boxes.top > floor + options.step) & (boxes.bottom < floor + options.height)]
+
+
+def passages(objects: Sequence[Placed], depth: float = 0.15) -> list[Float[np.ndarray, "4 2"]]:
+    """Footprints of doorways: as wide as the door, `depth` metres to both sides of the wall's middle plane."""
+    found = []
+    for item in objects:
+        if item.info.coarse in PORTALS:
+            across = np.array([-np.sin(item.yaw), np.cos(item.yaw)])
+            along = np.array([np.cos(item.yaw), np.sin(item.yaw)])
+            points = item.triangles.reshape(-1, 3)[:, :2] @ along
+            ends = np.array([points.min(), points.max()])[[0, 1, 1, 0], None] * along
+            middle = item.pose[:2, 3] @ across
+            found.append(ends + (middle + depth * np.array([-1, -1, 1, 1]))[:, None] * across)
+    return found
+
+
+def passable_leaves(leaves: Sequence[BoxSet], free_area: Callable[[BoxSet], float], gain: float = 0.5) -> list[BoxSet]:
+    """The open leaves that may stay in the way: one that cuts off a part of the house is left out.
+
+    SUNCG's open doors stand half open and are often caught between furniture. Someone who lives there would push the
+    leaf aside; until doors turn on hinges, such a leaf is seen and heard but not felt, as every door is in HoME.
+
+    Args:
+        leaves: One box each.
+        free_area: Size of the largest free region with some leaves in the way [m^2].
+        gain: Least area that a leaf must cut off to be left out [m^2].
+    """
+    area = free_area(join(leaves))
+    for leaf in leaves:
+        others = [other for other in leaves if other is not leaf]
+        without = free_area(join(others))
+        if without > area + gain + 4 * float(leaf.half[0, 0] * leaf.half[0, 1]):
+            return passable_leaves(others, free_area, gain)
+    return list(leaves)
+
+
+def not_hidden(boxes: BoxSet) -> Bool[np.ndarray, " n"]:
+    """All boxes but those that nothing on the floor can touch before it touches another one.
+
+    A box is such if its footprint lies in that of another which begins no higher: what reaches up to the first one
+    from the floor meets the second one on the way, as a vase on a table is behind the table's edge.
+    """
+    kept = np.ones(len(boxes), bool)
+    corners = np.array([footprint(boxes, i) for i in range(len(boxes))]).reshape(-1, 4, 2)
+    for i in range(len(boxes)):
+        local = (corners - boxes.center[i, :2]) @ yaw_matrix(boxes.yaw[i])[:2, :2]
+        inside = (abs(local) <= boxes.half[i, :2] + 1e-6).all(axis=(1, 2)) & (boxes.bottom >= boxes.bottom[i] - 1e-6)
+        inside[i] = False
+        if kept[i]:
+            kept &= ~inside
+    return kept

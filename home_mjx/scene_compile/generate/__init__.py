@@ -1,6 +1,0 @@
-"""Seeded procedural houses in SUNCG's on-disk format: floor plans, parametric furniture, textures."""
-
-from home_mjx.scene_compile.generate.build import build_house, house_id
-from home_mjx.scene_compile.generate.dataset import VERSION, generate_dataset
-
-__all__ = ["VERSION", "build_house", "generate_dataset", "house_id"]

@@ -1,0 +1,1 @@
+"""Meshes, boxes, polygons, bounding volume hierarchies."""

@@ -1,0 +1,1 @@
+"""Lights of a house, and how its surfaces shine."""

@@ -1,0 +1,66 @@
+"""How surfaces gloss: from the MTL, else from what they are made of; and which of them are mirrors."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from home_mjx.scene_compile.materials.surface import Surface
+from home_mjx.scene_compile.objects.place import Placed
+from home_mjx.schema.house import Box, Material, Mesh
+from home_mjx.schema.lighting import Gloss
+
+SPECULAR_MAX = 0.2  # MTL files have up to 1 beside a full diffuse colour, as if surfaces gave more light than they get
+# Specular reflectance and Blinn-Phong exponent of kinds of material, where no MTL tells.
+KIND_GLOSS: Mapping[str, tuple[float, float]] = {
+    "ceramic": (0.12, 120.0),
+    "facing stone": (0.04, 30.0),
+    "glass": (0.2, 300.0),
+    "laminate": (0.06, 60.0),
+    "leather": (0.06, 25.0),
+    "linoleum": (0.04, 30.0),
+    "metal": (0.3, 80.0),
+    "plastic": (0.06, 50.0),
+    "tile": (0.1, 90.0),
+    "wood": (0.05, 40.0),
+}
+
+
+def gloss_table(
+    surfaces: Sequence[Surface], objects: Sequence[Placed], models: Mapping[str, Mesh], first: Sequence[int]
+) -> Gloss:
+    """Gloss of the material rows of a house.
+
+    Args:
+        surfaces: By row.
+        objects: The house's objects.
+        models: Their meshes by key, as the dataset has them.
+        first: First row of each object.
+    """
+    gloss = Gloss.matt(len(surfaces))
+    for row, item in enumerate(surfaces):
+        gloss.specular[row], gloss.shininess[row] = KIND_GLOSS.get(item.kind, (0.0, 1.0))
+    for item, start in zip(objects, first, strict=True):
+        if not isinstance(item.node, Box):
+            for slot, material in enumerate(models[item.node.model_key].materials):
+                _from_mtl(gloss, start + slot, material)
+            gloss.mirror[start + np.array(_mirrors(item), int)] = True
+    return gloss
+
+
+def _from_mtl(gloss: Gloss, row: int, material: Material) -> None:
+    if material.specular is not None and material.shininess is not None:
+        gloss.specular[row] = np.minimum(material.specular, SPECULAR_MAX)
+        gloss.shininess[row] = np.clip(material.shininess, 1.0, 1000.0)
+
+
+def _mirrors(item: Placed) -> list[int]:
+    """The slots of a mirror that mirror: those named so, else the largest plain opaque one."""
+    if item.info.coarse != "mirror":
+        return []
+    plain = [i for i, s in enumerate(item.surfaces) if s.opacity == 1 and not s.texture]
+    named = [i for i in plain if "mirror" in item.surfaces[i].name.lower()]
+    if named or not plain:
+        return named
+    edge = item.triangles[:, 1:] - item.triangles[:, :1]
+    area = np.bincount(item.model.slot, np.linalg.norm(np.cross(edge[:, 0], edge[:, 1]), axis=-1), len(item.surfaces))
+    return [max(plain, key=lambda i: area[i])]

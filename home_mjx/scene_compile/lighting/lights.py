@@ -1,0 +1,253 @@
+"""The lights of a house: of its lamps, from the dataset's light table; of the sky, through its windows."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from home_mjx.core.color import decode_srgb
+from home_mjx.scene_compile.geometry.mesh import bounds, to_z_up, transform
+from home_mjx.scene_compile.geometry.polygons import inside_polygon, polygon_area, smallest_room
+from home_mjx.scene_compile.objects.place import Placed
+from home_mjx.schema.compiled import ARCHITECTURE, Rooms
+from home_mjx.schema.house import Box, Light, Metadata, base_model
+from home_mjx.schema.lighting import REFLECTANCE, LightTable
+
+OPENINGS = ("window", "door", "garage_door")  # coarse and fine categories whose glass lets daylight in
+NEAR = 0.6  # [m]: lights of one lamp nearer than this are one
+ALIKE = 0.9  # cosine between the directions of lights that are one
+PROBE = 0.5  # [m] from a window, where it is asked whether there is a room
+DROP = 0.05  # [m] of a room's own light below its ceiling
+PANEL = 0.5  # [m], its edges
+POINT = -2.0  # cosine that every direction exceeds
+
+
+@dataclass(frozen=True)
+class LightOptions:
+    """Which lights a house has besides those of its lamps and windows.
+
+    Attributes:
+        room_power: Light for each square metre of a room without a lamp, from a panel under the middle of its
+            ceiling [W/m^2]; many rooms of SUNCG have none. 0: such rooms have only daylight.
+    """
+
+    room_power: float = 3.0
+
+
+@dataclass(frozen=True)
+class Source:
+    """One row of a `LightTable`, and all that it gives off."""
+
+    pos: Float[np.ndarray, "3"]
+    flux: Float[np.ndarray, "3"]  # [W], or [m^2 sr] of daylight: times the sky's radiance
+    instance: int
+    room: int
+    axis_u: Float[np.ndarray, "3"] = field(default_factory=lambda: np.zeros(3))
+    axis_v: Float[np.ndarray, "3"] = field(default_factory=lambda: np.zeros(3))
+    direction: Float[np.ndarray, "3"] = field(default_factory=lambda: np.array([0.0, 0.0, -1.0]))
+    exponent: float = 0.0
+    cutoff: float = POINT
+    area: float = 0.0
+    daylight: bool = False
+
+    @property
+    def intensity(self) -> Float[np.ndarray, "3"]:
+        """Per steradian along `direction`: the flux over the integral of the profile over all directions."""
+        low = max(self.cutoff, 0.0 if self.exponent else -1.0)
+        share = 2 * np.pi * (1 - low * abs(low) ** self.exponent) / (self.exponent + 1)
+        return self.flux / share
+
+
+def build_lights(
+    objects: Sequence[Placed],
+    first: Mapping[int, int],
+    rooms: Rooms,
+    metadata: Metadata,
+    options: LightOptions,
+) -> LightTable:
+    """The lights of a house.
+
+    Args:
+        objects: In the world frame.
+        first: Index of the first instance of each object.
+        rooms: In the world frame.
+        metadata: Holds the lights of the models.
+        options: Lights that are added.
+    """
+    found = [s for o in objects for s in (*lamp_sources(o, first[o.object_id], metadata), *_daylight(o, first, rooms))]
+    lit = {s.room for s in found if not s.daylight}
+    found += [_room_source(rooms, r, options) for r in range(len(rooms.type)) if r not in lit and options.room_power]
+    ambient = ambient_light(found, rooms)
+    if not found:
+        return replace(LightTable.none(), ambient=ambient)
+    columns = {name: np.stack([getattr(s, name) for s in found]) for name in _COLUMNS}
+    return LightTable(
+        **columns,
+        instance=np.array([s.instance for s in found], np.int32),
+        room=np.array([s.room for s in found], np.int32),
+        ambient=ambient,
+    )
+
+
+_COLUMNS = ("pos", "axis_u", "axis_v", "direction", "intensity", "exponent", "cutoff", "area", "daylight")
+
+
+def lamp_sources(item: Placed, instance: int, metadata: Metadata) -> Iterator[Source]:
+    """The lights of a lamp, in its model's frame; those close together are one, so that a chandelier counts once."""
+    if isinstance(item.node, Box):
+        return
+    known = metadata.lights
+    listed = known.get(item.node.model_key) or known.get(base_model(item.node.model_id, known.__contains__), ())
+    for group in _groups(listed):
+        yield _lamp_source(group, instance, item.room)
+
+
+def _groups(lights: Iterable[Light]) -> list[list[Light]]:
+    groups: list[list[Light]] = []
+    for light in lights:
+        home = next((g for g in groups if _alike(g[0], light)), None)
+        if home is None:
+            groups.append([light])
+        else:
+            home.append(light)
+    return groups
+
+
+def _alike(a: Light, b: Light) -> bool:
+    if a.kind != b.kind or a.kind == "LineLight" or a.cutoff != b.cutoff:
+        return False
+    near = np.linalg.norm(np.subtract(a.position, b.position)) < NEAR
+    return bool(near and (a.kind == "PointLight" or _aim(a) @ _aim(b) > ALIKE))
+
+
+def _aim(light: Light) -> Float[np.ndarray, "3"]:
+    """Unit direction, Z up."""
+    direction = np.array(light.direction or (0.0, -1.0, 0.0), float)
+    return to_z_up(direction / max(np.linalg.norm(direction), 1e-9))
+
+
+def _lamp_source(group: Sequence[Light], instance: int, room: int) -> Source:
+    power = np.array([light.power for light in group], float)
+    share = power / max(power.sum(), 1e-9)
+    ends = [(light.position, light.position if light.end is None else light.end) for light in group]
+    start, end = (to_z_up(share @ np.array(points, float)) for points in zip(*ends, strict=True))
+    flux = power @ decode_srgb(np.array([light.color for light in group], float))
+    lead = group[0]
+    aimed = lead.kind == "SpotLight" or (lead.kind == "LineLight" and lead.direction is not None)
+    shape = {"direction": _aim(lead), "exponent": lead.dropoff, "cutoff": _cutoff(lead)} if aimed else {}
+    return Source((start + end) / 2, flux, instance, room, (end - start) / 2, **shape)
+
+
+def _cutoff(light: Light) -> float:
+    return float(np.cos(np.clip(np.pi / 2 if light.cutoff is None else light.cutoff, 0.05, np.pi)))
+
+
+def _daylight(item: Placed, first: Mapping[int, int], rooms: Rooms) -> Iterator[Source]:
+    """The sky as seen through the glass of a window between a room and the open."""
+    if {item.info.fine, item.info.coarse}.isdisjoint(OPENINGS):
+        return
+    surfaces = item.surfaces
+    glass = np.array([s.opacity < 1 for s in surfaces], bool)[item.model.slot]
+    if not glass.any():
+        return
+    low, high = bounds(item.model.triangle[glass].astype(np.float64))
+    stretch = np.linalg.norm(item.pose[:, :3], axis=0)
+    thin = int(np.argmin(((high - low) * stretch)[:2]))  # windows stand upright: their normal is level
+    across = 1 - thin
+    normal = np.eye(3)[thin]
+    facing = _inward(item, (low + high) / 2, normal, rooms)
+    if facing is None:
+        return
+    side, room = facing
+    half = (high - low) / 2
+    area = float(np.prod(2 * half[[across, 2]] * stretch[[across, 2]]))
+    pane = surfaces[int(item.model.slot[glass][0])]
+    tint = 1 - pane.opacity * (1 - decode_srgb(np.array(pane.color)))
+    yield Source(
+        pos=(low + high) / 2,
+        flux=np.pi * area * tint,
+        instance=first[item.object_id],
+        room=room,
+        axis_u=np.eye(3)[across] * half[across],
+        axis_v=np.eye(3)[2] * half[2],
+        direction=side * normal,
+        exponent=1.0,
+        cutoff=0.0,
+        area=area,
+        daylight=True,
+    )
+
+
+def _inward(
+    item: Placed, middle: Float[np.ndarray, "3"], normal: Float[np.ndarray, "3"], rooms: Rooms
+) -> tuple[int, int] | None:
+    """The side of a window on which there is a room, and that room; None if there is one on both sides or on none."""
+    center = transform(item.pose, middle)
+    out = item.pose[:, :3] @ normal
+    out = out / np.linalg.norm(out)
+    here = np.flatnonzero(rooms.level == item.level)
+    beside = [int(smallest_room(rooms, here, (center + side * PROBE * out)[:2])) for side in (1, -1)]
+    inside = [room >= 0 for room in beside]
+    if sum(inside) != 1:
+        return None
+    return (1, beside[0]) if inside[0] else (-1, beside[1])
+
+
+def _room_source(rooms: Rooms, room: int, options: LightOptions) -> Source:
+    """A panel under the ceiling that shines down, for a room without a lamp."""
+    polygon = rooms.polygon[room]
+    x, y = middle_of(polygon)
+    power = options.room_power * polygon_area(polygon)
+    pos = np.array([x, y, rooms.ceiling[room] - DROP])
+    half = np.diag([PANEL / 2, PANEL / 2, 0])
+    area = {"axis_u": half[0], "axis_v": half[1], "area": PANEL**2}
+    return Source(pos, np.full(3, power), ARCHITECTURE, room, exponent=1.0, cutoff=0.0, **area)
+
+
+def middle_of(polygon: Float[np.ndarray, "n 2"], steps: int = 24) -> Float[np.ndarray, "2"]:
+    """The point of a grid over a polygon that lies farthest from its edges, inside."""
+    low, high = polygon.min(axis=0), polygon.max(axis=0)
+    x, y = (np.linspace(a, b, steps + 2)[1:-1] for a, b in zip(low, high, strict=True))
+    points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    points = points[inside_polygon(polygon, points)]
+    if not len(points):
+        return (low + high) / 2
+    ends = zip(polygon, np.roll(polygon, -1, axis=0), strict=True)
+    away = np.min([_edge_distance(points, a, b) for a, b in ends], axis=0)
+    # Of equals, as along a corridor, the one nearest to the middle.
+    score = away - 1e-3 * np.linalg.norm(points - (low + high) / 2, axis=1)
+    return points[np.argmax(score)]
+
+
+def _edge_distance(
+    points: Float[np.ndarray, "p 2"], a: Float[np.ndarray, "2"], b: Float[np.ndarray, "2"]
+) -> Float[np.ndarray, " p"]:
+    along = b - a
+    share = np.clip((points - a) @ along / max(along @ along, 1e-12), 0, 1)
+    return np.linalg.norm(points - a - share[:, None] * along, axis=1)
+
+
+def ambient_light(sources: Sequence[Source], rooms: Rooms) -> Float[np.ndarray, "r 2 3"]:
+    """Irradiance by what the surfaces of each room reflect, alike everywhere: reflected light is reflected again.
+
+    With flux F, mean reflectance p and surface A it is F / A * (p + p^2 + ...) = F / A * p / (1 - p): the ambient term
+    of M. F. Cohen et al., "A progressive refinement approach to fast radiosity image generation", SIGGRAPH 1988. In no
+    room there is the mean of all rooms by lamps, and half the sky by day.
+    """
+    flux = np.zeros((len(rooms.type), 2, 3))
+    for s in sources:
+        if s.room >= 0:
+            flux[s.room, int(s.daylight)] += s.flux
+    surface = np.array([_surface(rooms, r) for r in range(len(rooms.type))]).reshape(-1, 1, 1)
+    inside = flux / surface * REFLECTANCE / (1 - REFLECTANCE)
+    nowhere = np.stack([inside[:, 0].mean(axis=0) if len(inside) else np.zeros(3), np.full(3, np.pi / 2)])
+    return np.concatenate([nowhere[None], inside])
+
+
+def _surface(rooms: Rooms, room: int) -> float:
+    """Floor, ceiling and walls [m^2]."""
+    polygon = rooms.polygon[room]
+    around = np.linalg.norm(polygon - np.roll(polygon, -1, axis=0), axis=1).sum()
+    height = max(float(rooms.ceiling[room] - rooms.floor[room]), 1.0)
+    return max(2 * polygon_area(polygon) + float(around) * height, 1.0)

@@ -1,0 +1,1 @@
+"""Materials for light and for sound."""

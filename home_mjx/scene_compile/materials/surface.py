@@ -1,0 +1,100 @@
+"""Material rows of a house: for light from MTL and overrides, for sound from what the surface is made of."""
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from home_mjx.scene_compile.materials.acoustic import acoustic_row
+from home_mjx.schema.categories import texture_family
+from home_mjx.schema.compiled import NUM_BANDS, MaterialTable, Ray
+from home_mjx.schema.house import Material
+from home_mjx.schema.material_kinds import material_kind
+
+WHITE = (1.0, 1.0, 1.0)
+CLEAR = 0.05  # below this opacity a surface is not seen
+
+
+@dataclass(frozen=True)
+class Surface:
+    """One resolved material slot."""
+
+    color: tuple[float, float, float] = WHITE  # sRGB, 0..1; multiplies the texture
+    opacity: float = 1.0
+    texture: str = ""  # absolute path
+    kind: str = ""  # one of MATERIAL_KINDS
+    family: str = ""  # of the texture, for sound; falls back to the kind
+    category: str = ""  # fine category, or "wall", "outer_wall", "floor", "ceiling", "ground"
+    name: str = ""  # of the slot
+
+
+def override(base: Material, change: Material | None) -> Material:
+    """A slot of an MTL with what house.json says about it on top."""
+    if change is None:
+        return base
+    return Material(
+        name=change.name or base.name,
+        diffuse=base.diffuse if change.diffuse is None else change.diffuse,
+        texture=change.texture or base.texture,
+        opacity=base.opacity if change.opacity is None else change.opacity,
+    )
+
+
+def surface(material: Material, fine: str, coarse: str) -> Surface:
+    """Resolves a slot of an object of the given categories.
+
+    Args:
+        material: The slot after overrides.
+        fine: Fine category, or "wall", "outer_wall", "floor", "ceiling", "ground".
+        coarse: Coarse category, or "wall", "floor", "ceiling".
+    """
+    kind = material_kind(material, coarse)
+    return Surface(
+        color=material.diffuse or WHITE,
+        opacity=1.0 if material.opacity is None else float(material.opacity),
+        texture="" if material.texture is None else os.path.abspath(material.texture),
+        kind=kind,
+        family=kind if material.texture is None else texture_family(material.texture.stem),
+        category=fine,
+        name=material.name,
+    )
+
+
+def ray_mask(item: Surface) -> Ray:
+    """Which rays a surface stops: glass stops sound and is seen but lets light pass; leaves let sound pass."""
+    if item.opacity < CLEAR:
+        return Ray.SOUND
+    mask = Ray.CAMERA | Ray.SOUND if item.opacity < 1 else Ray.ALL
+    return mask & ~Ray.SOUND if item.kind == "plant" else mask
+
+
+def material_table(surfaces: Sequence[Surface]) -> MaterialTable:
+    """One row per surface."""
+    sound = [acoustic_row(s.family, s.category, s.name) for s in surfaces]
+    absorption, scattering, transmission = np.array(sound).reshape(-1, 3, NUM_BANDS).transpose(1, 0, 2)
+    return MaterialTable(
+        albedo=np.array([(*s.color, s.opacity) for s in surfaces]).reshape(-1, 4),
+        texture=tuple(s.texture for s in surfaces),
+        kind=tuple(s.kind for s in surfaces),
+        mask=np.array([ray_mask(s) for s in surfaces], np.int32),
+        absorption=absorption,
+        scattering=scattering,
+        transmission=transmission,
+    )
+
+
+@dataclass
+class SurfaceRows:
+    """Rows of a house as they are collected; instances with equal slots share theirs."""
+
+    surfaces: list[Surface] = field(default_factory=list)
+    _first: dict[tuple[Surface, ...], int] = field(default_factory=dict)
+
+    def add(self, slots: Sequence[Surface]) -> int:
+        """First row of these slots."""
+        key = tuple(slots)
+        if key not in self._first:
+            self._first[key] = len(self.surfaces)
+            self.surfaces.extend(key)
+        return self._first[key]

@@ -1,0 +1,136 @@
+"""Meshes, textures and materials of a compiled house as files and MJCF assets."""
+
+import io
+import re
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+
+from home_mjx.core.images import open_texture
+from home_mjx.scene_compile.mjcf.convex import convex_pieces
+from home_mjx.schema.compiled import CompiledHouse, Model
+
+LEAST_AREA = 1e-12  # [m^2]: smaller triangles are dropped, MuJoCo refuses meshes of nothing else
+
+
+class Assets:
+    """Collects what the geoms of a house refer to; everything is stored once.
+
+    Attributes:
+        files: Content by path relative to the MJCF file.
+    """
+
+    def __init__(self, house: CompiledHouse) -> None:
+        self.files: dict[str, bytes] = {}
+        self._house = house
+        self._element = ET.Element("asset")
+        self._meshes: dict[tuple, str | None] = {}
+        self._pieces: dict[tuple, list[str]] = {}
+        self._textures: dict[str, str] = {}
+        self._materials: dict[int, str] = {}
+
+    @property
+    def element(self) -> ET.Element:
+        """The MJCF element; never without a material, since MJX's ray caster fails on that."""
+        self.material(0)
+        return self._element
+
+    def material(self, row: int) -> str:
+        """Name of the material of a row of the house's table."""
+        if row not in self._materials:
+            table = self._house.materials
+            name = self._materials[row] = f"material{row}"
+            attributes = {"rgba": numbers(table.albedo[row]), "specular": "0", "shininess": "0"}
+            if table.texture[row]:
+                attributes["texture"] = self._texture(table.texture[row])
+            ET.SubElement(self._element, "material", attributes, name=name)
+        return self._materials[row]
+
+    def mesh(self, model: Model, slot: int, stretch: Float[np.ndarray, "3 3"]) -> str | None:
+        """Name of the mesh of one material slot of a model, scaled, mirrored or sheared; None if it has no area."""
+        key = (model.key, slot, tuple(np.round(stretch, 6).ravel() + 0.0))
+        if key not in self._meshes:
+            self._meshes[key] = self._add_mesh(model, slot, stretch)
+        return self._meshes[key]
+
+    def _add_mesh(self, model: Model, slot: int, stretch: Float[np.ndarray, "3 3"]) -> str | None:
+        chosen = model.slot == slot
+        triangle, uv = model.triangle[chosen].astype(float) @ stretch.T, model.uv[chosen]
+        if np.linalg.det(stretch) < 0:
+            triangle, uv = triangle[:, ::-1], uv[:, ::-1]
+        edge = triangle[:, 1:] - triangle[:, :1]
+        solid = np.linalg.norm(np.cross(edge[:, 0], edge[:, 1]), axis=1) > 2 * LEAST_AREA
+        if not solid.any():
+            return None
+        name = f"{safe_name(model.key)}_{slot}_{len(self._meshes)}"
+        file = f"meshes/{name}.obj"
+        self.files[file] = obj_bytes(triangle[solid], uv[solid])
+        # A shell has a legal inertia even if the mesh is open or flat; the geoms have no mass anyway.
+        ET.SubElement(self._element, "mesh", name=name, file=file, inertia="shell")
+        return name
+
+    def pieces(self, model: Model, stretch: Float[np.ndarray, "3 3"]) -> list[str]:
+        """Names of the convex pieces of a model, scaled, mirrored or sheared.
+
+        Raises:
+            ConfigError: As `convex_pieces`.
+        """
+        key = (model.key, tuple(np.round(stretch, 6).ravel() + 0.0))
+        if key not in self._pieces:
+            pieces = [piece @ stretch.T for piece in convex_pieces(model)]
+            self._pieces[key] = [self._add_piece(f"{safe_name(model.key)}_piece{i}", p) for i, p in enumerate(pieces)]
+        return self._pieces[key]
+
+    def _add_piece(self, name: str, piece: Float[np.ndarray, "f 3 3"]) -> str:
+        name = f"{name}_{len(self.files)}"
+        file = f"meshes/{name}.obj"
+        self.files[file] = obj_bytes(piece, np.zeros((len(piece), 3, 2)))
+        ET.SubElement(self._element, "mesh", name=name, file=file, inertia="convex")
+        return name
+
+    def _texture(self, path: str) -> str:
+        if path not in self._textures:
+            name = self._textures[path] = f"texture{len(self._textures)}"
+            file = f"textures/{name}.png"
+            self.files[file] = png_bytes(Path(path))
+            ET.SubElement(self._element, "texture", name=name, type="2d", file=file)
+        return self._textures[path]
+
+
+def obj_bytes(triangle: Float[np.ndarray, "t 3 3"], uv: Float[np.ndarray, "t 3 2"]) -> bytes:
+    """An OBJ file of a triangle soup; equal corners are merged."""
+    vertex, corner = np.unique(triangle.reshape(-1, 3).astype(np.float32), axis=0, return_inverse=True)
+    coordinate, corner_uv = np.unique(uv.reshape(-1, 2).astype(np.float32), axis=0, return_inverse=True)
+    if len(vertex) < 4:  # MuJoCo wants at least four
+        vertex = np.concatenate([vertex, np.repeat(vertex[:1], 4 - len(vertex), axis=0)])
+    face = np.stack([corner.reshape(-1, 3), corner_uv.reshape(-1, 3)], axis=-1).reshape(-1, 6) + 1
+    out = io.BytesIO()
+    np.savetxt(out, vertex, "v %.7g %.7g %.7g")
+    np.savetxt(out, coordinate, "vt %.7g %.7g")
+    np.savetxt(out, face, "f %d/%d %d/%d %d/%d")
+    return out.getvalue()
+
+
+def png_bytes(path: Path) -> bytes:
+    """An image file as PNG, whatever it was.
+
+    Raises:
+        DatasetError: As `open_texture`.
+    """
+    image = open_texture(path)
+    opaque = image.getchannel("A").getextrema() == (255, 255)
+    out = io.BytesIO()
+    (image.convert("RGB") if opaque else image).save(out, "PNG")
+    return out.getvalue()
+
+
+def safe_name(text: str) -> str:
+    """The text with everything replaced that could not be part of a file name."""
+    return re.sub(r"[^A-Za-z0-9_-]", "_", text)
+
+
+def numbers(values: Float[np.ndarray, "..."]) -> str:
+    """Numbers as an MJCF attribute."""
+    return " ".join(f"{x:.9g}" for x in np.ravel(values))

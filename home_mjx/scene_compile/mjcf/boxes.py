@@ -1,0 +1,52 @@
+"""Collision boxes, convex pieces and door leaves as MJCF."""
+
+import xml.etree.ElementTree as ET
+
+import numpy as np
+from jaxtyping import Float
+
+from home_mjx.scene_compile.geometry.boxes import box_inertia
+from home_mjx.scene_compile.mjcf.assets import numbers
+from home_mjx.schema.compiled import Doors
+
+COLLIDER = "3"  # group, hidden by the viewer at first
+# Leaves touch agents and movable objects, but neither their frames, walls and floor nor furniture that stays: SUNCG's
+# half-open leaves often reach into it.
+MEETS_LEAVES = {"contype": "3", "conaffinity": "3"}
+ONLY_MOVING = {"contype": "2", "conaffinity": "2"}
+HINGE = {"damping": "2", "frictionloss": "1"}  # [N m s/rad], [N m]: a leaf that is let go stands still
+
+
+def add_box(parent: ET.Element, name: str, size: Float[np.ndarray, "3"], **more: str) -> None:
+    """Adds a collision box of half extents `size` [m]."""
+    look = {"group": COLLIDER, "rgba": "0.3 0.8 0.3 0.3"}
+    ET.SubElement(parent, "geom", look | more, name=name, type="box", size=numbers(size))
+
+
+def add_piece(parent: ET.Element, name: str, mesh: str, **more: str) -> None:
+    """Adds a convex piece as a collision geom."""
+    look = {"group": COLLIDER, "rgba": "0.3 0.8 0.3 0.3"}
+    ET.SubElement(parent, "geom", look | more, name=name, type="mesh", mesh=mesh, mass="0")
+
+
+def add_leaf(world: ET.Element, doors: Doors, row: int, name: str) -> tuple[ET.Element, Float[np.ndarray, "3"]]:
+    """Adds the body of a leaf, its hinge through the body's origin.
+
+    Args:
+        world: The `worldbody` element.
+        doors: All leaves.
+        row: Which of them.
+        name: Of body, joint and geom.
+
+    Returns:
+        The body and its origin [m].
+    """
+    origin = np.array([*doors.pivot[row], doors.pos[row, 2]])
+    element = ET.SubElement(world, "body", name=name, pos=numbers(origin))
+    limits = numbers(np.rad2deg(np.sort([doors.closed[row], doors.wide[row]])))
+    ET.SubElement(element, "joint", HINGE, name=name, type="hinge", axis="0 0 1", range=limits, limited="true")
+    place = {"pos": numbers(doors.pos[row] - origin), "quat": numbers(doors.quat[row])}
+    inertia = numbers(box_inertia(doors.mass[row : row + 1], doors.size[row : row + 1]))
+    ET.SubElement(element, "inertial", place, mass=f"{doors.mass[row]:.9g}", diaginertia=inertia)
+    add_box(element, name, doors.size[row], **ONLY_MOVING, **place)
+    return element, origin

@@ -1,0 +1,126 @@
+"""Models as convex pieces, for collision that follows their shape; needs the extra `exact`.
+
+CoACD (Wei et al., 2022, "Approximate convex decomposition for 3D meshes with collision-aware concavity and tree
+search") does the work. It takes seconds per model, so pieces are kept in the cache folder.
+"""
+
+import hashlib
+import logging
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+from scipy.spatial import ConvexHull, QhullError
+
+from home_mjx.core.paths import cache_folder
+from home_mjx.errors import ConfigError, install_hint
+from home_mjx.scene_compile.cache.entry import BROKEN, read_entry, write_entry
+from home_mjx.scene_compile.geometry.mesh import bounds
+from home_mjx.schema.compiled import Model
+
+Piece = Float[np.ndarray, "f 3 3"]
+VERSION = 1  # of what options give; raise it whenever pieces would change
+THINNEST = 1e-3  # [m]: thinner pieces have no hull that MuJoCo takes
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class ConvexOptions:
+    """How models are decomposed.
+
+    Attributes:
+        threshold: Concavity that is left, as a share of the model's size (see CoACD).
+        max_pieces: Most pieces of a model.
+        seed: Of CoACD's tree search.
+    """
+
+    threshold: float = 0.1
+    max_pieces: int = 16
+    seed: int = 0
+
+
+def convex_pieces(model: Model, options: ConvexOptions = ConvexOptions()) -> tuple[Piece, ...]:
+    """Convex pieces of a model as triangles of their hulls, in its own frame [m]; none for what is flat.
+
+    Raises:
+        ConfigError: CoACD is not installed.
+
+    Example:
+        >>> len(convex_pieces(chair))  # doctest: +SKIP
+        12
+    """
+    entry = _entry(model, options)
+    try:
+        arrays, notes = read_entry(entry)
+        return tuple(arrays[str(i)] for i in range(notes["pieces"]))
+    except FileNotFoundError:
+        pass
+    except BROKEN as error:
+        log.warning("broken cache entry %s is made again: %s", entry, error)
+    pieces = tuple(hull for hull in map(_hull, _decompose(model, options)) if hull is not None)
+    try:
+        write_entry(entry, {str(i): piece for i, piece in enumerate(pieces)}, {"pieces": len(pieces)})
+    except OSError as error:
+        log.warning("convex pieces are not cached: %s", error)
+    return pieces
+
+
+def _entry(model: Model, options: ConvexOptions) -> Path:
+    name = hashlib.sha256(repr((VERSION, model.key, options)).encode()).hexdigest()
+    return cache_folder() / "convex" / f"{name}.npz"
+
+
+def _decompose(model: Model, options: ConvexOptions) -> list[Float[np.ndarray, "_ 3"]]:
+    """Corners of the pieces; the whole model is one where CoACD cannot make sense of it."""
+    try:
+        import coacd
+    except ImportError as error:
+        hint = f"{install_hint('exact')}, or use boxes."
+        raise ConfigError("convex pieces need the package `coacd`", hint=hint) from error
+    vertices, corner = np.unique(model.triangle.reshape(-1, 3).astype(np.float64), axis=0, return_inverse=True)
+    if np.ptp(vertices, axis=0).min() < THINNEST:
+        return [vertices]
+    coacd.set_log_level("off")
+    try:
+        found = coacd.run_coacd(
+            coacd.Mesh(vertices, corner.reshape(-1, 3).astype(np.int32)),
+            threshold=options.threshold,
+            max_convex_hull=options.max_pieces,
+            # Half of CoACD's own defaults or less: as many pieces, in 5 s per model in place of 30 s.
+            resolution=1000,
+            mcts_iterations=60,
+            mcts_nodes=10,
+            mcts_max_depth=2,
+            seed=options.seed,
+        )
+    except RuntimeError as error:
+        log.warning("%s is one convex piece: %s", model.key, error)
+        return [vertices]
+    return _squeeze([np.asarray(corners, float) for corners, _ in found], bounds(vertices)) or [vertices]
+
+
+def _squeeze(pieces: list[Float[np.ndarray, "_ 3"]], box: Float[np.ndarray, "2 3"]) -> list[Float[np.ndarray, "_ 3"]]:
+    """The pieces stretched to the model's own box: CoACD wraps a mesh in a skin, half a voxel thick."""
+    if not pieces:
+        return []
+    skin = bounds(np.concatenate(pieces))
+    return [box[0] + (corners - skin[0]) * np.ptp(box, axis=0) / np.ptp(skin, axis=0) for corners in pieces]
+
+
+def _hull(corners: Float[np.ndarray, "v 3"]) -> Piece | None:
+    """Triangles of the convex hull, counter-clockwise outwards; None if it is flat."""
+    try:
+        hull = ConvexHull(corners)
+    except (QhullError, ValueError):
+        return None
+    triangles, normal = corners[hull.simplices], hull.equations[:, :3]
+    # The narrowest extent along any of the hull's own normals.
+    across = (corners @ normal.T).max(axis=0) - (corners @ normal.T).min(axis=0)
+    if across.min() < THINNEST:
+        return None
+    turned = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    inward = (turned * normal).sum(axis=1) < 0
+    triangles[inward] = triangles[inward][:, ::-1]
+    return triangles

@@ -1,0 +1,286 @@
+"""A compiled house as a full MJCF model: what MuJoCo's viewer shows, and what the batched physics is held to."""
+
+import json
+import shutil
+import uuid
+import xml.etree.ElementTree as ET
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+from scipy.spatial.transform import Rotation
+
+from home_mjx.core.checks import check_known
+from home_mjx.errors import ConfigError
+from home_mjx.scene_compile.architecture.rooms import ground_floor
+from home_mjx.scene_compile.geometry.boxes import box_inertia
+from home_mjx.scene_compile.mjcf.agent import AGENT_SOLREF, BODY_SOLREF, add_agent, add_motors
+from home_mjx.scene_compile.mjcf.assets import Assets, numbers, safe_name
+from home_mjx.scene_compile.mjcf.boxes import COLLIDER, MEETS_LEAVES, add_box, add_leaf, add_piece
+from home_mjx.scene_compile.mjcf.lights import add_lamps
+from home_mjx.scene_compile.mjcf.overlaps import part_overlaps
+from home_mjx.schema.agent import AgentShape
+from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse
+from home_mjx.schema.semantic import Semantic
+
+FILE, OVERLAPS = "house.xml", "overlaps.json"
+EYE_HEIGHT = 1.5  # [m], cameras of rooms and agent
+NYU40_CEILING = 22
+VISUAL, CEILING = "2", "4"  # the viewer shows groups 0 to 2 at first
+
+
+COLLISIONS = ("box", "exact")
+
+
+def to_mjcf(
+    house: CompiledHouse,
+    *,
+    agent: AgentShape | None = None,
+    timestep: float = 0.005,
+    friction: float = 0.4,
+    collision: str = "box",
+) -> tuple[str, dict[str, bytes]]:
+    """MJCF of a house and the files that it refers to.
+
+    Every object is a body `object<id>` with its visual meshes (group 2; ceilings are in group 4, so that one can look
+    in from above). Movable ones have a free joint, a mass and one box or convex pieces (group 3); a leaf of a door is
+    a body `object<id>_leaf<instance>` on a hinge of the same name. Static boxes and the floor plane belong to the
+    world. Cameras: `top`, `room<i>`, and `agent0_eye` with an agent. Lights: `lamp<i>`, and a faint one from above.
+
+    Args:
+        house: A compiled house.
+        agent: Adds an agent at the first start point, with motors (see `mjcf_agent`).
+        timestep: [s]
+        friction: Sliding friction; agents have none.
+        collision: `box` or `exact`, which has convex pieces in place of objects' boxes. What then stands in something
+            is moved by up to 5 cm or left out of contact with it; the file `overlaps.json` lists it.
+
+    Returns:
+        The XML and file contents by relative path, as `mujoco.MjModel.from_xml_string` takes them.
+
+    Raises:
+        ConfigError: `exact` without the extra of that name, or an unknown kind of collision.
+        DatasetError: A texture cannot be read.
+
+    Example:
+        >>> model = mujoco.MjModel.from_xml_string(*to_mjcf(house))  # doctest: +SKIP
+    """
+    check_known("collision", [collision], COLLISIONS)
+    root = ET.Element("mujoco", model=safe_name(house.id))
+    ET.SubElement(root, "option", timestep=str(timestep), integrator="implicitfast")
+    center, extent = house.box.mean(axis=0), float(np.ptp(house.box, axis=0).max())
+    ET.SubElement(root, "statistic", center=numbers(center), extent=f"{extent:.6g}")
+    default = ET.SubElement(root, "default")
+    ET.SubElement(default, "geom", condim="3", friction=f"{friction} 0.005 0.0001", solref=BODY_SOLREF)
+    world = ET.Element("worldbody")
+    _add_surroundings(world, house)
+    add_lamps(world, house)
+    assets = Assets(house)
+    exact = collision == "exact"
+    _add_static_boxes(world, house, exact)
+    for instance in range(len(house.instances.model)):
+        _add_instance(world, house, instance, assets, exact)
+    root.extend([assets.element, world])
+    files = assets.files
+    if exact:
+        overlaps = part_overlaps(root, files)
+        files = {**files, OVERLAPS: json.dumps(overlaps, indent=1).encode()}
+    if agent is not None:
+        _add_agent(root, world, house, agent)
+    ET.indent(root)
+    return ET.tostring(root, encoding="unicode"), files
+
+
+def export_mjcf(house: CompiledHouse, folder: Path, agent: AgentShape | None = None, collision: str = "box") -> Path:
+    """Writes a house to `<folder>/<house id>/house.xml`, meshes and textures beside it: all of it or nothing.
+
+    Args:
+        house: A compiled house.
+        folder: Made if missing; an older export of the same house is replaced.
+        agent: As in `to_mjcf`.
+        collision: As in `to_mjcf`.
+
+    Returns:
+        Path of the MJCF file.
+
+    Raises:
+        ConfigError: There is something else than an export at that place, or it cannot be written to.
+    """
+    xml, files = to_mjcf(house, agent=agent, collision=collision)
+    target = Path(folder) / safe_name(house.id)
+    if target.exists() and not (target / FILE).is_file():
+        raise ConfigError("there is something else than an exported house", file=target, hint="Choose another folder")
+    try:
+        _write_whole(target, {**files, FILE: xml.encode()})
+    except OSError as error:
+        raise ConfigError(f"cannot write: {error}", file=target, hint="Choose another folder") from error
+    return target / FILE
+
+
+def _write_whole(target: Path, files: Mapping[str, bytes]) -> None:
+    """Writes a folder beside its place and then moves it there."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    fresh, old = (target.with_name(f".{target.name}.{uuid.uuid4().hex}") for _ in range(2))
+    try:
+        for name, content in files.items():
+            (fresh / name).parent.mkdir(parents=True, exist_ok=True)
+            (fresh / name).write_bytes(content)
+        if target.exists():
+            target.rename(old)
+        fresh.rename(target)
+    finally:
+        if old.exists() and not target.exists():
+            old.rename(target)
+        shutil.rmtree(fresh, ignore_errors=True)
+        shutil.rmtree(old, ignore_errors=True)
+
+
+def split_linear(linear: Float[np.ndarray, "3 3"]) -> tuple[Float[np.ndarray, "3 3"], Float[np.ndarray, "3 3"]]:
+    """A rotation and the stretch before it: diagonal, negative in x for mirrors; sheared parts are all stretch.
+
+    Example:
+        >>> split_linear(np.diag([2.0, 1.0, -1.0]))[1]
+        array([[-2.,  0.,  0.],
+               [ 0.,  1.,  0.],
+               [ 0.,  0.,  1.]])
+    """
+    scale = np.linalg.norm(linear, axis=0)
+    if np.linalg.det(linear) < 0:
+        scale[0] = -scale[0]
+    if (scale == 0).any():
+        return np.eye(3), linear
+    rotation = linear / scale
+    if np.abs(rotation.T @ rotation - np.eye(3)).max() > 1e-6:
+        return np.eye(3), linear
+    return rotation, np.diag(scale)
+
+
+def _quat(rotation: Float[np.ndarray, "3 3"]) -> str:
+    return numbers(Rotation.from_matrix(rotation).as_quat(scalar_first=True))
+
+
+def _add_surroundings(world: ET.Element, house: CompiledHouse) -> None:
+    """Floor plane, light and cameras."""
+    floor = ground_floor(house.rooms)
+    ET.SubElement(world, "geom", name="floor", type="plane", size="0 0 1", pos=f"0 0 {floor:.9g}", group=COLLIDER)
+    # Without shadows light passes the ceilings.
+    ET.SubElement(world, "light", type="directional", dir="0.3 0.2 -1", castshadow="false", diffuse="0.4 0.4 0.4")
+    middle, size = house.box.mean(axis=0), np.ptp(house.box, axis=0)
+    high = house.box[1, 2] + 1.3 * max(size[:2])  # with a fovy of 45 degrees
+    ET.SubElement(world, "camera", name="top", pos=numbers(np.array([middle[0], middle[1], high])))
+    for i, (polygon, height) in enumerate(zip(house.rooms.polygon, house.rooms.floor, strict=True)):
+        pos = numbers(np.array([*polygon.mean(axis=0), height + EYE_HEIGHT]))
+        ET.SubElement(world, "camera", _looking_along_x(), name=f"room{i}", pos=pos)
+
+
+def _looking_along_x() -> dict[str, str]:
+    return {"xyaxes": "0 -1 0 0 0 1", "fovy": "75"}
+
+
+def _add_static_boxes(world: ET.Element, house: CompiledHouse, exact: bool) -> None:
+    """All colliders but those of leaves and, if exact, of objects, which have their own here."""
+    boxes, leaves = house.colliders, set(house.doors.collider.tolist())
+    leaves |= set(np.flatnonzero(boxes.object_id >= 0).tolist()) if exact else set()
+    for i, (pos, quat, size) in enumerate(zip(boxes.pos, boxes.quat, boxes.size, strict=True)):
+        if i not in leaves:
+            add_box(world, f"static{i}", size, pos=numbers(pos), quat=numbers(quat))
+
+
+def _add_instance(world: ET.Element, house: CompiledHouse, instance: int, assets: Assets, exact: bool) -> None:
+    """Adds one instance: the architecture, a static object, or a movable one."""
+    body, leaf = int(house.instances.body[instance]), np.flatnonzero(house.doors.instance == instance)
+    name = "architecture" if instance == ARCHITECTURE else f"object{house.instances.object_id[instance]}"
+    pose = house.instances.pose[instance]
+    rotation, stretch = split_linear(pose[:, :3])
+    if len(leaf):
+        element, origin = add_leaf(world, house.doors, int(leaf[0]), f"{name}_leaf{instance}")
+        _add_visuals(element, house, instance, assets, stretch, pos=numbers(pose[:, 3] - origin), quat=_quat(rotation))
+    elif body < 0:
+        place = {"pos": numbers(pose[:, 3]), "quat": _quat(rotation)}
+        element = ET.SubElement(world, "body", place, name=name)
+        _add_visuals(element, house, instance, assets, stretch)
+        if exact and house.instances.object_id[instance] in house.colliders.object_id and instance != ARCHITECTURE:
+            _add_pieces(element, house, instance, assets, stretch)
+    else:
+        element = _add_movable(world, house, body, name)
+        inner = house.bodies.from_model[body]
+        rotation, stretch = split_linear(inner[:, :3])
+        place = {"pos": numbers(inner[:, 3]), "quat": _quat(rotation)}
+        _add_visuals(element, house, instance, assets, stretch, **place)
+        if not exact or not _add_pieces(element, house, instance, assets, stretch, **place, **MEETS_LEAVES):
+            add_box(element, name, house.bodies.size[body], **MEETS_LEAVES)
+
+
+def _add_movable(world: ET.Element, house: CompiledHouse, body: int, name: str) -> ET.Element:
+    bodies = house.bodies
+    place = {"pos": numbers(bodies.pos[body]), "quat": numbers(bodies.quat[body])}
+    element = ET.SubElement(world, "body", place, name=name)
+    ET.SubElement(element, "freejoint", name=name)
+    mass = float(bodies.mass[body])
+    inertia = numbers(box_inertia(bodies.mass[body : body + 1], bodies.size[body : body + 1]))
+    ET.SubElement(element, "inertial", pos="0 0 0", mass=f"{mass:.9g}", diaginertia=inertia)
+    return element
+
+
+def _add_pieces(
+    element: ET.Element,
+    house: CompiledHouse,
+    instance: int,
+    assets: Assets,
+    stretch: Float[np.ndarray, "3 3"],
+    **more: str,
+) -> int:
+    """Adds the convex pieces of an instance; how many there are."""
+    meshes = assets.pieces(house.models[house.instances.model[instance]], stretch)
+    for i, mesh in enumerate(meshes):
+        add_piece(element, f"piece{instance}_{i}", mesh, **more)
+    return len(meshes)
+
+
+def _add_visuals(
+    element: ET.Element,
+    house: CompiledHouse,
+    instance: int,
+    assets: Assets,
+    stretch: Float[np.ndarray, "3 3"],
+    **place: str,
+) -> None:
+    """Adds one mesh geom per material slot."""
+    model = house.models[house.instances.model[instance]]
+    first = int(house.instances.material[instance])
+    for slot in np.unique(model.slot).tolist():
+        mesh = assets.mesh(model, slot, stretch)
+        if mesh is not None:
+            group = CEILING if _is_ceiling(house, instance, slot) else VISUAL
+            look = {"group": group, "contype": "0", "conaffinity": "0", "mass": "0"}
+            ET.SubElement(element, "geom", look | place, type="mesh", mesh=mesh, material=assets.material(first + slot))
+
+
+def _is_ceiling(house: CompiledHouse, instance: int, slot: int) -> bool:
+    model = house.models[house.instances.model[instance]]
+    rows = house.instances.semantic[instance] + np.unique(model.part[model.slot == slot])
+    return bool((house.semantics[rows, Semantic.NYU40] == NYU40_CEILING).all())
+
+
+def _add_agent(root: ET.Element, world: ET.Element, house: CompiledHouse, shape: AgentShape) -> None:
+    """Adds an agent, frictionless towards everything, and a keyframe in which it stands at the first start point."""
+    look = {"condim": "1", "priority": "1", "solref": AGENT_SOLREF, "group": COLLIDER}
+    body = add_agent(world, shape, "agent0", **look, **MEETS_LEAVES)
+    eye = f"0 0 {EYE_HEIGHT - shape.height / 2:.9g}"
+    ET.SubElement(body, "camera", _looking_along_x(), name="agent0_eye", pos=eye)
+    add_motors(ET.SubElement(root, "actuator"), "agent0")
+    x, y, z = house.navigation.start[0]
+    names = {int(i): f"object{house.instances.object_id[i]}" for i in house.bodies.instance}
+    start = {i: _pose_of(world, name) for i, name in names.items()} | {
+        int(i): np.zeros(1) for i in house.doors.instance
+    }
+    joints = [start[i] for i in sorted(start)]  # in the order of their instances
+    qpos = numbers(np.concatenate([*joints, [x, y, z + shape.height / 2, 0.0]]))
+    ET.SubElement(ET.SubElement(root, "keyframe"), "key", name="start", qpos=qpos)
+
+
+def _pose_of(world: ET.Element, name: str) -> Float[np.ndarray, "7"]:
+    body = world.find(f"body[@name='{name}']")
+    assert body is not None
+    return np.array(f"{body.attrib['pos']} {body.attrib['quat']}".split(), float)

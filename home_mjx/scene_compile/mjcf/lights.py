@@ -1,0 +1,52 @@
+"""The lamps of a house as MJCF lights."""
+
+import xml.etree.ElementTree as ET
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from home_mjx.scene_compile.geometry.mesh import transform
+from home_mjx.scene_compile.mjcf.assets import numbers
+from home_mjx.schema.compiled import CompiledHouse
+
+MOST = 64  # MuJoCo draws at most 100 lights; the strongest are kept
+BRIGHTEST = 0.7  # diffuse colour of the strongest lamp: MuJoCo's lights have no unit
+ATTENUATION = "1 0 0.15"  # half as bright 2.6 m away
+
+
+def add_lamps(world: ET.Element, house: CompiledHouse) -> None:
+    """Adds a light per lamp, `lamp<i>`: spots where the dataset has spots, else points; without shadows.
+
+    Args:
+        world: The `worldbody` element.
+        house: The house; daylight and lights of movable lamps stay where they are at load.
+    """
+    lights = house.lights
+    scale = BRIGHTEST / max(float(lights.intensity[~lights.daylight].max(initial=0)), 1e-9)
+    for i in _strongest(house):
+        pose = house.instances.pose[lights.instance[i]]
+        aim = pose[:, :3] @ lights.direction[i]
+        light = {
+            "name": f"lamp{i}",
+            "pos": numbers(transform(pose, lights.pos[i])),
+            "diffuse": numbers(lights.intensity[i] * scale),
+            "specular": "0.1 0.1 0.1",
+            "attenuation": ATTENUATION,
+            "castshadow": "false",
+        }
+        ET.SubElement(world, "light", light | _shape(aim, float(lights.exponent[i]), float(lights.cutoff[i])))
+
+
+def _strongest(house: CompiledHouse) -> Int[np.ndarray, " n"]:
+    lamps = np.flatnonzero(~house.lights.daylight)
+    order = np.argsort(-house.lights.intensity[lamps].sum(axis=1), kind="stable")
+    return np.sort(lamps[order[:MOST]])
+
+
+def _shape(aim: Float[np.ndarray, "3"], exponent: float, cutoff: float) -> dict[str, str]:
+    """Attributes of a spot, or of a point light, which MuJoCo takes for a spot of 180 degrees."""
+    if cutoff < -1:
+        return {"type": "point"}
+    angle = np.rad2deg(np.arccos(np.clip(cutoff, -1, 1)))
+    spot = {"dir": numbers(aim / np.linalg.norm(aim)), "cutoff": f"{angle:.6g}", "exponent": f"{exponent:.6g}"}
+    return {"type": "spot", **spot}

@@ -1,0 +1,126 @@
+"""Movable objects that stand in something when a house is loaded: moved a little, or left out of contact with it."""
+
+# MuJoCo names its types lazily, where pyright does not find them.
+# pyright: reportAttributeAccessIssue=false
+
+import xml.etree.ElementTree as ET
+from collections.abc import Mapping
+from typing import Any
+
+import mujoco
+import numpy as np
+from jaxtyping import Float
+
+from home_mjx.scene_compile.mjcf.assets import numbers
+
+FARTHEST = 0.05  # [m], that an object is moved
+DEPTH = 1e-3  # [m], of a contact from which on it is an overlap
+ROUNDS = 20
+
+
+def part_overlaps(root: ET.Element, files: Mapping[str, bytes]) -> list[dict[str, Any]]:
+    """Puts every free body of a model onto the floor and out of what it stands in, as far as 5 cm do.
+
+    Args:
+        root: The `mujoco` element; positions of bodies are changed and pairs that stay in touch excluded.
+        files: What it refers to.
+
+    Returns:
+        Per body that was moved or has exclusions: `object`, `shift` [m] and `excluded`, the other bodies' names.
+    """
+    model = mujoco.MjModel.from_xml_string(ET.tostring(root, encoding="unicode"), dict(files))
+    data = mujoco.MjData(model)
+    bodies = [int(model.jnt_bodyid[j]) for j in np.flatnonzero(model.jnt_type == mujoco.mjtJoint.mjJNT_FREE)]
+    shift = {body: _onto_floor(model, data, body) for body in bodies}
+    for body in bodies:
+        shift[body] = _apart(model, data, body, shift[body])
+    pairs = _overlaps(model, data)
+    found = []
+    for body in bodies:
+        others = sorted({model.body(b if a == body else a).name for a, b in pairs if body in (a, b)})
+        if others or np.abs(shift[body]).max() > 1e-6:
+            name = model.body(body).name
+            _move(root, name, shift[body])
+            found.append({"object": name, "shift": np.round(shift[body], 6).tolist(), "excluded": others})
+    contact = ET.SubElement(root, "contact")
+    for a, b in sorted({(min(pair), max(pair)) for pair in pairs}):
+        ET.SubElement(contact, "exclude", body1=model.body(a).name, body2=model.body(b).name)
+    return found
+
+
+def _onto_floor(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> Float[np.ndarray, "3"]:
+    """The way down or up that puts the lowest point of a body's colliders onto the floor plane."""
+    mujoco.mj_kinematics(model, data)
+    floor = model.geom("floor").pos[2]
+    shift = np.array([0.0, 0.0, floor - _lowest(model, data, body)])
+    shift[2] = np.clip(shift[2], -FARTHEST, FARTHEST)
+    _put(model, data, body, shift)
+    return shift
+
+
+def _lowest(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> float:
+    low = np.inf
+    for geom in _solid_geoms(model, body):
+        turn, mesh = data.geom_xmat[geom].reshape(3, 3), model.geom_dataid[geom]
+        if mesh >= 0:
+            points = model.mesh_vert[model.mesh_vertadr[mesh] :][: model.mesh_vertnum[mesh]]
+        else:
+            points = model.geom_size[geom] * np.array(np.meshgrid(*[[-1, 1]] * 3)).reshape(3, -1).T
+        low = min(low, float((points @ turn[2]).min() + data.geom_xpos[geom, 2]))
+    return low
+
+
+def _solid_geoms(model: mujoco.MjModel, body: int) -> list[int]:
+    first = model.body_geomadr[body]
+    geoms = np.arange(first, first + model.body_geomnum[body])
+    return geoms[model.geom_contype[geoms] > 0].tolist()
+
+
+def _apart(
+    model: mujoco.MjModel, data: mujoco.MjData, body: int, shift: Float[np.ndarray, "3"]
+) -> Float[np.ndarray, "3"]:
+    """The shift with which a body is clear of everything; the given one if there is none within reach."""
+    way = shift.copy()
+    for _ in range(ROUNDS):
+        mujoco.mj_forward(model, data)
+        deepest = min(
+            (c for c in data.contact if body in _bodies(model, c) and _is_overlap(model, c)),
+            default=None,
+            key=lambda c: c.dist,
+        )
+        if deepest is None:
+            return way
+        normal = deepest.frame[:2] * (1 if _bodies(model, deepest)[1] == body else -1)
+        step = np.array([*normal, 0.0]) / max(float(np.hypot(*normal)), 1e-9) * (DEPTH - deepest.dist)
+        if np.hypot(*(way + step)[:2]) > FARTHEST or np.hypot(*normal) < 0.5:
+            break
+        _put(model, data, body, step)
+        way += step
+    _put(model, data, body, shift - way)
+    return shift
+
+
+def _put(model: mujoco.MjModel, data: mujoco.MjData, body: int, step: Float[np.ndarray, "3"]) -> None:
+    at = model.jnt_qposadr[model.body_jntadr[body]]
+    data.qpos[at : at + 3] += step
+
+
+def _bodies(model: mujoco.MjModel, contact: Any) -> tuple[int, int]:
+    a, b = model.geom_bodyid[contact.geom]
+    return int(a), int(b)
+
+
+def _is_overlap(model: mujoco.MjModel, contact: Any) -> bool:
+    """Deep, and not with the floor, onto which bodies were put."""
+    return bool(contact.dist < -DEPTH and model.geom("floor").id not in contact.geom)
+
+
+def _overlaps(model: mujoco.MjModel, data: mujoco.MjData) -> list[tuple[int, int]]:
+    mujoco.mj_forward(model, data)
+    return [_bodies(model, c) for c in data.contact if _is_overlap(model, c)]
+
+
+def _move(root: ET.Element, name: str, shift: Float[np.ndarray, "3"]) -> None:
+    body = root.find(f"worldbody/body[@name='{name}']")
+    assert body is not None
+    body.set("pos", numbers(np.array(body.attrib["pos"].split(), float) + shift))

@@ -1,0 +1,1 @@
+"""Where agents can stand and walk: free space, regions, portals, stairs, distances."""

@@ -1,0 +1,49 @@
+"""Connected regions of the free space of all levels."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy import ndimage
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from home_mjx.scene_compile.navigation.geodesic import Link
+
+IN_LEVEL = np.array([np.zeros((3, 3)), [[0, 1, 0], [1, 1, 1], [0, 1, 0]], np.zeros((3, 3))])  # four neighbours
+
+
+def label_regions(
+    standable: Bool[np.ndarray, "l ny nx"], links: Sequence[Link], cell: float
+) -> tuple[Int[np.ndarray, "l ny nx"], Float[np.ndarray, " n"]]:
+    """Regions, and their areas: first the one with most of the lowest level, then the larger before the smaller.
+
+    Args:
+        standable: Where an agent's axis may be, the lowest level first.
+        links: Ways between cells that join their regions.
+        cell: [m].
+
+    Returns:
+        Region of each cell, -1 where nobody can stand; area of each region [m^2].
+    """
+    patch = np.zeros(standable.shape, np.int32)
+    count = int(ndimage.label(standable, IN_LEVEL, output=patch))  # pyright: ignore[reportArgumentType]
+    ends = np.array([(patch[link.start], patch[link.end]) for link in links], int).reshape(-1, 2)
+    ends = ends[(ends > 0).all(axis=1)] - 1
+    joined = coo_matrix((np.ones(len(ends)), ends.T), shape=(count, count))
+    number, merged = connected_components(joined, directed=False)
+    area, ground = (_count(merged, patch[p], number) for p in (slice(None), slice(0, 1)))
+    order = np.argsort(-area, kind="stable")
+    if number and ground.any():
+        home = int(ground.argmax())
+        order = np.concatenate([[home], order[order != home]])
+    rank = np.empty(number, np.int64)
+    rank[order] = np.arange(number)
+    region = np.concatenate([[-1], rank[merged]])[patch]
+    return region.astype(np.int16), area[order] * cell**2
+
+
+def _count(merged: Int[np.ndarray, " p"], patch: Int[np.ndarray, "*s"], number: int) -> Int[np.ndarray, " n"]:
+    """Cells of each region."""
+    cells = np.bincount(patch.ravel(), minlength=len(merged) + 1)[1:]
+    return np.bincount(merged, weights=cells, minlength=number).astype(np.int64)

@@ -1,0 +1,1 @@
+"""Objects in the house: placed, weighed, doors cut into frame and leaves."""

@@ -1,0 +1,111 @@
+"""Doors taken apart: a frame that stays, and leaves that turn on their hinges."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from home_mjx.scene_compile.geometry.boxes import BoxSet, join, yaw_quat
+from home_mjx.scene_compile.geometry.mesh import make_model, transform
+from home_mjx.scene_compile.objects.hinges import find_hinges
+from home_mjx.schema.compiled import Doors, Model
+
+WIDE = np.pi / 2  # [rad]: every door opens at least as far; SUNCG's stand half open
+LEAN = 1e-3  # most that a hinge may lean, and that the plan may be stretched
+AREAL_DENSITY = 8.0  # [kg/m^2] of leaf: a hollow-core interior door of 0.8 x 2 m weighs 10 to 15 kg
+LEAF_MASS = (5.0, 60.0)  # [kg]
+
+
+@dataclass(frozen=True)
+class Part:
+    """What of an object moves as one; of a leaf, in the model's frame: its hinge and how far it turns."""
+
+    model: Model
+    pivot: Float[np.ndarray, "2"] | None = None  # [m]; None: it does not turn
+    closed: float = 0.0  # [rad], from where it is shown
+    wide: float = 0.0  # [rad]
+
+
+@dataclass(frozen=True)
+class DoorModel:
+    """A door as it is shown and its other state; equal keys have equal parts."""
+
+    key: str
+    other_path: Path
+    is_closed: bool
+    shown: Model = field(compare=False)
+    other: Float[np.ndarray, "s 3 3"] = field(compare=False)  # [m], triangles, Z up
+
+
+@lru_cache(maxsize=256)
+def take_apart(door: DoorModel) -> tuple[Part, ...]:
+    """The frame, then the leaves; the whole door where no hinge was found."""
+    hinges = find_hinges(door.shown.triangle.astype(np.float64), door.other)
+    frame = ~np.any([hinge.leaf for hinge in hinges], axis=0)
+    if not hinges or not frame.any():
+        return (Part(door.shown),)
+    parts = [Part(_cut_out(door.shown, frame, "frame"))]
+    for hinge in hinges:
+        closed = 0.0 if door.is_closed else hinge.turn
+        opens = np.sign(hinge.turn) * (1 if door.is_closed else -1)
+        wide = closed + opens * max(abs(hinge.turn), WIDE)
+        parts.append(Part(_cut_out(door.shown, hinge.leaf, "leaf"), hinge.pivot, closed, float(wide)))
+    return tuple(parts)
+
+
+def _cut_out(model: Model, kept: Bool[np.ndarray, " t"], name: str) -> Model:
+    stem = model.key.split(":")[0]
+    return make_model(f"{stem}/{name}", model.triangle[kept], model.uv[kept], model.slot[kept], model.part[kept])
+
+
+def keeps_hinges(pose: Float[np.ndarray, "3 4"]) -> bool:
+    """Whether vertical lines stay vertical and circles around them round."""
+    linear = pose[:, :3] / np.linalg.norm(pose[:, 0])
+    upright = np.abs([*linear[:2, 2], *linear[2, :2]]).max() <= LEAN
+    return bool(upright and np.abs(linear[:2, :2].T @ linear[:2, :2] - np.eye(2)).max() <= LEAN)
+
+
+@dataclass(frozen=True)
+class Leaf:
+    """A leaf in the world."""
+
+    instance: int
+    pivot: Float[np.ndarray, "2"]  # [m]
+    closed: float  # [rad] about +z, from where it stands
+    wide: float
+    box: BoxSet  # as it stands
+
+
+def place_leaf(part: Part, pose: Float[np.ndarray, "3 4"], instance: int, box: BoxSet) -> Leaf:
+    """A leaf of an object at a pose; mirrors turn the other way round."""
+    assert part.pivot is not None
+    turn = float(np.sign(np.linalg.det(pose[:2, :2])))
+    pivot = transform(pose, np.array([*part.pivot, 0.0]))[:2]
+    return Leaf(instance, pivot, turn * part.closed, turn * part.wide, box)
+
+
+def make_doors(leaves: Sequence[Leaf], collider: Sequence[int]) -> Doors:
+    """The table of a house's leaves.
+
+    Args:
+        leaves: All of them.
+        collider: Row of the house's colliders that stands for each; -1 none.
+    """
+    if not leaves:
+        return Doors.none()
+    box = join(leaf.box for leaf in leaves)
+    area = 4 * np.sort(box.half, axis=1)[:, 1:].prod(axis=1)
+    return Doors(
+        instance=np.array([leaf.instance for leaf in leaves], np.int32),
+        pivot=np.array([leaf.pivot for leaf in leaves]),
+        closed=np.array([leaf.closed for leaf in leaves]),
+        wide=np.array([leaf.wide for leaf in leaves]),
+        pos=box.center,
+        quat=yaw_quat(box.yaw),
+        size=box.half,
+        mass=np.clip(area * AREAL_DENSITY, *LEAF_MASS),
+        collider=np.array(collider, np.int32),
+    )

@@ -1,0 +1,173 @@
+"""Hinges of doors, found by comparing a model's open and closed variant.
+
+SUNCG says of a door only that it stands open (the base model) or closed (its `_0` variant). What is the same in both is
+the frame; what has turned about a vertical line is a leaf.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy.spatial import KDTree
+
+from home_mjx.scene_compile.geometry.box_fit import components, narrowest_box, sample_surface
+
+SAME = 2e-3  # [m]: surfaces nearer than this are one
+JOINED = 0.03  # [m]: parts of a leaf, such as its handles, are nearer to one another than this
+SPACING = 0.05  # [m], of the points that stand for a surface
+FINEST = SPACING / 4  # [m], of those that it is compared with
+LEAST_TURN = np.deg2rad(5.0)
+TIE = 0.02  # most by which the shares of fits that are equally good differ
+MAX_POINTS = 3_000_000  # that stand for a variant; doors of real houses take some ten thousand
+MAX_PARTS = 300  # that move; each is compared with all others
+LEAST_SHARE = 0.9  # of a leaf's points that must lie on the other variant's surface once it is turned
+
+
+@dataclass(frozen=True)
+class Hinge:
+    """A leaf of a door and the vertical line that it turns about.
+
+    Attributes:
+        leaf: Triangles of the model that belong to it.
+        pivot: Where the line meets the plan, in the model's frame [m].
+        turn: How far the leaf must turn about +z to stand as in the other variant [rad].
+    """
+
+    leaf: Bool[np.ndarray, " t"]
+    pivot: Float[np.ndarray, "2"]
+    turn: float
+
+
+def find_hinges(shown: Float[np.ndarray, "t 3 3"], other: Float[np.ndarray, "s 3 3"]) -> tuple[Hinge, ...]:
+    """The hinges of a door as it is shown; none where nothing turns, as in sliding doors, or of no real door's size.
+
+    Args:
+        shown: Triangles of the variant that is shown, Z up [m].
+        other: Triangles of the same door's other variant.
+
+    Example:
+        >>> find_hinges(open_door, closed_door)[0].turn  # doctest: +SKIP
+        -1.5707963267948966
+    """
+    if not all(map(_is_of_a_door, (shown, other))):
+        return ()
+    target, part = _moved(other, shown), components(shown)
+    moved = np.isin(part, _moved_parts(shown, part, other))
+    if not moved.any() or not len(target) or len(np.unique(part[moved])) > MAX_PARTS:
+        return ()
+    hinges = []
+    for leaf in _leaves(shown, part, moved):
+        found = _turn_onto(shown[leaf], target)
+        if found is not None:
+            hinges.append(Hinge(leaf, *found))
+    return tuple(hinges)
+
+
+def _is_of_a_door(triangles: Float[np.ndarray, "t 3 3"]) -> bool:
+    """Whether so few points stand for a variant that they can be compared: a wrong unit would make billions."""
+    edge = np.linalg.norm(triangles - np.roll(triangles, 1, axis=1), axis=-1).max(axis=1)
+    return bool(((edge / FINEST + 1) ** 2).sum() / 2 < MAX_POINTS)
+
+
+def _moved(triangles: Float[np.ndarray, "t 3 3"], other: Float[np.ndarray, "s 3 3"]) -> Float[np.ndarray, "m 3 3"]:
+    part = components(triangles)
+    return triangles[np.isin(part, _moved_parts(triangles, part, other))]
+
+
+def _moved_parts(
+    triangles: Float[np.ndarray, "t 3 3"], part: Int[np.ndarray, " t"], other: Float[np.ndarray, "s 3 3"]
+) -> list[int]:
+    """The components that have a corner where the other variant has none."""
+    away = KDTree(other.reshape(-1, 3)).query(triangles.reshape(-1, 3))[0].reshape(-1, 3).max(axis=1)
+    return [int(p) for p in np.unique(part) if away[part == p].max() > SAME]
+
+
+def _leaves(
+    triangles: Float[np.ndarray, "t 3 3"], part: Int[np.ndarray, " t"], moved: Bool[np.ndarray, " t"]
+) -> Iterator[Bool[np.ndarray, " t"]]:
+    """Groups of moved components that touch: a leaf with its panels and handles."""
+    names = np.unique(part[moved])
+    trees = [KDTree(_sample(triangles[part == name], JOINED / 2)) for name in names]
+    group = np.arange(len(names))
+    for i in range(len(names)):
+        for j in range(i):
+            if group[i] != group[j] and trees[i].count_neighbors(trees[j], JOINED):
+                group[group == group[i]] = group[j]
+    for g in np.unique(group):
+        yield np.isin(part, names[group == g])
+
+
+def _turn_onto(
+    leaf: Float[np.ndarray, "t 3 3"], target: Float[np.ndarray, "s 3 3"]
+) -> tuple[Float[np.ndarray, "2"], float] | None:
+    """Pivot and turn that put a leaf onto a surface; None if it does not fit there."""
+    points, tree = _sample(leaf, SPACING), KDTree(_sample(target, FINEST))
+    fits = [_refine(points, tree, *guess) for guess in _guesses(leaf, target)]
+    best = max((share for share, _, _ in fits), default=0.0)
+    good = [(a, s) for share, a, s in fits if share >= max(best - TIE, LEAST_SHARE)]
+    if any(abs(angle) < LEAST_TURN for angle, _ in good):
+        return None  # it slides; a plain leaf fits end to end as well
+    # The point that stays: (1 - R) p = shift. A plain leaf fits several ways, but hangs on its own edge.
+    found = [(np.linalg.solve(np.eye(2) - _rotation(angle), shift), angle) for angle, shift in good]
+    return min(found, key=lambda f: np.linalg.norm(points[:, :2] - f[0], axis=1).min(), default=None)
+
+
+def _guesses(
+    leaf: Float[np.ndarray, "t 3 3"], target: Float[np.ndarray, "s 3 3"]
+) -> Iterator[tuple[float, Float[np.ndarray, "2"]]]:
+    """Turns and shifts that put the leaf's largest component onto one like it, any side to the front."""
+    big = _largest(leaf)
+    source = narrowest_box(big.reshape(-1, 3))
+    part = components(target)
+    for piece in (target[part == p] for p in np.unique(part)):
+        box = narrowest_box(piece.reshape(-1, 3))
+        if abs(box.half[0, 2] - source.half[0, 2]) < SPACING and abs(box.center[0, 2] - source.center[0, 2]) < SPACING:
+            for quarter in range(4):
+                angle = float(box.yaw[0] - source.yaw[0] + quarter * np.pi / 2)
+                angle = (angle + np.pi) % (2 * np.pi) - np.pi
+                yield angle, box.center[0, :2] - _rotation(angle) @ source.center[0, :2]
+
+
+def _largest(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "l 3 3"]:
+    part = components(triangles)
+    pieces: Sequence = [triangles[part == p] for p in np.unique(part)]
+    return max(pieces, key=lambda piece: np.prod(np.ptp(piece.reshape(-1, 3), axis=0) + SAME))
+
+
+def _refine(
+    points: Float[np.ndarray, "p 3"], tree: KDTree, angle: float, shift: Float[np.ndarray, "2"], rounds: int = 20
+) -> tuple[float, float, Float[np.ndarray, "2"]]:
+    """Iterated closest points in the plan (Besl and McKay, 1992): share of points on the surface, turn, shift."""
+    before = None
+    for _ in range(rounds):
+        _, nearest = tree.query(_put(points, angle, shift))
+        if before is not None and (nearest == before).all():
+            break
+        angle, shift = _fit(points[:, :2], tree.data[nearest][:, :2])
+        before = nearest
+    away, _ = tree.query(_put(points, angle, shift))
+    return float((away < SPACING / 2).mean()), angle, shift
+
+
+def _sample(triangles: Float[np.ndarray, "t 3 3"], spacing: float) -> Float[np.ndarray, "p 3"]:
+    """Points of a surface, thinned out where its triangles are smaller than their distance [m]."""
+    points = sample_surface(triangles, spacing)
+    return points[np.unique(np.floor(points / spacing), axis=0, return_index=True)[1]]
+
+
+def _put(points: Float[np.ndarray, "p 3"], angle: float, shift: Float[np.ndarray, "2"]) -> Float[np.ndarray, "p 3"]:
+    return np.c_[points[:, :2] @ _rotation(angle).T + shift, points[:, 2]]
+
+
+def _fit(source: Float[np.ndarray, "p 2"], target: Float[np.ndarray, "p 2"]) -> tuple[float, Float[np.ndarray, "2"]]:
+    """The rigid motion of the plane of least squares (Kabsch, 1976)."""
+    middle, goal = source.mean(axis=0), target.mean(axis=0)
+    a, b = source - middle, target - goal
+    angle = float(np.arctan2((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum(), (a * b).sum()))
+    return angle, goal - _rotation(angle) @ middle
+
+
+def _rotation(angle: float) -> Float[np.ndarray, "2 2"]:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s], [s, c]])

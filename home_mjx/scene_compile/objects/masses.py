@@ -1,0 +1,78 @@
+"""How heavy furniture is: a shell of its material, kept within what such furniture usually weighs."""
+
+import numpy as np
+
+from home_mjx.scene_compile.geometry.mesh import surface_areas
+from home_mjx.scene_compile.objects.place import Placed
+
+# Mass per area of visible surface [kg/m^2] = density times thickness; boards have two sides, so half their thickness.
+# Densities are handbook values (particle board 700, steel 7850, glass 2500, stoneware 2400, granite 2700,
+# polypropylene 910 kg/m^3); thicknesses are our choice of what furniture is built from.
+AREAL_DENSITY = {
+    "bricks": 1900 * 0.02,
+    "carpet": 2.0,
+    "ceramic": 2400 * 0.006,
+    "concrete": 2300 * 0.02,
+    "decoration stone": 2700 * 0.01,
+    "facing stone": 2700 * 0.01,
+    "glass": 2500 * 0.003,
+    "grass": 0.2,
+    "ground": 2.0,
+    "laminate": 700 * 0.009,
+    "leather": 5.0,
+    "linen": 4.0,
+    "metal": 7850 * 0.0008,
+    "paper": 3.0,
+    "plant": 0.2,
+    "plastic": 910 * 0.002,
+    "stone": 2700 * 0.01,
+    "textile": 4.0,  # cloth over 10 cm of foam of 30 kg/m^3, and a share of the frame
+    "tile": 2400 * 0.006,
+    "wood": 700 * 0.009,
+}
+USUAL_DENSITY = 5.0  # [kg/m^2], of anything else
+
+# Least and most mass [kg] by category: our estimates from everyday furniture; no dataset of weights was at hand.
+MASS_RANGES = {
+    "armchair": (10.0, 40.0),
+    "bed": (30.0, 120.0),
+    "bench_chair": (8.0, 30.0),
+    "bookshelf": (20.0, 90.0),
+    "chair": (3.0, 12.0),
+    "coffee_table": (5.0, 35.0),
+    "desk": (15.0, 60.0),
+    "dining_table": (15.0, 60.0),
+    "dresser": (25.0, 90.0),
+    "dressing_table": (20.0, 70.0),
+    "floor_lamp": (2.0, 12.0),
+    "office_chair": (8.0, 20.0),
+    "ottoman": (3.0, 20.0),
+    "plant": (2.0, 20.0),
+    "refrigerator": (40.0, 120.0),
+    "shelving": (8.0, 60.0),
+    "shoes_cabinet": (10.0, 40.0),
+    "sofa": (30.0, 110.0),
+    "stand": (4.0, 25.0),
+    "storage_bench": (10.0, 35.0),
+    "table": (8.0, 50.0),
+    "toy": (0.3, 15.0),
+    "trash_can": (0.5, 6.0),
+    "tv_stand": (12.0, 60.0),
+    "vase": (0.5, 10.0),
+    "wardrobe_cabinet": (60.0, 250.0),
+    "washer": (50.0, 80.0),
+}
+USUAL_RANGE = (0.5, 100.0)  # [kg]
+
+
+def mass_range(fine: str, coarse: str) -> tuple[float, float]:
+    """Least and most mass of a category [kg]."""
+    return MASS_RANGES.get(fine) or MASS_RANGES.get(coarse) or USUAL_RANGE
+
+
+def object_mass(item: Placed) -> float:
+    """Mass of an object [kg]: areas times areal densities of its materials, within the range of its category."""
+    area = np.bincount(item.model.slot, surface_areas(item.triangles), minlength=len(item.slots))
+    areal = [AREAL_DENSITY.get(s.kind, USUAL_DENSITY) for s in item.surfaces]
+    low, high = mass_range(item.info.fine, item.info.coarse)
+    return float(np.clip(area @ areal, low, high))

@@ -1,0 +1,156 @@
+"""Objects and boxes of a house, placed in the world frame."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Float
+
+from home_mjx.scene_compile.geometry.boxes import BoxSet, box_of
+from home_mjx.scene_compile.geometry.mesh import Z_UP, box_triangles, make_model, to_z_up, transform
+from home_mjx.scene_compile.geometry.polygons import polygon_area, polygon_distance, smallest_room
+from home_mjx.scene_compile.materials.surface import Surface, override, surface
+from home_mjx.scene_compile.objects.doors import DoorModel, Part, keeps_hinges, take_apart
+from home_mjx.schema.compiled import Model, Rooms
+from home_mjx.schema.house import Box, House, Level, Material, Mesh, Metadata, ModelInfo, Object
+
+UPRIGHT = 1e-3  # most that the vertical axis of an object may lean while it still counts as turned about it only
+STRAY = 1.0  # [m]: what is farther from a room than this is not in it, whatever the file says
+PLAIN = Material("box", diffuse=(0.8, 0.8, 0.8), opacity=1.0)
+# Slot of each face of a Box (-x, +x, -y, +y, -z, +z in the world): GAPS's order is +y, -y, -x, +x, +z, -z in the file.
+BOX_SLOTS = (2, 3, 4, 5, 1, 0)
+
+
+@dataclass(frozen=True)
+class Placed:
+    """One object in the world frame."""
+
+    node: Object | Box
+    info: ModelInfo
+    model: Model
+    parts: tuple[Part, ...]  # what of it moves as one: the whole, or a door's frame and leaves
+    slots: tuple[Material, ...]  # of its mesh, after overrides
+    pose: Float[np.ndarray, "3 4"]  # world from model [m]
+    object_id: int
+    level: int
+    room: int  # -1 in none
+
+    @cached_property
+    def triangles(self) -> Float[np.ndarray, "t 3 3"]:
+        """Surface in the world frame [m]."""
+        return transform(self.pose, self.model.triangle.astype(np.float64))
+
+    @cached_property
+    def yaw(self) -> float:
+        """Direction of the model's x axis in the plan [rad]; 0 if the object leans."""
+        across, up = self.pose[:, 0], self.pose[:, 2]
+        lean = max(np.hypot(*up[:2]) / np.linalg.norm(up), abs(across[2]) / np.linalg.norm(across))
+        return 0.0 if lean > UPRIGHT else float(np.arctan2(across[1], across[0]))
+
+    @cached_property
+    def box(self) -> BoxSet:
+        """The upright box around the object in its own direction."""
+        return box_of(self.triangles.reshape(-1, 3), self.yaw)
+
+    @property
+    def surfaces(self) -> tuple[Surface, ...]:
+        """Material slots."""
+        return tuple(surface(slot, self.info.fine, self.info.coarse) for slot in self.slots)
+
+
+def place_objects(house: House, metadata: Metadata, rooms: Rooms, offset: Float[np.ndarray, "3"]) -> list[Placed]:
+    """Every object and box of a house in file order.
+
+    Args:
+        house: The house.
+        metadata: Categories of its models.
+        rooms: Its rooms in the world frame.
+        offset: Added to Z-up file coordinates [m].
+    """
+    models = {key: library_model(key, mesh) for key, mesh in house.models.items()}
+    cube = unit_cube()
+    placed, first = [], 0
+    for level in house.levels:
+        for node in sorted((*level.objects, *level.boxes), key=lambda n: n.index):
+            model = cube if isinstance(node, Box) else models[node.model_key]
+            info = ModelInfo("Box") if isinstance(node, Box) else metadata.info(node.model_id)
+            pose = _pose(node, offset)
+            room = _room(node, level, rooms, transform(pose, model.box.astype(np.float64).mean(axis=0)))
+            placed.append(
+                Placed(
+                    node=node,
+                    info=info,
+                    model=model,
+                    parts=_parts(node, info, model, pose, house.others),
+                    slots=_slots(node, house.models),
+                    pose=pose,
+                    object_id=first + node.index,
+                    level=level.index,
+                    room=room,
+                )
+            )
+        first += _num_nodes(level)
+    return placed
+
+
+def _parts(
+    node: Object | Box, info: ModelInfo, model: Model, pose: Float[np.ndarray, "3 4"], others: Mapping[str, Mesh]
+) -> tuple[Part, ...]:
+    if isinstance(node, Box) or info.coarse != "door" or node.other_key not in others or not keeps_hinges(pose):
+        return (Part(model),)
+    other = others[node.other_key]
+    return take_apart(DoorModel(model.key, other.path, bool(node.state), model, triangles_z_up(other)))
+
+
+def _num_nodes(level: Level) -> int:
+    """Length of the level's node list in the file, as far as its nodes could be read."""
+    nodes = (*level.rooms, *level.objects, *level.boxes, *level.grounds, *level.unknown)
+    return max((node.index + 1 for node in nodes), default=0)
+
+
+def library_model(key: str, mesh: Mesh) -> Model:
+    """A mesh as a library model, Z up."""
+    normal = None if mesh.normal is None else to_z_up(mesh.normal)
+    return make_model(key, triangles_z_up(mesh), mesh.uv, mesh.slot, normal=normal)
+
+
+def triangles_z_up(mesh: Mesh) -> Float[np.ndarray, "f 3 3"]:
+    """Triangles of a mesh, Z up [m]."""
+    return to_z_up(mesh.vertices.astype(np.float64))[mesh.faces]
+
+
+def unit_cube() -> Model:
+    """The model of Box nodes: edges of 1 m around the origin, one slot and the whole texture per face."""
+    corner = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], float)
+    uv = np.tile(corner[[[0, 1, 2], [0, 2, 3]]], (6, 1, 1))
+    return make_model("box", box_triangles(np.zeros(3), np.full(3, 0.5)), uv, np.repeat(BOX_SLOTS, 2))
+
+
+def _pose(node: Object | Box, offset: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 4"]:
+    linear, shift = node.transform[:3, :3].astype(np.float64), node.transform[:3, 3].astype(np.float64)
+    if isinstance(node, Box):
+        linear = linear * node.dimensions
+    return np.concatenate([Z_UP @ linear @ Z_UP.T, (Z_UP @ shift + offset)[:, None]], axis=1)
+
+
+def _slots(node: Object | Box, models: Mapping[str, Mesh]) -> tuple[Material, ...]:
+    changes = node.materials
+    if isinstance(node, Box):
+        last = len(changes) - 1
+        return tuple(override(PLAIN, changes[min(i, last)] if changes else None) for i in range(len(BOX_SLOTS)))
+    base = models[node.model_key].materials
+    return tuple(override(slot, changes[i] if i < len(changes) else None) for i, slot in enumerate(base))
+
+
+def _room(node: Object | Box, level: Level, rooms: Rooms, center: Float[np.ndarray, "3"]) -> int:
+    """The smallest room that lists the node and is near it, else the smallest one that its middle is in; -1 if none.
+
+    Lists come first since the middle of an open door, or of what hangs on a wall, may be in the room behind.
+    """
+    here = np.flatnonzero(rooms.level == level.index)
+    listed = [int(r) for r, room in zip(here, level.rooms, strict=True) if node.index in room.members]
+    near = [r for r in listed if polygon_distance(rooms.polygon[r], center[:2]) <= STRAY]
+    if near:
+        return min(near, key=lambda r: polygon_area(rooms.polygon[r]))
+    return int(smallest_room(rooms, here, center[:2]))

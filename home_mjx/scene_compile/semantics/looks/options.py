@@ -1,0 +1,44 @@
+"""How the semantic engine decides."""
+
+from dataclasses import dataclass
+
+from home_mjx.core.checks import check_known
+from home_mjx.errors import ConfigError
+
+COLOR_RULES = ("look", "home")
+MATERIAL_RULES = ("largest", "share")
+SIZE_RULES = ("log", "home")
+
+
+@dataclass(frozen=True)
+class SemanticOptions:
+    """What counts as a colour, a material and a size; part of the cache's key.
+
+    Attributes:
+        color: `look`: dominant colours of the surface as it is drawn (texture times diffuse colour, by area and
+            opacity), nearest name by CIEDE2000. `home`: mean colour of each slot's whole image or its diffuse colour,
+            without the overrides of house.json, nearest name in sRGB.
+        material: `largest`: the texture of the largest area, as in HoME's paper. `share`: every texture of at least
+            `share`, as in HoME's code.
+        size: `log`: volume as placed, on a logarithmic scale, within the fine category, or the coarse one if that has
+            too few models. `home`: the model's volume within the coarse category.
+        share: Least part of the area that a colour or, by the rule `share`, a material covers.
+
+    Raises:
+        ConfigError: A rule is unknown, or the share is not in (0, 1].
+    """
+
+    color: str = "look"
+    material: str = "largest"
+    size: str = "log"
+    share: float = 0.2
+
+    def __post_init__(self) -> None:
+        check_known("colour rule", (self.color,), COLOR_RULES)
+        check_known("material rule", (self.material,), MATERIAL_RULES)
+        check_known("size rule", (self.size,), SIZE_RULES)
+        if not 0 < self.share <= 1:
+            raise ConfigError(f"the share must be in (0, 1], got {self.share}")
+
+
+HOME = SemanticOptions(color="home", material="share", size="home")  # as HoME's code did in 2017

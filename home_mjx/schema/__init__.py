@@ -1,0 +1,34 @@
+"""What crosses packages: the house as a dataset gives it, the house as it is compiled, and their vocabularies.
+
+Host only: nothing here loads JAX.
+"""
+
+from home_mjx.schema.agent import AgentShape
+from home_mjx.schema.categories import COARSE, FINE, NYU40, ROOM_TYPES
+from home_mjx.schema.compiled import BANDS, CompiledHouse, PortalKind, Ray
+from home_mjx.schema.house import Box, Ground, House, Level, Light, Material, Mesh, Metadata, ModelInfo, Object, Room
+from home_mjx.schema.semantic import Semantic
+
+__all__ = [
+    "BANDS",
+    "COARSE",
+    "FINE",
+    "NYU40",
+    "ROOM_TYPES",
+    "AgentShape",
+    "Box",
+    "CompiledHouse",
+    "Ground",
+    "House",
+    "Level",
+    "Light",
+    "Material",
+    "Mesh",
+    "Metadata",
+    "ModelInfo",
+    "Object",
+    "PortalKind",
+    "Ray",
+    "Room",
+    "Semantic",
+]

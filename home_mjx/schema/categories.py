@@ -1,0 +1,65 @@
+"""The fixed vocabularies of SUNCG, and where a name stands in them.
+
+Ids on the device are positions in these tuples. Names that only v2 has follow those of v1, whose ids they leave alone.
+"""
+
+import json
+import re
+from functools import cache
+from importlib.resources import files
+
+_LISTS: dict[str, list[str]] = json.loads(
+    files("home_mjx.schema").joinpath("categories.json").read_text(encoding="utf-8")
+)
+
+NUM_FINE_V1, NUM_COARSE_V1 = len(_LISTS["fine"]), len(_LISTS["coarse"])  # 187 and 90
+FINE: tuple[str, ...] = (*_LISTS["fine"], *_LISTS["fine_v2"])  # 187 + 52, each sorted by code point
+COARSE: tuple[str, ...] = (*_LISTS["coarse"], *_LISTS["coarse_v2"])  # 90 + 4, each sorted by code point
+NYU40: tuple[str, ...] = tuple(_LISTS["nyu40"])  # 41 in the order of NYUv2-40; 0 is void
+ROOM_TYPES: tuple[str, ...] = tuple(_LISTS["room_types"])  # 25
+
+
+@cache
+def _positions(names: tuple[str, ...]) -> dict[str, int]:
+    return {name: index for index, name in enumerate(names)}
+
+
+def fine_index(name: str) -> int:
+    """Position in `FINE`; other names are `unknown`.
+
+    Example:
+        >>> FINE[fine_index("double_bed")], FINE[fine_index("bidet")], FINE[fine_index("unicorn")]
+        ('double_bed', 'bidet', 'unknown')
+    """
+    return _positions(FINE).get(name, _positions(FINE)["unknown"])
+
+
+def coarse_index(name: str) -> int:
+    """Position in `COARSE`; other names are `unknown`."""
+    return _positions(COARSE).get(name, _positions(COARSE)["unknown"])
+
+
+def nyu40_index(name: str) -> int:
+    """The NYUv2-40 label; 0 (void) if there is none."""
+    return _positions(NYU40).get(name, 0)
+
+
+def room_type_index(name: str) -> int:
+    """Position in `ROOM_TYPES`; -1 if there is none."""
+    return _positions(ROOM_TYPES).get(name, -1)
+
+
+def texture_family(texture: str) -> str:
+    """The family that SUNCG's texture names start with.
+
+    Digits and trailing underscores go; any name with `textile` or `wood` in it belongs there (HoME's rule).
+
+    Args:
+        texture: Name without folder and extension.
+
+    Example:
+        >>> texture_family("wallp_0"), texture_family("facing_stone_12"), texture_family("wood_3_1")
+        ('wallp', 'facing_stone', 'wood')
+    """
+    name = re.sub(r"\d", "", texture).rstrip("_")
+    return next((family for family in ("textile", "wood") if family in name), name)

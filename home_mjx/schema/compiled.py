@@ -1,0 +1,233 @@
+"""One house as the arrays that the engines need: NumPy, world frame (Z up, metres), no padding.
+
+`compile_house` makes it, `cache` stores it, `bank` puts many of them on the device.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import IntEnum, IntFlag
+
+import numpy as np
+from jaxtyping import Bool, Float, Int, UInt8, UInt16
+
+from home_mjx.schema.lighting import Gloss, LightTable
+
+BANDS = (125.0, 250.0, 500.0, 1000.0, 2000.0, 4000.0, 8000.0)  # [Hz], octave centres
+
+
+ARCHITECTURE = 0  # instance index of walls, floors and ceilings in every house
+NUM_BANDS = 7  # octaves 125 .. 8000 Hz
+
+
+class Ray(IntFlag):
+    """What kinds of ray a material stops."""
+
+    CAMERA = 1
+    LIGHT = 2
+    SOUND = 4
+    ALL = 7
+
+
+@dataclass(frozen=True)
+class Tree:
+    """A binary bounding-volume tree; node 0 is the root.
+
+    A child code >= 0 is an inner node; a negative one is a leaf: `~code` holds `first << 4 | count`,
+    so -1 is an empty leaf. `first` counts primitives (triangles, or instances in a top tree).
+    """
+
+    box: Float[np.ndarray, "n 2 6"]  # per child: min xyz, max xyz
+    child: Int[np.ndarray, "n 2"]
+
+
+@dataclass(frozen=True)
+class MaterialTable:
+    """Rows of materials, for light and for sound."""
+
+    albedo: Float[np.ndarray, "r 4"]  # sRGB diffuse 0..1, and opacity
+    texture: tuple[str, ...]  # absolute path of the image, "" for none
+    kind: tuple[str, ...]  # semantic and acoustic name, such as "wood", "wallpaper"; "" unknown
+    mask: Int[np.ndarray, " r"]  # Ray bits that the material stops
+    absorption: Float[np.ndarray, "r 7"]  # energy fractions per octave
+    scattering: Float[np.ndarray, "r 7"]
+    transmission: Float[np.ndarray, "r 7"]
+
+
+@dataclass(frozen=True)
+class Model:
+    """A library model in its own frame (Z up), triangles in the order of its tree's leaves."""
+
+    key: str  # content-addressed: file stem, variant and digest
+    triangle: Float[np.ndarray, "t 3 3"]  # [m]
+    uv: Float[np.ndarray, "t 3 2"]
+    normal: Float[np.ndarray, "t 3 3"]  # unit, of the corners; smooth where the surface is meant to be round
+    slot: Int[np.ndarray, " t"]  # material slot
+    part: Int[np.ndarray, " t"]  # semantic part; 0 for objects
+    tree: Tree
+    box: Float[np.ndarray, "2 3"]
+
+
+@dataclass(frozen=True)
+class Instances:
+    """Everything a ray can hit; row `ARCHITECTURE` is the house itself."""
+
+    model: tuple[str, ...]  # keys into the library
+    pose: Float[np.ndarray, "i 3 4"]  # world from model: linear part (rotation, scale, mirror) and translation [m]
+    object_id: Int[np.ndarray, " i"]  # Semantic.OBJECT; -1 for the architecture
+    material: Int[np.ndarray, " i"]  # first row of its slots in the house's MaterialTable
+    semantic: Int[np.ndarray, " i"]  # first row of its parts in the semantic table
+    body: Int[np.ndarray, " i"]  # movable slot; -1 static
+
+
+@dataclass(frozen=True)
+class Colliders:
+    """Static collision boxes."""
+
+    pos: Float[np.ndarray, "c 3"]  # [m], centre
+    quat: Float[np.ndarray, "c 4"]  # wxyz
+    size: Float[np.ndarray, "c 3"]  # [m], half extents
+    object_id: Int[np.ndarray, " c"]  # Semantic.OBJECT of what the box stands for; -1 for the architecture
+
+
+@dataclass(frozen=True)
+class Bodies:
+    """Movable objects, one box each; slot order is by priority."""
+
+    instance: Int[np.ndarray, " k"]
+    pos: Float[np.ndarray, "k 3"]  # [m], centre of the box = centre of mass
+    quat: Float[np.ndarray, "k 4"]  # wxyz
+    size: Float[np.ndarray, "k 3"]  # [m], half extents
+    mass: Float[np.ndarray, " k"]  # [kg]
+    from_model: Float[np.ndarray, "k 3 4"]  # body frame from model frame, constant
+
+
+@dataclass(frozen=True)
+class Doors:
+    """Leaves of doors, each an instance of its own on a vertical hinge; at angle 0 a leaf stands as placed."""
+
+    instance: Int[np.ndarray, " h"]
+    pivot: Float[np.ndarray, "h 2"]  # [m], where the hinge meets the plan
+    closed: Float[np.ndarray, " h"]  # [rad], angle about +z at which the leaf is closed
+    wide: Float[np.ndarray, " h"]  # [rad], angle at which it is wide open
+    pos: Float[np.ndarray, "h 3"]  # [m], centre of the leaf's box, as placed
+    quat: Float[np.ndarray, "h 4"]  # wxyz
+    size: Float[np.ndarray, "h 3"]  # [m], half extents
+    mass: Float[np.ndarray, " h"]  # [kg]
+    collider: Int[np.ndarray, " h"]  # row of Colliders that stands for the leaf; -1 if it is not felt
+
+    @staticmethod
+    def none() -> "Doors":
+        """No doors."""
+        flat = np.zeros(0)
+        box = {"pos": np.zeros((0, 3)), "quat": np.zeros((0, 4)), "size": np.zeros((0, 3))}
+        rows = np.zeros(0, np.int32)
+        return Doors(rows, np.zeros((0, 2)), flat, flat, **box, mass=flat, collider=rows)
+
+
+@dataclass(frozen=True)
+class Planes:
+    """Rectangles of walls, floors and ceilings that mirror sound, facing the room."""
+
+    center: Float[np.ndarray, "p 3"]  # [m]
+    normal: Float[np.ndarray, "p 3"]
+    axis_u: Float[np.ndarray, "p 3"]  # [m], half extent vectors in the plane
+    axis_v: Float[np.ndarray, "p 3"]
+    material: Int[np.ndarray, " p"]  # row in the house's MaterialTable
+
+
+@dataclass(frozen=True)
+class Rooms:
+    """Rooms in file order."""
+
+    type: Int[np.ndarray, " r"]  # index into ROOM_TYPES; -1 unknown
+    level: Int[np.ndarray, " r"]
+    polygon: tuple[Float[np.ndarray, "_ 2"], ...]  # [m], floor outline in x and y
+    floor: Float[np.ndarray, " r"]  # [m], height of the floor's top
+    ceiling: Float[np.ndarray, " r"]  # [m], height of the ceiling's underside
+
+
+class PortalKind(IntEnum):
+    """What joins two rooms."""
+
+    OPENING = 0
+    DOOR = 1
+    STAIRS = 2
+
+
+@dataclass(frozen=True)
+class Portals:
+    """Where rooms meet."""
+
+    room: Int[np.ndarray, "p 2"]  # room indices, the lower first; -1 outdoors
+    pos: Float[np.ndarray, "p 3"]  # [m], middle, on the floor
+    width: Float[np.ndarray, " p"]  # [m], over which an agent's axis can cross; 0: agents cannot
+    kind: Int[np.ndarray, " p"]  # PortalKind
+
+
+FIELD_UNIT = 0.0025  # [m], of stored geodesic distances
+FIELD_FAR = 65535  # stored distance where there is no path
+
+
+@dataclass(frozen=True)
+class Navigation:
+    """Where an agent can stand: one grid per level that has rooms, the lowest first; row = y, column = x.
+
+    Starts and goals lie in region 0, the home region: the largest one of the ground floor, and where agents climb
+    stairs, of the levels that are joined to it. Its cells are numbered in the order of the grids.
+    """
+
+    origin: Float[np.ndarray, " 2"]  # [m], corner of cell (0, 0) of every grid
+    cell: float  # [m]
+    level: Int[np.ndarray, " l"]  # level index of each grid
+    floor: Float[np.ndarray, " l"]  # [m], lowest floor of each level
+    region: Int[np.ndarray, "l ny nx"]  # connected region where the agent's axis may be, larger before smaller; -1 none
+    region_area: Float[np.ndarray, " n"]  # [m^2]
+    room: Int[np.ndarray, "l ny nx"]  # room index; -1 outside
+    start: Float[np.ndarray, "s 3"]  # [m], sampled points of the home region, on the floor
+    goal: Float[np.ndarray, "g 3"]
+    field: UInt16[np.ndarray, "c g"]  # [FIELD_UNIT], geodesic distance of each home cell to each goal; FIELD_FAR
+    portals: Portals
+    room_hops: Int[np.ndarray, "r r"]  # least number of portals on the way between two rooms; -1 no way
+
+    @property
+    def free(self) -> Bool[np.ndarray, "l ny nx"]:
+        """The home region."""
+        return self.region == 0
+
+    @property
+    def place(self) -> Int[np.ndarray, "c 3"]:
+        """Grid, row and column of each home cell."""
+        return np.argwhere(self.free)
+
+    def distance(self, goal: int) -> Float[np.ndarray, "l ny nx"]:
+        """Geodesic distance to a goal [m]; inf where there is no path."""
+        field = np.full(self.region.shape, np.inf)
+        field[self.free] = np.where(self.field[:, goal] == FIELD_FAR, np.inf, self.field[:, goal] * FIELD_UNIT)
+        return field
+
+
+@dataclass(frozen=True)
+class CompiledHouse:
+    """A house ready for the engines."""
+
+    id: str
+    offset: Float[np.ndarray, " 3"]  # [m], added to file coordinates (after Z up) to get the world frame
+    box: Float[np.ndarray, "2 3"]
+    instances: Instances
+    top: Tree  # over static instances
+    materials: MaterialTable
+    semantics: Int[np.ndarray, "q 23"]  # columns: Semantic
+    colliders: Colliders
+    bodies: Bodies
+    planes: Planes
+    rooms: Rooms
+    navigation: Navigation
+    models: Mapping[str, Model]
+    report: Mapping[str, int]  # counts: levels, rooms, objects, parts, triangles, ...
+    doors: Doors = field(default_factory=Doors.none)
+    lights: LightTable = field(default_factory=LightTable.none)
+    gloss: Gloss = field(default_factory=lambda: Gloss.matt(0))  # of the first rows of `materials`; the rest is matt
+    stuck: Int[np.ndarray, " n"] = field(default_factory=lambda: np.zeros(0, np.int32))  # object ids: see `Solid.stuck`
+
+
+TextureArray = UInt8[np.ndarray, "l p 4"]  # layers, texels of all mip levels

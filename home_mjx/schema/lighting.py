@@ -1,0 +1,56 @@
+"""What gives light and how surfaces gloss, as arrays of one house; `lights` and `gloss` make them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+REFLECTANCE = 0.4  # mean of a room's surfaces
+
+
+SOURCES = ("lamps", "daylight")  # of the ambient light
+
+
+@dataclass(frozen=True)
+class LightTable:
+    """Lights in the frames of the instances that carry them, so that a lamp that is moved takes its light along.
+
+    A light is a point, a line (`axis_u` alone) or a rectangle, and shines with `intensity * max(cos, 0)**exponent`
+    around `direction` as far as `cos >= cutoff`: a point light has exponent 0 and cutoff -2, a window exponent 1.
+    """
+
+    pos: Float[np.ndarray, "n 3"]  # [m], middle, in the model's frame
+    axis_u: Float[np.ndarray, "n 3"]  # [m], half extents
+    axis_v: Float[np.ndarray, "n 3"]
+    direction: Float[np.ndarray, "n 3"]  # unit
+    intensity: Float[np.ndarray, "n 3"]  # linear light [W/sr]; of daylight [m^2]: times the sky's radiance
+    exponent: Float[np.ndarray, " n"]
+    cutoff: Float[np.ndarray, " n"]  # cosine
+    area: Float[np.ndarray, " n"]  # [m^2], of rectangles
+    daylight: Bool[np.ndarray, " n"]
+    instance: Int[np.ndarray, " n"]  # that carries it and casts no shadow from it
+    room: Int[np.ndarray, " n"]  # that it lights; -1 none
+    ambient: Float[np.ndarray, "r 2 3"]  # irradiance [W/m^2] by room + 1 (0: in none) and source (`SOURCES`)
+
+    @staticmethod
+    def none() -> "LightTable":
+        """No lights and no ambient light."""
+        vectors = dict.fromkeys(("pos", "axis_u", "axis_v", "direction", "intensity"), np.zeros((0, 3)))
+        numbers = dict.fromkeys(("exponent", "cutoff", "area"), np.zeros(0))
+        rows = dict.fromkeys(("instance", "room"), np.zeros(0, np.int32))
+        ambient = np.zeros((1, len(SOURCES), 3))
+        return LightTable(**vectors, **numbers, **rows, daylight=np.zeros(0, bool), ambient=ambient)
+
+
+@dataclass(frozen=True)
+class Gloss:
+    """How the material rows of a house reflect besides their diffuse colour."""
+
+    specular: Float[np.ndarray, "r 3"]  # linear light, `Ks` of the MTL
+    shininess: Float[np.ndarray, " r"]  # Blinn-Phong exponent, `Ns`
+    mirror: Bool[np.ndarray, " r"]  # a flat mirror
+
+    @staticmethod
+    def matt(count: int) -> "Gloss":
+        """Rows without gloss."""
+        return Gloss(np.zeros((count, 3)), np.ones(count), np.zeros(count, bool))

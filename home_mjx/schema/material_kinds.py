@@ -1,0 +1,132 @@
+"""What a surface is made of: from the name of its texture, else from its transparency and the object's category."""
+
+from home_mjx.schema.categories import texture_family
+from home_mjx.schema.house import Material
+
+# The 20 families of Planner 5D's textures that HoME's paper speaks of, with the names that its code gave them.
+HOME_TEXTURE_KINDS = {
+    "beam": "wood",
+    "bricks": "bricks",
+    "carpet": "carpet",
+    "decorstone": "decoration stone",
+    "facing_stone": "facing stone",
+    "laminate": "laminate",
+    "leather": "leather",
+    "linen": "linen",
+    "lnm": "linoleum",
+    "paneling": "wood",
+    "path": "stone",
+    "potang": "potang",
+    "prkt": "wood",
+    "solo": "wood",
+    "stone": "stone",
+    "stucco": "stucco",
+    "textile": "textile",
+    "tile": "tile",
+    "wallp": "wallpaper",
+    "wood": "wood",
+}
+
+# Families that HoME left without a name.
+TEXTURE_KINDS = HOME_TEXTURE_KINDS | {
+    "concrete": "concrete",
+    "flower": "plant",
+    "glass": "glass",
+    "grass": "grass",
+    "ground": "ground",
+    "leaf": "plant",
+    "leaves": "plant",
+    "marble": "stone",
+    "metal": "metal",
+    "spruce": "plant",
+}
+
+# Untextured slots: the usual material of the visible surface, by coarse category.
+CATEGORY_KINDS = {
+    "air_conditioner": "plastic",
+    "arch": "wood",
+    "bathtub": "ceramic",
+    "bed": "textile",
+    "bench_chair": "wood",
+    "books": "paper",
+    "candle": "plastic",
+    "ceiling": "paint",
+    "chair": "wood",
+    "column": "concrete",
+    "computer": "plastic",
+    "curtain": "textile",
+    "desk": "wood",
+    "door": "wood",
+    "dresser": "wood",
+    "dressing_table": "wood",
+    "fan": "plastic",
+    "fence": "metal",
+    "fireplace": "stone",
+    "floor": "concrete",
+    "garage_door": "metal",
+    "grill": "metal",
+    "gym_equipment": "metal",
+    "hanging_kitchen_cabinet": "wood",
+    "heater": "metal",
+    "household_appliance": "metal",
+    "indoor_lamp": "metal",
+    "kitchen_appliance": "metal",
+    "kitchen_cabinet": "wood",
+    "kitchen_set": "wood",
+    "kitchenware": "ceramic",
+    "magazines": "paper",
+    "mailbox": "metal",
+    "mirror": "glass",
+    "music": "wood",
+    "ottoman": "textile",
+    "outdoor_lamp": "metal",
+    "partition": "wood",
+    "person": "textile",
+    "pet": "textile",
+    "picture_frame": "wood",
+    "pillow": "textile",
+    "plant": "plant",
+    "roof": "tile",
+    "rug": "carpet",
+    "safe": "metal",
+    "shelving": "wood",
+    "shoes": "leather",
+    "shoes_cabinet": "wood",
+    "shower": "ceramic",
+    "sink": "ceramic",
+    "sofa": "textile",
+    "stairs": "wood",
+    "stand": "wood",
+    "storage_bench": "wood",
+    "table": "wood",
+    "table_and_chair": "wood",
+    "television": "plastic",
+    "toilet": "ceramic",
+    "toy": "plastic",
+    "trash_can": "plastic",
+    "tv_stand": "wood",
+    "vase": "ceramic",
+    "vehicle": "metal",
+    "wall": "paint",
+    "wardrobe_cabinet": "wood",
+    "whiteboard": "plastic",
+    "window": "plastic",
+    "wood_board": "wood",
+    "workplace": "wood",
+}
+
+MATERIAL_KINDS = tuple(sorted({*TEXTURE_KINDS.values(), *CATEGORY_KINDS.values()}))
+
+
+def material_kind(material: Material, coarse: str) -> str:
+    """Kind of one resolved material slot, one of `MATERIAL_KINDS`; "" if nothing tells.
+
+    Args:
+        material: The slot, after overrides.
+        coarse: Coarse category of the object, or "wall", "floor", "ceiling".
+    """
+    if material.texture is not None:
+        return TEXTURE_KINDS.get(texture_family(material.texture.stem), "")
+    if material.opacity is not None and material.opacity < 1 and coarse not in ("curtain", "plant"):
+        return "glass"
+    return CATEGORY_KINDS.get(coarse, "")

@@ -1,0 +1,75 @@
+"""Rows of the semantic table: what a hit means."""
+
+from enum import IntEnum
+
+import numpy as np
+from jaxtyping import Int
+
+from home_mjx.schema.categories import coarse_index, fine_index, nyu40_index
+
+
+class Semantic(IntEnum):
+    """Columns of the semantic table; -1 means none."""
+
+    OBJECT = 0  # node index in file order, over all levels
+    FINE = 1  # index into the sorted v1 fine categories; names only in v2 follow
+    COARSE = 2
+    NYU40 = 3  # 0 void, 1 wall .. 40 otherprop
+    ROOM = 4  # room index in the house
+    LEVEL = 5
+    PARTITION = 6  # physical wall or slab: sound pays its transmission once per crossing
+    MOVABLE = 7  # movable slot
+    ROOM_TYPE = 8  # index into ROOM_TYPES
+    MATERIAL = 9  # index into MATERIAL_KINDS
+    SIZE = 10  # within the category, index into SIZES
+    BASIC = 11  # colour of most area, index into the palette of 16; two more that cover enough follow
+    BASIC_2 = 12
+    BASIC_3 = 13
+    CSS = 14  # the same of the palette of 139
+    CSS_2 = 15
+    CSS_3 = 16
+    XKCD = 17  # and of 949
+    XKCD_2 = 18
+    XKCD_3 = 19
+    SUPPORT = 20  # index into SUPPORTS
+    SUPPORTER = 21  # object id of what it stands or lies on
+    CONTAINER = 22  # object id of what it is in
+
+
+def semantic_row(
+    fine: str,
+    coarse: str,
+    nyu40: str,
+    *,
+    object_id: int = -1,
+    room: int = -1,
+    level: int = -1,
+    partition: int = -1,
+    movable: int = -1,
+) -> Int[np.ndarray, " c"]:
+    """One row; columns are those of `Semantic`. Those that the semantic engine fills are -1.
+
+    Args:
+        fine: Fine v1 category; `unknown` for names that v1 lacks.
+        coarse: Coarse v1 category.
+        nyu40: NYUv2-40 class; `void` for unknown names.
+        object_id: Node index in file order over all levels.
+        room: Room index in the house.
+        level: Level index.
+        partition: Physical wall or slab.
+        movable: Movable slot.
+
+    Example:
+        >>> semantic_row("wall", "wall", "wall", level=0, partition=3)[[Semantic.NYU40, Semantic.PARTITION]]
+        array([1, 3], dtype=int32)
+    """
+    row = np.full(len(Semantic), -1, np.int32)
+    row[Semantic.OBJECT] = object_id
+    row[Semantic.FINE] = fine_index(fine)
+    row[Semantic.COARSE] = coarse_index(coarse)
+    row[Semantic.NYU40] = nyu40_index(nyu40)
+    row[Semantic.ROOM] = room
+    row[Semantic.LEVEL] = level
+    row[Semantic.PARTITION] = partition
+    row[Semantic.MOVABLE] = movable
+    return row

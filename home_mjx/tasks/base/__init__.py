@@ -1,0 +1,1 @@
+"""Options, state, keys and poses that tasks and sensors share."""

@@ -1,0 +1,180 @@
+"""What can be chosen about an environment; everything here is fixed when its step is compiled."""
+
+import dataclasses
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+from home_mjx.audio_jax.auralization.sources import CLIPS
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.core.checks import check_flag, check_known, check_names, check_number, check_type
+from home_mjx.errors import ConfigError
+from home_mjx.physics.config import PhysicsConfig
+from home_mjx.raycast_render.cameras.camera import Lens, has_intrinsics
+from home_mjx.raycast_render.executors.choose import find_executor
+from home_mjx.raycast_render.shading.preset import Preset, resolve
+
+PIXEL_KINDS = ("rgb", "depth", "normal")
+CAMERA_KINDS = ("intrinsics", "pose", "valid")
+ID_KINDS = ("instance", "fine", "coarse", "nyu40", "room", "level", "material", "room_type", "size", "color")
+VECTOR_SENSORS = ("audio", "state", "goal")
+VIEW_KINDS = PIXEL_KINDS + ID_KINDS + CAMERA_KINDS
+SENSORS = VIEW_KINDS + VECTOR_SENSORS
+DEFAULT_SENSORS = ("rgb", "depth", "instance", "fine", "audio", "state", "goal")
+
+
+@dataclass(frozen=True)
+class AgentCamera:
+    """A camera on an agent's head.
+
+    Attributes:
+        name: First part of its observations' names.
+        kinds: What it gives, from `VIEW_KINDS`.
+        lens: How it images.
+        fovy: Vertical field of view [degrees]; of an orthographic camera the height of the image [m].
+        offset: From the eyes [m], forward, left and up of the body.
+        yaw: Turned to the left of straight ahead [degrees].
+        pitch: Turned up [degrees].
+        looks: It follows the agent's looking up and down.
+
+    Example:
+        >>> AgentCamera("scanner", ("depth",), Lens(360, 16, "lidar"), looks=False).lens.shape
+        (16, 360)
+    """
+
+    name: str
+    kinds: tuple[str, ...] = ("rgb", "depth")
+    lens: Lens = field(default_factory=Lens)
+    fovy: float = 90.0
+    offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    yaw: float = 0.0
+    pitch: float = 0.0
+    looks: bool = True
+
+    def __post_init__(self) -> None:
+        check_names("kind of view", self.kinds, VIEW_KINDS)
+        check_type("lens", self.lens, Lens)
+        check_flag("looks", self.looks)
+        if not isinstance(self.offset, tuple | list) or len(self.offset) != 3:
+            raise ConfigError(f"`offset` must be three numbers, got {self.offset}")
+        if not isinstance(self.name, str) or not self.name:
+            raise ConfigError(f"a camera needs a name, got {self.name!r}")
+        for name, value in zip(("offset",) * 3 + ("yaw", "pitch"), (*self.offset, self.yaw, self.pitch), strict=True):
+            check_number(f"{name} of camera {self.name}", value)
+        if "intrinsics" in self.kinds and not has_intrinsics(self.lens):
+            raise ConfigError(f"camera `{self.name}` of model `{self.lens.model}` has no matrix of intrinsics")
+        check_number(f"fovy of camera {self.name}", self.fovy)
+        limit = math.inf if self.lens.model == "orthographic" else 180
+        if not (0 < self.fovy < limit):
+            raise ConfigError(f"`fovy` of camera `{self.name}` must be in (0, {limit}), got {self.fovy}")
+
+
+@dataclass(frozen=True)
+class EnvConfig:
+    """Options of an environment.
+
+    Attributes:
+        sensors: What is observed, from `SENSORS`; nothing else is computed.
+        width: Image width [px].
+        height: Image height [px].
+        fovy: Vertical field of view [degrees].
+        samples: Rays per pixel of the colour image.
+        rgb_preset: How colour images are lit: "fast", "lit", or a `Lit` with options.
+        cameras: Further cameras, beside the `head` camera of the sensors.
+        eye_height: Camera and ears above the floor [m].
+        depth_max: Observed depth is clipped here [m].
+        look_rate: Fastest change of pitch [rad/s].
+        pitch_max: Largest look up or down [rad].
+        episode_length: Steps until truncation.
+        source_height: Sound source above the floor [m].
+        clip: Name of the sound that the source plays, see `home_mjx.audio_jax.clip`.
+        executor: Ray executor, None for the platform's best.
+        physics: Agents, bodies and solver.
+        audio: Sound.
+    """
+
+    sensors: tuple[str, ...] = DEFAULT_SENSORS
+    width: int = 64
+    height: int = 64
+    fovy: float = 90.0
+    samples: int = 1
+    rgb_preset: Preset = "fast"
+    cameras: tuple[AgentCamera, ...] = ()
+    eye_height: float = 1.5
+    depth_max: float = 10.0
+    look_rate: float = 1.5
+    pitch_max: float = 1.0
+    episode_length: int = 500
+    source_height: float = 1.0
+    clip: str = "radio"
+    executor: str | None = None
+    physics: PhysicsConfig = field(default_factory=PhysicsConfig)
+    audio: AudioConfig = field(default_factory=AudioConfig)
+
+    def __post_init__(self) -> None:
+        check_names("sensor", self.sensors, SENSORS)
+        check_known("clip", [self.clip], CLIPS)
+        find_executor(self.executor)
+        resolve(self.rgb_preset)
+        self._check_numbers()
+        self._check_parts()
+
+    def _check_numbers(self) -> None:
+        for name in ("width", "height", "samples", "episode_length"):
+            check_number(name, getattr(self, name), 1, whole=True)
+        limits = {
+            "fovy": (1, 179.9),  # [degrees]
+            "eye_height": (0, 10),
+            "source_height": (0, 10),
+            "depth_max": (0.01, math.inf),
+            "look_rate": (0, math.inf),
+            "pitch_max": (0, math.pi / 2),
+        }
+        for name, (least, most) in limits.items():
+            check_number(name, getattr(self, name), least, most)
+
+    def _check_parts(self) -> None:
+        if not all(isinstance(camera, AgentCamera) for camera in self.cameras):
+            raise ConfigError(f"`cameras` must be AgentCameras, got {self.cameras!r}")
+        names = [camera.name for camera in self.views]
+        if len({*names, "head"}) < len(self.cameras) + 1:
+            raise ConfigError(f"`cameras` must have names of their own, none of them `head`; got {', '.join(names)}")
+
+    @property
+    def views(self) -> tuple[AgentCamera, ...]:
+        """All cameras of an agent: the head's, if any sensor needs it, then `cameras`."""
+        kinds = tuple(s for s in self.sensors if s in VIEW_KINDS)
+        head = AgentCamera("head", kinds, Lens(self.width, self.height, samples=self.samples), self.fovy)
+        return (*((head,) if kinds else ()), *self.cameras)
+
+
+def make_config(**options: Any) -> EnvConfig:
+    """An `EnvConfig` from keyword options; those of `physics` and `audio` may be given flat.
+
+    Raises:
+        ConfigError: For an unknown option, with the closest known one.
+
+    Example:
+        >>> make_config(width=32, num_agents=2).physics.num_agents
+        2
+    """
+    parts = {"physics": PhysicsConfig, "audio": AudioConfig}
+    nested = {part: _names(cls) for part, cls in parts.items()}
+    check_known("option", options, [*_names(EnvConfig), *nested["physics"], *nested["audio"]])
+    top = {name: value for name, value in options.items() if name in _names(EnvConfig)}
+    for part, cls in parts.items():
+        flat = {name: value for name, value in options.items() if name in nested[part] and name not in top}
+        given = top.get(part, cls())
+        if not isinstance(given, cls):
+            raise ConfigError(f"`{part}` must be a {cls.__name__}, got {given!r}")
+        top[part] = dataclasses.replace(given, **flat)
+    for name in {"sensors", "cameras"} & set(top):
+        if isinstance(top[name], str) or not isinstance(top[name], Iterable):
+            raise ConfigError(f"`{name}` must be a tuple, got {top[name]!r}", hint="One alone is written (one,)")
+        top[name] = tuple(top[name])
+    return EnvConfig(**top)
+
+
+def _names(cls: type) -> list[str]:
+    return [f.name for f in dataclasses.fields(cls)]

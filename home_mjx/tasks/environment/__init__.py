@@ -1,0 +1,1 @@
+"""The environment, its automatic reset, saved episodes."""

@@ -1,0 +1,17 @@
+"""Pictures, videos and sounds for people."""
+
+from home_mjx.viz.media import write_mp4, write_wav
+from home_mjx.viz.pictures import captioned, depth_colours, enlarge, id_colours, sheet, waveform
+from home_mjx.viz.top_view import TopView
+
+__all__ = [
+    "TopView",
+    "captioned",
+    "depth_colours",
+    "enlarge",
+    "id_colours",
+    "sheet",
+    "waveform",
+    "write_mp4",
+    "write_wav",
+]

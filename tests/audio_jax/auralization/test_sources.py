@@ -1,0 +1,37 @@
+"""Clips: loud as promised, no seam, the same every time."""
+
+import numpy as np
+import pytest
+
+from home_mjx.audio_jax.auralization.sources import CLIPS, clip_samples
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.errors import ConfigError
+
+
+@pytest.mark.parametrize("name", CLIPS)
+def test_clips_have_the_promised_loudness_and_no_offset(name):
+    clip = clip_samples(name, AudioConfig())
+    assert clip.dtype == np.float32
+    assert clip.shape == (128000,)
+    assert np.sqrt(np.mean(clip.astype(float) ** 2)) == pytest.approx(0.1, rel=1e-5)
+    assert abs(clip.mean()) < 1e-6
+
+
+@pytest.mark.parametrize("name", CLIPS)
+def test_the_seam_is_no_rougher_than_the_rest(name):
+    """First and second differences across the loop's end stay within those inside."""
+    clip = clip_samples(name, AudioConfig()).astype(float)
+    for order in (1, 2):
+        steps = np.abs(np.diff(np.concatenate([clip[-4:], clip[:4]]), order))
+        assert steps.max() <= np.abs(np.diff(clip, order)).max() + 1e-9
+
+
+def test_clips_depend_on_name_and_rate_only():
+    a, b = (clip_samples("speech", config) for config in (AudioConfig(), AudioConfig(num_rays=3)))
+    np.testing.assert_array_equal(a, b)
+    assert clip_samples("speech", AudioConfig(sample_rate=8000)).shape == (64000,)
+
+
+def test_unknown_clip_is_refused():
+    with pytest.raises(ConfigError, match="Did you mean `radio`"):
+        clip_samples("raido", AudioConfig())

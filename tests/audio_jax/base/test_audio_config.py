@@ -1,0 +1,36 @@
+"""Options of sound: what cannot be used is refused with a reason."""
+
+import pytest
+
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.errors import ConfigError
+
+
+def test_lengths_follow_from_rates():
+    config = AudioConfig(sample_rate=48000, ctrl_dt=0.05, response_seconds=1.0)
+    assert (config.frame, config.bin_samples, config.num_bins, config.response_length) == (2400, 192, 250, 48000)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"sample_rate": 22050, "ctrl_dt": 0.033}, "`ctrl_dt` must hold a whole number of samples, got 727.65"),
+        ({"bin_seconds": 0.00303}, "`bin_seconds` must hold a whole number of samples"),
+        ({"bin_seconds": 0.0040625, "response_seconds": 0.40625}, "even number of samples, got 65"),
+        ({"response_seconds": 0.5001}, "`response_seconds` must hold a whole number of bins"),
+        ({"num_rays": 0}, "`num_rays` must be a whole number of at least 1, got 0"),
+        ({"num_reflections": -1}, "`num_reflections` must be a whole number of at least 0, got -1"),
+        ({"head_radius": 0.0}, "`head_radius` must be positive"),
+        ({"humidity": 150.0}, "humidity of 0..100 %"),
+        ({"receiver": "binural"}, "Did you mean `binaural`"),
+        ({"detector": "rein"}, "Did you mean `rain`"),
+    ],
+)
+def test_unusable_values_are_refused(options, message):
+    with pytest.raises(ConfigError, match=message):
+        AudioConfig(**options)
+
+
+def test_configs_are_hashable_and_compare_by_value():
+    assert hash(AudioConfig()) == hash(AudioConfig(sample_rate=16000))
+    assert AudioConfig() != AudioConfig(num_rays=65)

@@ -1,0 +1,15 @@
+"""Generated houses that several tests look at, each made once."""
+
+from functools import cache
+
+from home_mjx.datasets.procedural.build import house_id, to_house
+from home_mjx.datasets.procedural.design import draw_design
+from home_mjx.schema.house import House
+
+designed = cache(draw_design)
+
+
+@cache
+def built(seed: int) -> House:
+    """The same as `build_house`."""
+    return to_house(house_id(seed), designed(seed))

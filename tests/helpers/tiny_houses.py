@@ -1,0 +1,76 @@
+"""Hand-made houses for the physics: a floor, a few static boxes, a few movable ones."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import jax.numpy as jnp
+import numpy as np
+from handmade import shoebox
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.bank.records import Physics
+
+NUM_COLLIDERS = 16
+NUM_BODIES = 4
+
+
+@dataclass(frozen=True)
+class Box:
+    pos: tuple[float, float, float]
+    size: tuple[float, float, float]  # half extents
+    yaw: float = 0.0
+    mass: float = 0.0
+    roll: float = 0.0  # about x, before the yaw
+
+    @property
+    def quat(self) -> np.ndarray:
+        (cy, sy), (cr, sr) = ((np.cos(a / 2), np.sin(a / 2)) for a in (self.yaw, self.roll))
+        return np.array([cy * cr, cy * sr, sy * sr, sy * cr])
+
+    @property
+    def inertia(self) -> np.ndarray:
+        x, y, z = np.square(self.size)
+        return self.mass / 3 * np.array([y + z, x + z, x + y])
+
+
+@dataclass(frozen=True)
+class TinyHouse:
+    static: Sequence[Box] = ()
+    movable: Sequence[Box] = ()
+    floor: float = 0.0
+
+
+def _table(rows, num, fill):
+    table = np.tile(np.asarray(fill, np.float32), (num, *[1] * np.ndim(fill)))
+    if rows:
+        table[: len(rows)] = np.stack(rows)
+    return table
+
+
+def _physics(house: TinyHouse, num_bodies: int) -> dict[str, np.ndarray]:
+    static, movable = house.static, house.movable
+    nothing = (0.0, 0.0, 0.0)
+    used = np.arange(num_bodies) < len(movable)
+    return {
+        "floor": np.float32(house.floor),
+        "collider_pos": _table([b.pos for b in static], NUM_COLLIDERS, (0.0, 0.0, -100.0)),
+        "collider_quat": _table([b.quat for b in static], NUM_COLLIDERS, (1.0, 0.0, 0.0, 0.0)),
+        "collider_size": _table([b.size for b in static], NUM_COLLIDERS, nothing),
+        "body_valid": used,
+        "body_instance": np.where(used, np.arange(num_bodies) + 1, -1).astype(np.int32),
+        # Padding that would break the solver if it were ever used.
+        "body_pos": _table([b.pos for b in movable], num_bodies, nothing),
+        "body_quat": _table([b.quat for b in movable], num_bodies, (0.0, 0.0, 0.0, 0.0)),
+        "body_size": _table([b.size for b in movable], num_bodies, nothing),
+        "body_mass": _table([b.mass for b in movable], num_bodies, 0.0),
+        "body_inertia": _table([b.inertia for b in movable], num_bodies, nothing),
+        "body_from_model": np.tile(np.eye(3, 4, dtype=np.float32), (num_bodies, 1, 1)),
+    }
+
+
+def make_bank(houses: Sequence[TinyHouse], num_bodies: int = NUM_BODIES) -> HouseBank:
+    """A bank with the physics of the given houses."""
+    tables = [_physics(house, num_bodies) for house in houses]
+    physics = Physics(**{name: jnp.asarray(np.stack([t[name] for t in tables])) for name in tables[0]})
+    bank = HouseBank.from_compiled([shoebox()])
+    return bank.replace(physics=physics, spec=bank.spec.replace(num_bodies=num_bodies, num_colliders=NUM_COLLIDERS))

@@ -1,0 +1,71 @@
+"""Distance fields on the device against SciPy's Dijkstra on the host."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from handmade import Furniture, shoebox
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.navigation.fields import distance_field, goal_fields
+from home_mjx.scene_compile.navigation import geodesic as host
+
+
+def on_device(free: np.ndarray, sources: np.ndarray, cell: float = 0.1) -> np.ndarray:
+    with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
+        return np.asarray(jax.jit(jax.vmap(distance_field, (None, 0, None)), static_argnums=2)(free, sources, cell))
+
+
+def single(free: np.ndarray, goals: np.ndarray) -> np.ndarray:
+    sources = np.zeros((len(goals), *free.shape), bool)
+    sources[np.arange(len(goals)), goals[:, 0], goals[:, 1]] = True
+    return sources
+
+
+@pytest.mark.parametrize("share", [0.55, 0.7, 0.95])
+def test_random_mazes(rng, share):
+    free = rng.random((40, 50)) < share
+    goals = rng.permutation(np.argwhere(free))[:8]
+    found = on_device(free, single(free, goals))
+    wanted = host.distance_fields(free[None], np.c_[np.zeros(8, int), goals], 0.1).T
+    np.testing.assert_allclose(found[:, free], wanted, rtol=1e-5)
+    assert np.isinf(found[:, ~free]).all()
+
+
+def test_a_spiral_takes_as_many_rounds_as_it_needs():
+    free = np.ones((41, 50), bool)
+    for turn in range(0, 20, 2):
+        free[turn + 1, turn : 49 - turn] = False
+        free[turn + 1 : 40 - turn, 48 - turn] = False
+        free[39 - turn, turn + 1 : 49 - turn] = False
+        free[turn + 3 : 40 - turn, turn + 1] = False
+    goal = np.argwhere(free)[:1]
+    found = on_device(free, single(free, goal))
+    wanted = host.distance_fields(free[None], np.c_[[0], goal], 0.1).T
+    np.testing.assert_allclose(found[:, free], wanted, rtol=1e-4)
+
+
+def test_the_nearest_of_several_sources_counts(rng):
+    free = rng.random((40, 50)) < 0.8
+    goals = rng.permutation(np.argwhere(free))[:5]
+    together = on_device(free, single(free, goals).any(axis=0)[None])[0]
+    np.testing.assert_allclose(together, on_device(free, single(free, goals)).min(axis=0), rtol=1e-6)
+
+
+def test_sources_that_are_not_free_lead_nowhere():
+    free = np.ones((40, 50), bool)
+    free[3, 4] = False
+    assert np.isinf(on_device(free, single(free, np.array([[3, 4]])))).all()
+
+
+def test_fields_of_a_house_agree_with_the_stored_ones():
+    house = shoebox(furniture=[Furniture((0.0, 0.5), size=(3.0, 0.3, 1.0))])
+    n, bank = house.navigation, HouseBank.from_compiled([house])
+    with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
+        fields = np.asarray(jax.jit(goal_fields)(bank, jnp.int32(0), jnp.int32(0), bank.navigation.goal[0, :4]))
+    ny, nx = n.region.shape[1:]
+    for g in range(4):
+        stored, found = n.distance(g)[0][n.free[0]], fields[g, :ny, :nx][n.free[0]]
+        # Sources reach to the neighbours of the goal's cell: at most one diagonal step nearer.
+        assert (stored - found).min() > -0.01
+        assert (stored - found).max() < 0.1 * 2**0.5 + 0.01

@@ -1,0 +1,86 @@
+"""Look-ups in the navigation grids on the device, against the compiled houses on the host."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from handmade import Furniture, shoebox, two_rooms
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.navigation.grid import cell_of, geodesic_distance, ground_fields, random_position, room_of
+from home_mjx.schema.compiled import FIELD_UNIT
+
+CHEST = Furniture((1.0, 0.5), size=(2.0, 1.0, 1.0))
+
+
+@pytest.fixture(scope="module")
+def houses():
+    return [two_rooms(), shoebox(furniture=[CHEST])]
+
+
+@pytest.fixture(scope="module")
+def bank(houses) -> HouseBank:
+    return HouseBank.from_compiled(houses)
+
+
+def strictly(function, *args):
+    with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
+        return jax.jit(function)(*args)
+
+
+def test_distances_at_cell_centres_are_those_of_the_field(bank, houses):
+    for h, house in enumerate(houses):
+        n = house.navigation
+        places = n.place[:: len(n.place) // 50]
+        points = np.c_[(places[:, :0:-1] + 0.5) * n.cell + n.origin, np.zeros(len(places))].astype(np.float32)
+        found = strictly(jax.vmap(lambda p, h=h: geodesic_distance(bank, jnp.int32(h), None, p)), points)
+        wanted = np.stack([n.distance(g)[tuple(places.T)] for g in range(len(n.goal))], axis=1)
+        # The way over a neighbour's centre is as long, or longer by what rounding to FIELD_UNIT takes.
+        np.testing.assert_allclose(found[:, : len(n.goal)], wanted, atol=2 * FIELD_UNIT)
+        one = strictly(jax.vmap(lambda p, h=h: geodesic_distance(bank, jnp.int32(h), jnp.int32(3), p)), points)
+        np.testing.assert_array_equal(one, found[:, 3])
+
+
+def test_no_way_is_infinite(bank):
+    outside = jnp.array([50.0, 0.0, 0.0])
+    assert np.isinf(strictly(geodesic_distance, bank, jnp.int32(0), jnp.int32(0), outside))
+
+
+def test_rooms_of_points(bank):
+    points = np.array([[-2, 0, 0], [2, 0, 0.8], [0.0, 9, 0]], np.float32)
+    assert strictly(jax.vmap(lambda p: room_of(bank, jnp.int32(0), p)), points).tolist() == [0, 1, -1]
+
+
+def test_level_of_a_point_is_the_floor_below_it(bank):
+    floor = jnp.array([[0.0, 2.8, jnp.inf]] * 2, jnp.float32)
+    navigation = bank.navigation.replace(floor=floor, room=jnp.tile(bank.navigation.room, (1, 3, 1, 1)))
+    tall = bank.replace(navigation=navigation)
+    heights = jnp.array([-1.0, 0.0, 0.8, 2.4, 2.6, 3.6])
+    points = jnp.zeros((6, 3)).at[:, 2].set(heights)
+    cells = strictly(jax.vmap(lambda p: cell_of(tall, jnp.int32(0), p)), points)
+    assert cells[:, 0].tolist() == [0, 0, 0, 0, 1, 1]
+
+
+def test_ground_fields_are_the_hosts(bank, houses):
+    n = houses[1].navigation
+    ny, nx = n.region.shape[1:]
+    fields = ground_fields(bank, 1)[:, :ny, :nx]
+    np.testing.assert_allclose(fields[5], n.distance(5)[0], rtol=1e-6)
+
+
+def test_random_positions_are_free_and_uniform(bank, houses):
+    """The chest stops agents, and either side of the room gets its share by area (binomial, 5 sigma)."""
+    n, count = houses[1].navigation, 4000
+    keys = jax.random.split(jax.random.key(0), count)
+    points = np.asarray(strictly(jax.vmap(lambda k: random_position(bank, jnp.int32(1), k)), keys))
+    gap = np.maximum(abs(points[:, :2] - CHEST.position) - np.array(CHEST.size[:2]) / 2, 0)
+    assert np.linalg.norm(gap, axis=1).min() >= 0.1
+    assert (abs(points[:, :2]) <= np.array([3.0, 2.5]) - 0.1).all()
+    centres = (n.place[:, :0:-1] + 0.5) * n.cell + n.origin
+    for axis in (0, 1):
+        for at in (-1.0, 0.0, 1.0):
+            share = (centres[:, axis] > at).mean()
+            sigma = np.sqrt(share * (1 - share) / count)
+            edge = (abs(centres[:, axis] - at) < n.cell / 2).mean()
+            assert abs((points[:, axis] > at).mean() - share) < 5 * sigma + edge
+    assert len(np.unique(points[:, :2], axis=0)) > 0.99 * count

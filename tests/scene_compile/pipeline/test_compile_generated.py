@@ -1,0 +1,73 @@
+"""What must hold in every house, on some that the generator made."""
+
+import numpy as np
+import pytest
+from house_checks import cell_points, crossed_partitions, mujoco_contacts, nearest, obstacle_points
+
+from home_mjx.datasets.procedural.dataset import generate_dataset
+from home_mjx.datasets.suncg.dataset import open_dataset
+from home_mjx.scene_compile.pipeline.compile import compile_house
+from home_mjx.schema.compiled import CompiledHouse
+from home_mjx.schema.semantic import Semantic
+
+
+@pytest.fixture(scope="module")
+def houses(tmp_path_factory) -> list[CompiledHouse]:
+    root = tmp_path_factory.mktemp("generated")
+    ids = generate_dataset(root, range(2))
+    dataset = open_dataset(root)
+    return [compile_house(dataset.load_house(i), dataset.metadata) for i in ids]
+
+
+def test_all_rooms_are_connected(houses):
+    for house in houses:
+        assert set(house.navigation.room[house.navigation.free].tolist()) == set(range(house.report["rooms"]))
+        assert house.report["rooms"] >= 3
+
+
+def test_nothing_of_the_meshes_is_in_free_space(houses):
+    for house in houses:
+        points = obstacle_points(house, ("curtain", "rug", "door"))
+        assert nearest(points, cell_points(house)[house.navigation.free]).min() > 0.15 - 0.01
+
+
+def test_bodies_stand_free(houses):
+    for house in houses:
+        assert len(house.bodies.mass) > 0
+        assert mujoco_contacts(house) == []
+
+
+def test_a_way_through_a_wall_crosses_one_partition(houses):
+    """From one side of a wall to the other, away from where walls meet: all copies of it are one."""
+    for house in houses:
+        planes, ways = house.planes, 0
+        wall = abs(planes.normal[:, 2]) < 0.5
+        for i in np.flatnonzero(wall):
+            across = wall & (abs(planes.normal @ planes.normal[i]) < 0.1)
+            for share in (-0.6, 0.0, 0.35):
+                point = planes.center[i] + 0.9 * planes.axis_v[i] + share * planes.axis_u[i]  # above all openings
+                gaps = abs(np.einsum("pd,pd->p", planes.center[across] - point, planes.normal[across]))
+                if gaps.min() > 0.2:
+                    way = point + 0.11 * planes.normal[i], point - 0.21 * planes.normal[i]
+                    assert len(crossed_partitions(house, *way)) == 1
+                    ways += 1
+        assert ways > wall.sum()
+
+
+def test_semantic_rows_name_their_instances(houses):
+    for house in houses:
+        rows = house.semantics[house.instances.semantic[1:]]
+        np.testing.assert_array_equal(rows[:, Semantic.OBJECT], house.instances.object_id[1:])
+        np.testing.assert_array_equal(rows[:, Semantic.MOVABLE], house.instances.body[1:])
+        # One instance per object, and one more for each leaf of its doors.
+        assert len(set(house.instances.object_id.tolist())) == len(house.instances.model) - len(house.doors.instance)
+
+
+def test_compiling_again_gives_the_same(houses, tmp_path):
+    ids = generate_dataset(tmp_path, [0])
+    dataset = open_dataset(tmp_path)
+    again = compile_house(dataset.load_house(ids[0]), dataset.metadata)
+    for record, field in (("navigation", "start"), ("colliders", "pos"), ("bodies", "mass"), ("planes", "center")):
+        a, b = (getattr(getattr(h, record), field) for h in (houses[0], again))
+        assert a.tobytes() == b.tobytes()
+    assert again.models.keys() == houses[0].models.keys()

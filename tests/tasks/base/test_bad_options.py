@@ -1,0 +1,163 @@
+"""Options and arguments that cannot be used: a typed error that names them, before anything is compiled."""
+
+import subprocess
+import sys
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import home_mjx
+from home_mjx.errors import ConfigError, DatasetError
+from home_mjx.raycast_render.cameras.camera import Lens
+from home_mjx.raycast_render.shading.preset import Lit
+from home_mjx.scene_compile.navigation.free_space import NavigationOptions
+from home_mjx.tasks.base.config import AgentCamera, make_config
+
+NAN, INF = float("nan"), float("inf")
+
+
+REFUSED = {
+    make_config: [
+        ("width", 0), ("episode_length", 0), ("depth_max", -1.0), ("depth_max", NAN), ("eye_height", NAN),
+        ("source_height", INF), ("pitch_max", 10.0), ("executor", "gpu"), ("fovy", 180.0), ("num_agents", 0),
+        ("agent_mass", NAN), ("num_rays", 0), ("humidity", NAN),
+    ],
+    NavigationOptions: [
+        ("cell", 0.0), ("cell", -0.1), ("step", NAN), ("agent_height", NAN), ("agent_height", -2.0),
+        ("agent_radius", -1.0), ("margin", -1.0), ("num_goals", 0), ("num_starts", 0),
+    ],
+    Lit: [
+        ("exposure", NAN), ("sun_elevation", NAN), ("sky", INF), ("sun", NAN), ("num_lights", -1), ("bounces", -1),
+    ],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("make", "name", "value"), [(make, *row) for make, rows in REFUSED.items() for row in rows])
+def test_options_are_refused_by_name(make, name, value):
+    with pytest.raises(ConfigError, match=name):
+        make(**{name: value})
+
+
+def test_cameras_that_cannot_give_what_they_should_are_refused():
+    with pytest.raises(ConfigError, match="intrinsics"):
+        AgentCamera("scanner", ("intrinsics",), Lens(8, 8, "lidar"))
+    with pytest.raises(ConfigError, match="samples"):
+        Lens(samples=10**9)
+
+
+WRONG_TYPES = """
+from home_mjx import HouseFilter, HouseStream, make
+from home_mjx.errors import ConfigError
+from home_mjx.raycast_render import Lens
+from home_mjx.raycast_render.image.preset import Lit
+from home_mjx.scene_compile.compile import CompileOptions
+from home_mjx.scene_compile.navigation import NavigationOptions
+from home_mjx.scene_compile.suncg.reading import ReadOptions
+from home_mjx.tasks import AgentCamera, make_config
+
+options = [
+    ("width", 3.5), ("width", "64"), ("width", True), ("height", float("nan")), ("samples", 1.5), ("look_rate", "x"),
+    ("fovy", "a"), ("num_agents", 1.5), ("agent_mass", "heavy"), ("num_rays", 2.5), ("sensors", None),
+    ("sensors", "rgb"), ("cameras", None), ("cameras", ["x"]), ("rgb_preset", 5), ("clip", None), ("physics", {}),
+    ("audio", "x"),
+]
+calls = {f"{name}={value!r}": lambda name=name, value=value: make_config(**{name: value}) for name, value in options}
+calls |= {
+    "camera without name": lambda: AgentCamera(""),
+    "one kind": lambda: AgentCamera("scanner", "depth"),
+    "place": lambda: AgentCamera("scanner", offset=(0.0, "up", 0.0)),
+    "pixels": lambda: Lens(10**20, 2.5),
+    "no elevation": lambda: Lens(elevation=()),
+    "one elevation": lambda: Lens(elevation=(5.0,)),
+    "half a light": lambda: Lit(num_lights=2.5),
+    "half a bounce": lambda: Lit(bounces=1.5),
+    "options": lambda: CompileOptions(read=3),
+    "rooms of letters": lambda: HouseFilter(rooms=("a", "b")),
+    "half open rooms": lambda: HouseFilter(rooms=(None, 3)),
+    "half a slot": lambda: HouseStream("nowhere", num_slots=2.5),
+    "no room": lambda: HouseStream("nowhere", headroom=0.0),
+    "seed": lambda: HouseStream("nowhere", seed=-1),
+    "lens": lambda: AgentCamera("scanner", lens="lidar"),
+    "two numbers": lambda: AgentCamera("scanner", offset=(1.0, 2.0)),
+    "looks": lambda: AgentCamera("scanner", looks="no"),
+    "climb": lambda: NavigationOptions(climb="no"),
+    "half a goal": lambda: NavigationOptions(num_goals=2.5),
+    "people": lambda: ReadOptions(people="no"),
+    "id": lambda: make(None),
+    "split": lambda: make("PointNav-v0", split=5),
+    "houses": lambda: make("PointNav-v0", houses=5),
+    "num_houses": lambda: make("PointNav-v0", num_houses="8"),
+    "half a house": lambda: make("PointNav-v0", num_houses=1.5),
+    "rooms": lambda: HouseFilter(rooms=5),
+    "category": lambda: HouseFilter(categories="bed"),
+}
+for name, call in calls.items():
+    try:
+        call()
+    except ConfigError:
+        continue
+    raise SystemExit(f"{name} was taken")
+"""
+
+
+def test_wrong_types_are_refused_as_users_give_them():
+    """In a process of its own, without the type checks that pytest turns on."""
+    done = subprocess.run([sys.executable, "-c", WRONG_TYPES], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("size", [(0, 8), (10**9, 8), (10**5, 10**5)])
+def test_images_of_impossible_size_are_refused(size):
+    with pytest.raises(ConfigError, match=r"pixels|width"):
+        Lens(*size)
+    with pytest.raises(ConfigError, match=r"pixels|width"):
+        make_config(width=size[0], height=size[1])
+
+
+def test_cameras_are_refused_by_name():
+    with pytest.raises(ConfigError, match="needs a name"):
+        AgentCamera("")
+    with pytest.raises(ConfigError, match="offset of camera scanner"):
+        AgentCamera("scanner", offset=(0.0, NAN, 0.0))
+
+
+@pytest.mark.parametrize("num", [-1, 0])
+def test_counts_of_houses_are_refused(num):
+    with pytest.raises(ConfigError, match="num_houses"):
+        home_mjx.make("PointNav-v0", num_houses=num)
+
+
+def test_what_is_no_dataset_is_refused(monkeypatch, tmp_path):
+    with pytest.raises(ConfigError, match="unknown split"):
+        home_mjx.make("PointNav-v0", split="all")
+    monkeypatch.setenv("SUNCG_DATA_DIR", str(tmp_path / "absent"))
+    with pytest.raises(DatasetError, match="absent"):
+        home_mjx.make("PointNav-v0", num_houses=1)
+
+
+@pytest.fixture(scope="module")
+def env(generated_bank):
+    return home_mjx.make("PointNav-v0", generated_bank, sensors=("depth", "state"), width=16, height=16)
+
+
+@pytest.mark.parametrize("house", [-1, 2, 10**6])
+def test_a_house_out_of_range_is_the_nearest_one(env, house):
+    """Native code must never read past its arrays, whatever a jitted caller gives."""
+    reset = jax.jit(env.reset_in)
+    state, near = (reset(env.bank, jax.random.key(0), jnp.int32(i)) for i in (house, min(max(house, 0), 1)))
+    np.testing.assert_array_equal(state.obs["pixels/head_depth"], near.obs["pixels/head_depth"])
+
+
+def test_nan_actions_count_as_none(env):
+    step, state = jax.jit(env.step), jax.jit(env.reset)(jax.random.key(0))
+    bad, still = (step(state, jnp.array([0.3, x, x, x], jnp.float32)) for x in (jnp.nan, 0.0))
+    for name, value in bad.obs.items():
+        np.testing.assert_array_equal(value, still.obs[name])
+
+
+def test_actions_of_other_shapes_are_refused(env):
+    state = jax.eval_shape(env.reset, jax.ShapeDtypeStruct((2,), jnp.uint32))
+    with pytest.raises(ConfigError, match=r"shape \(4,\), got \(2, 2\)"):
+        jax.eval_shape(env.step, state, jax.ShapeDtypeStruct((2, 2), jnp.float32))

@@ -1,0 +1,142 @@
+import dataclasses
+import json
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from handmade import Furniture, shoebox
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.errors import ConfigError, DatasetError
+from home_mjx.navigation.grid import geodesic_distance
+from home_mjx.tasks.base.config import make_config
+from home_mjx.tasks.environment.episodes import load_episodes, sample_episodes, save_episodes
+from home_mjx.tasks.environment.household import HouseholdEnv
+
+
+def houses():
+    plain = shoebox(furniture=[Furniture((0.0, 0.5), size=(3.0, 0.3, 1.0))])
+    other = shoebox((8.0, 5.0, 3.0), furniture=[Furniture((1.0, 1.0), mass=5.0)])
+    return [dataclasses.replace(plain, id="a"), dataclasses.replace(other, id="b")]
+
+
+@pytest.fixture(scope="module")
+def bank() -> HouseBank:
+    return HouseBank.from_compiled(houses())
+
+
+@pytest.fixture(scope="module")
+def env(bank) -> HouseholdEnv:
+    return HouseholdEnv(bank, make_config(sensors=("state", "goal")))
+
+
+def test_episodes_have_the_length_that_was_asked_for(bank):
+    episodes = sample_episodes(bank, 200, min_length=2.0, max_length=4.0)
+    assert np.bincount(episodes.house).tolist() == [100, 100]
+    length = np.asarray(jax.vmap(lambda e: geodesic_distance(bank, e.house, e.goal, e.start))(episodes))
+    np.testing.assert_allclose(length, episodes.length, rtol=1e-6)
+    assert (length >= 2.0).all()
+    assert (length <= 4.0).all()
+    goals = bank.navigation.goal[episodes.house, episodes.goal]
+    straight = np.linalg.norm(goals - episodes.start, axis=-1)
+    assert (length >= straight - 0.01).all()
+    assert len(np.unique(episodes.start[:, 0])) > 190
+    assert len(np.unique(np.asarray(episodes.goal))) > 10
+
+
+def test_the_same_seed_gives_the_same_episodes(bank):
+    first, again, other = (sample_episodes(bank, 20, seed) for seed in (3, 3, 4))
+    jax.tree.map(np.testing.assert_array_equal, first, again)
+    assert (np.asarray(first.start) != np.asarray(other.start)).any()
+
+
+def test_lengths_that_do_not_occur_are_refused(bank):
+    with pytest.raises(ConfigError, match="house a"):
+        sample_episodes(bank, 2, min_length=90.0)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"yaw": np.inf}, {"yaw": None}, {"length": -5.0}, {"length": np.inf}, {"start": [900.0, 900.0, 0.0]},
+     {"start": [0.0, 0.0, 50.0]}, {"start": [np.nan] * 3}, {"start": [0.0, 0.5, 0.0]}],
+)  # fmt: skip
+def test_impossible_episodes_are_refused(bank, tmp_path, change):
+    path = tmp_path / "e.jsonl"
+    save_episodes(path, bank, sample_episodes(bank, 2))
+    first = path.read_text().splitlines()[0]
+    house = {"house": "a"} if "start" in change else {}
+    path.write_text(first + "\n" + json.dumps(json.loads(first) | change | house) + "\n")
+    with pytest.raises(DatasetError, match="line 2"):
+        load_episodes(path, bank)
+
+
+def test_files_keep_episodes_for_any_bank_of_the_houses(bank, tmp_path):
+    episodes = sample_episodes(bank, 12)
+    save_episodes(tmp_path / "e.jsonl", bank, episodes)
+    jax.tree.map(np.testing.assert_array_equal, load_episodes(tmp_path / "e.jsonl", bank), episodes)
+    turned = HouseBank.from_compiled(houses()[::-1])
+    other = load_episodes(tmp_path / "e.jsonl", turned)
+    np.testing.assert_array_equal(other.house, 1 - np.asarray(episodes.house))
+    np.testing.assert_array_equal(other.goal, episodes.goal)
+    assert len((tmp_path / "e.jsonl").read_text().splitlines()) == 12
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"house": "c"}, "no house c"),
+        ({"goal": [9.0, 9.0, 0.0]}, "no goal"),
+        ({"start": [0.0, 1.0]}, "three finite"),
+        ({"goal": [float("nan"), 0.0, 0.0]}, "three finite"),
+        ({"yaw": "north"}, "north"),
+        ({"length": None}, "no episode"),
+    ],
+)
+def test_broken_lines_are_named(bank, tmp_path, change, words):
+    path = tmp_path / "e.jsonl"
+    save_episodes(path, bank, sample_episodes(bank, 2))
+    first, second = path.read_text().splitlines()
+    path.write_text(f"{first}\n{json.dumps(json.loads(second) | change)}\n")
+    with pytest.raises(DatasetError, match=words) as caught:
+        load_episodes(path, bank)
+    assert caught.value.element == "line 2"
+
+
+def test_no_episodes_are_refused(bank, tmp_path):
+    (tmp_path / "e.jsonl").write_text("")
+    with pytest.raises(DatasetError, match="no episode"):
+        load_episodes(tmp_path / "e.jsonl", bank)
+
+
+def test_an_environment_replays_an_episode(bank, env):
+    episodes = sample_episodes(bank, 8, min_length=2.0)
+    keys = jax.random.split(jax.random.key(0), 8)
+    states = jax.jit(jax.vmap(env.begin, (None, 0, None, 0)))(bank, keys, None, episodes)
+    world = states.info["world"]
+    np.testing.assert_array_equal(world.house, episodes.house)
+    np.testing.assert_array_equal(world.goal, episodes.goal)
+    np.testing.assert_allclose(world.distance[:, 0], episodes.length, rtol=1e-6)
+    np.testing.assert_allclose(states.data.qpos[:, :2], episodes.start[:, :2], atol=1e-6)
+    one = jax.eval_shape(env.reset, keys[0], episodes.pick(jnp.int32(0)))
+    assert one.reward.shape == ()
+
+
+def test_starts_are_settled(generated_bank):
+    """Who does nothing for a second stays, and so does the furniture."""
+    env = HouseholdEnv(generated_bank, make_config(sensors=("state",)))
+    keys = jax.random.split(jax.random.key(0), 4)
+    states = jax.jit(jax.vmap(env.begin, (None, 0)))(env.bank, keys)
+    step = jax.jit(jax.vmap(env.advance, (None, 0, 0)))
+    before = states.data
+    for _ in range(10):
+        states = step(env.bank, states, jnp.zeros((4, 4)))
+    agent = np.abs(states.data.qpos[:, :3] - before.qpos[:, :3])
+    assert agent.max() < 0.01
+    valid = np.asarray(env.bank.physics.body_valid)[np.asarray(states.info["world"].house)]
+    bodies = [
+        np.asarray(d.qpos[:, 4 : 4 + 7 * valid.shape[1]]).reshape(4, -1, 7)[..., :3] for d in (states.data, before)
+    ]
+    moved = np.linalg.norm(bodies[0] - bodies[1], axis=-1)[valid]
+    assert np.quantile(moved, 0.95) < 0.02
+    assert moved.max() < 0.05

@@ -1,0 +1,107 @@
+"""Several cameras on one agent: names, shapes, where they look."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from handmade import Furniture, shoebox
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.errors import ConfigError
+from home_mjx.raycast_render.cameras.camera import Lens
+from home_mjx.raycast_render.scene.scene import make_scene
+from home_mjx.raycast_render.shading.preset import Lit
+from home_mjx.tasks.base.config import AgentCamera, make_config
+from home_mjx.tasks.base.pose import AgentPose
+from home_mjx.tasks.sensors.observe import observe_images
+
+CAMERAS = (
+    AgentCamera("back", ("depth", "instance"), Lens(9, 9), yaw=180.0),
+    AgentCamera("around", ("depth", "valid"), Lens(16, 4, "lidar", elevation=(0.0, 0.0)), looks=False),
+    AgentCamera(
+        "plan", ("instance", "pose"), Lens(8, 8, "orthographic"), 4.0, (0.5, 0.0, 0.0), pitch=-90.0, looks=False
+    ),
+)
+
+
+@pytest.fixture(scope="module")
+def bank():
+    return HouseBank.from_compiled([shoebox(furniture=(Furniture((-2.0, 0.0), (0.4, 0.4, 2.0)),))])
+
+
+def observe(bank, yaw=0.0, pitch=0.0, **options):
+    config = make_config(
+        **{"sensors": ("depth", "intrinsics", "pose"), "width": 9, "height": 9, "cameras": CAMERAS} | options
+    )
+    pose = AgentPose(jnp.array([[0.0, 0.0, 0.8]]), jnp.array([yaw]), jnp.array([pitch]))
+    bodies = bank.physics.body_pos[0], bank.physics.body_quat[0]
+    with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
+        scene = make_scene(bank, jnp.int32(0), *bodies, pose.pos, jnp.array([[1.0, 0, 0, 0]]))
+        images = jax.jit(lambda b, s: observe_images(config, b, s, pose))(bank, scene)
+    return {name: np.asarray(value)[0] for name, value in images.items()}
+
+
+def test_each_camera_gives_what_it_was_asked_for(bank):
+    shapes = {name: value.shape for name, value in observe(bank).items()}
+    assert shapes == {
+        "pixels/head_depth": (9, 9, 1),
+        "camera/head_intrinsics": (3, 3),
+        "camera/head_pose": (4, 4),
+        "pixels/back_depth": (9, 9, 1),
+        "ids/back_instance": (9, 9),
+        "pixels/around_depth": (4, 16, 1),
+        "camera/around_valid": (),
+        "ids/plan_instance": (8, 8),
+        "camera/plan_pose": (4, 4),
+    }
+
+
+def test_cameras_look_where_they_should(bank):
+    """The room is 6 m x 5 m; the agent in its middle looks along +x, a post stands 2 m behind it."""
+    images = observe(bank)
+    assert images["pixels/head_depth"][4, 4, 0] == pytest.approx(3.0, abs=1e-5)
+    assert images["pixels/back_depth"][4, 4, 0] == pytest.approx(1.8, abs=1e-5)
+    assert images["ids/back_instance"][4, 4] == 0
+    around = images["pixels/around_depth"][..., 0]
+    angle = np.pi - (np.arange(16) + 0.5) / 16 * 2 * np.pi
+    walls = np.minimum(3 / abs(np.cos(angle)), 2.5 / abs(np.sin(angle)))
+    np.testing.assert_allclose(around[:, 2:-2], np.broadcast_to(walls[2:-2], (4, 12)), rtol=1e-5)
+    np.testing.assert_allclose(images["camera/head_pose"][:3, 3], [0, 0, 1.5], atol=1e-6)
+    np.testing.assert_allclose(images["camera/head_pose"][:3, :3] @ [0, 0, -1], [1, 0, 0], atol=1e-6)
+    np.testing.assert_allclose(images["camera/plan_pose"][:3, :3] @ [0, 0, -1], [0, 0, -1], atol=1e-6)
+    np.testing.assert_allclose(images["camera/plan_pose"][:3, 3], [0.5, 0, 1.5], atol=1e-6)
+
+
+def test_only_cameras_that_look_follow_the_head(bank):
+    level, up = observe(bank), observe(bank, pitch=0.5)
+    np.testing.assert_array_equal(level["pixels/around_depth"], up["pixels/around_depth"])
+    # The ceiling is 1.5 m above the eyes; the middle ray climbs by tan(0.5) a metre and meets the wall at 3 m first.
+    assert up["pixels/head_depth"][4, 4, 0] == pytest.approx(min(3 / np.cos(0.5), 1.5 / np.sin(0.5)), rel=1e-5)
+    turned = observe(bank, yaw=np.pi / 2)
+    assert turned["pixels/head_depth"][4, 4, 0] == pytest.approx(2.5, abs=1e-5)
+    np.testing.assert_allclose(turned["camera/plan_pose"][:3, 3], [0, 0.5, 1.5], atol=1e-6)
+
+
+def test_environments_draw_with_the_preset_of_their_choice(bank):
+    """The room has no lights but daylight from nowhere, so the lit image is black where the fast one is not."""
+    options = {"sensors": ("rgb",), "cameras": ()}
+    fast, lit = (observe(bank, rgb_preset=preset, **options)["pixels/head_rgb"] for preset in ("fast", "lit"))
+    assert (fast.max(axis=-1) > 50).all()
+    assert (lit == 0).all()
+    light = bank.replace(lights=bank.lights.replace(ambient=jnp.ones_like(bank.lights.ambient)))
+    assert (observe(light, rgb_preset=Lit(sun=0.0), **options)["pixels/head_rgb"].max(axis=-1) > 50).all()
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: AgentCamera("a", kinds=("rgbb",)), "Did you mean `rgb`"),
+        (lambda: AgentCamera("a", fovy=180.0), "`fovy` of camera `a`"),
+        (lambda: make_config(cameras=(AgentCamera("head"),)), "names of their own"),
+        (lambda: make_config(rgb_preset="list"), "Did you mean `lit`"),
+        (lambda: make_config(cameras=(AgentCamera("a"), AgentCamera("a"))), "names of their own"),
+    ],
+)
+def test_wrong_cameras_are_refused(make, words):
+    with pytest.raises(ConfigError, match=words):
+        make()
