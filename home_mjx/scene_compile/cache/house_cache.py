@@ -15,7 +15,6 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-import home_mjx
 from home_mjx.core.paths import cache_folder
 from home_mjx.datasets.suncg.dataset import Dataset
 from home_mjx.datasets.suncg.digests import Inputs
@@ -208,7 +207,7 @@ def _version() -> str:
 
 def compiler_files() -> list[Path]:
     """Code and tables of `COMPILER`, in order."""
-    root = Path(home_mjx.__file__).parent
+    root = Path(__file__).parents[2]
     named = [root / name for name in COMPILER]
     found = [path for place in named for path in (place.rglob("*") if place.is_dir() else (place,))]
     return sorted(path for path in found if path.suffix in (".py", ".csv", ".json", ".npz"))
