@@ -27,7 +27,7 @@ class Template:
         spec: Capacities of the bank.
 
     Example:
-        >>> from home_mjx.scene_compile.bank import BankSpec
+        >>> from home_mjx.bank.records import BankSpec
         >>> spec = BankSpec(64, 8, 64, 64, 16, 4, 0.1)
         >>> Template(PhysicsConfig(), spec).model.nv
         52

@@ -24,7 +24,7 @@ def hull_of(box):
 @pytest.mark.parametrize("collision", ["box", "exact"])
 def test_model_opens_and_collides_as_asked(dataset, tmp_path, collision, monkeypatch):
     # CoACD takes minutes for a whole house; how it cuts is tested elsewhere.
-    monkeypatch.setattr("home_mjx.scene_compile.mjcf_assets.convex_pieces", lambda model: (hull_of(model.box),))
+    monkeypatch.setattr("home_mjx.scene_compile.mjcf.assets.convex_pieces", lambda model: (hull_of(model.box),))
     root, house = dataset
     arguments = ["compile", house, "--suncg", str(root), "--mjcf", str(tmp_path), "--collision", collision]
     assert main(arguments) == 0

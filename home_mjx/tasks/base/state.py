@@ -26,7 +26,7 @@ class State(Pytree):
 
     Attributes:
         data: `mjx.Data` of the bodies.
-        obs: Observations by name, see `home_mjx.tasks.observe`.
+        obs: Observations by name, see `home_mjx.tasks.sensors`.
         reward: Float, per agent.
         done: Float, 1 at the end of the episode (terminated, or truncated).
         metrics: Float scalars by name.

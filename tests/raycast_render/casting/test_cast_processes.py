@@ -7,12 +7,12 @@ import subprocess
 import sys
 from pathlib import Path
 
-TESTS = Path(__file__).resolve().parents[1]
+HELPERS = Path(__file__).resolve().parents[2] / "helpers"
 LIMIT = 150  # [s]
 
 BEGINNING = f"""
 import sys
-sys.path[:0] = [{str(TESTS)!r}, {str(TESTS.parent)!r}]
+sys.path[:0] = [{str(HELPERS)!r}, {str(HELPERS.parents[1])!r}]
 import jax
 jax.config.update("jax_platforms", "cpu")
 jax.config.update("jax_num_cpu_devices", 2)
@@ -20,7 +20,7 @@ import jax.numpy as jnp
 import numpy as np
 from handmade import shoebox
 from home_mjx.raycast_render import Scene, cast, make_scene
-from home_mjx.scene_compile.bank import HouseBank
+from home_mjx import HouseBank
 
 def place(house=0):
     bank = HouseBank.from_compiled([shoebox()])

@@ -32,7 +32,7 @@ def library(tmp_path_factory):
     if not compiler:
         pytest.skip("there is no C++ compiler here")
     folder = tmp_path_factory.mktemp("cuda")
-    shim, path = Path(__file__).with_name("cuda_shim.h"), folder / "cast.so"
+    shim, path = Path(__file__).parents[2] / "helpers" / "cuda_shim.h", folder / "cast.so"
     options = ["-std=c++17", "-O1", "-ffp-contract=off", "-shared", "-fPIC", "-w"]
     main = folder / "main.cpp"
     main.write_text(

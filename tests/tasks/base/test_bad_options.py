@@ -51,10 +51,10 @@ WRONG_TYPES = """
 from home_mjx import HouseFilter, HouseStream, make
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render import Lens
-from home_mjx.raycast_render.image.preset import Lit
-from home_mjx.scene_compile.compile import CompileOptions
-from home_mjx.scene_compile.navigation import NavigationOptions
-from home_mjx.scene_compile.suncg.reading import ReadOptions
+from home_mjx.raycast_render import Lit
+from home_mjx.scene_compile import CompileOptions
+from home_mjx.scene_compile import NavigationOptions
+from home_mjx.datasets import ReadOptions
 from home_mjx.tasks import AgentCamera, make_config
 
 options = [

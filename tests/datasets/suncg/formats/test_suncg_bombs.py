@@ -17,8 +17,8 @@ SECONDS, MEBIBYTES = 60.0, 1_500  # of processor time; at its largest, the whole
 PROGRAM = """
 import resource, sys
 from home_mjx.errors import HomeMjxError
-from home_mjx.scene_compile.suncg import open_dataset
-from home_mjx.scene_compile.suncg.validate import validate_house
+from home_mjx.datasets import open_dataset
+from home_mjx.datasets import validate_house
 from home_mjx.scene_compile.textures import open_texture
 
 def read():
