@@ -28,7 +28,7 @@ def step(settings: Settings) -> Record:
     program, seconds = timing.compiled(function, bank, houses, data, action)
     rate = timing.calls_per_second(program, bank, houses, data, action, seconds=settings.seconds)
     value = rate * settings.num_envs
-    note = f"{config.substeps} x {config.sim_dt} s, {bank.spec.num_bodies} bodies; {settings.houses}"
+    note = f"{config.timing.substeps} x {config.timing.sim_dt} s, {bank.spec.num_bodies} bodies; {settings.houses}"
     peer = ("MuJoCo C (1 thread, 1 house)", _mujoco(settings, config))
     return make_record(
         "physics/step", value, "steps/s", note, num_envs=settings.num_envs, compile_seconds=seconds, peer=peer
@@ -42,11 +42,11 @@ def _mujoco(settings: Settings, config: physics.PhysicsConfig) -> float:
     with TemporaryDirectory() as folder:
         path = str(export_mjcf(settings.first_house, Path(folder)))
         model = mujoco.MjModel.from_xml_path(path)  # pyright: ignore[reportAttributeAccessIssue]
-    model.opt.timestep = config.sim_dt
+    model.opt.timestep = config.timing.sim_dt
     data = mujoco.MjData(model)  # pyright: ignore[reportAttributeAccessIssue]
     start, count = time.perf_counter(), 0
     while time.perf_counter() - start < settings.seconds:
-        mujoco.mj_step(model, data, config.substeps)  # pyright: ignore[reportAttributeAccessIssue]
+        mujoco.mj_step(model, data, config.timing.substeps)  # pyright: ignore[reportAttributeAccessIssue]
         count += 1
     return count / (time.perf_counter() - start)
 

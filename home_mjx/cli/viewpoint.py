@@ -10,8 +10,9 @@ from home_mjx.cli.houses import add_house_arguments, compile_named_house
 from home_mjx.cli.parsing import number
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.schema.agent import Body
 
-EYE_HEIGHT = 1.5  # [m]
+EYE_HEIGHT = Body().eye_height  # [m]
 
 
 @dataclass(frozen=True)

@@ -1,10 +1,12 @@
 """What can be chosen about the physics."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from home_mjx.core.checks import check_number
+from home_mjx.core.checks import check_number, check_type
 from home_mjx.errors import ConfigError
+from home_mjx.schema.agent import Body
+from home_mjx.schema.timing import Timing
 
 IMPLS = ("jax", "warp")
 JACOBIANS = ("auto", "dense", "sparse")
@@ -19,9 +21,8 @@ class PhysicsConfig:
 
     Attributes:
         num_agents: Agents per environment.
-        agent_radius: [m] of the agents' upright capsule.
-        agent_height: [m], total.
-        agent_mass: [kg]
+        body: Size and mass of every agent.
+        timing: Length of a physics step and of a control step.
         forward_speed: [m/s] at action 1.
         strafe_speed: [m/s] at action 1.
         turn_rate: [rad/s] at action 1.
@@ -30,8 +31,6 @@ class PhysicsConfig:
         friction: Sliding friction of everything but agents, which slide along what they touch; 0.4 is wood on wood.
         max_body_speed: [m/s], limit of movable bodies; a fall of 1.8 m reaches 6 m/s.
         max_body_spin: [rad/s], limit of movable bodies.
-        sim_dt: [s], one physics step.
-        ctrl_dt: [s], one `step`; a whole number of `sim_dt`.
         iterations: Newton iterations per physics step.
         ls_iterations: Line-search iterations; all of them are always paid.
         agent_slots: Static boxes that an agent can touch at once.
@@ -46,14 +45,13 @@ class PhysicsConfig:
         ConfigError: A value cannot be used.
 
     Example:
-        >>> PhysicsConfig().substeps
-        5
+        >>> PhysicsConfig(timing=Timing(sim_dt=0.05)).timing.substeps
+        2
     """
 
     num_agents: int = 1
-    agent_radius: float = 0.1
-    agent_height: float = 1.6
-    agent_mass: float = 60.0
+    body: Body = field(default_factory=Body)
+    timing: Timing = field(default_factory=Timing)
     forward_speed: float = 1.0
     strafe_speed: float = 0.7
     turn_rate: float = 1.5708
@@ -62,8 +60,6 @@ class PhysicsConfig:
     friction: float = 0.4
     max_body_speed: float = 6.0
     max_body_spin: float = 30.0
-    sim_dt: float = 0.02
-    ctrl_dt: float = 0.1
     iterations: int = 4
     ls_iterations: int = 4
     agent_slots: int = 8
@@ -76,23 +72,8 @@ class PhysicsConfig:
     def __post_init__(self) -> None:
         self._check_choices()
         self._check_numbers()
-        if self.agent_height <= 2 * self.agent_radius:
-            raise ConfigError(
-                f"agent_height {self.agent_height} m is not above twice agent_radius {self.agent_radius} m",
-                element="PhysicsConfig.agent_height",
-                hint="A capsule is taller than it is wide",
-            )
-        if abs(self.substeps * self.sim_dt - self.ctrl_dt) > 1e-9 * self.ctrl_dt:
-            raise ConfigError(
-                f"ctrl_dt {self.ctrl_dt} s is not a whole number of sim_dt {self.sim_dt} s",
-                element="PhysicsConfig.ctrl_dt",
-                hint="Choose for example ctrl_dt = 5 * sim_dt",
-            )
-
-    @property
-    def substeps(self) -> int:
-        """Physics steps per control step."""
-        return round(self.ctrl_dt / self.sim_dt)
+        check_type("body", self.body, Body)
+        check_type("timing", self.timing, Timing)
 
     def _check_choices(self) -> None:
         for name, value, known in (("impl", self.impl, IMPLS), ("jacobian", self.jacobian, JACOBIANS)):
@@ -103,7 +84,7 @@ class PhysicsConfig:
 
     def _check_numbers(self) -> None:
         for name, value in vars(self).items():
-            if name in ("impl", "jacobian") or (value is None and name.startswith("max_")):
+            if name in ("impl", "jacobian", "body", "timing") or (value is None and name.startswith("max_")):
                 continue
             try:
                 check_number(name, value, 1 if name in WHOLE else math.ulp(0), whole=name in WHOLE)

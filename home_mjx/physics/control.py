@@ -32,7 +32,7 @@ def motor_forces(
     forward, left, turn = jnp.clip(action, -1.0, 1.0) * fastest
     cos, sin = jnp.cos(yaw), jnp.sin(yaw)
     error = jnp.stack([cos * forward - sin * left, sin * forward + cos * left]) - velocity[:2]
-    force = error * jnp.float32(config.agent_mass / config.response_time)
+    force = error * jnp.float32(config.body.mass / config.response_time)
     size = jnp.sqrt(jnp.sum(force * force) + jnp.float32(1e-12))
     force = force * jnp.minimum(jnp.float32(1.0), jnp.float32(config.push_force) / size)
     torque = (turn - velocity[3]) * jnp.float32(yaw_inertia / config.response_time)

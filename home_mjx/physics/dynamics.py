@@ -60,7 +60,7 @@ def reset(
         agent_yaw: [rad], counter-clockwise from +x.
     """
     bodies = movable_bodies(bank.physics, house)
-    rise = jnp.array([0.0, 0.0, template.config.agent_height / 2], jnp.float32)
+    rise = jnp.array([0.0, 0.0, template.config.body.height / 2], jnp.float32)
     agents = jnp.concatenate([agent_pos + rise[None], agent_yaw[:, None]], axis=-1)
     qpos = jnp.concatenate([agents.reshape(-1), jnp.concatenate([bodies.pos, bodies.quat], axis=-1).reshape(-1)])
     return template.data.replace(qpos=qpos)
@@ -69,7 +69,7 @@ def reset(
 def step(
     template: Template, bank: HouseBank, house: Int[Array, ""], data: mjx.Data, action: Float[Array, "a 3"]
 ) -> mjx.Data:
-    """One control step: `config.substeps` physics steps.
+    """One control step: `config.timing.substeps` physics steps.
 
     Args:
         template: The model.
@@ -93,7 +93,7 @@ def step(
             data = mjx.step(filled, data)
         return _settle_bodies(template, bodies, data), data.sensordata
 
-    data, contacts = jax.lax.scan(substep, data, None, length=template.config.substeps)
+    data, contacts = jax.lax.scan(substep, data, None, length=template.config.timing.substeps)
     return data.replace(sensordata=contacts.max(axis=0))
 
 
@@ -186,7 +186,8 @@ def _limit_length(vectors: Float[Array, "k 3"], longest: float) -> Float[Array, 
 def _agent_boxes(template: Template, data: mjx.Data) -> Boxes:
     config = template.config
     pos, _ = agent_pose(template, data)
-    half = jnp.array([[config.agent_radius, config.agent_radius, config.agent_height / 2]], jnp.float32)
+    body = config.body
+    half = jnp.array([[body.radius, body.radius, body.height / 2]], jnp.float32)
     upright = jnp.array([[1.0, 0.0, 0.0, 0.0]], jnp.float32)
     return Boxes(pos, jnp.tile(upright, (config.num_agents, 1)), jnp.tile(half, (config.num_agents, 1)))
 

@@ -8,7 +8,6 @@ import numpy as np
 from home_mjx.physics.config import PhysicsConfig
 from home_mjx.physics.layout import Layout
 from home_mjx.scene_compile.mjcf.agent import AGENT_SOLREF, BODY_SOLREF, add_agent, add_motors
-from home_mjx.schema.agent import AgentShape
 
 PARKED_HEIGHT = 500.0  # [m]: bodies that a house does not use wait above it, slots as far below
 PARKED_SIZE = 0.1  # [m], half extent
@@ -54,7 +53,7 @@ def slot_names(layout: Layout) -> list[str]:
 
 def _add_agent(world: ET.Element, config: PhysicsConfig, a: int) -> None:
     """An agent whose foot alone meets the floor, so that the contact sensor of its capsule counts all but the floor."""
-    shape = AgentShape(config.agent_radius, config.agent_height, config.agent_mass)
+    shape = config.body
     body = add_agent(world, shape, f"agent{a}", contype="0", conaffinity="0")
     foot, pos = _no_mask(f"agent{a}_foot"), f"0 0 {-shape.half_length}"
     ET.SubElement(body, "geom", foot, type="sphere", size=str(shape.radius), pos=pos, mass="0")
@@ -70,7 +69,7 @@ def _add_options(root: ET.Element, config: PhysicsConfig, layout: Layout, jacobi
     option = ET.SubElement(
         root,
         "option",
-        timestep=str(config.sim_dt),
+        timestep=str(config.timing.sim_dt),
         iterations=str(config.iterations),
         ls_iterations=str(config.ls_iterations),
         jacobian=jacobian,

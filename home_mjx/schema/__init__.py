@@ -3,11 +3,12 @@
 Host only: nothing here loads JAX.
 """
 
-from home_mjx.schema.agent import AgentShape
+from home_mjx.schema.agent import Body
 from home_mjx.schema.categories import COARSE, FINE, NYU40, ROOM_TYPES
 from home_mjx.schema.compiled import BANDS, CompiledHouse, PortalKind, Ray
 from home_mjx.schema.house import Box, Ground, House, Level, Light, Material, Mesh, Metadata, ModelInfo, Object, Room
 from home_mjx.schema.semantic import Semantic
+from home_mjx.schema.timing import Timing
 
 __all__ = [
     "BANDS",
@@ -15,7 +16,7 @@ __all__ = [
     "FINE",
     "NYU40",
     "ROOM_TYPES",
-    "AgentShape",
+    "Body",
     "Box",
     "CompiledHouse",
     "Ground",
@@ -31,4 +32,5 @@ __all__ = [
     "Ray",
     "Room",
     "Semantic",
+    "Timing",
 ]

@@ -15,6 +15,7 @@ from home_mjx.physics.config import PhysicsConfig
 from home_mjx.physics.dynamics import Template, nearest_boxes, reset, static_boxes
 from home_mjx.physics.house_model import house_model, movable_bodies, with_slots
 from home_mjx.physics.template_mjcf import CORNER_RADIUS, slot_names, template_mjcf
+from home_mjx.schema import Body, Timing
 
 HOUSE = TinyHouse(
     floor=0.4,
@@ -89,7 +90,9 @@ def test_house_differs_from_the_template_in_derived_fields(models):
 
 def test_template_is_stepped_with_the_options_asked_for():
     bank = make_bank([TinyHouse()])
-    config = PhysicsConfig(num_agents=2, iterations=3, ls_iterations=7, sim_dt=0.01, agent_slots=5, body_slots=3)
+    config = PhysicsConfig(
+        num_agents=2, iterations=3, ls_iterations=7, timing=Timing(sim_dt=0.01), agent_slots=5, body_slots=3
+    )
     model = Template(config, bank.spec).model
     assert (model.opt.iterations, model.opt.ls_iterations) == (3, 7)
     assert_allclose(model.opt.timestep, 0.01)
@@ -98,7 +101,7 @@ def test_template_is_stepped_with_the_options_asked_for():
 
 
 def test_agents_weigh_what_was_asked_for():
-    config = PhysicsConfig(agent_mass=72.0, agent_radius=0.2, agent_height=1.7)
+    config = PhysicsConfig(body=Body(mass=72.0, radius=0.2, height=1.7))
     model = Template(config, make_bank([TinyHouse()]).spec).model
     assert_allclose(model.body_mass[1], 72.0)
     # Yaw inertia of a capsule: cylinder m r^2 / 2 and two half balls 2/5 m r^2, shared by volume.

@@ -17,7 +17,7 @@ def _control(config, yaw_inertia, action, data):
     yaw, velocity = data.qpos[3], data.qvel[:4]
     target = np.array(action, float) * [config.forward_speed, config.strafe_speed, config.turn_rate]
     turn = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
-    force = config.agent_mass * (turn @ target[:2] - velocity[:2]) / config.response_time
+    force = config.body.mass * (turn @ target[:2] - velocity[:2]) / config.response_time
     force *= min(1.0, config.push_force / max(np.linalg.norm(force), 1e-9))
     return [*force, yaw_inertia * (target[2] - velocity[3]) / config.response_time]
 
@@ -41,10 +41,10 @@ def _simulate(template, name):
     spec.option.iterations, spec.option.ls_iterations = 100, 50
     model = spec.compile()
     data = mujoco.MjData(model)
-    data.qpos[2] = house.floor + config.agent_height / 2
+    data.qpos[2] = house.floor + config.body.height / 2
     agents, bodies = [], []
     for _ in range(LENGTH):
-        for _ in range(config.substeps):
+        for _ in range(config.timing.substeps):
             data.ctrl[:] = _control(config, model.dof_M0[3], ACTIONS.get(name, (1, 0, 0)), data)
             mujoco.mj_step(model, data)
         agents.append(data.qpos[:4].copy())

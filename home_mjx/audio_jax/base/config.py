@@ -1,10 +1,11 @@
 """What can be chosen about sound; all of it is fixed when a step is compiled."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from home_mjx.audio_jax.base.air import speed_of_sound
-from home_mjx.core.checks import check_known, check_number
+from home_mjx.core.checks import check_known, check_number, check_type
 from home_mjx.errors import ConfigError
+from home_mjx.schema.timing import Timing
 
 RECEIVERS = ("binaural", "omni")
 DETECTORS = ("rain", "sphere")
@@ -15,8 +16,7 @@ class AudioConfig:
     """Options of the sound engine.
 
     Attributes:
-        sample_rate: [Hz]. Octave bands above half of it carry nothing.
-        ctrl_dt: Length of one sound frame [s]; must hold a whole number of samples.
+        timing: Sample rate, and length of one sound frame. Octave bands above half the sample rate carry nothing.
         response_seconds: Length of impulse responses [s]; must hold a whole number of bins.
         num_rays: Rays of the late part.
         num_bounces: Reflections traced per ray; what is later is extrapolated.
@@ -42,8 +42,7 @@ class AudioConfig:
         (1600, 8000)
     """
 
-    sample_rate: int = 16000
-    ctrl_dt: float = 0.1
+    timing: Timing = field(default_factory=Timing)
     response_seconds: float = 0.5
     num_rays: int = 48
     num_bounces: int = 24
@@ -60,14 +59,15 @@ class AudioConfig:
     pressure: float = 101.325
 
     def __post_init__(self) -> None:
+        check_type("timing", self.timing, Timing)
         check_known("receiver", [self.receiver], RECEIVERS)
         check_known("detector", [self.detector], DETECTORS)
-        for name in ("sample_rate", "num_rays", "num_bounces", "max_crossings"):
+        for name in ("num_rays", "num_bounces", "max_crossings"):
             check_number(name, getattr(self, name), 1, whole=True)
         check_number("num_reflections", self.num_reflections, 0, whole=True)
         for name in ("temperature", "humidity", "ear_angle"):
             check_number(name, getattr(self, name))
-        for name in ("ctrl_dt", "response_seconds", "bin_seconds", "detector_radius", "head_radius", "pressure"):
+        for name in ("response_seconds", "bin_seconds", "detector_radius", "head_radius", "pressure"):
             check_number(name, getattr(self, name))
             if getattr(self, name) <= 0:
                 raise ConfigError(f"`{name}` must be positive, got {getattr(self, name)}")
@@ -76,16 +76,20 @@ class AudioConfig:
                 f"expected a humidity of 0..100 % and a temperature of -70..70 °C, "
                 f"got {self.humidity} and {self.temperature}"
             )
-        _whole("ctrl_dt", self.ctrl_dt * self.sample_rate, "samples")
         _whole("bin_seconds", self.bin_seconds * self.sample_rate, "samples")
         _whole("response_seconds", self.response_seconds / self.bin_seconds, "bins of `bin_seconds`")
         if self.bin_samples % 2:
             raise ConfigError(f"`bin_seconds` must hold an even number of samples, got {self.bin_samples}")
 
     @property
+    def sample_rate(self) -> int:
+        """[Hz]."""
+        return self.timing.sample_rate
+
+    @property
     def frame(self) -> int:
         """Samples per frame."""
-        return round(self.ctrl_dt * self.sample_rate)
+        return self.timing.frame
 
     @property
     def bin_samples(self) -> int:

@@ -2,7 +2,7 @@
 
 import xml.etree.ElementTree as ET
 
-from home_mjx.schema.agent import AgentShape
+from home_mjx.schema.agent import Body
 
 AGENT_SOLREF = "0.02 1"
 # Softer than MuJoCo's 0.02 s: what slides over a friction pyramid is lifted, the more so the shorter the time constant,
@@ -10,7 +10,7 @@ AGENT_SOLREF = "0.02 1"
 BODY_SOLREF = "0.05 1"
 
 
-def add_agent(world: ET.Element, shape: AgentShape, name: str, **capsule: str) -> ET.Element:
+def add_agent(world: ET.Element, shape: Body, name: str, **capsule: str) -> ET.Element:
     """Adds an agent: a capsule on three slides and a yaw hinge, so its joint positions are x, y, z and yaw.
 
     Args:

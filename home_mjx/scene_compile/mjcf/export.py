@@ -20,12 +20,12 @@ from home_mjx.scene_compile.mjcf.assets import Assets, numbers, safe_name
 from home_mjx.scene_compile.mjcf.boxes import COLLIDER, MEETS_LEAVES, add_box, add_leaf, add_piece
 from home_mjx.scene_compile.mjcf.lights import add_lamps
 from home_mjx.scene_compile.mjcf.overlaps import part_overlaps
-from home_mjx.schema.agent import AgentShape
+from home_mjx.schema.agent import Body
 from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse
 from home_mjx.schema.semantic import Semantic
 
 FILE, OVERLAPS = "house.xml", "overlaps.json"
-EYE_HEIGHT = 1.5  # [m], cameras of rooms and agent
+EYE_HEIGHT = Body().eye_height  # [m], of the cameras of rooms
 NYU40_CEILING = 22
 VISUAL, CEILING = "2", "4"  # the viewer shows groups 0 to 2 at first
 
@@ -36,7 +36,7 @@ COLLISIONS = ("box", "exact")
 def to_mjcf(
     house: CompiledHouse,
     *,
-    agent: AgentShape | None = None,
+    agent: Body | None = None,
     timestep: float = 0.005,
     friction: float = 0.4,
     collision: str = "box",
@@ -92,7 +92,7 @@ def to_mjcf(
     return ET.tostring(root, encoding="unicode"), files
 
 
-def export_mjcf(house: CompiledHouse, folder: Path, agent: AgentShape | None = None, collision: str = "box") -> Path:
+def export_mjcf(house: CompiledHouse, folder: Path, agent: Body | None = None, collision: str = "box") -> Path:
     """Writes a house to `<folder>/<house id>/house.xml`, meshes and textures beside it: all of it or nothing.
 
     Args:
@@ -263,11 +263,11 @@ def _is_ceiling(house: CompiledHouse, instance: int, slot: int) -> bool:
     return bool((house.semantics[rows, Semantic.NYU40] == NYU40_CEILING).all())
 
 
-def _add_agent(root: ET.Element, world: ET.Element, house: CompiledHouse, shape: AgentShape) -> None:
+def _add_agent(root: ET.Element, world: ET.Element, house: CompiledHouse, shape: Body) -> None:
     """Adds an agent, frictionless towards everything, and a keyframe in which it stands at the first start point."""
     look = {"condim": "1", "priority": "1", "solref": AGENT_SOLREF, "group": COLLIDER}
     body = add_agent(world, shape, "agent0", **look, **MEETS_LEAVES)
-    eye = f"0 0 {EYE_HEIGHT - shape.height / 2:.9g}"
+    eye = f"0 0 {shape.eye_height - shape.height / 2:.9g}"
     ET.SubElement(body, "camera", _looking_along_x(), name="agent0_eye", pos=eye)
     add_motors(ET.SubElement(root, "actuator"), "agent0")
     x, y, z = house.navigation.start[0]

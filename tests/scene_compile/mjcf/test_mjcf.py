@@ -22,7 +22,7 @@ from home_mjx.scene_compile.geometry.mesh import transform
 from home_mjx.scene_compile.mjcf.assets import LEAST_AREA, obj_bytes
 from home_mjx.scene_compile.mjcf.export import export_mjcf, split_linear, to_mjcf
 from home_mjx.scene_compile.pipeline.compile import compile_house
-from home_mjx.schema.agent import AgentShape
+from home_mjx.schema.agent import Body
 from home_mjx.schema.compiled import ARCHITECTURE
 from home_mjx.schema.lighting import LightTable
 
@@ -170,7 +170,7 @@ def test_top_camera_sees_the_whole_house(house):
 
 
 def test_house_stands_still(house):
-    model = _compile(house, agent=AgentShape())
+    model = _compile(house, agent=Body())
     data = _start(model)
     start = data.qpos.copy()
     for _ in range(600):
@@ -182,7 +182,7 @@ def test_house_stands_still(house):
 
 def test_agent_pushes_as_in_the_batched_physics(house):
     """3 s of walking into the light box and on to the wall, beside the template that the batch steps."""
-    shape = AgentShape()
+    shape = Body()
     model = _compile(house, agent=shape, timestep=0.02)
     data = _start(model)
     agent, box = model.joint("agent0_x").qposadr[0], model.joint("object0").qposadr[0]
@@ -197,8 +197,8 @@ def test_agent_pushes_as_in_the_batched_physics(house):
     step = jax.jit(lambda data: physics.step(template, bank, index, data, action))
     gap = 0.0
     for _ in range(30):
-        for _ in range(config.substeps):
-            force = config.agent_mass * (config.forward_speed - data.qvel[speed]) / config.response_time
+        for _ in range(config.timing.substeps):
+            force = config.body.mass * (config.forward_speed - data.qvel[speed]) / config.response_time
             data.ctrl[:2] = min(force, config.push_force), 0.0
             mujoco.mj_step(model, data)
         batched = step(batched)
@@ -297,7 +297,7 @@ def test_missing_texture_is_named(textured, tmp_path):
 
 
 def test_export_is_whole_and_replaces_only_exports(house, tmp_path):
-    first = export_mjcf(house, tmp_path, agent=AgentShape())
+    first = export_mjcf(house, tmp_path, agent=Body())
     (first.parent / "stale.obj").write_text("left from before")
     path = export_mjcf(house, tmp_path)
     assert path == first
@@ -324,7 +324,7 @@ def test_export_to_a_place_that_cannot_be_written(house, tmp_path):
 def test_real_house(suncg_root):
     dataset = open_dataset(suncg_root)
     house = compile_house(dataset.load_house(dataset.house_ids[0]), dataset.metadata)
-    model = _compile(house, agent=AgentShape())
+    model = _compile(house, agent=Body())
     data = _start(model)
     shown = [_assert_shows(model, data, house, i) for i in range(len(house.instances.model))]
     assert sum(shown) > 0.999 * 102_076  # a few have no area

@@ -16,7 +16,7 @@ from home_mjx.scene_compile.mjcf.export import to_mjcf
 from home_mjx.scene_compile.objects.hinges import find_hinges
 from home_mjx.scene_compile.objects.place import triangles_z_up
 from home_mjx.scene_compile.pipeline.compile import compile_house
-from home_mjx.schema.agent import AgentShape
+from home_mjx.schema.agent import Body
 
 FRAME = (
     cuboid((-0.45, -0.05, 0), (-0.4, 0.05, 2.1)),
@@ -93,7 +93,7 @@ def _check_house(dataset, house_id):
     """Every leaf, turned to its closed angle in MuJoCo, covers the closed variant of its model."""
     house = dataset.load_house(house_id)
     compiled = compile_house(house, dataset.metadata)
-    model = mujoco.MjModel.from_xml_string(*to_mjcf(compiled, agent=AgentShape()))
+    model = mujoco.MjModel.from_xml_string(*to_mjcf(compiled, agent=Body()))
     data = mujoco.MjData(model)
     nodes = {}
     for level in house.levels:

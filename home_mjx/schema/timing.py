@@ -1,0 +1,55 @@
+"""The clock of an environment."""
+
+from dataclasses import dataclass
+
+from home_mjx.core.checks import check_number
+from home_mjx.errors import ConfigError
+
+
+@dataclass(frozen=True)
+class Timing:
+    """The one clock of physics, images and sound.
+
+    Attributes:
+        ctrl_dt: Length of one environment step, one image and one sound frame [s]; a whole number of `sim_dt` and of
+            samples.
+        sim_dt: Length of one physics step [s].
+        sample_rate: Of the sound [Hz].
+
+    Raises:
+        ConfigError: A value cannot be used, or the step does not divide exactly.
+
+    Example:
+        >>> Timing().substeps, Timing().frame
+        (5, 1600)
+    """
+
+    ctrl_dt: float = 0.1
+    sim_dt: float = 0.02
+    sample_rate: int = 16000
+
+    def __post_init__(self) -> None:
+        check_number("ctrl_dt", self.ctrl_dt, 1e-6)
+        check_number("sim_dt", self.sim_dt, 1e-6)
+        check_number("sample_rate", self.sample_rate, 1, whole=True)
+        if self.substeps < 1 or abs(self.substeps * self.sim_dt - self.ctrl_dt) > 1e-9 * self.ctrl_dt:
+            raise ConfigError(
+                f"`ctrl_dt` {self.ctrl_dt} s is not a whole number of `sim_dt` {self.sim_dt} s",
+                hint="Choose for example ctrl_dt = 5 * sim_dt.",
+            )
+        samples = self.ctrl_dt * self.sample_rate
+        if abs(samples - self.frame) > 1e-6 or self.frame < 1:
+            raise ConfigError(
+                f"`ctrl_dt` {self.ctrl_dt} s must hold a whole number of samples, got {samples:g}",
+                hint="Change it or `sample_rate` so that it divides exactly.",
+            )
+
+    @property
+    def substeps(self) -> int:
+        """Physics steps per environment step."""
+        return round(self.ctrl_dt / self.sim_dt)
+
+    @property
+    def frame(self) -> int:
+        """Sound samples per environment step."""
+        return round(self.ctrl_dt * self.sample_rate)
