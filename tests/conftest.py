@@ -9,22 +9,30 @@ import numpy as np
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
-CACHE = os.environ.get("HOME_MJX_TEST_CACHE", str(Path(tempfile.gettempdir()) / "home_mjx_jax_cache"))
 
 # In the environment, which JAX reads when it is first imported, so that processes started by tests have the same.
-# The compile cache is one folder for all workers of pytest-xdist: a program is compiled once, not once per worker.
 os.environ.setdefault("JAX_PLATFORMS", "cpu")
 os.environ.setdefault("JAX_NUM_CPU_DEVICES", "2")
-os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", CACHE)
-os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.5")
 # Taken out of the environment, where it would change what `make` does without `houses`.
 SUNCG_DATA_DIR = os.environ.pop("SUNCG_DATA_DIR", None)
 os.environ.setdefault("MPLBACKEND", "agg")
-os.environ.setdefault("HOME_MJX_CACHE", str(Path(tempfile.gettempdir()) / "home_mjx_house_cache"))
+os.environ.setdefault("HOME_MJX_CACHE", str(Path(tempfile.gettempdir()) / "home_mjx_test_cache"))
+os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.5")
 
 # Deterministic: the same examples in every run. No deadline, since the first example pays for compilation.
 hypothesis.settings.register_profile("home_mjx", derandomize=True, deadline=None, database=None)
 hypothesis.settings.load_profile("home_mjx")
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_configure() -> None:
+    """One compile cache for all workers of pytest-xdist and all runs.
+
+    Last, since what is imported before jaxtyping's own hook is not checked.
+    """
+    from home_mjx.core.compile_cache import use_compile_cache
+
+    use_compile_cache()
 
 
 @pytest.fixture(scope="session")

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from home_mjx import __version__
 from home_mjx.cli.parsing import Parser
 from home_mjx.core.checks import check_known
+from home_mjx.core.compile_cache import use_compile_cache
 from home_mjx.errors import HomeMjxError
 
 __all__ = ["main"]
@@ -59,6 +60,7 @@ def _dispatch(argv: list[str]) -> int:
         top.print_help()
         return BAD_INPUT
     check_known("command", [args.command], COMMANDS)
+    use_compile_cache()
     module = importlib.import_module(f"home_mjx.cli.commands.{args.command}")
     parser = Parser(prog=f"home-mjx {args.command}", description=module.__doc__)
     module.add_arguments(parser)

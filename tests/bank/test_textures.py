@@ -6,6 +6,8 @@ import zlib
 
 import numpy as np
 import pytest
+
+from home_mjx.core import images
 from PIL import Image, PngImagePlugin
 
 from home_mjx.bank.packing import texture_layers as textures
@@ -77,7 +79,7 @@ def test_images_that_claim_too_many_pixels(write, width, height):
 
 def test_size_is_checked_before_pixels_are_decoded(write, monkeypatch):
     path = write(encoded(Image.new("RGB", (20, 20))))
-    monkeypatch.setattr(textures, "MAX_PIXELS", 399)
+    monkeypatch.setattr(images, "MAX_PIXELS", 399)
     monkeypatch.setattr(PngImagePlugin.PngImageFile, "load", lambda self: pytest.fail("pixels were decoded"))
     assert refused(path) == "cannot read texture: it has 20 x 20 pixels, at most 399 are decoded"
 

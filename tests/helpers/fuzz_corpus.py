@@ -17,8 +17,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from hypothesis import strategies as st
-from scene_compile.tiny_arch import arch_document, arch_path
-from scene_compile.tiny_dataset import DOOR, HOUSE_ID, TABLE, house_document, write_json, write_tiny_dataset
+from tiny_arch import arch_document, arch_path
+from tiny_dataset import DOOR, HOUSE_ID, TABLE, house_document, write_json, write_tiny_dataset
 
 from home_mjx.core.images import open_texture
 from home_mjx.datasets.options import ReadOptions

@@ -5,7 +5,7 @@ import shutil
 from collections.abc import Callable
 from pathlib import Path
 
-from scene_compile.tiny_dataset import (
+from tiny_dataset import (
     DEPTH,
     HEIGHT,
     HOUSE_ID,

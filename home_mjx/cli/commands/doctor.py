@@ -11,6 +11,8 @@ import tempfile
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 
+from home_mjx.core.compile_cache import use_compile_cache
+from home_mjx.core.paths import CACHE_VARIABLE, ROOT_VARIABLE, cache_folder, dataset_root
 from home_mjx.errors import HomeMjxError
 
 OK, NOTE, BROKEN = "ok", "note", "broken"
@@ -112,7 +114,7 @@ def _cuda_executor() -> Finding:
     if problem:
         return Finding("executor cuda", NOTE, f"does not work: {problem}; `xla` takes its place, slower")
     version = ".".join(map(str, nvrtc.version(nvrtc.find_library())))
-    return Finding("executor cuda", OK, f"compiled by NVRTC {version}, kept in {nvrtc.cache_folder() / 'kernels'}")
+    return Finding("executor cuda", OK, f"compiled by NVRTC {version}, kept in {cache_folder() / 'kernels'}")
 
 
 def _ffmpeg() -> Iterator[Finding]:
@@ -132,9 +134,9 @@ def _caches() -> Iterator[Finding]:
     except OSError as error:
         text = f"cannot write to {nearest}: {error.strerror}. Set {CACHE_VARIABLE} to a folder of yours"
         yield Finding("house cache", BROKEN, text)
-    programs = os.environ.get("JAX_COMPILATION_CACHE_DIR")
-    advice = "none: set JAX_COMPILATION_CACHE_DIR to a folder, and later starts need not compile again"
-    yield Finding("jax cache", OK if programs else NOTE, programs or advice)
+    programs = use_compile_cache()
+    advice = "none: unset JAX_COMPILATION_CACHE_DIR, and later starts need not compile again"
+    yield Finding("jax cache", OK if programs else NOTE, str(programs or advice))
 
 
 def _dataset() -> Iterator[Finding]:

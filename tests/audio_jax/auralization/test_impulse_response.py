@@ -4,7 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from audio_jax.scenes import HEAD, scene_of
+from scenes import HEAD, scene_of
 from handmade import Furniture, shoebox, two_rooms
 
 from home_mjx.audio_jax.auralization.response import impulse_response

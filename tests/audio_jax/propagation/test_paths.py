@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pyroomacoustics as pra
 import pytest
-from audio_jax.scenes import scene_of
+from scenes import scene_of
 from handmade import Furniture, shoebox, two_rooms
 
 from home_mjx.audio_jax.auralization.response import early_response

@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from scene_compile.generated import built
-from scene_compile.processes import processes_of, wait_for
+from generated import built
+from processes import processes_of, wait_for
 
 from home_mjx.datasets.procedural import dataset
 from home_mjx.datasets.procedural.build import house_id

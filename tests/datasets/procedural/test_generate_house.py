@@ -4,7 +4,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from scene_compile.generated import built
+from generated import built
 from scipy import ndimage
 
 from home_mjx.datasets.procedural.build import house_id

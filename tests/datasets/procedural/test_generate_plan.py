@@ -5,7 +5,7 @@ from collections import Counter
 import numpy as np
 import pytest
 import trimesh
-from scene_compile.generated import built, designed
+from generated import built, designed
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 

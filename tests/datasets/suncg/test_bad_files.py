@@ -5,8 +5,8 @@ import tracemalloc
 from pathlib import Path
 
 import pytest
-from scene_compile.fuzz_corpus import Watch, compile_the_compiler
-from scene_compile.tiny_dataset import HOUSE_ID, TABLE, write_tiny_dataset
+from fuzz_corpus import Watch, compile_the_compiler
+from tiny_dataset import HOUSE_ID, TABLE, write_tiny_dataset
 
 from home_mjx.errors import DatasetError, HomeMjxError
 

@@ -4,7 +4,7 @@ import json
 import pickle
 
 import pytest
-from scene_compile.tiny_dataset import DOOR, HOUSE_ID, TABLE, edit_house, write_tiny_dataset
+from tiny_dataset import DOOR, HOUSE_ID, TABLE, edit_house, write_tiny_dataset
 
 from home_mjx.datasets.suncg.dataset import open_dataset
 from home_mjx.errors import DatasetError

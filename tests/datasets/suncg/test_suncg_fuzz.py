@@ -10,7 +10,7 @@ import resource
 
 import pytest
 from hypothesis import HealthCheck, given, settings
-from scene_compile.fuzz_corpus import (
+from fuzz_corpus import (
     DOOR,
     HOUSE_ID,
     IMAGES,

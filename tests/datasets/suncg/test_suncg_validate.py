@@ -5,8 +5,8 @@ import shutil
 
 import pytest
 from PIL import Image
-from scene_compile.tiny_arch import edit_arch, write_tiny_v2
-from scene_compile.tiny_dataset import (
+from tiny_arch import edit_arch, write_tiny_v2
+from tiny_dataset import (
     DOOR,
     HOUSE_ID,
     TABLE,

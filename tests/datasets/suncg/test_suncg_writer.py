@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scene_compile.tiny_dataset import HOUSE_ID, edit_house, write_tiny_dataset
+from tiny_dataset import HOUSE_ID, edit_house, write_tiny_dataset
 
 from home_mjx.datasets.suncg.dataset import open_dataset
 from home_mjx.datasets.suncg.read.metadata import read_metadata

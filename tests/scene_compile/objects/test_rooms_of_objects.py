@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scene_compile.block_houses import block
+from block_houses import block
 
 from home_mjx.scene_compile.geometry.polygons import inside_polygon, polygon_distance
 from home_mjx.scene_compile.objects.place import STRAY, place_objects

@@ -6,8 +6,8 @@ import tracemalloc
 
 import numpy as np
 import pytest
-from scene_compile.tiny_arch import arch_path, write_tiny_v2
-from scene_compile.tiny_dataset import HOUSE_ID, edit_house, write_tiny_dataset
+from tiny_arch import arch_path, write_tiny_v2
+from tiny_dataset import HOUSE_ID, edit_house, write_tiny_dataset
 
 from home_mjx.datasets.options import ReadOptions
 from home_mjx.datasets.suncg.dataset import open_dataset

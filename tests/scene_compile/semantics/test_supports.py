@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import trimesh
-from scene_compile.block_houses import CEILING, FLOOR, ROOM, block, place
+from block_houses import CEILING, FLOOR, ROOM, block, place
 
 from home_mjx.datasets.procedural.dataset import generate_dataset
 from home_mjx.datasets.suncg.dataset import open_dataset

@@ -8,8 +8,8 @@ import zlib
 from pathlib import Path
 
 import pytest
-from scene_compile.tiny_arch import arch_path, write_tiny_v2
-from scene_compile.tiny_dataset import HOUSE_ID, TABLE, write_tiny_dataset
+from tiny_arch import arch_path, write_tiny_v2
+from tiny_dataset import HOUSE_ID, TABLE, write_tiny_dataset
 
 pytestmark = pytest.mark.slow
 SECONDS, MEBIBYTES = 60.0, 1_500  # of processor time; at its largest, the whole process with its libraries

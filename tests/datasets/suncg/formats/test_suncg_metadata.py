@@ -4,7 +4,7 @@ import csv
 import json
 
 import pytest
-from scene_compile.tiny_dataset import DOOR, TABLE, write_tiny_dataset
+from tiny_dataset import DOOR, TABLE, write_tiny_dataset
 
 from home_mjx.datasets.suncg.dataset import open_dataset
 from home_mjx.datasets.suncg.read.metadata import CATEGORIES, LIGHTS, SIZES, read_metadata

@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 import trimesh
-from scene_compile.tiny_arch import arch_path, edit_arch, write_tiny_v2
-from scene_compile.tiny_dataset import DEPTH, DOOR, GROUND, HEIGHT, HOUSE_ID, WIDTH, box_of, edit_house, write_mesh
+from tiny_arch import arch_path, edit_arch, write_tiny_v2
+from tiny_dataset import DEPTH, DOOR, GROUND, HEIGHT, HOUSE_ID, WIDTH, box_of, edit_house, write_mesh
 
 from home_mjx.datasets.shapes.polygon_slab import slab
 from home_mjx.datasets.shapes.wall_prism import Wall, merge_holes, wall_prisms

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import trimesh
-from scene_compile.tiny_dataset import (
+from tiny_dataset import (
     DOOR,
     DOOR_AT,
     GROUND,

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 import trimesh
 from PIL import Image
-from scene_compile.tiny_arch import write_tiny_v2
-from scene_compile.tiny_dataset import (
+from tiny_arch import write_tiny_v2
+from tiny_dataset import (
     DEPTH,
     DOOR,
     DOOR_AT,

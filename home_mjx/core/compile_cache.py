@@ -1,0 +1,57 @@
+"""Compiled programs on disk, so that a second start need not compile again."""
+
+import functools
+import hashlib
+import os
+import platform
+import sys
+from pathlib import Path
+
+from home_mjx.core.paths import cache_folder
+
+FOLDER = "JAX_COMPILATION_CACHE_DIR"
+OPTIONS = {
+    "jax_compilation_cache_dir": FOLDER,
+    "jax_persistent_cache_min_compile_time_secs": "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS",
+}
+MIN_SECONDS = "0.1"  # programs that compile faster are not kept
+
+
+def use_compile_cache() -> Path | None:
+    """Has JAX keep compiled programs in the cache folder, for this process and those that it starts.
+
+    Call it before the first program is compiled. The command line does so by itself. A cache that the user has chosen,
+    by `JAX_COMPILATION_CACHE_DIR` or JAX's own configuration, stays; set that variable to "" for none.
+
+    Returns:
+        The folder, None if there is no cache.
+
+    Example:
+        >>> home_mjx.use_compile_cache()  # doctest: +SKIP
+        PosixPath('/home/me/.cache/home_mjx/programs-5f0c2a91')
+    """
+    if FOLDER not in os.environ:
+        os.environ[FOLDER] = str(cache_folder() / f"programs-{_processor()}")
+        os.environ.setdefault(OPTIONS["jax_persistent_cache_min_compile_time_secs"], MIN_SECONDS)
+        if "jax" in sys.modules:  # JAX reads the environment once, when it is imported
+            _tell_jax()
+    return Path(os.environ[FOLDER]) if os.environ[FOLDER] else None
+
+
+def _tell_jax() -> None:
+    import jax
+
+    if jax.config.jax_compilation_cache_dir is None:
+        for option, variable in OPTIONS.items():
+            jax.config.update(option, os.environ[variable] if option.endswith("dir") else float(os.environ[variable]))
+
+
+@functools.cache
+def _processor() -> str:
+    """A name of this kind of processor: what XLA compiles for one may crash on another that shares the folder."""
+    facts = [platform.machine(), platform.processor()]
+    info = Path("/proc/cpuinfo")
+    if info.is_file():
+        lines = info.read_text(errors="replace").splitlines()
+        facts += [next((line for line in lines if line.startswith(name)), "") for name in ("model name", "flags")]
+    return hashlib.sha256("\n".join(facts).encode()).hexdigest()[:8]
