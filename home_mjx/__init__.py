@@ -6,20 +6,29 @@ Names are imported on first use, so that `import home_mjx` is quick and starts n
 import importlib
 from typing import Any
 
+from home_mjx import registry as _registry  # noqa: F401, which makes the ids known to Gymnasium
+
 __version__ = "0.1.0"
 
 _PUBLIC = {
     "AutoReset": "home_mjx.tasks",
+    "BoundEnv": "home_mjx.tasks",
     "EnvConfig": "home_mjx.tasks",
+    "EnvParams": "home_mjx.tasks",
+    "EnvSpec": "home_mjx.registry",
     "HouseBank": "home_mjx.bank",
-    "HouseFilter": "home_mjx.bank",
+    "HouseFilter": "home_mjx.scene_compile",
     "HouseStream": "home_mjx.bank",
     "HouseholdEnv": "home_mjx.tasks",
+    "Sensor": "home_mjx.tasks",
     "State": "home_mjx.tasks",
+    "Task": "home_mjx.tasks",
     "compile_dataset": "home_mjx.scene_compile",
     "list_envs": "home_mjx.registry",
     "make": "home_mjx.registry",
     "register": "home_mjx.registry",
+    "register_sensor": "home_mjx.tasks",
+    "use_compile_cache": "home_mjx.core.compile_cache",
 }
 
 __all__ = ["__version__", *_PUBLIC]  # pyright: ignore[reportUnsupportedDunderAll]
@@ -31,14 +40,5 @@ def __getattr__(name: str) -> Any:
     return getattr(importlib.import_module(_PUBLIC[name]), name)
 
 
-def _register_with_gymnasium() -> None:
-    from home_mjx.adapters.gymnasium_ids import register_all
-
-    register_all()
-
-
 def __dir__() -> list[str]:
     return sorted(__all__)
-
-
-_register_with_gymnasium()

@@ -1,70 +1,175 @@
 """Environment ids and how to make them."""
 
+import dataclasses
+import importlib
 import itertools
 import re
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import gymnasium
 
 from home_mjx.core.checks import check_number
+from home_mjx.core.jsonable import from_json, to_json
 from home_mjx.errors import ConfigError, did_you_mean
 
-_REGISTRY: dict[str, Callable[..., Any]] = {}
+if TYPE_CHECKING:
+    from home_mjx.bank.bank import HouseBank
+    from home_mjx.datasets.suncg.dataset import Dataset
+    from home_mjx.scene_compile.cache.selection import HouseFilter
+    from home_mjx.scene_compile.pipeline.compile import CompileOptions
+    from home_mjx.tasks.environment.bound import BoundEnv
+    from home_mjx.tasks.environment.household import HouseholdEnv
+
 _ID = re.compile(r"^[A-Z][A-Za-z0-9]*-v\d+$")
+NUM_HOUSES = 8
 
 
-def register(env_id: str, entry_point: Callable[..., Any]) -> None:
-    """Adds an environment.
+@dataclasses.dataclass(frozen=True)
+class EnvSpec:
+    """What an environment is made of; to and from JSON, so that a run can be made again.
+
+    Attributes:
+        id: `Name-vN`; N is raised whenever learning results could change.
+        entry_point: `module:name` of a `Task` subclass, or of a function `(get_bank, **options)` that returns an
+            environment, where `get_bank(compile_options)` makes the houses.
+        options: As for `make`, by name.
+        houses: Folder of a dataset; None: generated houses, or `SUNCG_DATA_DIR`.
+        num_houses: How many.
+        split: `train`, `val` or `test`; None: any.
+        where: A filter of houses; None: any.
+        in_memory: It was made with a bank or dataset in memory, which no file can name.
+
+    Example:
+        >>> spec = EnvSpec("PointNav-v0", "home_mjx.tasks:PointNav", {"width": 32})
+        >>> EnvSpec.from_json(spec.to_json()) == spec
+        True
+    """
+
+    id: str
+    entry_point: str
+    options: Mapping[str, Any] = dataclasses.field(default_factory=dict)
+    houses: str | None = None
+    num_houses: int = NUM_HOUSES
+    split: str | None = None
+    where: "HouseFilter | None" = None
+    in_memory: bool = False
+
+    def to_json(self) -> str:
+        """The spec as text.
+
+        Raises:
+            ConfigError: An option, or the houses, exist in memory only.
+        """
+        if self.in_memory:
+            hint = "Give `make` the folder of a dataset."
+            raise ConfigError(f"{self.id} was made of houses in memory, which JSON cannot name", hint=hint)
+        return to_json(self)
+
+    @classmethod
+    def from_json(cls, text: str) -> "EnvSpec":
+        """The spec that `to_json` wrote.
+
+        Raises:
+            ConfigError: The text is no such spec.
+        """
+        spec = from_json(text)
+        if not isinstance(spec, cls):
+            raise ConfigError(f"expected the JSON of an EnvSpec, got {type(spec).__name__}")
+        return spec
+
+    def make(self, progress: bool | None = None) -> "BoundEnv[HouseholdEnv]":
+        """The environment."""
+        return _made(self, self.houses, progress)
+
+
+_REGISTRY: dict[str, EnvSpec] = {}
+
+
+def register(env_id: str, entry_point: str | Callable[..., Any], options: Mapping[str, Any] | None = None) -> None:
+    """Adds an environment to `make` and, as `home_mjx/<id>`, to Gymnasium.
 
     Args:
         env_id: `Name-vN`; raise N whenever learning results could change.
-        entry_point: Called as `entry_point(get_bank, **options)`; `get_bank()` gives the `HouseBank`.
+        entry_point: A `Task` subclass, a function as in `EnvSpec`, or the name `module:name` of either.
+        options: Defaults of this environment's options, by name.
 
     Raises:
         ConfigError: If the id has another form or is taken.
+
+    Example:
+        >>> register("NearGoal-v0", "home_mjx.tasks:PointNav", {"success_radius": 1.0})  # doctest: +SKIP
     """
     if not _ID.match(env_id):
         raise ConfigError(f"environment id `{env_id}` is not of the form Name-vN", hint="For example PointNav-v0")
     if env_id in _REGISTRY:
         raise ConfigError(f"environment id `{env_id}` is taken", hint="Raise its version number")
-    _REGISTRY[env_id] = entry_point
+    if not isinstance(entry_point, str):
+        _LOCAL[f"{entry_point.__module__}:{entry_point.__qualname__}"] = entry_point
+        entry_point = f"{entry_point.__module__}:{entry_point.__qualname__}"
+    _REGISTRY[env_id] = EnvSpec(env_id, entry_point, dict(options or {}))
+    name = f"home_mjx/{env_id}"
+    if name not in gymnasium.registry:
+        gymnasium.register(
+            id=name,
+            entry_point="home_mjx.adapters.gymnasium:GymEnv",
+            vector_entry_point="home_mjx.adapters.gymnasium:GymVectorEnv",
+            kwargs={"env_id": env_id},
+        )
+
+
+_LOCAL: dict[str, Callable[..., Any]] = {}  # entry points that no import finds, such as those of a notebook
 
 
 def list_envs() -> tuple[str, ...]:
     """All environment ids.
 
     Example:
-        >>> list_envs()
-        ('PointNav-v0',)
+        >>> "PointNav-v0" in list_envs()
+        True
     """
     return tuple(sorted(_REGISTRY))
 
 
+def find_spec(env_id: str) -> EnvSpec:
+    """What is registered under an id.
+
+    Raises:
+        ConfigError: There is no such id, with the closest known one.
+    """
+    if env_id not in _REGISTRY:
+        raise ConfigError(f"unknown environment `{env_id}`", hint=did_you_mean(env_id, _REGISTRY))
+    return _REGISTRY[env_id]
+
+
 def make(
     env_id: str,
-    houses: Any = None,
+    houses: "HouseBank | Dataset | str | Path | None" = None,
     *,
-    num_houses: int = 8,
+    num_houses: int | None = None,
     split: str | None = None,
-    where: Any = None,
-    progress: bool = False,
+    where: "HouseFilter | None" = None,
+    progress: bool | None = None,
     **options: Any,
-) -> Any:
+) -> "BoundEnv[HouseholdEnv]":
     """An environment by id.
 
     Args:
         env_id: Such as `PointNav-v0`, see `list_envs`.
-        houses: A `HouseBank`, the root folder of a SUNCG dataset, or None: then the dataset that the environment
-            variable `SUNCG_DATA_DIR` names, or, where it is not set, generated houses, made once and kept in the cache
-            folder.
-        num_houses: How many houses of a dataset or generator to use.
+        houses: A `HouseBank`, a dataset or its root folder, or None: then the dataset that the environment variable
+            `SUNCG_DATA_DIR` names, or, where it is not set, generated houses, made once and kept in the cache folder.
+        num_houses: How many houses of a dataset or generator to use; 8 by default.
         split: Only houses of `train`, `val` or `test`.
         where: A `HouseFilter`: only houses of a dataset that have all this.
-        progress: Show a progress bar while houses are made and compiled.
-        **options: Fields of `EnvConfig`, `PhysicsConfig` and `AudioConfig`.
+        progress: Show a progress bar while houses are made and compiled; None: in a terminal.
+        **options: Fields of `EnvConfig` and of the records in it, of the task (`task.*`) and of `CompileOptions`
+            (`compile.*`): flat (`width=32`, `friction=0.5`, `success_radius=0.2`), dotted
+            (`**{"physics.friction": 0.5}`) or as whole records (`physics=PhysicsConfig(...)`).
 
     Returns:
-        A `HouseholdEnv`.
+        An environment with `reset(key)` and `step(state, action)`; `.core` has the functions that take `.params`.
 
     Raises:
         ConfigError: For an unknown id or option, with the closest known one.
@@ -73,39 +178,112 @@ def make(
     Example:
         >>> env = make("PointNav-v0", num_houses=4, sensors=("depth", "goal"))  # doctest: +SKIP
     """
-    if env_id not in _REGISTRY:
-        raise ConfigError(f"unknown environment `{env_id}`", hint=did_you_mean(env_id, _REGISTRY))
-    return _REGISTRY[env_id](lambda: as_bank(houses, num_houses, progress, split, where), **options)
+    known = find_spec(env_id)
+    in_memory = houses is not None and not isinstance(houses, str | Path)
+    if in_memory and _is_bank(houses):
+        for name, value in (("num_houses", num_houses), ("split", split), ("where", where)):
+            if value is not None:
+                raise ConfigError(f"`{name}` chooses houses of a dataset, not of a bank that is made")
+    spec = dataclasses.replace(
+        known,
+        options={**known.options, **options},
+        houses=str(houses) if isinstance(houses, str | Path) else None,
+        num_houses=NUM_HOUSES if num_houses is None else num_houses,
+        split=split,
+        where=where,
+        in_memory=in_memory,
+    )
+    return _made(spec, houses, progress)
+
+
+def _made(spec: EnvSpec, houses: Any, progress: bool | None) -> "BoundEnv[HouseholdEnv]":
+    from home_mjx.tasks.base.task import Task
+
+    entry_point = _load(spec.entry_point)
+    shown = sys.stderr.isatty() if progress is None else progress
+
+    def get_bank(compile_options: "CompileOptions | None" = None) -> "HouseBank":
+        return as_bank(houses, spec.num_houses, shown, spec.split, spec.where, compile_options)
+
+    if isinstance(entry_point, type) and issubclass(entry_point, Task):
+        env = _with_task(entry_point, get_bank, spec.options)
+    else:
+        env = entry_point(get_bank, **spec.options)
+    env.spec = spec
+    return env
+
+
+def _with_task(
+    task: type, get_bank: Callable[..., "HouseBank"], options: Mapping[str, Any]
+) -> "BoundEnv[HouseholdEnv]":
+    from home_mjx.scene_compile.pipeline.compile import CompileOptions
+    from home_mjx.tasks.base.config import EnvConfig
+    from home_mjx.tasks.base.options import override
+    from home_mjx.tasks.environment.household import HouseholdEnv
+
+    records = {"": EnvConfig(), "task": task(), "compile": CompileOptions()}
+    chosen = override(records, options)  # refuse a wrong option before any house is compiled
+    core = HouseholdEnv(chosen[""], chosen["task"])
+    body, compiling = chosen[""].body, chosen["compile"]
+    walkable = dataclasses.replace(compiling.navigation, agent_radius=body.radius, agent_height=body.height)
+    compiling = dataclasses.replace(compiling, navigation=walkable)
+    return core.bind(get_bank(compiling))
+
+
+def _load(entry_point: str) -> Callable[..., Any]:
+    if entry_point in _LOCAL:
+        return _LOCAL[entry_point]
+    module, _, name = entry_point.partition(":")
+    try:
+        found: Any = importlib.import_module(module)
+        for part in name.split("."):
+            found = getattr(found, part)
+    except (ImportError, AttributeError, ValueError) as error:
+        raise ConfigError(f"entry point `{entry_point}` cannot be imported: {error}") from error
+    return found
+
+
+def _is_bank(houses: Any) -> bool:
+    from home_mjx.bank.bank import HouseBank
+
+    return isinstance(houses, HouseBank)
 
 
 def as_bank(
-    houses: Any, num_houses: int = 8, progress: bool = False, split: str | None = None, where: Any = None
-) -> Any:
+    houses: Any,
+    num_houses: int = NUM_HOUSES,
+    progress: bool = False,
+    split: str | None = None,
+    where: "HouseFilter | None" = None,
+    compile_options: "CompileOptions | None" = None,
+) -> "HouseBank":
     """A `HouseBank` from what `make` takes as `houses`.
 
     Raises:
-        ConfigError: A selection was asked for of houses that are already a bank, or a filter of generated ones.
+        ConfigError: `houses` is something else, or a filter was given for generated houses.
     """
     from home_mjx.bank.bank import HouseBank
     from home_mjx.core.paths import dataset_root
     from home_mjx.datasets.suncg.dataset import Dataset
+    from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS
 
     if isinstance(houses, HouseBank):
-        if split is not None or where is not None:
-            raise ConfigError("`split` and `where` choose houses of a dataset, not of a bank that is made")
         return houses
+    options = compile_options or DEFAULT_OPTIONS
     check_number("num_houses", num_houses, 1, whole=True)
     houses = houses or dataset_root()
     if houses is not None and not isinstance(houses, str | Path | Dataset):
         raise ConfigError(f"`houses` must be a HouseBank or the folder of a dataset, got {houses!r}")
     if houses is not None:
         root = houses if isinstance(houses, Dataset) else Path(houses)
-        return HouseBank.from_dataset(root, limit=num_houses, progress=progress, split=split, where=where)
+        return HouseBank.from_dataset(
+            root, limit=num_houses, progress=progress, split=split, where=where, options=options
+        )
     if where is not None:
         hint = "Write some with `home-mjx generate OUT`, then pass houses=OUT."
         raise ConfigError("`where` chooses among the houses of a dataset", hint=hint)
     root, ids = generated_houses(num_houses, progress, split)
-    return HouseBank.from_dataset(root, ids=ids, progress=progress)
+    return HouseBank.from_dataset(root, ids=ids, progress=progress, options=options)
 
 
 def generated_houses(num_houses: int, progress: bool = False, split: str | None = None) -> tuple[Path, tuple[str, ...]]:
@@ -123,12 +301,4 @@ def generated_houses(num_houses: int, progress: bool = False, split: str | None 
     return root, generate_dataset(root, list(itertools.islice(seeds, num_houses)), progress=progress)
 
 
-def _point_nav(get_bank: Callable[[], Any], **options: Any) -> Any:
-    from home_mjx.tasks.base.config import make_config
-    from home_mjx.tasks.environment.household import HouseholdEnv
-
-    config = make_config(**options)  # refuse a wrong option before any house is compiled
-    return HouseholdEnv(get_bank(), config)
-
-
-register("PointNav-v0", _point_nav)
+register("PointNav-v0", "home_mjx.tasks:PointNav")

@@ -8,7 +8,6 @@ Example:
 # Brax annotates states as those of its own engines and wrapped environments as bare ones; ours are neither.
 # pyright: reportArgumentType=false, reportAttributeAccessIssue=false
 
-import dataclasses
 from typing import Any
 
 import jax
@@ -18,6 +17,7 @@ from jaxtyping import Array
 from home_mjx.errors import ConfigError, install_hint
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.environment.autoreset import AutoReset
+from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.household import HouseholdEnv
 
 try:
@@ -30,19 +30,28 @@ except ModuleNotFoundError as error:
 class BraxEnv(Env):
     """A household for Brax: pixels for its CNNs and one vector `state`.
 
-    Observations are `pixels/head_<kind>` (rgb as float in [0, 1], depth over `depth_max`) and `state`, which is our
-    `state` and `goal` together. Ids and sound are left out: Brax's networks cannot take them.
+    Observations are `pixels/<camera>_<kind>` (rgb as float in [0, 1], depth over `depth_max`) and `state`: all vectors
+    of the environment, its own `state` and the task's, one after the other. Ids and sound are left out: Brax's networks
+    cannot take them. Note that Brax's default networks read `state` alone: for pixels pass
+    `network_factory=ppo_networks_vision.make_ppo_networks_vision`.
 
     Args:
         env: The environment, of one agent.
         pixels_dtype: `float32`, or `uint8` to keep rgb as it is, a quarter of the memory.
+
+    Raises:
+        ConfigError: The environment has several agents, or no observation that Brax can take.
     """
 
-    def __init__(self, env: HouseholdEnv, pixels_dtype: Any = jnp.float32) -> None:
+    def __init__(self, env: BoundEnv[HouseholdEnv], pixels_dtype: Any = jnp.float32) -> None:
         if env.num_agents != 1:
             raise ConfigError(f"Brax drives one agent, this environment has {env.num_agents}", hint="Set num_agents=1")
         self.env = env
         self.pixels_dtype = pixels_dtype
+        specs = env.observation_spec
+        self._vectors = tuple(name for name, spec in specs.items() if len(spec.shape) == 1 and spec.dtype == "float32")
+        if not self._vectors and not any(name.startswith("pixels/") for name in specs):
+            raise ConfigError(f"Brax can take none of {', '.join(specs)}", hint="Add `state` or an image to sensors=")
 
     @property
     def observation_size(self) -> dict[str, tuple[int, ...]]:
@@ -69,23 +78,22 @@ class BraxEnv(Env):
         inner: Any = state.pipeline_state  # Brax's annotation names its own physics
         new = self.env.step(inner, action)
         brax: Any = self.to_brax(new)
-        done = new.done * (1 - new.info["truncation"])
         # Wrappers add keys of their own to metrics and info: they must come back as they went in.
-        return brax.replace(done=done, metrics=dict(state.metrics, **brax.metrics), info=dict(state.info))
+        return brax.replace(
+            done=new.terminated.astype(jnp.float32), metrics={**state.metrics, **brax.metrics}, info=dict(state.info)
+        )
 
     def to_brax(self, state: State) -> BraxState:
         """Our state as Brax's; works on a batch as well."""
-        obs = self.to_brax_obs(state.obs)
-        inner: Any = state.replace(obs={}, info={k: v for k, v in state.info.items() if k != "final_obs"})
-        return BraxState(inner, obs, state.reward, state.done, dict(state.metrics), {})
+        obs, done = self.to_brax_obs(state.obs), state.done.astype(jnp.float32)
+        inner: Any = state.replace(obs={}, info={})  # neither is read by a step
+        return BraxState(inner, obs, state.reward, done, dict(state.metrics), {})
 
     def to_brax_obs(self, obs: dict[str, Array]) -> dict[str, Array]:
         """The observations that Brax's networks take."""
         out = {name: self._pixels(name, value) for name, value in obs.items() if name.startswith("pixels/")}
-        vectors = [obs[name] for name in ("state", "goal") if name in obs]
-        if vectors:
-            out["state"] = jnp.concatenate(vectors, axis=-1)
-        return out
+        vectors = [obs[name] for name in self._vectors]
+        return {**out, **({"state": jnp.concatenate(vectors, axis=-1)} if vectors else {})}
 
     def _pixels(self, name: str, value: Array) -> Array:
         if name.endswith("_depth"):
@@ -102,13 +110,13 @@ class TrainingWrapper(Wrapper):
         super().__init__(env)
         self.brax_env = env
         inner = env.env
-        config = dataclasses.replace(inner.config, episode_length=episode_length)
-        self.auto = AutoReset(HouseholdEnv(inner.bank, config, inner.task))
+        core = HouseholdEnv(inner.config.replace(episode_length=episode_length), inner.task)
+        self.auto = AutoReset(core, final_obs="all").bind(inner.params)
 
     def reset(self, rng: Array) -> BraxState:
         """A new episode per key."""
         state = self.auto.reset(rng)
-        zero = jnp.zeros_like(state.done)
+        zero = jnp.zeros_like(state.reward)
         totals = dict.fromkeys(("sum_reward", "length", *state.metrics), zero)
         info = {"steps": zero, "episode_done": zero, "episode_metrics": totals}
         return self._to_brax(state, info)
@@ -119,16 +127,16 @@ class TrainingWrapper(Wrapper):
         new = self.auto.step(before, action)
         fresh = 1 - state.info["episode_done"]
         totals = state.info["episode_metrics"]
-        terms = {"sum_reward": new.reward, "length": jnp.ones_like(new.done), **new.metrics}
+        terms = {"sum_reward": new.reward, "length": jnp.ones_like(new.reward), **new.metrics}
         info = {
             "steps": state.info["steps"] * fresh + 1,
-            "episode_done": new.done,
+            "episode_done": new.done.astype(jnp.float32),
             "episode_metrics": {name: totals[name] * fresh + terms[name] for name in totals},
         }
         return self._to_brax(new, info)
 
     def _to_brax(self, state: State, info: dict[str, Any]) -> BraxState:
-        info["truncation"] = state.info["truncation"]
+        info["truncation"] = state.truncated.astype(jnp.float32)
         info["final_obs"] = self.brax_env.to_brax_obs(state.info["final_obs"])
         brax: Any = self.brax_env.to_brax(state)
         return brax.replace(info=info)

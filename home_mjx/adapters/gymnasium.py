@@ -1,151 +1,208 @@
 """Gymnasium: `gymnasium.make("home_mjx/PointNav-v0")` and its vector twin."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 import gymnasium
 import jax
+import jax.numpy as jnp
 import numpy as np
+from gymnasium.utils import EzPickle
 from gymnasium.vector import AutoresetMode
 
+from home_mjx.adapters import gymnasium_tools as tools
 from home_mjx.adapters.spaces import action_space, observation_space
-from home_mjx.core.checks import check_known, check_number
+from home_mjx.core.checks import check_number
 from home_mjx.errors import ConfigError
-from home_mjx.registry import make
-from home_mjx.tasks.base.state import State
+from home_mjx.tasks.base.state import Episodes, State
 from home_mjx.tasks.environment.autoreset import AutoReset
-from home_mjx.tasks.environment.household import HouseholdEnv
 
 
-class GymEnv(gymnasium.Env):
+class GymEnv(gymnasium.Env, EzPickle):
     """One household as a `gymnasium.Env` of NumPy arrays.
 
     Args:
         env_id: An id of `home_mjx.list_envs()`.
-        render_mode: None or "rgb_array" (needs the `rgb` sensor).
+        render_mode: None, or "rgb_array": `render()` gives a picture of what the first agent sees, whatever the
+            policy observes.
+        render_size: Width and height of that picture [px].
+        episodes: Saved episodes (or their file) that resets take their rows from, the first first.
         **options: As for `home_mjx.make`.
 
     Example:
         >>> import gymnasium, home_mjx  # doctest: +SKIP
         >>> env = gymnasium.make("home_mjx/PointNav-v0", render_mode="rgb_array")  # doctest: +SKIP
-        >>> obs, info = env.reset(seed=0)  # doctest: +SKIP
+        >>> obs, info = env.reset(seed=0, options={"house": 1})  # doctest: +SKIP
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012, the base class declares it so
 
-    def __init__(self, env_id: str = "PointNav-v0", render_mode: str | None = None, **options: Any) -> None:
-        self.env: HouseholdEnv = make(env_id, **options)
-        if render_mode is not None and "rgb" not in self.env.config.sensors:
-            raise ConfigError(f"render_mode `{render_mode}` shows the `rgb` sensor, which is not among the sensors")
+    def __init__(
+        self,
+        env_id: str = "PointNav-v0",
+        render_mode: str | None = None,
+        render_size: tuple[int, int] = (tools.PICTURE, tools.PICTURE),
+        episodes: Episodes | str | Path | None = None,
+        **options: Any,
+    ) -> None:
+        EzPickle.__init__(self, env_id, render_mode, render_size, episodes, **options)
+        tools.check_render_mode(render_mode)
+        self.env = tools.make_bound(env_id, episodes, options)
         self.render_mode = render_mode
+        self.metadata = {**type(self).metadata, "render_fps": round(1 / self.env.dt)}
         self.observation_space = observation_space(self.env)
         self.action_space = action_space(self.env)
-        self._reset: Callable[..., State] = jax.jit(self.env.reset_in)
-        self._step: Callable[..., State] = jax.jit(self.env.step_in)
+        self._picture = tools.Picture(self.env, render_size) if render_mode else None
+        self._reset: Callable[..., State] = jax.jit(self.env.core.reset)
+        self._step: Callable[..., State] = jax.jit(self.env.core.step)
         self._state: State | None = None
+        self._next_episode = 0
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict, dict]:
-        """Begins an episode in a random house; `options={"house": i}` chooses one."""
+        """Begins an episode; `options={"house": i}` or `{"episode": i}` chooses it.
+
+        Otherwise a random house, or the next of the saved episodes; a seed begins with the first of them again.
+        """
         super().reset(seed=seed)
-        key = np.asarray(self.np_random.integers(0, 2**32, 2, np.uint32))
-        house = _chosen_house(options or {}, self.env.bank.num_houses)
-        state: State = self._reset(self.env.bank, key, house)
-        self._state = state
-        return to_numpy(state.obs), _info(state)
+        options, count = options or {}, tools.num_episodes(self.env)
+        tools.check_options(options, ("house", "episode") if count else ("house",))
+        house = tools.chosen(options, "house", self.env.bank.num_houses)
+        episode = tools.chosen(options, "episode", count) if count else None
+        if count and episode is None:
+            episode = np.int32(0 if seed is not None else self._next_episode)
+        self._next_episode = 0 if episode is None else int(episode) + 1
+        self._state = self._reset(self.env.params, tools.key_of(self.np_random), house, episode)
+        return tools.to_numpy(self._state.obs), _scalars(self._state)
 
     def step(self, action: np.ndarray) -> tuple[dict, float, bool, bool, dict]:
-        """One control step."""
+        """One control step; the reward of several agents is their mean, `info["agent_reward"]` has each."""
         if self._state is None:
-            raise gymnasium.error.ResetNeeded("call reset() before step()")
-        action = _checked(action, self.action_space.shape)
-        state: State = self._step(self.env.bank, self._state, action)
-        self._state = state
-        truncated = bool(state.info["truncation"])
-        terminated = bool(state.done) and not truncated
-        return to_numpy(state.obs), float(np.mean(state.reward)), terminated, truncated, _info(state)
+            raise tools.needs_reset()
+        action = tools.check_action(action, self.action_space.shape)
+        self._state = state = self._step(self.env.params, self._state, action)
+        info = _scalars(state)
+        if self.env.num_agents > 1:
+            info["agent_reward"] = np.array(state.reward)
+        reward = float(np.mean(state.reward))
+        return tools.to_numpy(state.obs), reward, bool(state.terminated), bool(state.truncated), info
 
     def render(self) -> np.ndarray | None:
-        """The first agent's RGB image (H, W, 3) uint8."""
-        if self.render_mode is None or self._state is None or "pixels/head_rgb" not in self._state.obs:
-            return None
-        image = np.array(self._state.obs["pixels/head_rgb"])
-        return image if image.ndim == 3 else image[0]
+        """What the first agent sees (H, W, 3) uint8."""
+        return None if self._picture is None or self._state is None else self._picture.of(self._state)
 
 
 class GymVectorEnv(gymnasium.vector.VectorEnv):
     """Many households in one jitted step; ended ones begin anew in the same step (`SAME_STEP`).
 
+    `info` holds metrics, house and status of every environment. Of those that ended these are the final step's, and
+    stand in `info["final_info"]` as well; `info["final_obs"]` holds their last observations.
+
     Args:
         num_envs: Number of environments.
         env_id: An id of `home_mjx.list_envs()`.
+        render_mode: None, or "rgb_array": `render()` gives a picture per environment.
+        render_size: Width and height of these pictures [px].
+        episodes: Saved episodes (or their file): environment i takes the rows i, i + n, i + 2n, ...
         **options: As for `home_mjx.make`.
     """
 
-    metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.SAME_STEP}  # noqa: RUF012, as above
+    metadata = {  # noqa: RUF012, the base class declares it so
+        "render_modes": ["rgb_array"],
+        "render_fps": 10,
+        "autoreset_mode": AutoresetMode.SAME_STEP,
+    }
 
-    def __init__(self, num_envs: int = 1, env_id: str = "PointNav-v0", **options: Any) -> None:
-        options.pop("render_mode", None)
+    def __init__(
+        self,
+        num_envs: int = 1,
+        env_id: str = "PointNav-v0",
+        render_mode: str | None = None,
+        render_size: tuple[int, int] = (tools.PICTURE, tools.PICTURE),
+        episodes: Episodes | str | Path | None = None,
+        **options: Any,
+    ) -> None:
         check_number("num_envs", num_envs, 1, whole=True)
-        self.env: HouseholdEnv = make(env_id, **options)
-        self.num_envs = num_envs
+        tools.check_render_mode(render_mode)
+        self.env = tools.make_bound(env_id, episodes, options)
+        self.num_envs, self.render_mode = num_envs, render_mode
+        self.metadata = {**type(self).metadata, "render_fps": round(1 / self.env.dt)}
         self.single_observation_space = observation_space(self.env)
         self.single_action_space = action_space(self.env)
         batch = gymnasium.vector.utils.batch_space
         self.observation_space = batch(self.single_observation_space, num_envs)
         self.action_space = batch(self.single_action_space, num_envs)
-        auto = AutoReset(self.env)
-        self._reset: Callable[..., State] = jax.jit(auto.reset_in)
-        self._step: Callable[..., State] = jax.jit(auto.step_in)
+        self._picture = tools.Picture(self.env, render_size) if render_mode else None
+        auto = AutoReset(self.env.core, final_obs="all")
+        self._reset: Callable[..., State] = jax.jit(auto.reset)
+        self._step: Callable[..., State] = jax.jit(auto.step)
+        self._merge: Callable[..., State] = jax.jit(_merge)
         self._state: State | None = None
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict, dict]:
-        """Begins an episode in every environment."""
-        super().reset(seed=seed)
-        keys = np.asarray(self.np_random.integers(0, 2**32, (self.num_envs, 2), np.uint32))
-        state: State = self._reset(self.env.bank, keys)
-        self._state = state
-        return to_numpy(state.obs), {}
+    def reset(
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict, dict]:
+        """Begins an episode in every environment.
+
+        Args:
+            seed: One for all, or one per environment.
+            options: `house` or `episode`: an index, or one per environment; `reset_mask`: which environments to reset.
+        """
+        super().reset(seed=seed if isinstance(seed, int) else None)
+        options, count = options or {}, tools.num_episodes(self.env)
+        tools.check_options(options, ("house", "reset_mask", *(("episode",) if count else ())))
+        house = tools.chosen(options, "house", self.env.bank.num_houses, self.num_envs)
+        episode = tools.chosen(options, "episode", count, self.num_envs) if count else None
+        mask = self._mask(options.get("reset_mask"))
+        new = self._reset(self.env.params, self._keys(seed), house, episode)
+        self._state = new if self._state is None or mask.all() else self._merge(mask, new, self._state)
+        return tools.to_numpy(self._state.obs), tools.masked(tools.infos_of(self._state), mask)
 
     def step(self, actions: np.ndarray) -> tuple[dict, np.ndarray, np.ndarray, np.ndarray, dict]:
-        """One control step of all; `info["final_obs"]` holds the last observation of those that ended."""
+        """One control step of all; the reward of several agents is their mean, `info["agent_reward"]` has each."""
         if self._state is None:
-            raise gymnasium.error.ResetNeeded("call reset() before step()")
-        actions = _checked(actions, self.action_space.shape)
-        state: State = self._step(self.env.bank, self._state, actions)
-        self._state = state
-        done = np.asarray(state.done) > 0
-        truncated = np.asarray(state.info["truncation"]) > 0
-        reward = np.asarray(state.reward, np.float64).reshape(self.num_envs, -1).mean(-1)
-        info: dict[str, Any] = {}
+            raise tools.needs_reset()
+        actions = tools.check_action(actions, self.action_space.shape)
+        house = np.asarray(self._state.world.house)
+        self._state = state = self._step(self.env.params, self._state, actions)
+        rewards = np.asarray(state.reward, np.float64).reshape(self.num_envs, -1)
+        infos = tools.infos_of(state, house)
+        if self.env.num_agents > 1:
+            infos["agent_reward"] = rewards
+        info = tools.masked(infos, np.ones(self.num_envs, bool))
+        done = np.asarray(state.done)
         if done.any():
-            info = {"final_obs": to_numpy(state.info["final_obs"]), "_final_obs": done}
-        return to_numpy(state.obs), reward, done & ~truncated, truncated, info
+            info |= {"final_obs": tools.to_numpy(state.info["final_obs"]), "_final_obs": done}
+            info |= {"final_info": tools.masked(infos, done), "_final_info": done}
+        return tools.to_numpy(state.obs), rewards.mean(-1), np.array(state.terminated), np.array(state.truncated), info
+
+    def render(self) -> tuple[np.ndarray, ...] | None:
+        """What the first agent of each environment sees, (H, W, 3) uint8."""
+        if self._picture is None or self._state is None:
+            return None
+        states = (jax.tree.map(lambda x, i=i: x[i], self._state) for i in range(self.num_envs))
+        return tuple(self._picture.of(state) for state in states)
+
+    def _keys(self, seed: int | Sequence[int | None] | None) -> np.ndarray:
+        if seed is None or isinstance(seed, int | np.integer):
+            return np.asarray(self.np_random.integers(0, 2**32, (self.num_envs, 2), np.uint32))
+        if len(seed) != self.num_envs:
+            raise ConfigError(f"expected one seed, or {self.num_envs}, got {len(seed)}")
+        return np.stack([tools.key_of(np.random.default_rng(one)) for one in seed])
+
+    def _mask(self, mask: Any) -> np.ndarray:
+        if mask is None:
+            return np.ones(self.num_envs, bool)
+        if np.shape(mask) != (self.num_envs,) or np.asarray(mask).dtype != bool:
+            raise ConfigError(f"`reset_mask` must be {self.num_envs} booleans, got {mask!r}")
+        if self._state is None and not np.all(mask):
+            raise ConfigError("`reset_mask` leaves environments out that were never reset")
+        return np.asarray(mask)
 
 
-def to_numpy(tree: Any) -> Any:
-    """Arrays of their own, not views of device buffers that a later step may reuse."""
-    return jax.tree.map(np.array, tree)
+def _merge(mask: jax.Array, new: State, old: State) -> State:
+    return jax.tree.map(lambda a, b: jnp.where(mask.reshape(-1, *[1] * (a.ndim - 1)), a, b), new, old)
 
 
-def _chosen_house(options: dict[str, Any], num_houses: int) -> np.int32 | None:
-    """What `reset` is told by its options; None: any house."""
-    check_known("option of reset", options, ["house"])
-    if options.get("house") is None:
-        return None
-    check_number("house", options["house"], 0, num_houses - 1, whole=True)
-    return np.int32(options["house"])
-
-
-def _checked(action: Any, shape: tuple[int, ...] | None) -> np.ndarray:
-    """The action as float32; refuses what the action space never holds, but not what is merely too large."""
-    action = np.asarray(action, np.float32)
-    if action.shape != shape:
-        raise ConfigError(f"expected an action of shape {shape}, got {action.shape}")
-    if np.isnan(action).any():
-        raise ConfigError("the action holds NaN", hint="Look at what the policy gives.")
-    return action
-
-
-def _info(state: State) -> dict[str, Any]:
-    metrics = {name: float(value) for name, value in state.metrics.items()}
-    return {"house": int(state.info["world"].house), **metrics}
+def _scalars(state: State) -> dict[str, Any]:
+    return {name: value.item() for name, value in tools.infos_of(state).items()}

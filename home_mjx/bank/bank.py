@@ -10,6 +10,7 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Int, UInt8
 from tqdm import tqdm
 
@@ -118,6 +119,11 @@ class HouseBank(Pytree):
     def num_houses(self) -> int:
         """Number of houses."""
         return self.house_id.shape[0]
+
+    @property
+    def house_ids(self) -> tuple[str, ...]:
+        """The dataset's ids of the houses, in order; on the host."""
+        return tuple(bytes(row).rstrip(b"\0").decode() for row in np.asarray(self.house_id))
 
     def known_house(self, house: Int[Array, "*n"] | int) -> Int[Array, "*n"]:
         """See `Geometry.known_house`."""

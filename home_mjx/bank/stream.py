@@ -76,7 +76,7 @@ class HouseStream:
         >>> with HouseStream("datasets/suncg", num_slots=64) as stream:  # doctest: +SKIP
         ...     states = reset(stream.bank, keys)
         ...     for _ in range(1000):
-        ...         states = step(stream.advance(states.info["world"].house), states, actions)
+        ...         states = step(EnvParams(stream.advance(states.world.house)), states, actions)
     """
 
     def __init__(
@@ -119,7 +119,7 @@ class HouseStream:
         """Exchanges a house if one is ready; call it before every step, or as often as houses may change.
 
         Args:
-            houses: House index of every environment that there is, as in `state.info["world"].house`.
+            houses: House index of every environment that there is, as in `states.world.house`.
 
         Returns:
             The bank for the next steps; do not use an earlier one.

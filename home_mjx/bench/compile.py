@@ -79,7 +79,8 @@ def stream(settings: Settings) -> Record:
     """Milliseconds of the slowest exchange of a house in a stream; the note has the step that it comes on top of."""
     from home_mjx.bank.stream import HouseStream
     from home_mjx.datasets.suncg.dataset import open_dataset
-    from home_mjx.tasks.base.config import make_config
+    from home_mjx.tasks.base.options import make_config
+    from home_mjx.tasks.base.state import EnvParams
     from home_mjx.tasks.environment.autoreset import AutoReset
     from home_mjx.tasks.environment.household import HouseholdEnv
 
@@ -87,17 +88,17 @@ def stream(settings: Settings) -> Record:
     if len(open_dataset(settings.root).house_ids) < slots:
         settings = replace(settings, suncg=None)  # generated houses, since there is nothing to exchange
     with HouseStream(settings.root, num_slots=slots, headroom=2.0) as houses:
-        env = AutoReset(HouseholdEnv(houses.bank, make_config(sensors=("state", "goal"), episode_length=8)))
-        step = jax.jit(env.step_in)
-        states = jax.jit(env.reset_in)(houses.bank, jax.random.split(jax.random.key(0), settings.num_envs))
+        core = AutoReset(HouseholdEnv(make_config(sensors=("state", "goal"), episode_length=8)))
+        step = jax.jit(core.step)
+        states = jax.jit(core.reset)(EnvParams(houses.bank), jax.random.split(jax.random.key(0), settings.num_envs))
         actions = jnp.zeros((settings.num_envs, 4), jnp.float32)
-        states = jax.block_until_ready(step(houses.bank, states, actions))
+        states = jax.block_until_ready(step(EnvParams(houses.bank), states, actions))
         waits, steps, end = [], [], time.perf_counter() + settings.seconds
         while time.perf_counter() < end or not waits:
             swaps, start = houses.swaps, time.perf_counter()
-            bank = jax.block_until_ready(houses.advance(states.info["world"].house))
+            bank = jax.block_until_ready(houses.advance(states.world.house))
             middle = time.perf_counter()
-            states = jax.block_until_ready(step(bank, states, actions))
+            states = jax.block_until_ready(step(EnvParams(bank), states, actions))
             steps.append(time.perf_counter() - middle)
             if houses.swaps > swaps:
                 waits.append(middle - start)

@@ -24,11 +24,11 @@ def depth(settings: Settings) -> Record:
 def _steps(settings: Settings, case: str, **options: Any) -> Record:
     env = make("PointNav-v0", settings.bank, episode_length=10**6, **options)
     keys = jax.random.key_data(jax.random.split(jax.random.key(0), settings.num_envs))
-    states = jax.jit(jax.vmap(env.reset_in, (None, 0)))(env.bank, keys)
+    states = jax.jit(jax.vmap(env.core.reset, (None, 0)))(env.params, keys)
     actions = jnp.full((settings.num_envs, env.action_size), 0.5, jnp.float32)
-    step, seconds = timing.compiled(jax.vmap(env.step_in, (None, 0, 0)), env.bank, states, actions)
-    rate = timing.calls_per_second(step, env.bank, states, actions, seconds=settings.seconds)
-    note = f"PointNav-v0 with {', '.join(env.config.sensors)}; {settings.houses}"
+    step, seconds = timing.compiled(jax.vmap(env.core.step, (None, 0, 0)), env.params, states, actions)
+    rate = timing.calls_per_second(step, env.params, states, actions, seconds=settings.seconds)
+    note = f"PointNav-v0 with {', '.join(env.config.sensors or ())}; {settings.houses}"
     steps = rate * settings.num_envs
     return make_record(case, steps, "steps/s", note, num_envs=settings.num_envs, compile_seconds=seconds)
 

@@ -41,7 +41,7 @@ def use_compile_cache() -> Path | None:
 def _tell_jax() -> None:
     import jax
 
-    if jax.config.jax_compilation_cache_dir is None:
+    if getattr(jax.config, "jax_compilation_cache_dir", None) is None:
         for option, variable in OPTIONS.items():
             jax.config.update(option, os.environ[variable] if option.endswith("dir") else float(os.environ[variable]))
 

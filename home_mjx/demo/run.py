@@ -1,6 +1,5 @@
 """The demo from houses to files: compile, walk, draw, measure, and only then move everything into place."""
 
-import dataclasses
 import json
 import shutil
 import tempfile
@@ -16,8 +15,10 @@ from tqdm import tqdm
 
 from home_mjx.bench import timing
 from home_mjx.navigation.path_follower import Walker, make_walker
+from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.registry import make
 from home_mjx.tasks.base.state import State
+from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.household import HouseholdEnv
 from home_mjx.viz import media, pictures
 from home_mjx.viz.top_view import TopView
@@ -89,7 +90,7 @@ def run_demo(options: DemoOptions) -> dict[str, Any]:
 
 def _run(options: DemoOptions, steps: tqdm) -> dict[str, Any]:
     started = time.perf_counter()
-    env: HouseholdEnv = make("PointNav-v0", options.suncg, num_houses=options.num_houses, episode_length=10**6)
+    env = make("PointNav-v0", options.suncg, num_houses=options.num_houses, episode_length=10**6)
     steps.set_postfix_str("compiling the step (once)")
     steps.update()
     programs, seconds = _compile(env, options)
@@ -125,7 +126,7 @@ def _run(options: DemoOptions, steps: tqdm) -> dict[str, Any]:
     return report
 
 
-def _compile(env: HouseholdEnv, options: DemoOptions) -> tuple[dict[str, Any], dict[str, float]]:
+def _compile(env: BoundEnv[HouseholdEnv], options: DemoOptions) -> tuple[dict[str, Any], dict[str, float]]:
     """The batched start and step as compiled programs, and how long that took.
 
     The walk starts from `begin`, which has no observation: the step does not read it, and rendering is compiled once.
@@ -133,71 +134,72 @@ def _compile(env: HouseholdEnv, options: DemoOptions) -> tuple[dict[str, Any], d
     keys = jnp.zeros((options.num_envs, 2), jnp.uint32)
     houses = jnp.zeros(options.num_envs, jnp.int32)
     actions = jnp.zeros((options.num_envs, env.action_size), jnp.float32)
-    begin, begin_seconds = timing.compiled(jax.vmap(env.begin, (None, 0, 0)), env.bank, keys, houses)
-    states = begin(env.bank, keys, houses)
-    step, step_seconds = timing.compiled(jax.vmap(env.step_in, (None, 0, 0)), env.bank, states, actions)
+    begin, begin_seconds = timing.compiled(jax.vmap(env.core.begin, (None, 0, 0)), env.params, keys, houses)
+    states = begin(env.params, keys, houses)
+    step, step_seconds = timing.compiled(jax.vmap(env.core.step, (None, 0, 0)), env.params, states, actions)
     return {"begin": begin, "step": step}, {"begin": begin_seconds, "step with all sensors": step_seconds}
 
 
-def place(env: HouseholdEnv, begin: Any, options: DemoOptions) -> State:
+def place(env: BoundEnv[HouseholdEnv], begin: Any, options: DemoOptions) -> State:
     """Environments spread over the houses, the radio in a room of each."""
     keys = jax.random.key_data(jax.random.split(jax.random.key(options.seed), options.num_envs))
     houses = jnp.arange(options.num_envs, dtype=jnp.int32) % env.bank.num_houses
-    states = begin(env.bank, keys, houses)
-    world = states.info["world"]
+    states = begin(env.params, keys, houses)
     # All environments of a house hear the same radio, at the house's first goal.
     radio = env.bank.navigation.goal[houses, 0].at[:, 2].add(env.config.source_height)
-    return states.replace(info=dict(states.info, world=world.replace(source=radio)))
+    return states.replace(world=states.world.replace(source=radio))
 
 
 def walk_through(
-    env: HouseholdEnv, step: Any, states: State, options: DemoOptions, progress: tqdm
+    env: BoundEnv[HouseholdEnv], step: Any, states: State, options: DemoOptions, progress: tqdm
 ) -> tuple[State, Walk]:
     """Walks all environments and keeps what the drawn ones observed."""
-    pose = jax.jit(jax.vmap(env.pose, (None, 0)))
-    place = pose(env.bank, states)
+    pose = jax.jit(jax.vmap(lambda params, state: env.core.snapshot(params, state).pose, (None, 0)))
+    place = pose(env.params, states)
     walkers = make_walkers(env, states, np.asarray(place.pos[:, 0]))
-    walk = Walk(sources=np.asarray(states.info["world"].source[: options.num_views]))
+    walk = Walk(sources=np.asarray(states.world.source[: options.num_views]))
     for _ in range(options.num_steps):
         pos, yaw = np.asarray(place.pos[:, 0]), np.asarray(place.yaw[:, 0])
         actions = np.stack([w.action(pos[i], float(yaw[i])) for i, w in enumerate(walkers)])
-        states = step(env.bank, states.replace(obs={}), jnp.asarray(actions))
-        place = pose(env.bank, states)
+        states = step(env.params, states, jnp.asarray(actions))
+        place = pose(env.params, states)
         walk.obs.append({k: np.asarray(v[: options.num_views]) for k, v in states.obs.items()})
         walk.positions.append(np.asarray(place.pos[: options.num_views, 0]))
         progress.update()
-    return states.replace(obs={}), walk
+    return states, walk
 
 
-def make_walkers(env: HouseholdEnv, states: State, pos: np.ndarray) -> list[Walker]:
+def make_walkers(env: BoundEnv[HouseholdEnv], states: State, pos: np.ndarray) -> list[Walker]:
     """A walker per environment."""
-    houses = np.asarray(states.info["world"].house)
+    houses = np.asarray(states.world.house)
     turn = env.config.physics.turn_rate * env.dt
     return [make_walker(env.bank, int(h), pos[i], turn) for i, h in enumerate(houses)]
 
 
-def measure(env: HouseholdEnv, step: Any, states: State) -> tuple[dict[str, float], dict[str, float]]:
+def measure(env: BoundEnv[HouseholdEnv], step: Any, states: State) -> tuple[dict[str, float], dict[str, float]]:
     """Environment steps per second with all sensors, and of physics and each sensor alone."""
-    num_envs = states.done.shape[0]
+    num_envs = states.reward.shape[0]
     actions = jnp.zeros((num_envs, env.action_size), jnp.float32)
-    rates = {"all": num_envs * timing.calls_per_second(step, env.bank, states, actions, seconds=4.0)}
+    rates = {"all": num_envs * timing.calls_per_second(step, env.params, states, actions, seconds=4.0)}
     seconds = {}
     programs: dict[str, tuple[Any, tuple]] = {
-        "physics": (jax.vmap(env.advance, (None, 0, 0)), (env.bank, states, actions))
+        "physics": (jax.vmap(env.core.advance, (None, 0, 0)), (env.params, states, actions))
     }
     for name, kinds in SENSORS_ALONE.items():
-        alone = HouseholdEnv(env.bank, dataclasses.replace(env.config, sensors=kinds), env.task)
-        programs[name] = (jax.vmap(lambda b, s, alone=alone: alone.observe_in(b, s).obs, (None, 0)), (env.bank, states))
+        alone = HouseholdEnv(env.config.replace(sensors=kinds), env.task)
+        programs[name] = (jax.vmap(lambda p, s, alone=alone: alone.perceive(p, s).obs, (None, 0)), (env.params, states))
     for name, (function, args) in programs.items():
         program, seconds[name] = timing.compiled(function, *args)
         rates[name] = num_envs * timing.calls_per_second(program, *args)
     return rates, seconds
 
 
-def draw(env: HouseholdEnv, states: State, walk: Walk, options: DemoOptions, folder: Path, progress: tqdm) -> None:
+def draw(
+    env: BoundEnv[HouseholdEnv], states: State, walk: Walk, options: DemoOptions, folder: Path, progress: tqdm
+) -> None:
     """Writes the contact sheet, the film and the sound."""
-    houses = np.asarray(states.info["world"].house[: options.num_views])
-    tops = [TopView(env, jax.tree.map(lambda x, i=i: x[i], states)) for i in range(options.num_views)]
+    houses = np.asarray(states.world.house[: options.num_views])
+    tops = [TopView(env.bank, _scene(env, states, i)) for i in range(options.num_views)]
     paths = np.stack(walk.positions)
     rows = []
     for i, top in enumerate(tops):
@@ -214,7 +216,12 @@ def draw(env: HouseholdEnv, states: State, walk: Walk, options: DemoOptions, fol
     progress.update()
 
 
-def _views(env: HouseholdEnv, obs: dict[str, np.ndarray], view: int, size: int) -> list[np.ndarray]:
+def _scene(env: BoundEnv[HouseholdEnv], states: State, index: int) -> Scene:
+    """One of the environments as rays see it."""
+    return env.core.snapshot(env.params, jax.tree.map(lambda x: x[index], states)).scene
+
+
+def _views(env: BoundEnv[HouseholdEnv], obs: dict[str, np.ndarray], view: int, size: int) -> list[np.ndarray]:
     panels = {
         "rgb": obs["pixels/head_rgb"][view],
         "depth": pictures.depth_colours(obs["pixels/head_depth"][view, ..., 0], env.config.depth_max),
@@ -224,7 +231,7 @@ def _views(env: HouseholdEnv, obs: dict[str, np.ndarray], view: int, size: int) 
     return [pictures.captioned(pictures.enlarge(image, size), name) for name, image in panels.items()]
 
 
-def _film_frame(env: HouseholdEnv, walk: Walk, top: TopView, path: np.ndarray, t: int) -> np.ndarray:
+def _film_frame(env: BoundEnv[HouseholdEnv], walk: Walk, top: TopView, path: np.ndarray, t: int) -> np.ndarray:
     peak = max(float(np.abs(obs["audio"][0]).max()) for obs in walk.obs)
     row = [pictures.captioned(top.with_path(path, walk.sources[0], 192), "top view"), *_views(env, walk.obs[t], 0, 192)]
     width = sum(panel.shape[1] for panel in row) + 6 * (len(row) - 1)

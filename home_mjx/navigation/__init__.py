@@ -3,7 +3,7 @@
 from home_mjx.navigation.fields import distance_field, goal_fields
 from home_mjx.navigation.grid import cell_of, geodesic_distance, ground_fields, place_position, random_position, room_of
 from home_mjx.navigation.path_follower import Walker, make_walker
-from home_mjx.navigation.spawn import random_source, spread_starts
+from home_mjx.navigation.spawn import random_source, random_yaw, spread_starts
 
 __all__ = [
     "Walker",
@@ -16,6 +16,7 @@ __all__ = [
     "place_position",
     "random_position",
     "random_source",
+    "random_yaw",
     "room_of",
     "spread_starts",
 ]

@@ -29,3 +29,8 @@ def random_source(bank: HouseBank, house: Int[Array, ""], height: float, key: Ar
     points = bank.navigation.start[house]
     index = jax.random.randint(key, (), 0, points.shape[0])
     return points[index].at[2].add(jnp.float32(height))
+
+
+def random_yaw(key: Array, shape: tuple[int, ...] = ()) -> Float[Array, "*n"]:
+    """Headings, every one as likely as any other [rad]."""
+    return jax.random.uniform(key, shape, jnp.float32, -jnp.pi, jnp.pi)

@@ -9,15 +9,29 @@ Usable alone:
 
 from home_mjx.physics import quiet_mjx as _first  # noqa: F401
 from home_mjx.physics.config import PhysicsConfig
-from home_mjx.physics.dynamics import Template, agent_contact, agent_pose, agent_velocity, body_pose, reset, step
+from home_mjx.physics.dynamics import (
+    Template,
+    agent_contact,
+    agent_pose,
+    agent_velocity,
+    body_pose,
+    is_broken,
+    reset,
+    step,
+    step_checked,
+)
+from home_mjx.physics.lost import Lost
 
 __all__ = [
+    "Lost",
     "PhysicsConfig",
     "Template",
     "agent_contact",
     "agent_pose",
     "agent_velocity",
     "body_pose",
+    "is_broken",
     "reset",
     "step",
+    "step_checked",
 ]

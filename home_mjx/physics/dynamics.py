@@ -15,6 +15,7 @@ from home_mjx.physics.config import PhysicsConfig
 from home_mjx.physics.control import motor_forces
 from home_mjx.physics.house_model import MovableBodies, house_model, movable_bodies, with_slots
 from home_mjx.physics.layout import Layout
+from home_mjx.physics.lost import Lost, Pairs, are_points_full, limit
 from home_mjx.physics.slots import FLAT, Boxes, fill, parked
 from home_mjx.physics.template_mjcf import template_mjcf
 
@@ -40,6 +41,8 @@ class Template:
         host = mujoco.MjModel.from_xml_string(xml)  # pyright: ignore[reportAttributeAccessIssue]
         self.yaw_inertia = float(host.dof_M0[3])
         self.model = mjx.put_model(host, impl=config.impl)
+        self.pairs = Pairs.of(host)
+        self.max_points = limit(host, "max_contact_points")
         self.data = mjx.make_data(self.model, impl=config.impl)
 
 
@@ -82,19 +85,37 @@ def step(
         The state after. Its `sensordata` counts each agent's contact points with anything but the floor, the most of
         all physics steps.
     """
+    return step_checked(template, bank, house, data, action)[0]
+
+
+def step_checked(
+    template: Template, bank: HouseBank, house: Int[Array, ""], data: mjx.Data, action: Float[Array, "a 3"]
+) -> tuple[mjx.Data, Lost]:
+    """`step`, and what it left out because it did not fit."""
     bodies = movable_bodies(bank.physics, house)
     static = static_boxes(template, bank.physics, house)
     model = house_model(template.model, template.layout, bodies, bank.physics.floor[house])
 
-    def substep(data: mjx.Data, _: None) -> tuple[mjx.Data, Array]:
+    def substep(data: mjx.Data, _: None) -> tuple[mjx.Data, tuple[Array, Lost]]:
         data = data.replace(ctrl=_control(template, data, action))
-        filled = with_slots(model, template.layout, nearest_boxes(template, static, bodies.size, data))
+        slots, crowded = nearest_boxes(template, static, bodies.size, data)
+        filled = with_slots(model, template.layout, slots)
         with _as_mjx_needs():
             data = mjx.step(filled, data)
-        return _settle_bodies(template, bodies, data), data.sensordata
+        lost = Lost(
+            static_boxes=crowded,
+            contact_pairs=template.pairs.lost(filled, data),
+            contact_points=are_points_full(data, template.max_points),
+        )
+        return _settle_bodies(template, bodies, data), (data.sensordata, lost)
 
-    data, contacts = jax.lax.scan(substep, data, None, length=template.config.timing.substeps)
-    return data.replace(sensordata=contacts.max(axis=0))
+    data, (contacts, lost) = jax.lax.scan(substep, data, None, length=template.config.timing.substeps)
+    return data.replace(sensordata=contacts.max(axis=0)), jax.tree.map(jnp.any, lost)
+
+
+def is_broken(data: mjx.Data) -> Bool[Array, ""]:
+    """Whether a pose or a speed is not a finite number."""
+    return ~(jnp.all(jnp.isfinite(data.qpos)) & jnp.all(jnp.isfinite(data.qvel)))
 
 
 def static_boxes(template: Template, physics: Physics, house: Int[Array, ""]) -> Boxes:
@@ -110,18 +131,24 @@ def static_boxes(template: Template, physics: Physics, house: Int[Array, ""]) ->
     return jax.tree.map(lambda x, y: jnp.concatenate([x, y]), own, parked(missing)) if missing > 0 else own
 
 
-def nearest_boxes(template: Template, static: Boxes, body_size: Float[Array, "k 3"], data: mjx.Data) -> Boxes:
-    """What the slots hold: the static boxes nearest to each agent and to each body."""
+def nearest_boxes(
+    template: Template, static: Boxes, body_size: Float[Array, "k 3"], data: mjx.Data
+) -> tuple[Boxes, Bool[Array, ""]]:
+    """What the slots hold: the static boxes nearest to each agent and to each body; and whether some were left out.
+
+    Left out are boxes that touch an owner whose slots are all taken by nearer ones.
+    """
     config = template.config
-    slots = []
+    slots, crowded = [], jnp.zeros((), bool)
     for owners, num in (
         (_agent_boxes(template, data), config.agent_slots),
         (Boxes(*body_pose(template, data), body_size), config.body_slots),
     ):
         if owners.pos.shape[0]:
-            filled = jax.vmap(lambda owner, num=num: fill(owner, static, num))(owners)
+            filled, over = jax.vmap(lambda owner, num=num: fill(owner, static, num))(owners)
+            crowded = crowded | jnp.any(over)
             slots.append(jax.tree.map(lambda x: x.reshape(-1, x.shape[-1]), filled))
-    return jax.tree.map(lambda *x: jnp.concatenate(x), *slots)
+    return jax.tree.map(lambda *x: jnp.concatenate(x), *slots), crowded
 
 
 def agent_pose(template: Template, data: mjx.Data) -> tuple[Float[Array, "a 3"], Float[Array, " a"]]:

@@ -1,24 +1,48 @@
-"""Environments: tasks on houses, with observations, rewards and resets."""
+"""Environments: tasks on houses, with observations, rewards and resets; and the seams for further tasks and sensors."""
 
-from home_mjx.tasks.base.config import SENSORS, AgentCamera, EnvConfig, make_config
-from home_mjx.tasks.base.state import State, World
+from home_mjx.tasks.base.config import DEFAULT_SENSORS, SENSORS, AgentCamera, EnvConfig
+from home_mjx.tasks.base.options import make_config
+from home_mjx.tasks.base.pose import AgentPose
+from home_mjx.tasks.base.sensor import Sensor, register_sensor
+from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.base.specs import ArraySpec
+from home_mjx.tasks.base.state import EnvParams, Episodes, State, World
+from home_mjx.tasks.base.status import Status, StatusError, check_status
+from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.environment.autoreset import AutoReset
-from home_mjx.tasks.environment.episodes import Episodes, load_episodes, sample_episodes, save_episodes
+from home_mjx.tasks.environment.bound import BoundEnv
+from home_mjx.tasks.environment.episodes import load_episodes, sample_episodes, save_episodes
 from home_mjx.tasks.environment.household import HouseholdEnv
-from home_mjx.tasks.suite.point_nav import PointNav
+from home_mjx.tasks.environment.saved import load_states, save_states
+from home_mjx.tasks.suite.point_nav import PointNav, PointNavState
 
 __all__ = [
+    "DEFAULT_SENSORS",
     "SENSORS",
     "AgentCamera",
+    "AgentPose",
+    "ArraySpec",
     "AutoReset",
+    "BoundEnv",
     "EnvConfig",
+    "EnvParams",
     "Episodes",
     "HouseholdEnv",
     "PointNav",
+    "PointNavState",
+    "Sensor",
+    "Snapshot",
     "State",
+    "Status",
+    "StatusError",
+    "Task",
     "World",
+    "check_status",
     "load_episodes",
+    "load_states",
     "make_config",
+    "register_sensor",
     "sample_episodes",
     "save_episodes",
+    "save_states",
 ]

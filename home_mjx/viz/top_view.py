@@ -14,8 +14,6 @@ from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.raycast_render.scene.vec import Vec, select
 from home_mjx.raycast_render.shading.shading import albedo, encode
 from home_mjx.schema.compiled import ARCHITECTURE
-from home_mjx.tasks.base.state import State
-from home_mjx.tasks.environment.household import HouseholdEnv
 
 CUT = 2.2  # [m] above the floor: above furniture and doors, below lintels' tops and ceilings
 MARGIN = 0.4  # [m] around the walls
@@ -27,20 +25,20 @@ class TopView:
     """A picture of one environment's house as it is now.
 
     Args:
-        env: The environment.
-        state: Its state.
+        bank: The houses.
+        scene: The environment as rays see it.
         pixels: Resolution of the longer side.
     """
 
-    def __init__(self, env: HouseholdEnv, state: State, pixels: int = 512) -> None:
-        house = int(state.info["world"].house)
-        self.low, side = _extent(env.bank, house)
+    def __init__(self, bank: HouseBank, scene: Scene, pixels: int = 512) -> None:
+        house = int(scene.house)
+        self.low, side = _extent(bank, house)
         self.scale = pixels / side
         ticks = (np.arange(pixels) + 0.5) / self.scale
         x, y = np.meshgrid(self.low[0] + ticks, self.low[1] + ticks[::-1])
-        top = float(env.bank.physics.floor[house]) + CUT
+        top = float(bank.physics.floor[house]) + CUT
         origin = jnp.asarray(np.stack([x, y, np.full_like(x, top)], axis=-1), jnp.float32)
-        self.image = np.asarray(_from_above(env.bank, env.scene(env.bank, state), origin))
+        self.image = np.asarray(_from_above(bank, scene, origin))
 
     def with_path(
         self, path: Float[np.ndarray, "t 3"], source: Float[np.ndarray, " 3"], size: int

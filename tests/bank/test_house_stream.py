@@ -14,7 +14,8 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.packing.gpu_geometry import gpu_geometry
 from home_mjx.bank.stream import HouseStream
 from home_mjx.errors import ConfigError
-from home_mjx.tasks.base.config import make_config
+from home_mjx.tasks.base.options import make_config
+from home_mjx.tasks.base.state import EnvParams
 from home_mjx.tasks.environment.autoreset import AutoReset
 from home_mjx.tasks.environment.household import HouseholdEnv
 
@@ -147,24 +148,23 @@ def test_refusals(root):
 
 def test_environments_run_on_through_swaps(stream):
     """One trace; episodes end in every house; no hitch: an exchange costs less than a step."""
-    env = HouseholdEnv(stream.bank, make_config(sensors=("state", "goal"), episode_length=3))
-    auto, traces = AutoReset(env), 0
+    auto, traces = AutoReset(HouseholdEnv(make_config(sensors=("state", "goal"), episode_length=3))), 0
 
-    def counted(bank, states, actions):
+    def counted(params, states, actions):
         nonlocal traces
         traces += 1
-        return auto.step_in(bank, states, actions)
+        return auto.step(params, states, actions)
 
     step = jax.jit(counted)
-    states = jax.jit(auto.reset_in)(stream.bank, jax.random.split(jax.random.key(0), 64))
+    states = jax.jit(auto.reset)(EnvParams(stream.bank), jax.random.split(jax.random.key(0), 64))
     actions = jnp.zeros((64, 4))
     houses, steps, exchanges = set(), [], []
-    states = step(stream.bank, states, actions)
+    states = step(EnvParams(stream.bank), states, actions)
     for _ in range(100):
         before, begin = stream.swaps, time.perf_counter()
-        bank = jax.block_until_ready(stream.advance(states.info["world"].house))
+        bank = jax.block_until_ready(stream.advance(states.world.house))
         middle = time.perf_counter()
-        states = jax.block_until_ready(step(bank, states, actions))
+        states = jax.block_until_ready(step(EnvParams(bank), states, actions))
         steps.append(time.perf_counter() - middle)
         if stream.swaps > before:
             exchanges.append(middle - begin)

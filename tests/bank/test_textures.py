@@ -6,12 +6,10 @@ import zlib
 
 import numpy as np
 import pytest
-
-from home_mjx.core import images
 from PIL import Image, PngImagePlugin
 
-from home_mjx.bank.packing import texture_layers as textures
 from home_mjx.bank.packing.texture_layers import load_textures
+from home_mjx.core import images
 from home_mjx.core.images import open_texture
 from home_mjx.errors import DatasetError
 

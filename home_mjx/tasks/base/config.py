@@ -14,14 +14,16 @@ from home_mjx.physics.config import PhysicsConfig
 from home_mjx.raycast_render.cameras.camera import Lens, has_intrinsics
 from home_mjx.raycast_render.executors.choose import find_executor
 from home_mjx.raycast_render.shading.preset import Preset, resolve
+from home_mjx.schema.agent import Body
+from home_mjx.schema.timing import Timing
 
 PIXEL_KINDS = ("rgb", "depth", "normal")
 CAMERA_KINDS = ("intrinsics", "pose", "valid")
 ID_KINDS = ("instance", "fine", "coarse", "nyu40", "room", "level", "material", "room_type", "size", "color")
-VECTOR_SENSORS = ("audio", "state", "goal")
+VECTOR_SENSORS = ("audio", "state")
 VIEW_KINDS = PIXEL_KINDS + ID_KINDS + CAMERA_KINDS
 SENSORS = VIEW_KINDS + VECTOR_SENSORS
-DEFAULT_SENSORS = ("rgb", "depth", "instance", "fine", "audio", "state", "goal")
+DEFAULT_SENSORS = ("rgb", "depth", "instance", "fine", "audio", "state")  # and what the task adds
 
 
 @dataclass(frozen=True)
@@ -72,36 +74,40 @@ class AgentCamera:
 
 @dataclass(frozen=True)
 class EnvConfig:
-    """Options of an environment.
+    """Options of an environment; those of its task and of its houses are records of their own.
 
     Attributes:
-        sensors: What is observed, from `SENSORS`; nothing else is computed.
-        width: Image width [px].
+        sensors: What is observed, from `SENSORS`, the task's own and registered ones; nothing else is computed. None:
+            `DEFAULT_SENSORS` and all that the task adds.
+        width: Image width of the head camera [px].
         height: Image height [px].
         fovy: Vertical field of view [degrees].
         samples: Rays per pixel of the colour image.
         rgb_preset: How colour images are lit: "fast", "lit", or a `Lit` with options.
         cameras: Further cameras, beside the `head` camera of the sensors.
-        eye_height: Camera and ears above the floor [m].
         depth_max: Observed depth is clipped here [m].
         look_rate: Fastest change of pitch [rad/s].
         pitch_max: Largest look up or down [rad].
         episode_length: Steps until truncation.
         source_height: Sound source above the floor [m].
-        clip: Name of the sound that the source plays, see `home_mjx.audio_jax.clip`.
+        clip: Name of the sound that the source plays, see `home_mjx.audio_jax.clip_samples`.
         executor: Ray executor, None for the platform's best.
+        body: Size, mass and eye height of every agent; physics, cameras and ears take theirs from here.
+        timing: The clock; physics and sound take theirs from here.
         physics: Agents, bodies and solver.
         audio: Sound.
+
+    Raises:
+        ConfigError: A value cannot be used, or `physics` or `audio` has another body or clock.
     """
 
-    sensors: tuple[str, ...] = DEFAULT_SENSORS
+    sensors: tuple[str, ...] | None = None
     width: int = 64
     height: int = 64
     fovy: float = 90.0
     samples: int = 1
     rgb_preset: Preset = "fast"
     cameras: tuple[AgentCamera, ...] = ()
-    eye_height: float = 1.5
     depth_max: float = 10.0
     look_rate: float = 1.5
     pitch_max: float = 1.0
@@ -109,23 +115,31 @@ class EnvConfig:
     source_height: float = 1.0
     clip: str = "radio"
     executor: str | None = None
+    body: Body = field(default_factory=Body)
+    timing: Timing = field(default_factory=Timing)
     physics: PhysicsConfig = field(default_factory=PhysicsConfig)
     audio: AudioConfig = field(default_factory=AudioConfig)
 
     def __post_init__(self) -> None:
-        check_names("sensor", self.sensors, SENSORS)
+        if self.sensors is not None:
+            self._set(sensors=_names_in("sensors", self.sensors))
+        self._set(cameras=_tuple("cameras", self.cameras))
         check_known("clip", [self.clip], CLIPS)
         find_executor(self.executor)
         resolve(self.rgb_preset)
         self._check_numbers()
-        self._check_parts()
+        self._check_cameras()
+        self._share()
+
+    def _set(self, **values: Any) -> None:
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
 
     def _check_numbers(self) -> None:
         for name in ("width", "height", "samples", "episode_length"):
             check_number(name, getattr(self, name), 1, whole=True)
         limits = {
             "fovy": (1, 179.9),  # [degrees]
-            "eye_height": (0, 10),
             "source_height": (0, 10),
             "depth_max": (0.01, math.inf),
             "look_rate": (0, math.inf),
@@ -134,47 +148,56 @@ class EnvConfig:
         for name, (least, most) in limits.items():
             check_number(name, getattr(self, name), least, most)
 
-    def _check_parts(self) -> None:
+    def _check_cameras(self) -> None:
         if not all(isinstance(camera, AgentCamera) for camera in self.cameras):
             raise ConfigError(f"`cameras` must be AgentCameras, got {self.cameras!r}")
-        names = [camera.name for camera in self.views]
-        if len({*names, "head"}) < len(self.cameras) + 1:
-            raise ConfigError(f"`cameras` must have names of their own, none of them `head`; got {', '.join(names)}")
+        names = ["head", *(camera.name for camera in self.cameras)]
+        Lens(self.width, self.height, samples=self.samples)  # refuses images that are too large
+        if len(set(names)) < len(names):
+            text = ", ".join(names[1:])
+            raise ConfigError(f"`cameras` must have names of their own, none of them `head`; got {text}")
+
+    def _share(self) -> None:
+        """Hands body and clock to the engines, which must not have others."""
+        parts: dict[str, Any] = {"physics": (PhysicsConfig, ("body", "timing")), "audio": (AudioConfig, ("timing",))}
+        for part, (cls, records) in parts.items():
+            given = getattr(self, part)
+            check_type(part, given, cls)
+            for name in records:
+                ours, theirs = getattr(self, name), getattr(given, name)
+                check_type(name, ours, type(theirs))
+                if theirs not in (ours, type(theirs)()):
+                    raise ConfigError(
+                        f"`{part}.{name}` is {theirs}, but the environment's `{name}` is {ours}",
+                        hint=f"Give `{name}` to the environment alone: physics and sound take it from there.",
+                    )
+            self._set(**{part: dataclasses.replace(given, **{name: getattr(self, name) for name in records})})
+
+    def replace(self, **changes: Any) -> "EnvConfig":
+        """A copy with some fields changed; physics and sound follow a new body or clock."""
+        bare: dict[str, Any] = {
+            "physics": dataclasses.replace(self.physics, body=Body(), timing=Timing()),
+            "audio": dataclasses.replace(self.audio, timing=Timing()),
+        }
+        return dataclasses.replace(self, **(bare | changes))
 
     @property
     def views(self) -> tuple[AgentCamera, ...]:
         """All cameras of an agent: the head's, if any sensor needs it, then `cameras`."""
-        kinds = tuple(s for s in self.sensors if s in VIEW_KINDS)
+        names = DEFAULT_SENSORS if self.sensors is None else self.sensors
+        kinds = tuple(name for name in names if name in VIEW_KINDS)
         head = AgentCamera("head", kinds, Lens(self.width, self.height, samples=self.samples), self.fovy)
         return (*((head,) if kinds else ()), *self.cameras)
 
 
-def make_config(**options: Any) -> EnvConfig:
-    """An `EnvConfig` from keyword options; those of `physics` and `audio` may be given flat.
-
-    Raises:
-        ConfigError: For an unknown option, with the closest known one.
-
-    Example:
-        >>> make_config(width=32, num_agents=2).physics.num_agents
-        2
-    """
-    parts = {"physics": PhysicsConfig, "audio": AudioConfig}
-    nested = {part: _names(cls) for part, cls in parts.items()}
-    check_known("option", options, [*_names(EnvConfig), *nested["physics"], *nested["audio"]])
-    top = {name: value for name, value in options.items() if name in _names(EnvConfig)}
-    for part, cls in parts.items():
-        flat = {name: value for name, value in options.items() if name in nested[part] and name not in top}
-        given = top.get(part, cls())
-        if not isinstance(given, cls):
-            raise ConfigError(f"`{part}` must be a {cls.__name__}, got {given!r}")
-        top[part] = dataclasses.replace(given, **flat)
-    for name in {"sensors", "cameras"} & set(top):
-        if isinstance(top[name], str) or not isinstance(top[name], Iterable):
-            raise ConfigError(f"`{name}` must be a tuple, got {top[name]!r}", hint="One alone is written (one,)")
-        top[name] = tuple(top[name])
-    return EnvConfig(**top)
+def _tuple(name: str, values: Any) -> tuple:
+    if isinstance(values, str) or not isinstance(values, Iterable):
+        raise ConfigError(f"`{name}` must be a tuple, got {values!r}", hint="One alone is written (one,)")
+    return tuple(values)
 
 
-def _names(cls: type) -> list[str]:
-    return [f.name for f in dataclasses.fields(cls)]
+def _names_in(name: str, values: Any) -> tuple[str, ...]:
+    names = _tuple(name, values)
+    if not all(isinstance(value, str) for value in names):
+        raise ConfigError(f"`{name}` must be names, got {names!r}")
+    return names

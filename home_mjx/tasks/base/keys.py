@@ -4,6 +4,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, UInt32
 
+from home_mjx.errors import ConfigError
+
 SOUND, RENEW = 1, 2  # tags of `fold`
 
 
@@ -11,9 +13,20 @@ def to_raw(key: Array) -> UInt32[Array, "2"]:
     """The two words of a threefry key, from any kind of key.
 
     Brax's wrappers need raw keys in the state, see its `EpisodeWrapper`.
+
+    Raises:
+        ConfigError: It is no key, or several.
     """
+    if not hasattr(key, "dtype"):
+        raise ConfigError(f"expected a random key, got {key!r}", hint="Write jax.random.key(0).")
     if not jnp.issubdtype(key.dtype, jax.dtypes.prng_key):
+        if key.shape != (2,) or not jnp.issubdtype(key.dtype, jnp.integer):
+            hint = "One environment takes one key; for many, use `jax.vmap` over jax.random.split(key, n)."
+            raise ConfigError(f"expected one random key, got {key.dtype} of shape {key.shape}", hint=hint)
         return key.astype(jnp.uint32)
+    if key.shape:
+        hint = "One environment takes one key; for many, use `jax.vmap`."
+        raise ConfigError(f"expected one random key, got {key.shape}", hint=hint)
     data = jax.random.key_data(key)
     return data if data.shape[-1] == 2 else jax.random.bits(key, (2,), jnp.uint32)
 

@@ -1,41 +1,101 @@
-"""What an environment carries from step to step."""
+"""What an environment carries from step to step, and what its functions take besides."""
 
 from typing import Any
 
-from jaxtyping import Array, Float, Int, UInt32
+import jax
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int, UInt32
 
+from home_mjx.bank.bank import HouseBank
 from home_mjx.core.pytree import Pytree
 
 
+class Episodes(Pytree):
+    """Episodes drawn beforehand, one per row; or one of them without the leading axis.
+
+    Starts are settled: they lie on the floor in free space, and houses are compiled with movable objects at rest.
+    """
+
+    house: Int[Array, "*e"]  # index into the bank
+    start: Float[Array, "*e 3"]  # [m], of the first agent, on the floor
+    yaw: Float[Array, "*e"]  # [rad]
+    columns: dict[str, Array]  # the task's own, see `Task.columns`
+
+    def pick(self, index: Int[Array, "..."] | int) -> "Episodes":
+        """One episode, or some; also inside `jit`.
+
+        An index out of range raises `IndexError` on the host and takes the nearest row inside `jit`.
+        """
+        if not isinstance(index, jax.core.Tracer) and np.size(index):  # pyright: ignore[reportAttributeAccessIssue]
+            low, high = int(np.min(index)), int(np.max(index))
+            if low < 0 or high >= len(self):
+                raise IndexError(f"there are episodes 0 to {len(self) - 1}, asked for {low} to {high}")
+        return jax.tree.map(lambda rows: rows[index], self)
+
+    def __len__(self) -> int:
+        """Number of rows."""
+        return self.house.shape[0]
+
+
+class EnvParams(Pytree):
+    """What a jitted environment takes as an argument, and what may be exchanged without compiling anew.
+
+    Attributes:
+        bank: The houses. Another bank of the same `BankSpec` and shapes runs the same program.
+        tasks: Episodes that resets take their rows from; None: every reset draws afresh.
+        variation: Parameters of domain randomisation; none yet.
+
+    Example:
+        >>> params = EnvParams(bank)  # doctest: +SKIP
+        >>> state = jax.jit(core.reset)(params, jax.random.key(0))  # doctest: +SKIP
+    """
+
+    bank: HouseBank
+    tasks: Episodes | None = None
+    variation: dict[str, Array] | None = None
+
+
 class World(Pytree):
-    """One environment besides its bodies; A agents, sound responses of L samples."""
+    """One environment besides its bodies, its task and its sensors; A agents."""
 
     key: UInt32[Array, "2"]
     house: Int[Array, ""]  # index into the bank
-    pitch: Float[Array, " a"]  # [rad], look up is positive
-    goal: Int[Array, ""]  # index into the house's goals
-    distance: Float[Array, " a"]  # [m], geodesic distance to the goal
-    source: Float[Array, "3"]  # [m], where the sound comes from
-    phase: Int[Array, ""]  # [samples], position in the sound clip
-    response: Float[Array, "a 2 l"]  # impulse response per ear of the last frame
+    episode: Int[Array, ""]  # row of `EnvParams.tasks`, counted on by automatic resets; -1: drawn afresh
     step: Int[Array, ""]  # steps since reset
+    pitch: Float[Array, " a"]  # [rad], look up is positive
+    source: Float[Array, "3"]  # [m], where the sound comes from
+    sensors: dict[str, Any]  # what sensors remember, by their names
+    faults: Int[Array, ""]  # episodes of this environment that ended because a pose was not a number
 
 
 class State(Pytree):
-    """A MuJoCo Playground style state; for one agent the agent axis of obs and reward is squeezed.
+    """One environment between two steps; for one agent the agent axis of obs and reward is squeezed.
 
     Attributes:
-        data: `mjx.Data` of the bodies.
-        obs: Observations by name, see `home_mjx.tasks.sensors`.
-        reward: Float, per agent.
-        done: Float, 1 at the end of the episode (terminated, or truncated).
+        physics: `mjx.Data` of the bodies.
+        world: House, time, and what sensors remember.
+        task: The task's own state, such as its goal.
+        obs: Observations by name, see `Environment.observation_spec`.
+        reward: Of the last step, per agent.
+        terminated: The task has ended the episode.
+        truncated: The time is up.
         metrics: Float scalars by name.
-        info: `world` (a `World`), `truncation` (Float) and what wrappers add.
+        status: Flags of `Status`: what the last step lost; 0 is nothing.
+        info: Scratch space: the environment hands it on as it is. `AutoReset` puts `final_obs` here.
     """
 
-    data: Any
+    physics: Any
+    world: World
+    task: Any
     obs: dict[str, Array]
     reward: Float[Array, "..."]
-    done: Float[Array, ""]
-    metrics: dict[str, Array]
+    terminated: Bool[Array, ""]
+    truncated: Bool[Array, ""]
+    metrics: dict[str, Float[Array, ""]]
+    status: Int[Array, ""]
     info: dict[str, Any]
+
+    @property
+    def done(self) -> Bool[Array, "*n"]:
+        """The episode is over."""
+        return self.terminated | self.truncated

@@ -1,62 +1,167 @@
-"""Auto-reset of a batch of environments."""
+"""Automatic reset of a batch of environments."""
+
+from typing import Any
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
+from home_mjx.core.checks import check_known
+from home_mjx.errors import ConfigError
+from home_mjx.physics import Template
 from home_mjx.tasks.base.keys import RENEW, fold
-from home_mjx.tasks.base.state import State
+from home_mjx.tasks.base.state import EnvParams, State
+from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.household import HouseholdEnv
+
+FINAL_OBS = ("cheap", "all", "none")
+CHUNK = 32  # environments whose last images are rendered at once
 
 
 class AutoReset:
-    """A batch of environments that begin anew, in a new house and pose, when they are done.
+    """A batch of environments that begin anew, in a new house and pose, when their episode is over.
 
-    The state that comes back from a final step is the first of the next episode; its `done` and `reward` are still
-    those of the final step, and `info["final_obs"]` holds the final observation (the current one where nothing ended).
+    A step resets what has ended and then observes everybody, once. The state that comes back from a final step is thus
+    the first of the next episode, but for `reward`, `terminated`, `truncated`, `metrics` and `status`, which are those
+    of the final step. `info["final_obs"]` holds the observations before the reset; where nothing ended it is the same
+    as `obs`.
+
+    With `EnvParams.tasks`, environment i of n takes the rows i, i + n, i + 2n, ... so that all rows are evaluated once
+    before any is repeated; `World.episode` counts on without end.
 
     Args:
-        env: The environment.
+        core: The environment.
+        final_obs: What `info["final_obs"]` holds: "cheap", observations that cast no rays (pose, goal); "all", for
+            learners that bootstrap from pixels when time runs out: those of ended environments are rendered besides,
+            `CHUNK` at a time; "none".
 
     Example:
-        >>> batch = AutoReset(env)  # doctest: +SKIP
+        >>> batch = AutoReset(env.core).bind(env.params)  # doctest: +SKIP
         >>> states = batch.reset(jax.random.split(jax.random.key(0), 64))  # doctest: +SKIP
         >>> states = jax.jit(batch.step)(states, actions)  # doctest: +SKIP
     """
 
-    def __init__(self, env: HouseholdEnv) -> None:
-        self.env = env
+    def __init__(self, core: HouseholdEnv, final_obs: str = "cheap") -> None:
+        if isinstance(core, BoundEnv):
+            raise ConfigError("AutoReset takes a core", hint="Write AutoReset(env.core).bind(env.params).")
+        check_known("choice of `final_obs`", [final_obs], FINAL_OBS)
+        self.core, self.final_obs = core, final_obs
+        self.config, self.task = core.config, core.task
+        self.action_spec, self.observation_spec = core.action_spec, core.observation_spec
 
-    def reset(self, keys: Array) -> State:
-        """A new episode per key."""
-        return self.reset_in(self.env.bank, keys)
+    def bind(self, params: EnvParams | HouseBank) -> "BoundEnv[AutoReset]":
+        """The batch with its parameters: `reset(keys)`, `step(states, actions)`."""
+        return BoundEnv(self, params if isinstance(params, EnvParams) else EnvParams(params))
 
-    def step(self, state: State, action: Float[Array, "n ..."]) -> State:
+    def template(self, bank: HouseBank) -> Template:
+        """The physics' model."""
+        return self.core.template(bank)
+
+    def reset(
+        self,
+        params: EnvParams,
+        key: Array,
+        house: Int[Array, " n"] | None = None,
+        episode: Int[Array, " n"] | None = None,
+    ) -> State:
+        """A new episode per key; with `params.tasks`, rows 0 to n - 1 unless told otherwise.
+
+        Raises:
+            ConfigError: There is only one key.
+        """
+        num = _count(key)
+        if episode is None and params.tasks is not None:
+            episode = jnp.arange(num, dtype=jnp.int32)
+        begin = jax.vmap(self.core.begin, (None, 0, None if house is None else 0, None if episode is None else 0))
+        state = self._perceive(params, begin(params, key, house, episode))
+        return self._with_final(state, self._kept(state.obs))
+
+    def step(self, params: EnvParams, state: State, action: Float[Array, "n ..."]) -> State:
         """One step of all environments."""
-        return self.step_in(self.env.bank, state, action)
+        stepped = jax.vmap(self.core.advance, (None, 0, 0))(params, state, action)
+        done = stepped.done
+        # A branch on the whole batch: on steps in which nobody is done, nothing is drawn.
+        begun = jax.lax.cond(jnp.any(done), lambda s: self._begin_anew(params, s, done), lambda s: s, stepped)
+        seen = self._perceive(params, begun)
+        new = seen.replace(status=jnp.where(done, stepped.status, seen.status))
+        return self._with_final(new, self._final(params, stepped, new.obs, done))
 
-    def reset_in(self, bank: HouseBank, keys: Array) -> State:
-        """`reset` with an explicit bank."""
-        state = jax.vmap(lambda key: self.env.reset_in(bank, key))(keys)
-        return state.replace(info=dict(state.info, final_obs=state.obs))
+    def observe(self, params: EnvParams, state: State) -> State:
+        """The states with their observations computed anew."""
+        return jax.vmap(self.core.observe, (None, 0))(params, state)
 
-    def step_in(self, bank: HouseBank, state: State, action: Float[Array, "n ..."]) -> State:
-        """`step` with an explicit bank."""
-        inner = state.replace(info={k: v for k, v in state.info.items() if k != "final_obs"})
-        stepped = jax.vmap(lambda s, a: self.env.step_in(bank, s, a))(inner, action)
-        # A branch on the whole batch: nothing is reset, and nothing rendered twice, on steps in which nobody is done.
-        fresh = jax.lax.cond(jnp.any(stepped.done > 0), lambda s: self._renew(bank, s), lambda s: s, stepped)
-        info = dict(fresh.info, final_obs=stepped.obs, truncation=stepped.info["truncation"])
-        info["agent_done"] = stepped.info["agent_done"]
-        return fresh.replace(info=info, reward=stepped.reward, done=stepped.done, metrics=stepped.metrics)
+    def _perceive(self, params: EnvParams, state: State) -> State:
+        return jax.vmap(self.core.perceive, (None, 0))(params, state)
 
-    def _renew(self, bank: HouseBank, state: State) -> State:
-        def one(state: State) -> State:
-            key = fold(state.info["world"].key, RENEW)
-            new = self.env.reset_in(bank, key)
-            info = dict(state.info, **new.info)
-            new = new.replace(metrics=dict(state.metrics, **new.metrics), info=info)
-            return jax.tree.map(lambda a, b: jnp.where(state.done > 0, a, b), new, state)
+    def _begin_anew(self, params: EnvParams, state: State, done: Bool[Array, " n"]) -> State:
+        """The first state of the next episode where the last one is over."""
+        num = done.shape[0]
 
-        return jax.vmap(one)(state)
+        def one(state: State, done: Bool[Array, ""]) -> State:
+            episode = None if params.tasks is None else state.world.episode + num
+            new = self.core.begin(params, fold(state.world.key, RENEW), None, episode)
+            world = new.world.replace(faults=state.world.faults)
+            new = state.replace(physics=new.physics, world=world, task=new.task)
+            return jax.tree.map(lambda a, b: jnp.where(done, a, b), new, state)
+
+        return jax.vmap(one)(state, done)
+
+    def _kept(self, obs: dict[str, Array]) -> dict[str, Array]:
+        """Those of the observations that `final_obs` holds."""
+        if self.final_obs == "none":
+            return {}
+        costly = self._costly_names() if self.final_obs == "cheap" else ()
+        return {name: value for name, value in obs.items() if name not in costly}
+
+    def _costly_names(self) -> set[str]:
+        return {name for sensor in self.core.sensors if sensor.costly for name in sensor.spec(self.config)}
+
+    def _final(
+        self, params: EnvParams, stepped: State, obs: dict[str, Array], done: Bool[Array, " n"]
+    ) -> dict[str, Array]:
+        """Observations before the reset."""
+        kept = self._kept(obs)
+        if not kept:
+            return kept
+
+        def cheap(state: State) -> dict[str, Array]:
+            return self.core.sense(self.core.snapshot(params, state), state, costly=False)
+
+        last = jax.vmap(cheap)(stepped)
+        kept |= {name: _where(done, value, obs[name]) for name, value in last.items() if name in kept}
+        return kept if self.final_obs == "cheap" else self._render_final(params, stepped, kept, done)
+
+    def _render_final(
+        self, params: EnvParams, stepped: State, kept: dict[str, Array], done: Bool[Array, " n"]
+    ) -> dict[str, Array]:
+        """What ended environments saw and heard last, a chunk of them at a time."""
+        num = done.shape[0]
+        size = min(CHUNK, num)
+        order = jnp.argsort(~done, stable=True)  # those that ended come first
+        count = jnp.sum(done.astype(jnp.int32))
+
+        def chunk(carry: tuple[Array, dict[str, Array]]) -> tuple[Array, dict[str, Array]]:
+            first, out = carry
+            place = first + jnp.arange(size, dtype=jnp.int32)
+            rows = jnp.where(place < count, order[jnp.minimum(place, num - 1)], num)
+            some = jax.tree.map(lambda x: x[jnp.minimum(rows, num - 1)], stepped)
+            seen = self._perceive(params, some).obs
+            return first + size, {name: out[name].at[rows].set(seen[name], mode="drop") for name in out}
+
+        return jax.lax.while_loop(lambda carry: carry[0] < count, chunk, (jnp.int32(0), kept))[1]
+
+    def _with_final(self, state: State, final: dict[str, Array]) -> State:
+        return state.replace(info={**state.info, **({"final_obs": final} if self.final_obs != "none" else {})})
+
+
+def _count(key: Any) -> int:
+    typed = hasattr(key, "dtype") and jnp.issubdtype(key.dtype, jax.dtypes.prng_key)
+    if not hasattr(key, "dtype") or key.ndim != (1 if typed else 2):
+        hint = "Write jax.random.split(jax.random.key(0), num_envs)."
+        raise ConfigError(f"expected a batch of random keys, got {getattr(key, 'shape', key)}", hint=hint)
+    return key.shape[0]
+
+
+def _where(done: Bool[Array, " n"], new: Array, old: Array) -> Array:
+    return jnp.where(done.reshape(-1, *[1] * (new.ndim - 1)), new, old)

@@ -12,43 +12,58 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records import BankSpec
 from home_mjx.core.transforms import body_quat
 from home_mjx.errors import ConfigError
-from home_mjx.navigation.grid import geodesic_distance
-from home_mjx.navigation.spawn import random_source, spread_starts
+from home_mjx.navigation.spawn import random_source, random_yaw, spread_starts
 from home_mjx.raycast_render.scene.scene import make_scene
-from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.keys import split, to_raw
 from home_mjx.tasks.base.pose import AgentPose
-from home_mjx.tasks.base.state import State, World
-from home_mjx.tasks.environment.episodes import Episodes
-from home_mjx.tasks.sensors import observe as sensors
+from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.base.specs import ACTION_NAMES, ArraySpec, Specs
+from home_mjx.tasks.base.state import EnvParams, Episodes, State, World
+from home_mjx.tasks.base.status import flags
+from home_mjx.tasks.base.task import Task
+from home_mjx.tasks.environment.bound import BoundEnv
+from home_mjx.tasks.environment.usable import usable_action
+from home_mjx.tasks.sensors.choose import choose_sensors, sensor_names
 from home_mjx.tasks.suite.point_nav import PointNav
 
 
 class HouseholdEnv:
-    """Agents in houses. Every method is for one environment: use `jax.vmap` for many.
+    """Agents in houses: the core, whose functions take `EnvParams` first. Each is for one environment: use `jax.vmap`.
 
-    The core takes the bank as an argument: `reset_in(bank, key)`, `step_in(bank, state, action)`,
-    `observe_in(bank, state)`. `reset(key)` and `step(state, action)` bind `env.bank`, which a jitted caller then
-    bakes in as a constant: right for short scripts, Brax and Playground, wasteful above about 1 GB.
+    `reset(params, key)`, `step(params, state, action)` and `observe(params, state)` return the same tree. Nothing of a
+    bank is baked into the compiled program. `bind(bank)` gives a `BoundEnv`: `reset(key)` and `step(state, action)`.
 
     Args:
-        bank: The houses.
         config: Options, see `EnvConfig`.
-        task: Goal and reward.
+        task: What agents are to do.
+
+    Attributes:
+        config: The options, sensors named.
+        task: The task.
+        sensors: The sensors, those of the task apart.
+        action_spec: Forward, left, turn left, look up: each in [-1, 1] of its fastest rate.
+        observation_spec: What `State.obs` holds, by name; with a leading agent axis for several agents.
+
+    Raises:
+        ConfigError: A sensor is unknown.
 
     Example:
-        >>> env = home_mjx.make("PointNav-v0")  # doctest: +SKIP
-        >>> states = jax.vmap(env.reset)(jax.random.split(jax.random.key(0), 64))  # doctest: +SKIP
-        >>> states = jax.jit(jax.vmap(env.step))(states, jnp.zeros((64, env.action_size)))  # doctest: +SKIP
+        >>> core, params = HouseholdEnv(), EnvParams(bank)  # doctest: +SKIP
+        >>> reset = jax.jit(jax.vmap(core.reset, in_axes=(None, 0)))  # doctest: +SKIP
+        >>> states = reset(params, jax.random.split(jax.random.key(0), 64))  # doctest: +SKIP
     """
 
-    def __init__(self, bank: HouseBank, config: EnvConfig | None = None, task: PointNav | None = None) -> None:
-        self.bank = bank
-        self.config = config or EnvConfig()
+    def __init__(self, config: EnvConfig | None = None, task: Task | None = None) -> None:
+        if isinstance(config, HouseBank):
+            raise ConfigError("HouseholdEnv takes options, not a bank", hint="Write HouseholdEnv(config).bind(bank).")
         self.task = task or PointNav()
-        # Now, not in the first trace: arrays made inside `pmap` or `shard_map` belong to that mesh for ever.
-        self._template(bank)
+        config = config or EnvConfig()
+        self.config = config.replace(sensors=sensor_names(config, self.task))
+        self.sensors = choose_sensors(self.config)
+        action = ArraySpec((self.action_size,), "float32", -1.0, 1.0, ", ".join(ACTION_NAMES))
+        self.action_spec = action.for_agents(self.num_agents)
+        self.observation_spec = self._observation_spec()
 
     @property
     def num_agents(self) -> int:
@@ -56,184 +71,221 @@ class HouseholdEnv:
         return self.config.physics.num_agents
 
     @property
-    def action_size(self) -> int:
-        """Numbers per agent: forward, left, turn left, look up, each in [-1, 1] of its fastest rate."""
-        return 4
-
-    @property
     def dt(self) -> float:
         """Seconds per step."""
-        return self.config.physics.ctrl_dt
+        return self.config.timing.ctrl_dt
 
-    @functools.cached_property
-    def observation_shapes(self) -> dict[str, jax.ShapeDtypeStruct]:
-        """Shape and dtype of every observation."""
-        return jax.eval_shape(self.reset, jax.ShapeDtypeStruct((2,), jnp.uint32)).obs
+    @property
+    def action_size(self) -> int:
+        """Numbers per agent, see `action_spec`."""
+        return len(ACTION_NAMES)
 
-    def reset(self, key: Array, episode: Episodes | None = None) -> State:
-        """`reset_in` with the environment's own bank."""
-        return self.reset_in(self.bank, key, episode=episode)
+    def bind(self, bank: HouseBank | EnvParams) -> "BoundEnv[HouseholdEnv]":
+        """The environment with its parameters: `reset(key)`, `step(state, action)`.
 
-    def step(self, state: State, action: Float[Array, "..."]) -> State:
-        """`step_in` with the environment's own bank."""
-        return self.step_in(self.bank, state, action)
+        Raises:
+            ConfigError: The houses were compiled for another body, see `check_bank`.
+        """
+        return BoundEnv(self, bank if isinstance(bank, EnvParams) else EnvParams(bank))
 
-    def reset_in(
-        self, bank: HouseBank, key: Array, house: Int[Array, ""] | None = None, episode: Episodes | None = None
+    def reset(
+        self,
+        params: EnvParams,
+        key: Array,
+        house: Int[Array, ""] | int | None = None,
+        episode: Int[Array, ""] | int | None = None,
     ) -> State:
         """A new episode.
 
         Args:
-            bank: The houses.
+            params: Houses and episodes.
             key: Typed or raw uint32 key.
             house: Index of the house, the nearest one that there is if out of range; None draws one.
-            episode: One row of an `Episodes`: house, start and goal of the first agent; the key draws the rest.
+            episode: Row of `params.tasks`, counted around: house, start and columns come from it, the key draws the
+                rest. None draws a row if there are any.
 
         Returns:
-            A state with its first observation, zero reward and done 0.
+            A state with its first observation, zero reward, neither terminated nor truncated.
         """
-        return self.observe_in(bank, self.begin(bank, key, house, episode))
+        return self.perceive(params, self.begin(params, key, house, episode))
 
-    def begin(
-        self, bank: HouseBank, key: Array, house: Int[Array, ""] | None = None, episode: Episodes | None = None
-    ) -> State:
-        """A new episode without observation: `obs` is empty until `observe_in`."""
-        keep, draw, start_key, yaw_key, goal_key, source_key = split(to_raw(key), 6)
-        if episode is not None:
-            house = episode.house
-        elif house is None:
-            house = bank.draw[jax.random.randint(draw, (), 0, bank.num_houses)]
-        house = bank.known_house(house)
-        agents = self.num_agents
-        start, pos = spread_starts(bank, house, agents, 4 * self.config.physics.agent_radius, start_key)
-        yaw = jax.random.uniform(yaw_key, (agents,), jnp.float32, -jnp.pi, jnp.pi)
-        goal = self.task.choose_goal(bank, house, start[0], goal_key)
-        if episode is not None:
-            pos, yaw, goal = pos.at[0].set(episode.start), yaw.at[0].set(episode.yaw), episode.goal
-        world = World(
-            key=to_raw(keep),
-            house=house,
-            pitch=jnp.zeros(agents, jnp.float32),
-            goal=goal,
-            distance=self._distance(bank, house, goal, pos),
-            source=random_source(bank, house, self.config.source_height, source_key),
-            phase=jnp.zeros((), jnp.int32),
-            response=jnp.zeros((agents, 2, self._response_length), jnp.float32),
-            step=jnp.zeros((), jnp.int32),
-        )
-        data = physics.reset(self._template(bank), bank, house, pos, yaw)
-        zero = jnp.zeros(agents, jnp.float32)
-        _, _, metrics = self.task.score(world.distance, world.distance, zero > 0)
-        metrics = jax.tree.map(jnp.zeros_like, metrics)
-        info = {"world": world, "truncation": jnp.zeros((), jnp.float32), "agent_done": zero}
-        return self._squeeze(State(data, {}, zero, jnp.zeros((), jnp.float32), metrics, info))
-
-    def step_in(self, bank: HouseBank, state: State, action: Float[Array, "..."]) -> State:
+    def step(self, params: EnvParams, state: State, action: Float[Array, "..."]) -> State:
         """One control step of `dt` seconds, then reward and observation.
 
         Args:
-            bank: The houses; may differ from the last call's as long as its spec is the same.
+            params: Houses; may differ from the last call's as long as the bank's spec is the same.
             state: The state before.
             action: (4,), or (A, 4) for several agents: forward, left, turn left, look up in [-1, 1]; clipped.
-                NaN counts as 0, lest one bad number of a policy spoils an environment for good.
+                NaN counts as 0, so that one bad number of a policy does not spoil an environment for good.
 
         Returns:
             The state after. An episode that is over is not reset: see `AutoReset`.
         """
-        return self.observe_in(bank, self.advance(bank, state, action), fade=True)
+        return self.perceive(params, self.advance(params, state, action))
 
-    def advance(self, bank: HouseBank, state: State, action: Float[Array, "..."]) -> State:
-        """Physics, reward and done of one step, without observation."""
-        world: World = state.info["world"]
-        action = self._usable(action)
-        template = self._template(bank)
-        data = physics.step(template, bank, world.house, state.data, action[:, :3])
+    def observe(self, params: EnvParams, state: State) -> State:
+        """The state with its observations computed anew from the rest of it, which stays as it is."""
+        snapshot = self.snapshot(params, state)
+        obs = self.sense(snapshot, state, costly=True)
+        return state.replace(obs=obs | self.sense(snapshot, state, costly=False))
+
+    def perceive(self, params: EnvParams, state: State) -> State:
+        """The state after its sensors were updated, once after each `begin` or `advance`; then observed."""
+        snapshot = self.snapshot(params, state)
+        kept, lost = dict(state.world.sensors), state.status
+        for sensor in self.sensors:
+            kept[sensor.name] = sensor.update(self.config, snapshot, kept[sensor.name])
+            lost = lost | jnp.asarray(sensor.status(self.config, snapshot, kept[sensor.name]), jnp.int32)
+        return self.observe(params, state.replace(world=state.world.replace(sensors=kept), status=lost))
+
+    def sense(self, snapshot: Snapshot, state: State, costly: bool) -> dict[str, Array]:
+        """Observations of the sensors that cast rays, or of the others and the task."""
+        obs: dict[str, Array] = {}
+        for sensor in self.sensors:
+            if sensor.costly == costly:
+                obs |= sensor.observe(self.config, snapshot, state.world.sensors[sensor.name])
+        if not costly:
+            seen = self.task.observe(snapshot, state.task)
+            obs |= {name: value for name, value in seen.items() if name in self.observation_spec}
+        return self._squeeze(obs)
+
+    def begin(
+        self,
+        params: EnvParams,
+        key: Array,
+        house: Int[Array, ""] | int | None = None,
+        episode: Int[Array, ""] | int | None = None,
+    ) -> State:
+        """`reset` without sensors: observations are zeros until `perceive`. For wrappers."""
+        bank, config = params.bank, self.config
+        keep, draw, start_key, yaw_key, goal_key, source_key = split(to_raw(key), 6)
+        number, row = self._row(params.tasks, episode, draw)
+        if row is not None:
+            house = row.house
+        elif house is None:
+            house = bank.draw[jax.random.randint(draw, (), 0, bank.num_houses)]
+        house = bank.known_house(jnp.asarray(house, jnp.int32))
+        agents = self.num_agents
+        _, pos = spread_starts(bank, house, agents, 4 * config.body.radius, start_key)
+        yaw = random_yaw(yaw_key, (agents,))
+        if row is not None:
+            pos, yaw = pos.at[0].set(row.start), yaw.at[0].set(row.yaw)
+        world = World(
+            key=to_raw(keep),
+            house=house,
+            episode=number,
+            step=jnp.zeros((), jnp.int32),
+            pitch=jnp.zeros(agents, jnp.float32),
+            source=random_source(bank, house, config.source_height, source_key),
+            sensors={sensor.name: sensor.init(config) for sensor in self.sensors},
+            faults=jnp.zeros((), jnp.int32),
+        )
+        data = physics.reset(self.template(bank), bank, house, pos, yaw)
+        snapshot = self._snapshot(params, data, world)
+        task = self.task.init(snapshot, goal_key, None if row is None else row.columns)
+        no = jnp.zeros((), bool)
+        return State(
+            physics=data,
+            world=world,
+            task=task,
+            obs={name: jnp.zeros(spec.shape, spec.dtype) for name, spec in self.observation_spec.items()},
+            reward=self._squeeze(jnp.zeros(agents, jnp.float32)),
+            terminated=no,
+            truncated=no,
+            metrics=self.task.metrics(snapshot, task),
+            status=jnp.zeros((), jnp.int32),
+            info={},
+        )
+
+    def advance(self, params: EnvParams, state: State, action: Float[Array, "..."]) -> State:
+        """`step` without sensors: physics, task, reward. For wrappers.
+
+        A step that gives poses that are no numbers is undone and ends the episode: the state stays finite, `status`
+        and `World.faults` tell of it.
+        """
+        bank, template = params.bank, self.template(params.bank)
+        action = usable_action(action, self.num_agents, self.action_size)
+        data, lost = physics.step_checked(template, bank, state.world.house, state.physics, action[:, :3])
+        broken = physics.is_broken(data)
+        data = jax.tree.map(lambda new, old: jnp.where(broken, old, new), data, state.physics)
         look = action[:, 3] * jnp.float32(self.config.look_rate * self.dt)
         limit = self.config.pitch_max
-        pos, _ = physics.agent_pose(template, data)
-        distance = self._distance(bank, world.house, world.goal, pos)
-        distance = jnp.where(jnp.isfinite(distance), distance, world.distance)
-        world_new = world.replace(
-            pitch=jnp.clip(world.pitch + look, -limit, limit),
-            distance=distance,
-            phase=sensors.next_phase(self.config, world.phase),
-            step=world.step + 1,
+        world = state.world.replace(
+            pitch=jnp.clip(state.world.pitch + look, -limit, limit),
+            step=state.world.step + 1,
+            faults=state.world.faults + broken.astype(jnp.int32),
         )
-        contact = physics.agent_contact(template, data)
-        reward, success, metrics = self.task.score(world.distance, distance, contact)
-        over = world_new.step >= self.config.episode_length
-        done = jnp.all(success)
-        info = dict(
-            state.info,
-            world=world_new,
-            truncation=(over & ~done).astype(jnp.float32),
-            agent_done=success.astype(jnp.float32),
+        snapshot = self._snapshot(params, data, world)
+        task = self.task.update(snapshot, state.task)
+        reward = jnp.where(broken, 0.0, self.task.reward(snapshot, state.task, task))
+        terminated = self.task.terminated(snapshot, task) | broken
+        return state.replace(
+            physics=data,
+            world=world,
+            task=task,
+            reward=self._squeeze(reward),
+            terminated=terminated,
+            truncated=(world.step >= self.config.episode_length) & ~terminated,
+            metrics={**state.metrics, **self.task.metrics(snapshot, task)},  # keep what wrappers added
+            status=flags(
+                NOT_A_NUMBER=broken,
+                STATIC_BOXES=lost.static_boxes,
+                CONTACT_PAIRS=lost.contact_pairs,
+                CONTACT_POINTS=lost.contact_points,
+            ),
         )
-        metrics = dict(state.metrics, **metrics)  # keep what wrappers added
-        return self._squeeze(State(data, {}, reward, (done | over).astype(jnp.float32), metrics, info))
 
-    def observe_in(self, bank: HouseBank, state: State, fade: bool = False) -> State:
-        """The state with its observations.
+    def snapshot(self, params: EnvParams, state: State) -> Snapshot:
+        """The environment as tasks and sensors read it; also for drawing."""
+        return self._snapshot(params, state.physics, state.world)
 
-        Args:
-            bank: The houses.
-            state: A state, of which only bodies and world count.
-            fade: Fade the sound from the response of the last frame to the present one.
-        """
-        world: World = state.info["world"]
-        config, template = self.config, self._template(bank)
-        pose = self.pose(bank, state)
-        obs: dict[str, Array] = {}
-        scene = self.scene(bank, state)
-        obs.update(sensors.observe_images(config, bank, scene, pose))
-        if "audio" in config.sensors:
-            response = sensors.hear(config, bank, scene, pose, world)
-            obs["audio"] = sensors.observe_sound(config, world, world.response if fade else response, response)
-            world = world.replace(response=response)
-        if "state" in config.sensors:
-            velocity = physics.agent_velocity(template, state.data)
-            obs["state"] = sensors.observe_state(pose, velocity, physics.agent_contact(template, state.data))
-        if "goal" in config.sensors:
-            obs["goal"] = self.task.goal_observation(bank.navigation.goal[world.house, world.goal], pose)
-        if self.num_agents == 1:
-            obs = {name: value[0] for name, value in obs.items()}
-        return state.replace(obs=obs, info=dict(state.info, world=world))
+    def _observation_spec(self) -> Specs:
+        own = {name: spec for sensor in self.sensors for name, spec in sensor.spec(self.config).items()}
+        offered = self.task.observation_spec
+        own |= {name: offered[name] for name in self.config.sensors or () if name in offered}
+        return {name: spec.for_agents(self.num_agents) for name, spec in own.items()}
 
-    def pose(self, bank: HouseBank, state: State) -> AgentPose:
-        """Where every agent is and looks."""
-        pos, yaw = physics.agent_pose(self._template(bank), state.data)
-        return AgentPose(pos=pos, yaw=yaw, pitch=state.info["world"].pitch)
+    def _snapshot(self, params: EnvParams, data: Any, world: World) -> Snapshot:
+        bank, template = params.bank, self.template(params.bank)
+        pos, yaw = physics.agent_pose(template, data)
+        bodies = physics.body_pose(template, data)
+        return Snapshot(
+            bank=bank,
+            house=world.house,
+            step=world.step,
+            key=world.key,
+            pose=AgentPose(pos=pos, yaw=yaw, pitch=world.pitch),
+            velocity=physics.agent_velocity(template, data),
+            contact=physics.agent_contact(template, data),
+            source=world.source,
+            scene=make_scene(bank, world.house, *bodies, pos, jax.vmap(body_quat)(yaw)),
+        )
 
-    def scene(self, bank: HouseBank, state: State) -> Scene:
-        """The environment as rays see it."""
-        pose = self.pose(bank, state)
-        body_pos, body_quats = physics.body_pose(self._template(bank), state.data)
-        house = state.info["world"].house
-        return make_scene(bank, house, body_pos, body_quats, pose.pos, jax.vmap(body_quat)(pose.yaw))
-
-    def _usable(self, action: Float[Array, "..."]) -> Float[Array, "a 4"]:
-        shape = self.num_agents, self.action_size
-        if action.shape != shape and action.shape != shape[1:] * (shape[0] == 1):
-            raise ConfigError(f"expected an action of shape {shape if shape[0] > 1 else shape[1:]}, got {action.shape}")
-        action = action.astype(jnp.float32).reshape(shape)
-        return jnp.clip(jnp.where(jnp.isnan(action), 0.0, action), -1.0, 1.0)
-
-    @property
-    def _response_length(self) -> int:
-        return self.config.audio.response_length if "audio" in self.config.sensors else 0
-
-    def _template(self, bank: HouseBank) -> Any:
+    def template(self, bank: HouseBank) -> physics.Template:
+        """The physics' model for banks of this capacity."""
         return _template(self.config.physics, bank.spec)
 
-    def _distance(self, bank: HouseBank, house: Array, goal: Array, pos: Float[Array, "a 3"]) -> Float[Array, " a"]:
-        return jax.vmap(lambda p: geodesic_distance(bank, house, goal, p))(pos)
+    def _row(
+        self, tasks: Episodes | None, episode: Int[Array, ""] | int | None, key: Array
+    ) -> tuple[Int[Array, ""], Episodes | None]:
+        """Number and content of the episode to begin; -1 and None: it is drawn afresh."""
+        if tasks is None:
+            if episode is not None:
+                hint = "Write env.with_tasks(episodes), or EnvParams(bank, tasks=episodes)."
+                raise ConfigError("an episode was asked for, but the environment has none", hint=hint)
+            return jnp.full((), -1, jnp.int32), None
+        if episode is None:
+            episode = jax.random.randint(key, (), 0, len(tasks))
+        number = jnp.asarray(episode, jnp.int32)
+        return number, jax.tree.map(lambda rows: rows[number % len(tasks)], tasks)
 
-    def _squeeze(self, state: State) -> State:
-        return state.replace(reward=state.reward[0]) if self.num_agents == 1 else state
+    def _squeeze(self, tree: Any) -> Any:
+        """The border: inside, the agent axis is always there; outside, one agent goes without."""
+        return jax.tree.map(lambda x: x[0], tree) if self.num_agents == 1 else tree
 
 
 @functools.lru_cache(maxsize=32)
-def _template(config: physics.PhysicsConfig, spec: BankSpec) -> Any:
+def _template(config: physics.PhysicsConfig, spec: BankSpec) -> physics.Template:
     # Built once per capacity; inside a trace it must hold no tracers.
     with jax.ensure_compile_time_eval():
         return physics.Template(config, spec)

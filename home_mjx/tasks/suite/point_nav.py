@@ -3,25 +3,43 @@
 Anderson et al., "On Evaluation of Embodied Navigation Agents", 2018 (arXiv:1807.06757).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
+from home_mjx.core.checks import check_number
+from home_mjx.core.pytree import Pytree
 from home_mjx.navigation.grid import geodesic_distance
-from home_mjx.tasks.base.pose import AgentPose
+from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.base.specs import ArraySpec, Specs
+from home_mjx.tasks.base.state import Episodes
+from home_mjx.tasks.base.task import Task
+from home_mjx.tasks.suite import goals
+
+FARTHEST = 1000.0  # [m]: no house is larger
+
+
+class PointNavState(Pytree):
+    """Where to, and how far it still is; A agents."""
+
+    goal: Int[Array, ""]  # index into the house's goals
+    distance: Float[Array, " a"]  # [m], geodesic
+    reached: Bool[Array, " a"]  # has been within `success_radius` since the start
+    arrived: Bool[Array, " a"]  # came within it during the last step
 
 
 @dataclass(frozen=True)
-class PointNav:
-    """Reach the goal's `success_radius`.
+class PointNav(Task):
+    """Reach the goal's `success_radius`; with several agents, all of them.
 
     Attributes:
         success_radius: Distance that counts as arrived [m].
         min_distance: Goals nearer than this at the start are avoided [m].
-        success_reward: Added on arrival.
+        success_reward: Added once, on arrival.
         step_cost: Taken every step.
         contact_cost: Taken while touching anything but the floor.
     """
@@ -32,31 +50,79 @@ class PointNav:
     step_cost: float = 0.01
     contact_cost: float = 0.01
 
-    def choose_goal(self, bank: HouseBank, house: Int[Array, ""], start: Int[Array, ""], key: Array) -> Int[Array, ""]:
-        """A random goal of the house at least `min_distance` from the start, if there is one."""
-        distance = geodesic_distance(bank, house, None, bank.navigation.start[house, start])
-        fit = jnp.isfinite(distance) & (distance >= jnp.float32(self.min_distance))
-        fit = fit | ~jnp.any(fit)
-        return jax.random.categorical(key, jnp.where(fit, 0.0, -jnp.inf)).astype(jnp.int32)
+    def __post_init__(self) -> None:
+        for option in fields(self):
+            check_number(option.name, getattr(self, option.name), 0)
 
-    def goal_observation(self, goal: Float[Array, "3"], pose: AgentPose) -> Float[Array, "a 3"]:
-        """Distance [m] in the plane, cosine and sine of the bearing in each agent's own frame (left positive)."""
+    @property
+    def observation_spec(self) -> Specs:
+        """`goal`."""
+        text = "distance in the plane [m], cosine and sine of the bearing in the agent's frame, left positive"
+        return {"goal": ArraySpec((3,), "float32", (0.0, -1.0, -1.0), (FARTHEST, 1.0, 1.0), text)}
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Index of the goal, and length of the shortest path [m]."""
+        return ("goal", "length")
+
+    def init(self, snapshot: Snapshot, key: Array, columns: dict[str, Array] | None) -> PointNavState:
+        """A random goal of the house at least `min_distance` from the first agent, if there is one."""
+        if columns is None:
+            goal = goals.choose_goal(snapshot, key, self.min_distance)
+        else:
+            goal = columns["goal"]
+        distance = self._distance(snapshot, goal)
+        nobody = jnp.zeros(distance.shape, bool)
+        return PointNavState(goal=goal, distance=distance, reached=nobody, arrived=nobody)
+
+    def update(self, snapshot: Snapshot, state: PointNavState) -> PointNavState:
+        """The distance is kept where none is known: on space that a pushed object has freed."""
+        distance = self._distance(snapshot, state.goal)
+        distance = jnp.where(jnp.isfinite(distance), distance, state.distance)
+        there = distance <= jnp.float32(self.success_radius)
+        return state.replace(distance=distance, reached=state.reached | there, arrived=there & ~state.reached)
+
+    def observe(self, snapshot: Snapshot, state: PointNavState) -> dict[str, Array]:
+        """Distance in the plane [m], cosine and sine of the bearing in each agent's own frame (left positive)."""
+        pose, goal = snapshot.pose, snapshot.bank.navigation.goal[snapshot.house, state.goal]
         offset = goal[None, :2] - pose.pos[:, :2]
         distance = jnp.linalg.norm(offset, axis=-1)
         bearing = jnp.arctan2(offset[:, 1], offset[:, 0]) - pose.yaw
-        return jnp.stack([distance, jnp.cos(bearing), jnp.sin(bearing)], axis=-1)
+        return {"goal": jnp.stack([distance, jnp.cos(bearing), jnp.sin(bearing)], axis=-1)}
 
-    def score(
-        self, before: Float[Array, " a"], after: Float[Array, " a"], contact: Bool[Array, " a"]
-    ) -> tuple[Float[Array, " a"], Bool[Array, " a"], dict[str, Array]]:
-        """Reward and success per agent from the geodesic distance before and after the step [m]."""
-        success = after <= jnp.float32(self.success_radius)
-        reward = before - after - jnp.float32(self.step_cost)
-        reward = reward - jnp.float32(self.contact_cost) * contact.astype(jnp.float32)
-        reward = reward + jnp.float32(self.success_reward) * success.astype(jnp.float32)
-        metrics = {
-            "success": jnp.mean(success.astype(jnp.float32)),
-            "distance": jnp.mean(after),
-            "contact": jnp.mean(contact.astype(jnp.float32)),
+    def reward(self, snapshot: Snapshot, before: PointNavState, state: PointNavState) -> Float[Array, " a"]:
+        """Progress [m] less costs, and `success_reward` on arrival."""
+        reward = before.distance - state.distance - jnp.float32(self.step_cost)
+        reward = reward - jnp.float32(self.contact_cost) * snapshot.contact.astype(jnp.float32)
+        return reward + jnp.float32(self.success_reward) * state.arrived.astype(jnp.float32)
+
+    def terminated(self, snapshot: Snapshot, state: PointNavState) -> Bool[Array, ""]:
+        """All agents have arrived."""
+        return jnp.all(state.reached)
+
+    def metrics(self, snapshot: Snapshot, state: PointNavState) -> dict[str, Float[Array, ""]]:
+        """Part of the agents that have arrived, mean distance [m], part that touches something."""
+        return {
+            "success": jnp.mean(state.reached.astype(jnp.float32)),
+            "distance": jnp.mean(state.distance),
+            "contact": jnp.mean(snapshot.contact.astype(jnp.float32)),
         }
-        return reward, success, metrics
+
+    def sample(self, bank: HouseBank, house: Int[Array, ""], key: Array, **limits: Any) -> tuple[Array, Array, dict]:
+        """See `goals.sample_goal`; limits are `min_length` and `max_length` of the shortest path [m]."""
+        return goals.sample_goal(bank, house, key, **limits)
+
+    def to_json(self, bank: HouseBank, house: int, columns: dict[str, Any]) -> dict[str, Any]:
+        """The goal's place, so that any bank of the houses will do."""
+        return goals.to_json(bank, house, columns)
+
+    def from_json(self, bank: HouseBank, house: int, line: dict[str, Any]) -> dict[str, Any]:
+        """The goal of the bank at that place."""
+        return goals.from_json(bank, house, line)
+
+    def possible(self, bank: HouseBank, episode: Episodes) -> Bool[Array, ""]:
+        """Whether the start lies on a floor, in or beside a cell that has a path to the goal."""
+        return goals.possible(bank, episode)
+
+    def _distance(self, snapshot: Snapshot, goal: Int[Array, ""]) -> Float[Array, " a"]:
+        return jax.vmap(lambda p: geodesic_distance(snapshot.bank, snapshot.house, goal, p))(snapshot.pose.pos)

@@ -4,8 +4,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from scenes import HEAD, scene_of
 from handmade import Furniture, shoebox, two_rooms
+from scenes import HEAD, scene_of
 
 from home_mjx.audio_jax.auralization.response import impulse_response
 from home_mjx.audio_jax.auralization.sources import clip_samples

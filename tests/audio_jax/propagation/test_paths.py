@@ -5,8 +5,8 @@ import jax.numpy as jnp
 import numpy as np
 import pyroomacoustics as pra
 import pytest
-from scenes import scene_of
 from handmade import Furniture, shoebox, two_rooms
+from scenes import scene_of
 
 from home_mjx.audio_jax.auralization.response import early_response
 from home_mjx.audio_jax.base.config import AudioConfig

@@ -10,8 +10,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from scenes import HEAD, scene_of
 from handmade import shoebox, two_rooms
+from scenes import HEAD, scene_of
 
 from home_mjx.audio_jax.auralization.response import ear_gains
 from home_mjx.audio_jax.base.config import AudioConfig

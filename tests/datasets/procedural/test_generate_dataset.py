@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PIL import Image
 from generated import built
+from PIL import Image
 from processes import processes_of, wait_for
 
 from home_mjx.datasets.procedural import dataset

@@ -9,7 +9,6 @@ import os
 import resource
 
 import pytest
-from hypothesis import HealthCheck, given, settings
 from fuzz_corpus import (
     DOOR,
     HOUSE_ID,
@@ -23,6 +22,7 @@ from fuzz_corpus import (
     compile_the_compiler,
     write_fuzz_dataset,
 )
+from hypothesis import HealthCheck, given, settings
 
 QUICK = settings(max_examples=12, suppress_health_check=list(HealthCheck))
 LONG = settings(QUICK, max_examples=int(os.environ.get("HOME_MJX_FUZZ_CASES", "500")))  # for each target

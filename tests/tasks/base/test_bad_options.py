@@ -13,7 +13,8 @@ from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.raycast_render.cameras.camera import Lens
 from home_mjx.raycast_render.shading.preset import Lit
 from home_mjx.scene_compile.navigation.free_space import NavigationOptions
-from home_mjx.tasks.base.config import AgentCamera, make_config
+from home_mjx.tasks.base.config import AgentCamera
+from home_mjx.tasks.base.options import make_config
 
 NAN, INF = float("nan"), float("inf")
 
@@ -59,7 +60,7 @@ from home_mjx.tasks import AgentCamera, make_config
 
 options = [
     ("width", 3.5), ("width", "64"), ("width", True), ("height", float("nan")), ("samples", 1.5), ("look_rate", "x"),
-    ("fovy", "a"), ("num_agents", 1.5), ("agent_mass", "heavy"), ("num_rays", 2.5), ("sensors", None),
+    ("fovy", "a"), ("num_agents", 1.5), ("body.mass", "heavy"), ("num_rays", 2.5), ("sensors", 5),
     ("sensors", "rgb"), ("cameras", None), ("cameras", ["x"]), ("rgb_preset", 5), ("clip", None), ("physics", {}),
     ("audio", "x"),
 ]
@@ -145,8 +146,8 @@ def env(generated_bank):
 @pytest.mark.parametrize("house", [-1, 2, 10**6])
 def test_a_house_out_of_range_is_the_nearest_one(env, house):
     """Native code must never read past its arrays, whatever a jitted caller gives."""
-    reset = jax.jit(env.reset_in)
-    state, near = (reset(env.bank, jax.random.key(0), jnp.int32(i)) for i in (house, min(max(house, 0), 1)))
+    reset = jax.jit(env.core.reset)
+    state, near = (reset(env.params, jax.random.key(0), jnp.int32(i)) for i in (house, min(max(house, 0), 1)))
     np.testing.assert_array_equal(state.obs["pixels/head_depth"], near.obs["pixels/head_depth"])
 
 

@@ -10,7 +10,9 @@ from handmade import Furniture, shoebox
 from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.navigation.grid import geodesic_distance
-from home_mjx.tasks.base.config import make_config
+from home_mjx.tasks.base.options import make_config
+from home_mjx.tasks.environment.autoreset import AutoReset
+from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.episodes import load_episodes, sample_episodes, save_episodes
 from home_mjx.tasks.environment.household import HouseholdEnv
 
@@ -27,22 +29,22 @@ def bank() -> HouseBank:
 
 
 @pytest.fixture(scope="module")
-def env(bank) -> HouseholdEnv:
-    return HouseholdEnv(bank, make_config(sensors=("state", "goal")))
+def env(bank) -> BoundEnv:
+    return HouseholdEnv(make_config(sensors=("state", "goal"))).bind(bank)
 
 
 def test_episodes_have_the_length_that_was_asked_for(bank):
     episodes = sample_episodes(bank, 200, min_length=2.0, max_length=4.0)
     assert np.bincount(episodes.house).tolist() == [100, 100]
-    length = np.asarray(jax.vmap(lambda e: geodesic_distance(bank, e.house, e.goal, e.start))(episodes))
-    np.testing.assert_allclose(length, episodes.length, rtol=1e-6)
+    length = np.asarray(jax.vmap(lambda e: geodesic_distance(bank, e.house, e.columns["goal"], e.start))(episodes))
+    np.testing.assert_allclose(length, episodes.columns["length"], rtol=1e-6)
     assert (length >= 2.0).all()
     assert (length <= 4.0).all()
-    goals = bank.navigation.goal[episodes.house, episodes.goal]
+    goals = bank.navigation.goal[episodes.house, episodes.columns["goal"]]
     straight = np.linalg.norm(goals - episodes.start, axis=-1)
     assert (length >= straight - 0.01).all()
     assert len(np.unique(episodes.start[:, 0])) > 190
-    assert len(np.unique(np.asarray(episodes.goal))) > 10
+    assert len(np.unique(np.asarray(episodes.columns["goal"]))) > 10
 
 
 def test_the_same_seed_gives_the_same_episodes(bank):
@@ -78,7 +80,7 @@ def test_files_keep_episodes_for_any_bank_of_the_houses(bank, tmp_path):
     turned = HouseBank.from_compiled(houses()[::-1])
     other = load_episodes(tmp_path / "e.jsonl", turned)
     np.testing.assert_array_equal(other.house, 1 - np.asarray(episodes.house))
-    np.testing.assert_array_equal(other.goal, episodes.goal)
+    np.testing.assert_array_equal(other.columns["goal"], episodes.columns["goal"])
     assert len((tmp_path / "e.jsonl").read_text().splitlines()) == 12
 
 
@@ -112,30 +114,56 @@ def test_no_episodes_are_refused(bank, tmp_path):
 def test_an_environment_replays_an_episode(bank, env):
     episodes = sample_episodes(bank, 8, min_length=2.0)
     keys = jax.random.split(jax.random.key(0), 8)
-    states = jax.jit(jax.vmap(env.begin, (None, 0, None, 0)))(bank, keys, None, episodes)
-    world = states.info["world"]
-    np.testing.assert_array_equal(world.house, episodes.house)
-    np.testing.assert_array_equal(world.goal, episodes.goal)
-    np.testing.assert_allclose(world.distance[:, 0], episodes.length, rtol=1e-6)
-    np.testing.assert_allclose(states.data.qpos[:, :2], episodes.start[:, :2], atol=1e-6)
-    one = jax.eval_shape(env.reset, keys[0], episodes.pick(jnp.int32(0)))
-    assert one.reward.shape == ()
+    params = env.with_tasks(episodes).params
+    states = jax.jit(jax.vmap(env.core.begin, (None, 0, None, 0)))(params, keys, None, jnp.arange(8))
+    np.testing.assert_array_equal(states.world.house, episodes.house)
+    np.testing.assert_array_equal(states.task.goal, episodes.columns["goal"])
+    np.testing.assert_allclose(states.task.distance[:, 0], episodes.columns["length"], rtol=1e-6)
+    np.testing.assert_allclose(states.physics.qpos[:, :2], episodes.start[:, :2], atol=1e-6)
+    with pytest.raises(ConfigError, match="with_tasks"):
+        env.reset(keys[0], episode=0)
+
+
+def test_episodes_out_of_range_are_refused(bank):
+    episodes = sample_episodes(bank, 8)
+    assert episodes.pick(7).house.shape == ()
+    for index in (8, -1, jnp.array([0, 100])):
+        with pytest.raises(IndexError, match="episodes 0 to 7"):
+            episodes.pick(index)
+
+
+def test_automatic_resets_evaluate_every_episode_once(bank, env):
+    """Seven rows in three environments: 0 1 2, 3 4 5, 6 0 1, each with its own start."""
+    episodes = sample_episodes(bank, 7, min_length=2.0)
+    core = HouseholdEnv(make_config(sensors=("state",), episode_length=1))
+    batch = AutoReset(core).bind(env.with_tasks(episodes).params)
+    states = jax.jit(batch.reset)(jax.random.split(jax.random.key(0), 3))
+    step, rows = jax.jit(batch.step), [states]
+    for _ in range(2):
+        rows.append(step(rows[-1], jnp.zeros((3, 4))))
+    numbers = np.concatenate([s.world.episode for s in rows])
+    assert numbers.tolist() == [0, 1, 2, 3, 4, 5, 6, 7, 8]
+    starts = np.concatenate([s.obs["state"][:, :2] for s in rows])
+    np.testing.assert_allclose(starts, np.asarray(episodes.start)[numbers % 7, :2], atol=1e-5)
+    np.testing.assert_array_equal(
+        np.concatenate([s.world.house for s in rows]), np.asarray(episodes.house)[numbers % 7]
+    )
 
 
 def test_starts_are_settled(generated_bank):
     """Who does nothing for a second stays, and so does the furniture."""
-    env = HouseholdEnv(generated_bank, make_config(sensors=("state",)))
+    env = HouseholdEnv(make_config(sensors=("state",))).bind(generated_bank)
     keys = jax.random.split(jax.random.key(0), 4)
-    states = jax.jit(jax.vmap(env.begin, (None, 0)))(env.bank, keys)
-    step = jax.jit(jax.vmap(env.advance, (None, 0, 0)))
-    before = states.data
+    states = jax.jit(jax.vmap(env.core.begin, (None, 0)))(env.params, keys)
+    step = jax.jit(jax.vmap(env.core.advance, (None, 0, 0)))
+    before = states.physics
     for _ in range(10):
-        states = step(env.bank, states, jnp.zeros((4, 4)))
-    agent = np.abs(states.data.qpos[:, :3] - before.qpos[:, :3])
+        states = step(env.params, states, jnp.zeros((4, 4)))
+    agent = np.abs(states.physics.qpos[:, :3] - before.qpos[:, :3])
     assert agent.max() < 0.01
-    valid = np.asarray(env.bank.physics.body_valid)[np.asarray(states.info["world"].house)]
+    valid = np.asarray(env.bank.physics.body_valid)[np.asarray(states.world.house)]
     bodies = [
-        np.asarray(d.qpos[:, 4 : 4 + 7 * valid.shape[1]]).reshape(4, -1, 7)[..., :3] for d in (states.data, before)
+        np.asarray(d.qpos[:, 4 : 4 + 7 * valid.shape[1]]).reshape(4, -1, 7)[..., :3] for d in (states.physics, before)
     ]
     moved = np.linalg.norm(bodies[0] - bodies[1], axis=-1)[valid]
     assert np.quantile(moved, 0.95) < 0.02

@@ -11,11 +11,13 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.schema.categories import fine_index
-from home_mjx.tasks.base.config import make_config
+from home_mjx.tasks.base.options import make_config
 from home_mjx.tasks.base.pose import AgentPose
+from home_mjx.tasks.base.state import EnvParams
 from home_mjx.tasks.environment.autoreset import AutoReset
+from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.household import HouseholdEnv
-from home_mjx.tasks.sensors.observe import agent_ids, observe_images
+from home_mjx.tasks.sensors.cameras import agent_ids, observe_images
 
 SMALL = {
     "width": 16,
@@ -28,18 +30,18 @@ NUM_ENVS = 4
 
 
 @pytest.fixture(scope="session")
-def env(generated_bank: HouseBank) -> HouseholdEnv:
+def env(generated_bank: HouseBank) -> BoundEnv:
     return home_mjx.make("PointNav-v0", generated_bank, **SMALL)
 
 
 @pytest.fixture(scope="session")
 def reset(env):
-    return jax.jit(jax.vmap(env.reset_in, (None, 0, 0)))
+    return jax.jit(jax.vmap(env.core.reset, (None, 0, 0)))
 
 
 @pytest.fixture(scope="session")
 def step(env):
-    return jax.jit(jax.vmap(env.step_in, (None, 0, 0)))
+    return jax.jit(jax.vmap(env.core.step, (None, 0, 0)))
 
 
 def keys(num: int = NUM_ENVS, seed: int = 0) -> jax.Array:
@@ -59,9 +61,9 @@ def assert_same(a, b):
 
 
 def test_observations_have_the_promised_shapes_and_ranges(env, reset, step):
-    states = reset(env.bank, keys(), houses(env))
+    states = reset(env.params, keys(), houses(env))
     for _ in range(3):
-        states = step(env.bank, states, some_actions())
+        states = step(env.params, states, some_actions())
     obs = states.obs
     shapes = {
         "pixels/head_rgb": ((16, 16, 3), np.uint8),
@@ -92,19 +94,19 @@ def test_step_keeps_the_structure_of_reset(env):
 def test_step_is_traced_once_for_all_houses_and_banks(env, other_bank):
     traces = 0
 
-    def counted(bank, state, action):
+    def counted(params, state, action):
         nonlocal traces
         traces += 1
-        return env.step_in(bank, state, action)
+        return env.core.step(params, state, action)
 
     step = jax.jit(jax.vmap(counted, (None, 0, 0)))
-    reset = jax.jit(jax.vmap(env.reset_in, (None, 0, 0)))
+    reset = jax.jit(jax.vmap(env.core.reset, (None, 0, 0)))
     positions = []
     for bank in (env.bank, other_bank):
         for house in range(2):
-            states = reset(bank, keys(), jnp.full(NUM_ENVS, house, jnp.int32))
+            states = reset(EnvParams(bank), keys(), jnp.full(NUM_ENVS, house, jnp.int32))
             for _ in range(2):
-                states = step(bank, states, some_actions())
+                states = step(EnvParams(bank), states, some_actions())
             positions.append(np.asarray(states.obs["state"][:, :2]))
     assert traces == 1
     assert len(np.unique(np.concatenate(positions), axis=0)) > NUM_ENVS  # they were different houses
@@ -113,84 +115,84 @@ def test_step_is_traced_once_for_all_houses_and_banks(env, other_bank):
 def test_same_seed_same_result(env, reset, step):
     runs = []
     for _ in range(2):
-        states = reset(env.bank, keys(), houses(env))
+        states = reset(env.params, keys(), houses(env))
         for i in range(3):
-            states = step(env.bank, states, some_actions(seed=i))
+            states = step(env.params, states, some_actions(seed=i))
         runs.append(states)
     assert_same(*runs)
 
 
 def test_permuting_the_batch_permutes_the_result_bit_for_bit(env, reset, step):
     order = np.array([2, 0, 3, 1])
-    states = reset(env.bank, keys(), houses(env))
-    permuted = reset(env.bank, keys()[order], houses(env)[order])
+    states = reset(env.params, keys(), houses(env))
+    permuted = reset(env.params, keys()[order], houses(env)[order])
     for i in range(5):
         actions = some_actions(seed=i)
-        states, permuted = step(env.bank, states, actions), step(env.bank, permuted, actions[order])
+        states, permuted = step(env.params, states, actions), step(env.params, permuted, actions[order])
     assert_same(jax.tree.map(lambda x: x[order], states), permuted)
 
 
 def test_neighbours_do_not_matter_bit_for_bit(env, reset, step):
     ours, theirs = keys(), keys(seed=9)
     mixed = jnp.concatenate([ours[:1], theirs[1:]])
-    a = reset(env.bank, ours, houses(env))
-    b = reset(env.bank, mixed, houses(env).at[1:].set(0))
+    a = reset(env.params, ours, houses(env))
+    b = reset(env.params, mixed, houses(env).at[1:].set(0))
     for i in range(5):
-        a = step(env.bank, a, some_actions(seed=i))
-        b = step(env.bank, b, some_actions(seed=i).at[1:].multiply(-1))
+        a = step(env.params, a, some_actions(seed=i))
+        b = step(env.params, b, some_actions(seed=i).at[1:].multiply(-1))
     assert_same(jax.tree.map(lambda x: x[0], a), jax.tree.map(lambda x: x[0], b))
 
 
 def test_alone_is_as_in_a_batch(env, reset, step):
-    alone_reset, alone_step = jax.jit(env.reset_in), jax.jit(env.step_in)
-    states = reset(env.bank, keys(), houses(env))
-    alone = alone_reset(env.bank, keys()[1], houses(env)[1])
+    alone_reset, alone_step = jax.jit(env.core.reset), jax.jit(env.core.step)
+    states = reset(env.params, keys(), houses(env))
+    alone = alone_reset(env.params, keys()[1], houses(env)[1])
     for i in range(20):
         actions = some_actions(seed=i)
-        states, alone = step(env.bank, states, actions), alone_step(env.bank, alone, actions[1])
-    np.testing.assert_allclose(states.data.qpos[1], alone.data.qpos, atol=1e-4)
+        states, alone = step(env.params, states, actions), alone_step(env.params, alone, actions[1])
+    np.testing.assert_allclose(states.physics.qpos[1], alone.physics.qpos, atol=1e-4)
     np.testing.assert_allclose(states.obs["state"][1], alone.obs["state"], atol=1e-4)
 
 
 def test_typed_and_raw_keys_begin_the_same_episode(env):
-    typed = jax.jit(env.begin)(env.bank, jax.random.key(3))
-    assert_same(typed, jax.jit(env.begin)(env.bank, jax.random.PRNGKey(3)))
+    typed = jax.jit(env.core.begin)(env.params, jax.random.key(3))
+    assert_same(typed, jax.jit(env.core.begin)(env.params, jax.random.PRNGKey(3)))
 
 
 def test_resets_choose_different_houses_and_poses(env, reset):
-    states = jax.jit(jax.vmap(env.begin, (None, 0)))(env.bank, keys(64))
-    assert set(np.asarray(states.info["world"].house)) == set(range(env.bank.num_houses))
-    assert len(np.unique(states.data.qpos[:, :2], axis=0)) > 32
+    states = jax.jit(jax.vmap(env.core.begin, (None, 0)))(env.params, keys(64))
+    assert set(np.asarray(states.world.house)) == set(range(env.bank.num_houses))
+    assert len(np.unique(states.physics.qpos[:, :2], axis=0)) > 32
 
 
 def test_progress_is_rewarded(env, reset, step):
     """The rewards of a walk add up to the distance gained, less the costs."""
-    states = reset(env.bank, keys(), houses(env))
-    start = states.info["world"].distance
+    states = reset(env.params, keys(), houses(env))
+    start = states.task.distance
     total, contacts = jnp.zeros(NUM_ENVS), jnp.zeros(NUM_ENVS)
     for i in range(10):
-        states = step(env.bank, states, some_actions(seed=i))
+        states = step(env.params, states, some_actions(seed=i))
         total += states.reward
         contacts += states.metrics["contact"]
-    gained = (start - states.info["world"].distance)[:, 0]
+    gained = (start - states.task.distance)[:, 0]
     task = env.task
     expected = gained - 10 * task.step_cost - task.contact_cost * contacts
-    alive = states.done == 0
+    alive = ~np.asarray(states.done)
     np.testing.assert_allclose(total[alive], expected[alive], atol=1e-4)
 
 
 def test_autoreset_begins_anew_and_keeps_the_final_observation(generated_bank):
     env = home_mjx.make("PointNav-v0", generated_bank, sensors=("state", "goal"), episode_length=2)
-    auto = AutoReset(env)
-    step = jax.jit(auto.step_in)
-    first = jax.jit(auto.reset_in)(env.bank, keys(8))
-    second = step(env.bank, first, jnp.zeros((8, 4)))
-    third = step(env.bank, second, jnp.zeros((8, 4)))
+    auto = AutoReset(env.core)
+    step = jax.jit(auto.step)
+    first = jax.jit(auto.reset)(env.params, keys(8))
+    second = step(env.params, first, jnp.zeros((8, 4)))
+    third = step(env.params, second, jnp.zeros((8, 4)))
     np.testing.assert_array_equal(second.done, second.metrics["success"])
-    running = np.asarray(second.done) == 0
+    running = ~np.asarray(second.done)
     np.testing.assert_array_equal(third.done[running], 1)
-    np.testing.assert_array_equal(third.info["truncation"][running], 1 - third.metrics["success"][running])
-    np.testing.assert_array_equal(third.info["world"].step[running], 0)
+    np.testing.assert_array_equal(third.truncated[running], third.metrics["success"][running] == 0)
+    np.testing.assert_array_equal(third.world.step[running], 0)
     # Standing still, the final observation is where the episode was, the present one somewhere else.
     before, final, now = (np.asarray(x["state"])[running, :2] for x in (second.obs, third.info["final_obs"], third.obs))
     np.testing.assert_allclose(final, before, atol=1e-2)
@@ -203,7 +205,7 @@ def test_agents_see_each_other():
     bank = HouseBank.from_compiled([shoebox()])
     config = make_config(num_agents=2, sensors=("instance", "fine"), width=16, height=16)
     floor = float(bank.physics.floor[0])
-    centre = floor + config.physics.agent_height / 2
+    centre = floor + config.body.height / 2
     pose = AgentPose(  # the second agent stands 1.5 m before the first and both look along +x
         pos=jnp.array([[-1.0, 0.0, centre], [0.5, 0.0, centre]]), yaw=jnp.zeros(2), pitch=jnp.full(2, -0.3)
     )
@@ -224,18 +226,17 @@ def test_agents_see_each_other():
 
 def test_two_agents_step_together(generated_bank):
     env = home_mjx.make("PointNav-v0", generated_bank, num_agents=2, sensors=("state", "goal"))
-    state = jax.jit(env.reset_in)(env.bank, jax.random.key(0))
+    state = jax.jit(env.core.reset)(env.params, jax.random.key(0))
     own = np.asarray(state.obs["state"])
-    assert np.linalg.norm(own[0, :2] - own[1, :2]) > 4 * env.config.physics.agent_radius - 1e-3
+    assert np.linalg.norm(own[0, :2] - own[1, :2]) > 4 * env.config.body.radius - 1e-3
     after = jax.eval_shape(env.step, state, jax.ShapeDtypeStruct((2, 4), jnp.float32))
-    assert after.reward.shape == after.info["agent_done"].shape == (2,)
-    assert after.done.shape == ()
+    assert after.reward.shape == after.task.reached.shape == (2,)
+    assert after.terminated.shape == ()
 
 
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"sensors": ("rgbb",)}, "Did you mean `rgb`"),
         ({"widht": 3}, "Did you mean `width`"),
         ({"width": 0}, "at least 1"),
         ({"fovy": 200.0}, "fovy"),
@@ -246,6 +247,11 @@ def test_two_agents_step_together(generated_bank):
 def test_wrong_options_are_refused(options, words):
     with pytest.raises(ConfigError, match=words):
         make_config(**options)
+
+
+def test_unknown_sensors_are_refused():
+    with pytest.raises(ConfigError, match="Did you mean `rgb`"):
+        HouseholdEnv(make_config(sensors=("rgbb",)))
 
 
 def test_unknown_environment_is_refused():

@@ -11,9 +11,10 @@ from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.cameras.camera import Lens
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.shading.preset import Lit
-from home_mjx.tasks.base.config import AgentCamera, make_config
+from home_mjx.tasks.base.config import AgentCamera
+from home_mjx.tasks.base.options import make_config
 from home_mjx.tasks.base.pose import AgentPose
-from home_mjx.tasks.sensors.observe import observe_images
+from home_mjx.tasks.sensors.cameras import observe_images
 
 CAMERAS = (
     AgentCamera("back", ("depth", "instance"), Lens(9, 9), yaw=180.0),

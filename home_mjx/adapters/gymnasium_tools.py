@@ -1,0 +1,137 @@
+"""What both Gymnasium environments share: options of reset, actions, infos, pictures."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import jax
+import numpy as np
+
+from home_mjx.core.checks import check_known, check_number
+from home_mjx.errors import ConfigError
+from home_mjx.raycast_render.cameras.camera import Lens
+from home_mjx.raycast_render.images.render import render
+from home_mjx.registry import make
+from home_mjx.tasks.base.config import AgentCamera
+from home_mjx.tasks.base.state import Episodes, State
+from home_mjx.tasks.base.status import status_report
+from home_mjx.tasks.environment.bound import BoundEnv
+from home_mjx.tasks.environment.episodes import load_episodes
+from home_mjx.tasks.environment.household import HouseholdEnv
+from home_mjx.tasks.sensors.cameras import agent_ids, place_cameras
+
+RENDER_MODES = (None, "rgb_array")
+PICTURE = 256  # [px], edge of pictures for people
+
+
+def make_bound(
+    env_id: str, episodes: Episodes | str | Path | None, options: Mapping[str, Any]
+) -> BoundEnv[HouseholdEnv]:
+    """The environment, its resets taking their rows from `episodes` if there are any."""
+    env = make(env_id, **options)
+    if isinstance(episodes, str | Path):
+        episodes = load_episodes(episodes, env.bank, env.task)
+    return env.with_tasks(episodes) if episodes is not None else env
+
+
+def check_render_mode(render_mode: str | None) -> None:
+    """Refuses render modes other than those of `RENDER_MODES`."""
+    if render_mode not in RENDER_MODES:
+        hint = "gymnasium.make(..., render_mode='human') shows the pictures of 'rgb_array' in a window (needs pygame)."
+        raise ConfigError(f"render_mode must be None or 'rgb_array', got {render_mode!r}", hint=hint)
+
+
+def to_numpy(tree: Any) -> Any:
+    """Arrays of their own, not views of device buffers that a later step may reuse."""
+    return jax.tree.map(lambda x: np.array(x, np.int8) if x.dtype == bool else np.array(x), tree)
+
+
+def key_of(random: np.random.Generator) -> np.ndarray:
+    """A raw JAX key from Gymnasium's generator."""
+    return np.asarray(random.integers(0, 2**32, 2, np.uint32))
+
+
+def chosen(options: Mapping[str, Any], name: str, count: int, num_envs: int | None = None) -> Any:
+    """An index, or one per environment, that the options of reset name; None: any.
+
+    Raises:
+        ConfigError: It is out of range, or there are not as many as environments.
+    """
+    value = options.get(name)
+    if value is None:
+        return None
+    if num_envs is None or np.ndim(value) == 0:
+        check_number(name, value, 0, count - 1, whole=True)
+        return np.int32(value) if num_envs is None else np.full(num_envs, value, np.int32)
+    given = np.asarray(value)
+    if given.shape != (num_envs,) or given.dtype.kind not in "iu" or given.min() < 0 or given.max() >= count:
+        raise ConfigError(f"`{name}` must be one index, or {num_envs}, of 0 to {count - 1}; got {value}")
+    return given.astype(np.int32)
+
+
+def check_options(options: Mapping[str, Any], known: tuple[str, ...]) -> None:
+    """Refuses unknown options of reset."""
+    check_known("option of reset", options, known)
+
+
+def num_episodes(env: BoundEnv) -> int:
+    """Rows that `options={"episode": ...}` can name."""
+    return 0 if env.params.tasks is None else len(env.params.tasks)
+
+
+def check_action(action: Any, shape: tuple[int, ...] | None) -> np.ndarray:
+    """The action as float32; refuses what the action space never holds, but not what is merely too large."""
+    action = np.asarray(action)
+    if action.dtype.kind not in "fiu":
+        raise ConfigError(f"expected an action of real numbers, got {action.dtype}")
+    if action.shape != shape:
+        raise ConfigError(f"expected an action of shape {shape}, got {action.shape}")
+    if np.isnan(action).any():
+        raise ConfigError("the action holds NaN", hint="Look at what the policy gives.")
+    return action.astype(np.float32)
+
+
+def infos_of(state: State, house: np.ndarray | None = None) -> dict[str, np.ndarray]:
+    """House, episode, metrics and status flags of one environment or of each of a batch."""
+    lost = status_report(np.asarray(state.status))
+    world = state.world
+    metrics = {name: np.array(value) for name, value in state.metrics.items()}
+    own = {"house": np.array(world.house if house is None else house), "episode": np.array(world.episode)}
+    return {**own, **metrics, **{f"status/{name}": value for name, value in lost.items()}}
+
+
+def masked(infos: Mapping[str, Any], mask: np.ndarray) -> dict[str, Any]:
+    """Infos in the form of Gymnasium's vector environments: each with the mask of those that have it."""
+    return {**infos, **{f"_{name}": mask for name in infos}}
+
+
+class Picture:
+    """Pictures for people, of any size, whatever the policy observes.
+
+    Args:
+        env: The environment.
+        size: Width and height [px].
+    """
+
+    def __init__(self, env: BoundEnv[HouseholdEnv], size: tuple[int, int]) -> None:
+        view = AgentCamera("picture", ("rgb",), Lens(*size), env.config.fovy)
+
+        def draw(params: Any, state: State) -> Any:
+            snapshot = env.core.snapshot(params, state)
+            camera = jax.tree.map(lambda x: x[0], place_cameras(env.config, view, snapshot.pose))
+            own = agent_ids(snapshot.bank, 1)[0]
+            preset, executor = env.config.rgb_preset, env.config.executor
+            kinds = {"kinds": ("rgb",), "preset": preset, "exclude": own, "executor": executor}
+            return render(snapshot.bank, snapshot.scene, camera, view.lens, **kinds)["rgb"]
+
+        self._params, self._draw = env.params, jax.jit(draw)
+
+    def of(self, state: State) -> np.ndarray:
+        """What the first agent sees (H, W, 3) uint8."""
+        return np.array(self._draw(self._params, state))
+
+
+def needs_reset() -> gymnasium.error.ResetNeeded:
+    """The error of a step before the first reset."""
+    return gymnasium.error.ResetNeeded("call reset() before step()")

@@ -1,0 +1,75 @@
+"""Frozen dataclasses of options to and from JSON."""
+
+import dataclasses
+import importlib
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from home_mjx.errors import ConfigError
+
+TYPE, TUPLE = "__type__", "__tuple__"
+
+
+def to_json(value: Any) -> str:
+    """A value as JSON text; dataclasses and tuples come back as such.
+
+    Raises:
+        ConfigError: Something in it is no number, text, container or dataclass.
+
+    Example:
+        >>> to_json((1, "a"))
+        '{"__tuple__": [1, "a"]}'
+    """
+    return json.dumps(_plain(value, "value"))
+
+
+def from_json(text: str) -> Any:
+    """What `to_json` was given.
+
+    Raises:
+        ConfigError: The text is broken, or names something that is no dataclass.
+    """
+    try:
+        return _rebuilt(json.loads(text))
+    except (ValueError, TypeError, KeyError, RecursionError) as error:
+        raise ConfigError(f"cannot be read as options: {error}") from error
+
+
+def _plain(value: Any, where: str) -> Any:
+    if value is None or isinstance(value, bool | int | float | str):
+        return value
+    if isinstance(value, tuple):
+        return {TUPLE: [_plain(x, where) for x in value]}
+    if isinstance(value, list):
+        return [_plain(x, where) for x in value]
+    if isinstance(value, Mapping):
+        return {str(name): _plain(x, f"{where}.{name}") for name, x in value.items()}
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        fields = {f.name: _plain(getattr(value, f.name), f"{where}.{f.name}") for f in dataclasses.fields(value)}
+        return {TYPE: f"{type(value).__module__}:{type(value).__qualname__}", **fields}
+    raise ConfigError(f"`{where}` cannot be written as JSON: {value!r}")
+
+
+def _rebuilt(value: Any) -> Any:
+    if isinstance(value, list):
+        return [_rebuilt(x) for x in value]
+    if not isinstance(value, dict):
+        return value
+    if TUPLE in value:
+        return tuple(_rebuilt(x) for x in value[TUPLE])
+    fields = {name: _rebuilt(x) for name, x in value.items() if name != TYPE}
+    return _dataclass(value[TYPE])(**fields) if TYPE in value else fields
+
+
+def _dataclass(name: str) -> type:
+    module, _, qualname = name.partition(":")
+    try:
+        found: Any = importlib.import_module(module)
+        for part in qualname.split("."):
+            found = getattr(found, part)
+    except (ImportError, AttributeError) as error:
+        raise ConfigError(f"`{name}` cannot be imported: {error}") from error
+    if not (isinstance(found, type) and dataclasses.is_dataclass(found)):
+        raise ConfigError(f"`{name}` is no dataclass")
+    return found

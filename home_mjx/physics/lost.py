@@ -1,0 +1,96 @@
+"""What a physics step leaves out because it does not fit its fixed sizes.
+
+MJX tests only so many pairs of geoms of a kind, those nearest by bounding spheres, and gives only so many contact
+points to the solver, the deepest. Both limits are in the template's MJCF (`max_geom_pairs`, `max_contact_points`).
+"""
+
+from collections import defaultdict
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import mujoco
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+from mujoco import mjx
+
+from home_mjx.core.pytree import Pytree
+
+BOX, CAPSULE = int(mujoco.mjtGeom.mjGEOM_BOX), int(mujoco.mjtGeom.mjGEOM_CAPSULE)  # pyright: ignore[reportAttributeAccessIssue]
+
+
+class Lost(Pytree):
+    """Whether something was left out."""
+
+    static_boxes: Bool[Array, "..."]  # static boxes that touch an owner beyond its slots
+    contact_pairs: Bool[Array, "..."]  # touching pairs that the broad phase did not choose
+    contact_points: Bool[Array, "..."]  # more contact points than the solver takes
+
+
+def limit(model: Any, name: str) -> int:
+    """A limit of a `mujoco.MjModel`'s MJX."""
+    return int(model.numeric(name).data[0])
+
+
+def are_points_full(data: mjx.Data, most: int) -> Bool[Array, ""]:
+    """Whether all contact points of a dimension are taken, by bodies that touch."""
+    contact = data._impl.contact  # pyright: ignore[reportAttributeAccessIssue]
+    dims = np.asarray(contact.dim)
+    full = [contact.dist[dims == dim] for dim in np.unique(dims) if (dims == dim).sum() >= most]
+    return jnp.any(jnp.stack([jnp.all(dist < 0) for dist in full])) if full else jnp.zeros((), bool)
+
+
+@dataclass(frozen=True)
+class Pairs:
+    """Pairs of geoms of one kind of which MJX tests only some.
+
+    Attributes:
+        groups: Geoms of the pairs (p, 2) of each such kind.
+        most: How many of a kind are tested.
+        capsules: Geoms that are capsules.
+    """
+
+    groups: tuple[Int[np.ndarray, "p 2"], ...]
+    most: int
+    capsules: Int[np.ndarray, " c"]
+
+    @classmethod
+    def of(cls, model: Any) -> "Pairs":
+        """The explicit pairs of a `mujoco.MjModel`, by kind, where there are too many."""
+        most, kinds = limit(model, "max_geom_pairs"), defaultdict(list)
+        for a, b in zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True):
+            kind = frozenset((int(model.geom_type[a]), int(model.geom_type[b])))
+            if kind in ({BOX}, {BOX, CAPSULE}):
+                kinds[kind].append((a, b))
+        groups = tuple(np.array(pairs) for pairs in kinds.values() if len(pairs) > most)
+        return cls(groups, most, np.flatnonzero(model.geom_type == CAPSULE))
+
+    def lost(self, model: mjx.Model, data: mjx.Data) -> Bool[Array, ""]:
+        """Whether a pair touches that was not tested."""
+        missed = [jnp.any(self._touch(model, data, self._untested(model, data, pairs))) for pairs in self.groups]
+        return jnp.any(jnp.stack(missed)) if missed else jnp.zeros((), bool)
+
+    def _untested(self, model: mjx.Model, data: mjx.Data, pairs: Int[np.ndarray, "p 2"]) -> Int[Array, "q 2"]:
+        """The pairs that are farther apart by bounding spheres than those that are tested: MJX's own ranking."""
+        first, second = data.geom_xpos[pairs[:, 0]], data.geom_xpos[pairs[:, 1]]
+        apart = jnp.linalg.norm(second - first, axis=-1) - model.geom_rbound[pairs].sum(axis=-1)
+        _, order = jax.lax.top_k(-apart, len(pairs))
+        return jnp.asarray(pairs)[order[self.most :]]
+
+    def _touch(self, model: mjx.Model, data: mjx.Data, pairs: Int[Array, "q 2"]) -> Bool[Array, " q"]:
+        """Whether boxes overlap along all of their six face axes; a capsule counts as the box around it."""
+        boxes = self._boxes(model)
+        between = data.geom_xpos[pairs[:, 1]] - data.geom_xpos[pairs[:, 0]]
+        a, b = data.geom_xmat[pairs[:, 0]], data.geom_xmat[pairs[:, 1]]
+        half_a, half_b = boxes[pairs[:, 0]], boxes[pairs[:, 1]]
+        cosine = jnp.abs(jnp.einsum("qki,qkj->qij", a, b))
+        along_a = jnp.abs(jnp.einsum("qk,qki->qi", between, a)) - half_a - jnp.einsum("qij,qj->qi", cosine, half_b)
+        along_b = jnp.abs(jnp.einsum("qk,qkj->qj", between, b)) - half_b - jnp.einsum("qij,qi->qj", cosine, half_a)
+        return jnp.maximum(along_a.max(axis=-1), along_b.max(axis=-1)) < 0
+
+    def _boxes(self, model: mjx.Model) -> Float[Array, "g 3"]:
+        """Half extents of every geom's box [m]."""
+        size, capsules = model.geom_size, self.capsules
+        around = jnp.stack([size[capsules, 0], size[capsules, 0], size[capsules, 0] + size[capsules, 1]], axis=-1)
+        return size.at[capsules].set(around)

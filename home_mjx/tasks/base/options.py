@@ -1,0 +1,134 @@
+"""Options by name: flat, dotted or as whole records, into nested frozen dataclasses."""
+
+import dataclasses
+import functools
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, NoReturn
+
+from home_mjx.errors import ConfigError, did_you_mean
+from home_mjx.tasks.base.config import EnvConfig
+
+# Names of 0.1.0, and what they are now.
+RENAMED = {
+    "agent_radius": "body.radius",
+    "agent_height": "body.height",
+    "agent_mass": "body.mass",
+    "limit": "num_houses",
+}
+# Words of the field, and what does that here.
+FIELD_WORDS = {
+    "num_envs": "Batch with `jax.vmap` over keys, with `AutoReset`, or with `gymnasium.make_vec(..., num_envs=...)`.",
+    "seed": "Randomness comes from the key of `reset(key)`.",
+    "image_size": "Give `width` and `height`.",
+    "resolution": "Give `width` and `height`.",
+    "max_episode_steps": "Give `episode_length`.",
+    "horizon": "Give `episode_length`.",
+    "gps": "The sensor `state` holds the position: sensors=(..., 'state').",
+    "compass": "The sensor `state` holds cosine and sine of the yaw: sensors=(..., 'state').",
+    "hfov": "Give `fovy`, the vertical field of view.",
+    "fov": "Give `fovy`, the vertical field of view.",
+    "render_mode": "It is an option of the Gymnasium adapter: gymnasium.make('home_mjx/...', render_mode='rgb_array').",
+    "frame_skip": "Give `ctrl_dt` and `sim_dt`.",
+    "dt": "Give `ctrl_dt` (environment step) or `sim_dt` (physics step).",
+}
+# Of the compiler, but given by the environment's body.
+DERIVED = {"compile.navigation.agent_radius", "compile.navigation.agent_height"}
+
+Records = Mapping[str, Any]  # frozen dataclasses by prefix; "" is the environment's
+
+
+def override(records: Records, given: Mapping[str, Any]) -> dict[str, Any]:
+    """Records with some of their fields replaced.
+
+    Args:
+        records: By prefix; earlier ones win where a flat name is in several.
+        given: Values by name: `width`, `physics.friction`, or a whole record as in `physics=PhysicsConfig()`. A flat
+            name finds a field at any depth.
+
+    Raises:
+        ConfigError: A name is unknown, with the closest known one, or means several fields.
+
+    Example:
+        >>> override({"": EnvConfig()}, {"width": 32, "physics.num_agents": 2, "friction": 0.5})[""].physics.friction
+        0.5
+    """
+    known = {path: prefix for prefix, record in records.items() for path in _fields(record, prefix)}
+    changes: dict[str, dict[str, Any]] = {prefix: {} for prefix in records}
+    for name, value in given.items():
+        path = _path(name, known)
+        changes[known[path]][path.removeprefix(known[path]).removeprefix(".")] = value
+    return {prefix: _replaced(record, changes[prefix], prefix) for prefix, record in records.items()}
+
+
+def make_config(**options: Any) -> EnvConfig:
+    """An `EnvConfig` from options by name, see `override`.
+
+    Raises:
+        ConfigError: For an unknown option, with the closest known one.
+
+    Example:
+        >>> make_config(width=32, num_agents=2).physics.num_agents
+        2
+    """
+    return override({"": EnvConfig()}, options)[""]
+
+
+def _fields(record: Any, prefix: str, shared: frozenset[str] = frozenset()) -> Iterator[str]:
+    """Dotted paths of a record and its fields at all depths; body and clock only where they belong."""
+    if prefix:
+        yield prefix
+    own = {field.name for field in dataclasses.fields(record)}
+    for field in dataclasses.fields(record):
+        path = f"{prefix}.{field.name}" if prefix else field.name
+        if field.name in shared or path in DERIVED:
+            continue
+        value = getattr(record, field.name)
+        if dataclasses.is_dataclass(value):
+            yield from _fields(value, path, shared | (own & {"body", "timing"}))
+        else:
+            yield path
+
+
+def _path(name: str, known: Mapping[str, str]) -> str:
+    """The full path that a name means."""
+    if name in known:
+        return name
+    found = [path for path in known if path.rpartition(".")[2] == name]
+    if not found:
+        _refuse(name, known)
+    rivals = [path for path in found if known[path] == known[found[0]]]
+    if len(rivals) > 1:
+        raise ConfigError(f"the option `{name}` could be any of {', '.join(rivals)}", hint="Write one of them in full.")
+    return found[0]
+
+
+def _refuse(name: str, known: Iterable[str]) -> NoReturn:
+    if name in RENAMED:
+        raise ConfigError(f"the option `{name}` is now `{RENAMED[name]}`")
+    everything = {*known, *(path.rpartition(".")[2] for path in known)}
+    raise ConfigError(f"unknown option `{name}`", hint=FIELD_WORDS.get(name) or did_you_mean(name, everything))
+
+
+def _replaced(record: Any, changes: Mapping[str, Any], full: str) -> Any:
+    """A record with changes by path below it, all made at once: one alone might not be possible. "" is all of it."""
+    if "" in changes:
+        record = _typed(full, changes[""], record)
+    below: dict[str, dict[str, Any]] = {}
+    for path, value in changes.items():
+        name, _, rest = path.partition(".")
+        if name:
+            below.setdefault(name, {})[rest] = value
+    values = {name: _field(record, name, parts, f"{full}.{name}".lstrip(".")) for name, parts in below.items()}
+    replace = getattr(record, "replace", None) or functools.partial(dataclasses.replace, record)
+    return replace(**values) if values else record
+
+
+def _field(record: Any, name: str, changes: Mapping[str, Any], full: str) -> Any:
+    old = getattr(record, name)
+    return _replaced(old, changes, full) if dataclasses.is_dataclass(old) else changes[""]
+
+
+def _typed(name: str, value: Any, old: Any) -> Any:
+    if not isinstance(value, type(old)):
+        raise ConfigError(f"`{name}` must be a {type(old).__name__}, got {value!r}")
+    return value

@@ -1,0 +1,22 @@
+"""One environment at one instant, as tasks and sensors read it."""
+
+from jaxtyping import Array, Bool, Float, Int, UInt32
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.core.pytree import Pytree
+from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.tasks.base.pose import AgentPose
+
+
+class Snapshot(Pytree):
+    """A agents in one house. Built where it is used and never stored, so that what nobody reads costs nothing."""
+
+    bank: HouseBank
+    house: Int[Array, ""]  # index into the bank
+    step: Int[Array, ""]  # steps since reset; 0: the episode has just begun
+    key: UInt32[Array, "2"]  # of the episode
+    pose: AgentPose
+    velocity: Float[Array, "a 3"]  # forward and left [m/s], yaw rate [rad/s]
+    contact: Bool[Array, " a"]  # touched anything but the floor during the last step
+    source: Float[Array, "3"]  # [m], where the sound comes from
+    scene: Scene  # the same as rays see it

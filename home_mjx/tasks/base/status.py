@@ -1,0 +1,79 @@
+"""What went wrong inside a jitted step: one integer of flags per environment."""
+
+from enum import IntFlag
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Int
+
+from home_mjx.errors import HomeMjxError
+
+
+class Status(IntFlag):
+    """Flags of `State.status`; 0 means that the last step lost nothing.
+
+    Example:
+        >>> Status(5)
+        <Status.NOT_A_NUMBER|CONTACT_PAIRS: 5>
+    """
+
+    NOT_A_NUMBER = 1  # a pose or speed was not finite; the step was undone and the episode ended
+    STATIC_BOXES = 2  # more static boxes touched an agent or a body than it has contact slots
+    CONTACT_PAIRS = 4  # pairs of bodies touched that the broad phase had not chosen
+    CONTACT_POINTS = 8  # there were more contact points than the solver takes
+    RESPONSE_CUT = 16  # sound decays so slowly that the impulse response ends before it has fallen by 30 dB
+
+    @classmethod
+    def names(cls, status: int) -> list[str]:
+        """Names of the flags that are set.
+
+        Example:
+            >>> Status.names(3)
+            ['NOT_A_NUMBER', 'STATIC_BOXES']
+        """
+        return [flag.name for flag in cls if flag & int(status) and flag.name is not None]
+
+
+class StatusError(HomeMjxError, RuntimeError):
+    """Environments lost something inside a jitted step."""
+
+
+def flags(**conditions: Bool[Array, "..."]) -> Int[Array, ""]:
+    """The flags whose condition holds anywhere.
+
+    Example:
+        >>> int(flags(CONTACT_POINTS=jnp.array([False, True]), STATIC_BOXES=jnp.array(False)))
+        8
+    """
+    bits = [jnp.where(jnp.any(on), jnp.int32(Status[name]), jnp.int32(0)) for name, on in conditions.items()]
+    return jnp.sum(jnp.stack(bits), dtype=jnp.int32)
+
+
+def check_status(state: Any, ignore: int = 0) -> None:
+    """Raises `StatusError` if a step lost something; for tests and debugging, on the host.
+
+    Args:
+        state: A `State`, of one environment or a batch.
+        ignore: Flags of `Status` that are accepted.
+
+    Example:
+        >>> check_status(env.step(state, action))  # doctest: +SKIP
+    """
+    status = np.atleast_1d(np.asarray(state.status)) & ~int(ignore)
+    wrong = np.flatnonzero(status)
+    if len(wrong):
+        first = f"environment {wrong[0]}: {', '.join(Status.names(status.flat[wrong[0]]))}"
+        raise StatusError(
+            f"{len(wrong)} of {status.size} environments lost something in the last step; {first}",
+            hint="`home_mjx.tasks.Status` says what each flag means; `save_states` keeps the state for a replay.",
+        )
+
+
+def status_report(status: np.ndarray) -> dict[str, np.ndarray]:
+    """Per flag, which environments have it.
+
+    Args:
+        status: Flags of a batch (n,).
+    """
+    return {str(flag.name).lower(): np.asarray((np.asarray(status) & int(flag)) != 0) for flag in Status}

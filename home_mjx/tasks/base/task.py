@@ -1,0 +1,107 @@
+"""The seam of tasks: what agents are to do."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.navigation.grid import random_position
+from home_mjx.navigation.spawn import random_yaw
+from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.base.specs import Specs
+from home_mjx.tasks.base.state import Episodes
+
+
+class Task:
+    """Base of tasks. A subclass is a frozen dataclass: its fields are options that `make` takes.
+
+    All methods are for one environment with A agents and run inside `jit`, but for those of episode files. A task's
+    state is a pytree of its own; its structure must be the same from `init` and from `update`.
+
+    Example:
+        >>> @dataclass(frozen=True)
+        ... class StandStill(Task):
+        ...     speed_cost: float = 1.0
+        ...
+        ...     def reward(self, snapshot, before, state):
+        ...         return -self.speed_cost * jnp.linalg.norm(snapshot.velocity[:, :2], axis=-1)
+        >>> home_mjx.register("StandStill-v0", StandStill)  # doctest: +SKIP
+        >>> env = home_mjx.make("StandStill-v0", speed_cost=2.0)  # doctest: +SKIP
+    """
+
+    @property
+    def observation_spec(self) -> Specs:
+        """Sensors that the task adds, by name, each as one agent sees it."""
+        return {}
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of what an episode of this task needs besides house, start and yaw."""
+        return ()
+
+    def init(self, snapshot: Snapshot, key: Array, columns: dict[str, Array] | None) -> Any:
+        """The task's state at the start of an episode.
+
+        Args:
+            snapshot: The environment.
+            key: Random key.
+            columns: This episode's own columns if it was drawn beforehand, else None: draw them.
+        """
+        return ()
+
+    def update(self, snapshot: Snapshot, state: Any) -> Any:
+        """The task's state after a step."""
+        return state
+
+    def observe(self, snapshot: Snapshot, state: Any) -> dict[str, Array]:
+        """What `observation_spec` promises, with a leading agent axis."""
+        return {}
+
+    def reward(self, snapshot: Snapshot, before: Any, state: Any) -> Float[Array, " a"]:
+        """Reward of the last step, per agent.
+
+        Args:
+            snapshot: The environment after the step.
+            before: The task's state before it.
+            state: The task's state after it.
+        """
+        return jnp.zeros_like(snapshot.pose.yaw)
+
+    def terminated(self, snapshot: Snapshot, state: Any) -> Bool[Array, ""]:
+        """The task has ended the episode."""
+        return jnp.zeros((), bool)
+
+    def metrics(self, snapshot: Snapshot, state: Any) -> dict[str, Float[Array, ""]]:
+        """Figures that are no observations, such as success; the same names at every step."""
+        return {}
+
+    def sample(self, bank: HouseBank, house: Int[Array, ""], key: Array, **limits: Any) -> tuple[Array, Array, dict]:
+        """Draws one episode inside `jit`: start on the floor (3,) [m], yaw () [rad] and columns.
+
+        Args:
+            bank: The houses.
+            house: Index of the house.
+            key: Random key.
+            limits: What `sample_episodes` was given besides, as traced numbers.
+        """
+        place, turn = jax.random.split(key)
+        return random_position(bank, house, place), random_yaw(turn), {}
+
+    def to_json(self, bank: HouseBank, house: int, columns: dict[str, Any]) -> dict[str, Any]:
+        """An episode's columns as a file keeps them: places instead of indices into a bank. On the host."""
+        return {}
+
+    def from_json(self, bank: HouseBank, house: int, line: dict[str, Any]) -> dict[str, Any]:
+        """The columns from a line of a file. On the host.
+
+        Raises:
+            DatasetError: The bank lacks something that the line names.
+            KeyError, TypeError, ValueError: The line is broken.
+        """
+        return {}
+
+    def possible(self, bank: HouseBank, episode: Episodes) -> Bool[Array, ""]:
+        """Whether one episode of a file can be solved in this bank; inside `jit`."""
+        return jnp.ones((), bool)

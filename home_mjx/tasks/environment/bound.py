@@ -1,0 +1,137 @@
+"""An environment with its parameters."""
+
+from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
+
+from jaxtyping import Array, Float
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.physics import Template
+from home_mjx.tasks.base.config import EnvConfig
+from home_mjx.tasks.base.specs import ArraySpec, Specs
+from home_mjx.tasks.base.state import EnvParams, Episodes, State
+from home_mjx.tasks.base.task import Task
+from home_mjx.tasks.environment.usable import check_bank
+
+
+@runtime_checkable
+class Core(Protocol):
+    """What can be bound: `HouseholdEnv`, or a wrapper around it such as `AutoReset`."""
+
+    @property
+    def config(self) -> EnvConfig:
+        """Options."""
+        ...
+
+    @property
+    def task(self) -> Task:
+        """What agents are to do."""
+        ...
+
+    @property
+    def action_spec(self) -> ArraySpec:
+        """Shape and limits of actions."""
+        ...
+
+    @property
+    def observation_spec(self) -> Specs:
+        """Shapes and limits of observations by name."""
+        ...
+
+    def reset(self, params: EnvParams, key: Array, house: Any = None, episode: Any = None) -> State:
+        """A new episode."""
+        ...
+
+    def step(self, params: EnvParams, state: State, action: Float[Array, "..."]) -> State:
+        """One control step."""
+        ...
+
+    def observe(self, params: EnvParams, state: State) -> State:
+        """The state with its observations computed anew."""
+        ...
+
+    def template(self, bank: HouseBank) -> Template:
+        """The physics' model."""
+        ...
+
+
+C = TypeVar("C", bound=Core)
+
+
+class BoundEnv(Generic[C]):
+    """A core and its `EnvParams`: `reset(key)` and `step(state, action)` as Brax and short scripts want them.
+
+    A jitted caller bakes the bank into its program as a constant: wasteful above about 1 GB. Large banks are passed as
+    an argument: `jax.jit(env.core.step)(env.params, state, action)`.
+
+    Attributes:
+        core: The functions that take `EnvParams`.
+        params: Houses and episodes.
+        spec: What `make` was asked for; None if the environment was built by hand.
+
+    Example:
+        >>> env = home_mjx.make("PointNav-v0")  # doctest: +SKIP
+        >>> states = jax.vmap(env.reset)(jax.random.split(jax.random.key(0), 64))  # doctest: +SKIP
+        >>> states = jax.jit(jax.vmap(env.step))(states, jnp.zeros((64, env.action_size)))  # doctest: +SKIP
+    """
+
+    def __init__(self, core: C, params: EnvParams, spec: Any = None) -> None:
+        self.core, self.params, self.spec = core, params, spec
+        check_bank(core.config, params.bank)
+        # Now, not in the first trace: arrays made inside `pmap` or `shard_map` belong to that mesh for ever.
+        core.template(params.bank)
+
+    def reset(self, key: Array, house: Any = None, episode: Any = None) -> State:
+        """A new episode, see `HouseholdEnv.reset`."""
+        return self.core.reset(self.params, key, house, episode)
+
+    def step(self, state: State, action: Float[Array, "..."]) -> State:
+        """One control step, see `HouseholdEnv.step`."""
+        return self.core.step(self.params, state, action)
+
+    def observe(self, state: State) -> State:
+        """The state with its observations computed anew."""
+        return self.core.observe(self.params, state)
+
+    def with_tasks(self, episodes: Episodes | None) -> "BoundEnv[C]":
+        """The same environment whose resets take their rows from episodes drawn beforehand; None: draw afresh."""
+        return BoundEnv(self.core, self.params.replace(tasks=episodes), self.spec)
+
+    @property
+    def bank(self) -> HouseBank:
+        """The houses."""
+        return self.params.bank
+
+    @property
+    def config(self) -> EnvConfig:
+        """Options."""
+        return self.core.config
+
+    @property
+    def task(self) -> Task:
+        """What agents are to do."""
+        return self.core.task
+
+    @property
+    def num_agents(self) -> int:
+        """Agents per environment."""
+        return self.config.physics.num_agents
+
+    @property
+    def dt(self) -> float:
+        """Seconds per step."""
+        return self.config.timing.ctrl_dt
+
+    @property
+    def action_size(self) -> int:
+        """Numbers per agent: forward, left, turn left, look up."""
+        return self.action_spec.shape[-1]
+
+    @property
+    def action_spec(self) -> ArraySpec:
+        """Shape and limits of actions."""
+        return self.core.action_spec
+
+    @property
+    def observation_spec(self) -> Specs:
+        """Shapes and limits of observations by name."""
+        return self.core.observation_spec

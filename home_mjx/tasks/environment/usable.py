@@ -1,0 +1,48 @@
+"""What environments are given, and whether it can be used."""
+
+from typing import Any
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.errors import ConfigError
+from home_mjx.tasks.base.config import EnvConfig
+
+
+def usable_action(action: Any, num_agents: int, size: int) -> Float[Array, "a n"]:
+    """Actions of all agents, clipped to [-1, 1]; NaN counts as 0.
+
+    Raises:
+        ConfigError: They are no real numbers, or not as many as there should be.
+    """
+    if isinstance(action, dict):
+        raise ConfigError(f"expected an array of actions, got a dictionary of {', '.join(map(str, action))}")
+    action = jnp.asarray(action)
+    if not jnp.issubdtype(action.dtype, jnp.floating) and not jnp.issubdtype(action.dtype, jnp.integer):
+        raise ConfigError(f"expected real numbers as action, got {action.dtype}")
+    shape = num_agents, size
+    if action.shape != shape and action.shape != shape[1:] * (num_agents == 1):
+        expected = shape if num_agents > 1 else shape[1:]
+        hint = "One environment takes one action; for many, use `jax.vmap`."
+        raise ConfigError(f"expected an action of shape {expected}, got {action.shape}", hint=hint)
+    action = action.astype(jnp.float32).reshape(shape)
+    return jnp.clip(jnp.where(jnp.isnan(action), 0.0, action), -1.0, 1.0)
+
+
+def check_bank(config: EnvConfig, bank: HouseBank) -> None:
+    """Refuses houses that were compiled for another body.
+
+    Raises:
+        ConfigError: Agents would start inside walls, or be seen smaller than they are.
+    """
+    compiled = {name: getattr(bank.spec, f"agent_{name}", None) for name in ("radius", "height")}
+    wrong = {name: x for name, x in compiled.items() if x is not None and abs(x - getattr(config.body, name)) > 1e-6}
+    if wrong:
+        ours = ", ".join(f"body.{name} {getattr(config.body, name)} m" for name in wrong)
+        theirs = ", ".join(f"{name} {x} m" for name, x in wrong.items())
+        raise ConfigError(
+            f"the environment has {ours}, but the houses were compiled for {theirs}",
+            hint="Give `make` a dataset instead of a bank: it compiles for the body. "
+            "Or compile the bank with NavigationOptions(agent_radius=..., agent_height=...).",
+        )

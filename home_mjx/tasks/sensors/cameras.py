@@ -1,0 +1,122 @@
+"""Images of the cameras on every agent's head.
+
+Per camera, for one agent: `pixels/<camera>_<kind>` for rgb (uint8, H W 3), depth (float32 [m], H W 1, clipped) and
+normal (float32, H W 3); `ids/<camera>_<kind>` (int32, H W; -1 on a miss); `camera/<camera>_intrinsics` (3, 3),
+`camera/<camera>_pose` (4, 4): world from camera, `camera/<camera>_valid` ().
+"""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.core.transforms import camera_quat
+from home_mjx.raycast_render.cameras.camera import Camera, intrinsics, world_from_camera
+from home_mjx.raycast_render.images.render import render
+from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.tasks.base.config import CAMERA_KINDS, PIXEL_KINDS, AgentCamera, EnvConfig
+from home_mjx.tasks.base.pose import AgentPose, over_agents
+from home_mjx.tasks.base.sensor import Sensor
+from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.base.specs import ArraySpec, Specs
+
+MAX_ID = float(np.iinfo(np.int32).max)
+
+
+class Cameras(Sensor):
+    """All cameras of every agent; what each gives is in `EnvConfig.views`."""
+
+    name = "cameras"
+    costly = True
+
+    def spec(self, config: EnvConfig) -> Specs:
+        """One entry per camera and kind."""
+        return {name_of(view.name, kind): _spec(config, view, kind) for view in config.views for kind in view.kinds}
+
+    def observe(self, config: EnvConfig, snapshot: Snapshot, state: tuple) -> dict[str, Array]:
+        """Every camera renders all its kinds from one cast."""
+        return observe_images(config, snapshot.bank, snapshot.scene, snapshot.pose)
+
+
+def _spec(config: EnvConfig, view: AgentCamera, kind: str) -> ArraySpec:
+    shape = view.lens.shape
+    known = {
+        "rgb": ArraySpec((*shape, 3), "uint8", 0, 255, "sRGB, row 0 at the top"),
+        "depth": ArraySpec((*shape, 1), "float32", 0.0, config.depth_max, "along the optical axis [m], clipped"),
+        "normal": ArraySpec((*shape, 3), "float32", -1.0, 1.0, "unit normal facing the camera; 0 on a miss"),
+        "intrinsics": ArraySpec((3, 3), "float32", text="matrix of intrinsics [px]"),
+        "pose": ArraySpec((4, 4), "float32", text="world from camera [m]"),
+        "valid": ArraySpec((), "bool", 0, 1, "all poses are numbers"),
+    }
+    return known.get(kind) or ArraySpec(shape, "int32", -1, MAX_ID, f"{kind}; -1 on a miss")
+
+
+def eye_position(config: EnvConfig, pose: AgentPose) -> Float[Array, "a 3"]:
+    """Camera and ears of every agent [m]; the pose is the capsule's centre."""
+    rise = jnp.array([0.0, 0.0, config.body.eye_height - config.body.height / 2], jnp.float32)
+    return pose.pos + rise[None]
+
+
+def agent_ids(bank: HouseBank, num_agents: int) -> Array:
+    """Object id of every agent: they follow the houses' instances."""
+    return bank.spec.num_instances + jnp.arange(num_agents, dtype=jnp.int32)
+
+
+def observe_images(config: EnvConfig, bank: HouseBank, scene: Scene, pose: AgentPose) -> dict[str, Array]:
+    """The images of every agent's cameras."""
+    own = agent_ids(bank, config.physics.num_agents)
+    obs: dict[str, Array] = {}
+    for view in config.views:
+
+        def look(camera: Camera, own: Array, view: AgentCamera = view) -> dict[str, Array]:
+            return _look(config, view, bank, scene, camera, own)
+
+        obs |= over_agents(look, place_cameras(config, view, pose), own)
+    return obs
+
+
+def place_cameras(config: EnvConfig, view: AgentCamera, pose: AgentPose) -> Camera:
+    """One of the cameras of every agent, with a leading agent axis."""
+    yaw = pose.yaw + float(np.deg2rad(view.yaw))
+    pitch = float(np.deg2rad(view.pitch)) + (pose.pitch if view.looks else jnp.zeros_like(pose.pitch))
+    forward, left, up = view.offset
+    shift = jnp.stack(
+        [
+            forward * jnp.cos(pose.yaw) - left * jnp.sin(pose.yaw),
+            forward * jnp.sin(pose.yaw) + left * jnp.cos(pose.yaw),
+            jnp.full_like(pose.yaw, up),
+        ],
+        axis=-1,
+    )
+    size = view.fovy if view.lens.model == "orthographic" else float(np.deg2rad(view.fovy))
+    fovy = jnp.full(pose.yaw.shape, size, jnp.float32)
+    return jax.vmap(Camera)(eye_position(config, pose) + shift, jax.vmap(camera_quat)(yaw, pitch), fovy)
+
+
+def _look(
+    config: EnvConfig, view: AgentCamera, bank: HouseBank, scene: Scene, camera: Camera, own: Array
+) -> dict[str, Array]:
+    """What one camera of one agent gives, by the names of the observations."""
+    images = render(
+        bank,
+        scene,
+        camera,
+        view.lens,
+        kinds=tuple(kind for kind in view.kinds if kind not in ("intrinsics", "pose")),
+        preset=config.rgb_preset,
+        exclude=own,
+        depth_max=config.depth_max,
+        executor=config.executor,
+    )
+    if "intrinsics" in view.kinds:
+        images["intrinsics"] = intrinsics(camera, view.lens)
+    if "pose" in view.kinds:
+        images["pose"] = world_from_camera(camera)
+    return {name_of(view.name, kind): images[kind] for kind in view.kinds}
+
+
+def name_of(camera: str, kind: str) -> str:
+    """Name of an observation of a camera."""
+    folder = "pixels" if kind in PIXEL_KINDS else "camera" if kind in CAMERA_KINDS else "ids"
+    return f"{folder}/{camera}_{kind}"

@@ -1,0 +1,94 @@
+"""Options by name: nested, dotted, flat; and what helps who got one wrong."""
+
+import pytest
+
+import home_mjx
+from home_mjx.errors import ConfigError
+from home_mjx.physics import PhysicsConfig
+from home_mjx.scene_compile import CompileOptions
+from home_mjx.schema import Body, Timing
+from home_mjx.tasks import EnvConfig, PointNav, make_config
+from home_mjx.tasks.base.options import override
+
+RECORDS = {"": EnvConfig(), "task": PointNav(), "compile": CompileOptions()}
+
+
+def test_a_field_is_found_at_any_depth():
+    chosen = override(
+        RECORDS, {"width": 32, "num_agents": 2, "success_radius": 0.5, "cell": 0.05, "mass": 70.0, "sim_dt": 0.05}
+    )
+    config = chosen[""]
+    assert (config.width, config.physics.num_agents, config.body.mass, config.timing.sim_dt) == (32, 2, 70.0, 0.05)
+    assert chosen["task"] == PointNav(success_radius=0.5)
+    assert chosen["compile"].navigation.cell == 0.05
+
+
+def test_paths_and_whole_records_say_the_same():
+    flat = override(RECORDS, {"friction": 0.5})
+    assert override(RECORDS, {"physics.friction": 0.5}) == flat
+    assert override(RECORDS, {"physics": PhysicsConfig(friction=0.5)}) == flat
+    both = override(RECORDS, {"physics": PhysicsConfig(friction=0.5), "physics.num_agents": 3})
+    assert (both[""].physics.friction, both[""].physics.num_agents) == (0.5, 3)
+    assert override(RECORDS, {"task.success_radius": 0.5})["task"].success_radius == 0.5
+
+
+def test_fields_that_only_fit_together_are_changed_together():
+    config = make_config(ctrl_dt=0.03, sim_dt=0.03, sample_rate=8000)
+    assert (config.timing.substeps, config.timing.frame) == (1, 240)
+    tall = override({"": config}, {"radius": 0.9, "height": 2.5, "ctrl_dt": 0.06})[""]
+    assert (tall.physics.body.radius, tall.physics.timing.ctrl_dt, tall.audio.timing.frame) == (0.9, 0.06, 480)
+
+
+def test_body_and_clock_have_one_source():
+    config = EnvConfig(body=Body(radius=0.2), timing=Timing(ctrl_dt=0.2))
+    assert config.physics.body is config.body
+    assert config.physics.timing is config.audio.timing is config.timing
+    with pytest.raises(ConfigError, match=r"`physics\.timing`.*`timing`"):
+        EnvConfig(physics=PhysicsConfig(timing=Timing(ctrl_dt=0.2)))
+    with pytest.raises(ConfigError, match=r"`physics\.body`"):
+        EnvConfig(body=Body(radius=0.2), physics=PhysicsConfig(body=Body(radius=0.3)))
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("sucess_radius", "Did you mean `success_radius`"),
+        ("celll", "Did you mean `cell`"),
+        ("physics.frictoin", r"Did you mean `physics\.friction`"),
+        ("agent_radius", r"is now `body\.radius`"),
+        ("agent_mass", r"is now `body\.mass`"),
+        ("num_envs", "vmap"),
+        ("seed", "key"),
+        ("image_size", "`width` and `height`"),
+        ("max_episode_steps", "`episode_length`"),
+        ("gps", "`state`"),
+        ("compass", "`state`"),
+        ("render_mode", "Gymnasium"),
+        ("step", r"could be any of compile\.\w+\.step, compile\.\w+\.step"),
+    ],
+)
+def test_wrong_names_are_answered_with_the_right_ones(name, words):
+    with pytest.raises(ConfigError, match=words):
+        override(RECORDS, {name: 1})
+
+
+def test_wrong_records_are_refused():
+    with pytest.raises(ConfigError, match="`physics` must be a PhysicsConfig"):
+        make_config(physics={})
+    with pytest.raises(ConfigError, match="`task` must be a PointNav"):
+        override(RECORDS, {"task": 3})
+
+
+def test_make_refuses_before_it_compiles(monkeypatch):
+    monkeypatch.setattr("home_mjx.registry.as_bank", None)  # would fail if it were called
+    with pytest.raises(ConfigError, match="success_radius"):
+        home_mjx.make("PointNav-v0", sucess_radius=1.0)
+    with pytest.raises(ConfigError, match="success_radius"):
+        home_mjx.make("PointNav-v0", success_radius=-1.0)
+    with pytest.raises(ConfigError, match="Did you mean `goal`"):
+        home_mjx.make("PointNav-v0", sensors=("gaol",))
+
+
+def test_a_bank_takes_no_choice_of_houses(generated_bank):
+    with pytest.raises(ConfigError, match="`num_houses` chooses houses of a dataset"):
+        home_mjx.make("PointNav-v0", generated_bank, num_houses=2)

@@ -1,0 +1,90 @@
+"""The same program in every process: only then does JAX's compile cache hit."""
+
+import hashlib
+import os
+import subprocess
+import sys
+
+from home_mjx.core.compile_cache import use_compile_cache
+
+LOWER = """
+import sys
+import jax, jax.numpy as jnp
+from handmade import shoebox
+from home_mjx import HouseBank, EnvParams, HouseholdEnv
+from home_mjx.tasks import SENSORS, make_config
+
+config = make_config(sensors=(*SENSORS, "goal"), width=8, height=8, num_agents=2, rgb_preset=sys.argv[1])
+core, params = HouseholdEnv(config), EnvParams(HouseBank.from_compiled([shoebox()]))
+keys = jnp.zeros((2, 2), jnp.uint32)
+reset = jax.jit(jax.vmap(core.reset, (None, 0))).lower(params, keys)
+states = jax.eval_shape(jax.vmap(core.reset, (None, 0)), params, keys)
+step = jax.jit(jax.vmap(core.step, (None, 0, 0))).lower(params, states, jnp.zeros((2, 2, 4)))
+for program in (reset, step):
+    sys.stdout.write(program.as_text() + "\\n")
+"""
+
+
+def lowered(seed: int, preset: str) -> str:
+    helpers = os.path.join(os.path.dirname(__file__), "..", "..", "helpers")
+    path = os.pathsep.join([helpers, os.getcwd(), os.environ.get("PYTHONPATH", "")])
+    done = subprocess.run(
+        [sys.executable, "-c", LOWER, preset],
+        capture_output=True,
+        text=True,
+        timeout=600,
+        env={**os.environ, "PYTHONHASHSEED": str(seed), "PYTHONPATH": path},
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
+    return done.stdout
+
+
+def test_programs_are_the_same_whatever_the_hash_seed():
+    """All sensors, two agents, the `lit` preset, which asks for rays in most ways."""
+    first, second = (lowered(seed, "lit") for seed in (1, 2))
+    assert len(first) > 100_000
+    assert hashlib.sha256(first.encode()).hexdigest() == hashlib.sha256(second.encode()).hexdigest()
+
+
+def test_the_cache_folder_is_the_users_where_chosen(monkeypatch, tmp_path):
+    monkeypatch.setenv("JAX_COMPILATION_CACHE_DIR", str(tmp_path))
+    assert use_compile_cache() == tmp_path
+    monkeypatch.setenv("JAX_COMPILATION_CACHE_DIR", "")
+    assert use_compile_cache() is None
+
+
+def test_a_second_process_compiles_nothing(tmp_path):
+    """The command line's default: programs lie in the cache folder, and are found there."""
+    program = """
+import home_mjx, sys
+home_mjx.use_compile_cache()
+import jax
+from handmade import shoebox
+hits = []
+jax.monitoring.register_event_listener(lambda event, **_: hits.append(event))
+from home_mjx.tasks import make_config
+core = home_mjx.HouseholdEnv(make_config(sensors=("depth", "goal"), width=8, height=8))
+params = home_mjx.EnvParams(home_mjx.HouseBank.from_compiled([shoebox()]))
+jax.block_until_ready(jax.jit(core.reset)(params, jax.random.key(0)).obs)
+print(sum(e.endswith("cache_misses") for e in hits), sum(e.endswith("cache_hits") for e in hits))
+"""
+    helpers = os.path.join(os.path.dirname(__file__), "..", "..", "helpers")
+    path = os.pathsep.join([helpers, os.getcwd()])
+    env = {k: v for k, v in os.environ.items() if not k.startswith(("JAX_COMPILATION", "JAX_PERSISTENT"))}
+    env |= {"HOME_MJX_CACHE": str(tmp_path), "PYTHONPATH": path, "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0"}
+    counts = []
+    for seed in ("1", "2"):
+        done = subprocess.run(
+            [sys.executable, "-c", program],
+            capture_output=True,
+            text=True,
+            timeout=600,
+            env={**env, "PYTHONHASHSEED": seed},
+        )
+        assert done.returncode == 0, done.stderr[-2000:]
+        counts.append([int(word) for word in done.stdout.split()])
+    assert list(tmp_path.glob("programs-*"))
+    (misses, _), (misses_again, hits) = counts
+    assert misses > 0
+    assert misses_again == 0
+    assert hits >= misses

@@ -1,0 +1,214 @@
+"""Tasks and sensors of a user's own, and specs: what is registered reaches every way to make an environment."""
+
+import sys
+import textwrap
+
+import gymnasium
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from handmade import shoebox
+
+import home_mjx
+from home_mjx import EnvSpec, HouseBank, HouseFilter
+from home_mjx.errors import ConfigError
+from home_mjx.raycast_render import Lens, Lit
+from home_mjx.tasks import AgentCamera, PointNav
+
+OWN = '''
+"""A user's own file: a task that counts rooms, and a sensor that remembers the last action's turn."""
+
+from dataclasses import dataclass
+
+import jax.numpy as jnp
+
+from home_mjx import Sensor, Task, register, register_sensor
+from home_mjx.tasks import ArraySpec
+
+
+@dataclass(frozen=True)
+class SpinAround(Task):
+    """Turn by `angle`."""
+
+    angle: float = 1.0  # [rad]
+
+    @property
+    def observation_spec(self):
+        return {"turned": ArraySpec((1,), "float32", -1e3, 1e3, "angle turned since the start [rad]")}
+
+    def init(self, snapshot, key, columns):
+        return {"start": snapshot.pose.yaw, "now": snapshot.pose.yaw}
+
+    def update(self, snapshot, state):
+        return {"start": state["start"], "now": snapshot.pose.yaw}
+
+    def observe(self, snapshot, state):
+        return {"turned": (state["now"] - state["start"])[:, None]}
+
+    def reward(self, snapshot, before, state):
+        return jnp.abs(state["now"] - before["now"])
+
+    def terminated(self, snapshot, state):
+        return jnp.all(jnp.abs(state["now"] - state["start"]) >= jnp.float32(self.angle))
+
+    def metrics(self, snapshot, state):
+        return {"turned": jnp.mean(jnp.abs(state["now"] - state["start"]))}
+
+
+class Odometer(Sensor):
+    """Length of the way walked so far [m]."""
+
+    name = "odometer"
+
+    def spec(self, config):
+        return {"odometer": ArraySpec((1,), "float32", 0.0, 1e6, "way walked [m]")}
+
+    def init(self, config):
+        return {"way": jnp.zeros(config.physics.num_agents, jnp.float32),
+                "last": jnp.zeros((config.physics.num_agents, 3), jnp.float32)}
+
+    def update(self, config, snapshot, state):
+        step = jnp.linalg.norm(snapshot.pose.pos - state["last"], axis=-1)
+        way = jnp.where(snapshot.step == 0, 0.0, state["way"] + step)
+        return {"way": way, "last": snapshot.pose.pos}
+
+    def observe(self, config, snapshot, state):
+        return {"odometer": state["way"][:, None]}
+
+
+register("SpinAround-v0", SpinAround, {"episode_length": 50})
+register_sensor(Odometer())
+'''
+
+
+@pytest.fixture(scope="module")
+def bank() -> HouseBank:
+    return HouseBank.from_compiled([shoebox()])
+
+
+@pytest.fixture(scope="module", autouse=True)
+def own(tmp_path_factory):
+    """The file is imported long after `home_mjx`."""
+    folder = tmp_path_factory.mktemp("own")
+    (folder / "my_spin_task.py").write_text(textwrap.dedent(OWN))
+    sys.path.insert(0, str(folder))
+    import my_spin_task  # pyright: ignore[reportMissingImports]
+
+    yield my_spin_task
+    sys.path.remove(str(folder))
+
+
+def test_a_task_and_a_sensor_of_a_users_own_file(bank):
+    env = home_mjx.make("SpinAround-v0", bank, angle=0.4, sensors=("turned", "odometer", "state"))
+    assert env.task.angle == 0.4
+    assert env.config.episode_length == 50
+    assert env.observation_spec["odometer"].shape == (1,)
+    reset, step = jax.jit(env.reset), jax.jit(env.step)
+    state = reset(jax.random.key(0))
+    assert set(state.obs) == {"turned", "odometer", "state"}
+    walked, before = 0.0, state.obs["state"][:3]
+    for _ in range(10):
+        state = step(state, jnp.array([0.5, 0.0, 1.0, 0.0]))
+        walked += float(jnp.linalg.norm(state.obs["state"][:3] - before))
+        before = state.obs["state"][:3]
+        assert float(state.obs["odometer"][0]) == pytest.approx(walked, abs=1e-5)
+        if state.terminated:
+            break
+    assert bool(state.terminated)
+    assert float(state.metrics["turned"]) >= 0.4
+    assert float(state.obs["turned"][0]) == pytest.approx(float(state.metrics["turned"]))
+
+
+def test_default_sensors_follow_the_task(bank):
+    assert "turned" in home_mjx.make("SpinAround-v0", bank).config.sensors
+    assert "goal" not in home_mjx.make("SpinAround-v0", bank).config.sensors
+    assert "goal" in home_mjx.make("PointNav-v0", bank).config.sensors
+    with pytest.raises(ConfigError, match="unknown sensor `goal`"):
+        home_mjx.make("SpinAround-v0", bank, sensors=("goal",))
+
+
+def test_it_reaches_gymnasium(bank):
+    env = gymnasium.make(
+        "home_mjx/SpinAround-v0", houses=bank, sensors=("turned", "odometer"), disable_env_checker=True
+    )
+    obs, info = env.reset(seed=0)
+    assert env.observation_space.contains(obs)
+    obs, reward, *_, info = env.step(np.array([0.0, 0.0, 1.0, 0.0], np.float32))
+    assert reward == pytest.approx(info["turned"], abs=1e-6)
+    batch = gymnasium.make_vec("home_mjx/SpinAround-v0", num_envs=2, houses=bank, sensors=("turned",))
+    assert batch.reset(seed=0)[0]["turned"].shape == (2, 1)
+
+
+def test_it_reaches_brax(bank):
+    pytest.importorskip("brax")
+    from home_mjx.adapters.brax import BraxEnv
+
+    env = BraxEnv(home_mjx.make("SpinAround-v0", bank, sensors=("turned", "odometer", "state")))
+    assert env.observation_size == {"state": (12,)}
+
+
+def test_every_environment_keeps_one_tree(bank):
+    """Shapes, dtypes and structure are the same out of every function, for every id that there is."""
+    for env_id in home_mjx.list_envs():
+        env = home_mjx.make(env_id, bank, sensors=None, width=8, height=8, num_rays=8, num_bounces=2)
+        key, action = jax.ShapeDtypeStruct((2,), jnp.uint32), jax.ShapeDtypeStruct((4,), jnp.float32)
+        begun = jax.eval_shape(env.core.begin, env.params, key)
+        trees = [begun, jax.eval_shape(env.reset, key), jax.eval_shape(env.step, begun, action)]
+        trees += [jax.eval_shape(env.core.advance, env.params, begun, action), jax.eval_shape(env.observe, begun)]
+        for tree in trees[1:]:
+            assert jax.tree.structure(tree) == jax.tree.structure(begun)
+            for a, b in zip(jax.tree.leaves(begun), jax.tree.leaves(tree), strict=True):
+                assert (a.shape, a.dtype, a.weak_type) == (b.shape, b.dtype, b.weak_type)
+        specs = {name: (spec.shape, np.dtype(spec.dtype)) for name, spec in env.observation_spec.items()}
+        assert specs == {name: (x.shape, x.dtype) for name, x in begun.obs.items()}
+
+
+def test_names_of_sensors_and_ids_are_kept_apart(own):
+    with pytest.raises(ConfigError, match="is taken"):
+        home_mjx.register("SpinAround-v0", own.SpinAround)
+    with pytest.raises(ConfigError, match="has no name"):
+        home_mjx.register_sensor(home_mjx.Sensor())
+
+    class Other(home_mjx.Sensor):
+        name = "odometer"
+
+    with pytest.raises(ConfigError, match="`odometer` of a sensor is taken"):
+        home_mjx.register_sensor(Other())
+
+
+def test_a_spec_makes_the_same_environment_again(tmp_path, bank):
+    from home_mjx.datasets import generate_dataset
+
+    generate_dataset(tmp_path, [0])
+    options = {
+        "sensors": ("depth", "goal"),
+        "rgb_preset": Lit(num_lights=2),
+        "cameras": (AgentCamera("scan", ("depth",), Lens(8, 4, "lidar"), looks=False),),
+        "task.success_radius": 0.5,
+        "body.radius": 0.12,
+    }
+    env = home_mjx.make("PointNav-v0", tmp_path, num_houses=1, where=HouseFilter(levels=(1, 3)), **options)
+    again = EnvSpec.from_json(env.spec.to_json()).make()
+    assert again.spec == env.spec
+    assert again.config == env.config
+    assert again.task == env.task == PointNav(success_radius=0.5)
+    jax.tree.map(np.testing.assert_array_equal, again.bank, env.bank)
+    with pytest.raises(ConfigError, match="in memory"):
+        home_mjx.make("PointNav-v0", bank).spec.to_json()
+
+
+@pytest.mark.parametrize("text", ["", "{", "[1]", '{"__type__": "os:system"}', '{"__type__": "no.such:Thing"}'])
+def test_broken_specs_are_refused(text):
+    with pytest.raises(ConfigError):
+        EnvSpec.from_json(text)
+
+
+def test_entry_points_that_do_not_exist_are_named():
+    home_mjx.register("Nowhere-v0", "no_such_module:Task")
+    try:
+        with pytest.raises(ConfigError, match="no_such_module:Task"):
+            home_mjx.make("Nowhere-v0")
+    finally:
+        home_mjx.registry._REGISTRY.pop("Nowhere-v0")
+        gymnasium.registry.pop("home_mjx/Nowhere-v0")
