@@ -13,7 +13,25 @@ def static(**kwargs: Any) -> Any:
     return dataclasses.field(metadata={"static": True}, **kwargs)
 
 
-@dataclass_transform(frozen_default=True, field_specifiers=(static, dataclasses.field))
+def array(doc: str, **notes: Any) -> Any:
+    """A dataclass field for an array, with its meaning and notes for whoever fills it; `declared` gives them back."""
+    return dataclasses.field(metadata={"doc": doc, "notes": notes})
+
+
+def declared(cls: type) -> dict[str, tuple[Any, str, dict[str, Any]]]:
+    """Annotation, meaning and notes of the fields of a record that `array` declares, by name.
+
+    Example:
+        >>> class Line(Pytree):
+        ...     length: float = array("[m]", source="ruler")
+        >>> declared(Line)
+        {'length': (<class 'float'>, '[m]', {'source': 'ruler'})}
+    """
+    fields = (f for f in dataclasses.fields(cls) if "notes" in f.metadata)
+    return {f.name: (f.type, f.metadata["doc"], f.metadata["notes"]) for f in fields}
+
+
+@dataclass_transform(frozen_default=True, field_specifiers=(static, array, dataclasses.field))
 class Pytree:
     """Base of the device-side records: subclasses become frozen dataclasses registered with JAX.
 

@@ -1,9 +1,5 @@
 """Tables of different lengths into arrays of a few sizes, so that similar banks share one compiled step."""
 
-from collections.abc import Sequence
-
-import numpy as np
-
 
 def size_class(count: int, smallest: int) -> int:
     """Smallest `smallest * 2**n` that holds `count`.
@@ -29,17 +25,3 @@ def ragged_class(count: int) -> int:
     while step * 8 < count:
         step *= 2
     return -(-max(count, 1) // step) * step
-
-
-def pad(rows: Sequence[np.ndarray], size: int, dtype: type, fill: float | np.ndarray) -> np.ndarray:
-    """Stacks tables of different lengths, each padded with `fill` to `size` rows."""
-    out = np.empty((len(rows), size, *np.shape(rows[0])[1:]), dtype)
-    out[...] = fill
-    for target, values in zip(out, rows, strict=True):
-        target[: len(values)] = values
-    return out
-
-
-def repeat(rows: np.ndarray, size: int) -> np.ndarray:
-    """Rows in turn up to `size`, so that every slot is valid and each row is drawn about equally often."""
-    return rows[np.arange(size) % len(rows)]
