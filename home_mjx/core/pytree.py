@@ -50,6 +50,11 @@ class Pytree:
         dataclasses.dataclass(frozen=True)(cls)
         jax.tree_util.register_pytree_with_keys(cls, _flatten_with_keys, _unflattener(cls), _flatten)
 
+    @classmethod
+    def unchecked(cls: type[T], **values: Any) -> T:
+        """A record whose fields are not what they are declared as, such as the axes of arrays for `jax.vmap`."""
+        return _build(cls, values)
+
     def replace(self: T, **changes: Any) -> T:
         """A copy with some fields changed."""
         names = _names(type(self), True) + _names(type(self), False)

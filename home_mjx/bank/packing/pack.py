@@ -7,6 +7,7 @@ have equal shapes and share one compiled step. What arrays there are, `bank.reco
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -156,11 +157,11 @@ def common_options(houses: Sequence[CompiledHouse]) -> dict[str, float]:
 def _packed(
     houses: Sequence[CompiledHouse], library: Library, sizes: Sizes, starts: Sequence[Counts], texture_size: int
 ) -> Packed:
-    spec = BankSpec(**{f"num_{name}": sizes[name] for name in SPEC_AXES}, **common_options(houses))
+    spec: dict[str, Any] = {f"num_{name}": sizes[name] for name in SPEC_AXES} | common_options(houses)
     parts = [_Part(library.owners(sizes) | library.shared(texture_size), dict.fromkeys((*ROW_KINDS, SHARED), 0))]
     for i, (house, start) in enumerate(zip(houses, starts, strict=True)):
         parts.append(_Part(library.house_owners(house, start, sizes), {**start, HOUSE: i}))
-    return Packed(_fill(schema(), parts, sizes), spec)
+    return Packed(_fill(schema(), parts, sizes), BankSpec(**spec))
 
 
 def _sizes(num_houses: int, library: Library, capacity: Counts, rows: Counts, texture_size: int) -> dict[str, int]:

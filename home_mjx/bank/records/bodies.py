@@ -45,7 +45,7 @@ class Physics(Pytree):
     body_size: Float[Array, "h bodies 3"] = array("[m], half extents", source="bodies.size", fill=SMALL)
     body_mass: Float[Array, "h bodies"] = array("[kg]", source="bodies.mass", fill=1)
     body_inertia: Float[Array, "h bodies 3"] = array(
-        "[kg m^2], principal", source=inertia, fill=box_inertia(np.float32([1.0]), SMALL[None])[0]
+        "[kg m^2], principal", source=inertia, fill=box_inertia(np.ones(1, np.float32), SMALL[None])[0]
     )
     body_from_model: Float[Array, "h bodies 3 4"] = array(
         "body frame from model frame", source="bodies.from_model", fill=np.eye(3, 4)
