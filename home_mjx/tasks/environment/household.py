@@ -209,7 +209,8 @@ class HouseholdEnv:
         pose = self.pose(bank, state)
         body_pos, body_quats = physics.body_pose(self._template(bank), state.data)
         house = state.info["world"].house
-        return make_scene(bank, house, body_pos, body_quats, pose.pos, jax.vmap(body_quat)(pose.yaw))
+        quat = jax.vmap(body_quat)(pose.yaw)
+        return make_scene(bank, house, body_pos, body_quats, pose.pos, quat, executor=self.config.executor)
 
     def _usable(self, action: Float[Array, "..."]) -> Float[Array, "a 4"]:
         shape = self.num_agents, self.action_size
