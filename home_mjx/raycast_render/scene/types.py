@@ -27,12 +27,9 @@ class Moving(Pytree):
 class Scene(Pytree):
     """One environment as rays see and hear it: the bank, which house it is in, and what moves there.
 
-    All environments share the bank. Make scenes inside the function that is mapped, and return images or sounds:
-
-        jax.vmap(lambda house, pos: render(make_scene(bank, house, ...), camera), ...)
-
-    A scene that leaves `vmap` as it is takes a copy of the whole bank per environment with it. Where scenes must cross
-    the border, say that the bank is not mapped: `jax.vmap(make, out_axes=Scene.axes())`, and `in_axes` alike.
+    All environments share the bank. Make scenes inside the function that `vmap` maps, and let images or sounds leave
+    it. A scene that leaves `vmap` as it is takes a copy of the whole bank per environment with it: where scenes must
+    cross that border, say with `axes` that the bank is not mapped.
     """
 
     bank: HouseBank  # shared by all environments
