@@ -43,8 +43,9 @@ def frame(settings: Settings) -> Record:
 def _response(bank: HouseBank, house: jax.Array, start: jax.Array) -> Any:
     """What an agent at `start` hears of the house's first goal."""
     source = bank.navigation.goal[house, 0] + jnp.array([0.0, 0.0, 1.0], jnp.float32)
+    scene = scene_at(bank, house, start)
     listener = Listener(*eye_at(start), body=own_body(bank))
-    return impulse_response(scene_at(bank, house, start), Source(source), listener, jax.random.key(0), CONFIG)
+    return impulse_response(scene, Source(source), listener, jax.random.key(0), CONFIG)
 
 
 CASES: dict[str, Callable[[Settings], Record]] = {"response": response, "frame": frame}

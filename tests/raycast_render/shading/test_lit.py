@@ -149,7 +149,7 @@ def test_a_ball_is_shaded_as_a_ball(mirror):
     assert hits.sum() > 50
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
         none, way = Vec.of(jnp.zeros_like(aim)), Vec.of(jnp.asarray(aim))
-        corner = lit._corner(bank, scene_of(bank), optics.Sight(none, way, hit, none.x, none))
+        corner = lit._corner(scene_of(bank), optics.Sight(none, way, hit, none.x, none))
         corner = jax.tree.map(lambda v: v.packed(), corner, is_leaf=lambda v: isinstance(v, Vec))
     points = start + np.asarray(hit.t)[:, None] * aim
     outward = (points - [0, 1.0, 1.5]) / np.diag(scale) ** 2
@@ -180,12 +180,10 @@ def test_far_textures_are_filtered():
     for height, name in ((0.1, "near"), (2.9, "far")):
         camera = camera_at(0.3, 0.2, height, quat=[1, 0, 0, 0], fovy=1.0)
         lens = Lens(16, 16)
-        view = View(bank, scene_of(bank), camera, lens, NIGHT, -1, None)
+        view = View(scene_of(bank), camera, lens, NIGHT, -1)
         sight = view.sight(view.middle)
-        corner_ = lit._corner(bank, view.scene, sight)
-        color = lit._color(
-            bank, view.scene, sight, corner_, jnp.zeros(lens.shape, jnp.int32), pixel_width(camera, lens)[1]
-        )
+        corner_ = lit._corner(view.scene, sight)
+        color = lit._color(view.scene, sight, corner_, jnp.zeros(lens.shape, jnp.int32), pixel_width(camera, lens)[1])
         spread[name] = np.ptp(np.asarray(color.packed()))
     assert spread["near"] > 0.8
     assert spread["far"] < 0.25
