@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from home_mjx.bank.packing.padding import ragged_class, size_class
+from home_mjx.bank.packing.size_classes import ragged_class, size_class
 from home_mjx.bank.records.bank_arrays import ID_LENGTH
 from home_mjx.bank.records.declaration import Sizes
 from home_mjx.bank.records.owners import Counts

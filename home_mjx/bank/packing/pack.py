@@ -13,7 +13,7 @@ import numpy as np
 
 from home_mjx.bank.packing.capacity import axis_lengths, capacity_of, check_fits, needs, rows_of, running_starts
 from home_mjx.bank.packing.library import Library, Owners
-from home_mjx.bank.packing.padding import ragged_class
+from home_mjx.bank.packing.size_classes import ragged_class
 from home_mjx.bank.packing.texture_layers import TEXTURE_SIZE, texture_shape
 from home_mjx.bank.records.bank_arrays import BankSpec, schema
 from home_mjx.bank.records.declaration import HOUSE, ROW_KINDS, SHARED, Arrays, Declaration, Key, Sizes

@@ -1,4 +1,4 @@
-"""Tables of different lengths into arrays of a few sizes, so that similar banks share one compiled step."""
+"""Lengths of arrays, rounded up to a few size classes so that similar banks share one compiled step."""
 
 
 def size_class(count: int, smallest: int) -> int:
