@@ -1,6 +1,7 @@
 """All arrays of a bank: the records, and what the bank holds itself."""
 
-from collections.abc import Iterator, Mapping
+import functools
+from collections.abc import Mapping
 from typing import Any, TypeVar
 
 import numpy as np
@@ -72,16 +73,23 @@ RECORDS: dict[str, type] = {
 }
 
 
-def schema() -> Iterator[Declaration]:
+def schema() -> tuple[Declaration, ...]:
     """Every declared array of a bank.
 
     Example:
         >>> next(d for d in schema() if d.name == "physics.body_mass").axes
         ('h', 'bodies')
     """
-    for record, cls in RECORDS.items():
-        for field, (annotation, doc, notes) in declared(cls).items():
-            yield Declaration.of((record, field), annotation, doc, **notes)
+    return _declarations(tuple(RECORDS.items()))
+
+
+@functools.cache
+def _declarations(records: tuple[tuple[str, type], ...]) -> tuple[Declaration, ...]:
+    return tuple(
+        Declaration.of((record, field), annotation, doc, **notes)
+        for record, cls in records
+        for field, (annotation, doc, notes) in declared(cls).items()
+    )
 
 
 def array_of(bank: BankArrays, key: Key) -> Array:
