@@ -140,7 +140,7 @@ def images(size, *kinds, preset="fast"):
     """What `render` gives."""
 
     def look(bank, scene, camera):
-        return render(bank, scene, camera, Lens(size, size), kinds=kinds, preset=preset, exclude=own_body(bank))
+        return render(scene, camera, Lens(size, size), kinds=kinds, preset=preset, exclude=own_body(bank))
 
     return look
 
@@ -156,7 +156,7 @@ def shadowed(size):
         lamp = (camera.pos + jnp.array([0.3, 0.2, 0.8], jnp.float32))[None, None]
         point = origin + jnp.where(jnp.isfinite(hit.t), hit.t, 0)[..., None] * direction
         dark = occluded(scene, point, lamp - point, t_min=1e-3, t_max=1.0, exclude=own_body(bank))
-        light = shading.head_light(shading.albedo(bank, scene, hit), unit_normals(scene, way, hit), way)
+        light = shading.head_light(shading.albedo(scene, hit), unit_normals(scene, way, hit), way)
         return (light * jnp.where(dark, 0.3, 1.0)).map(shading.encode).packed(), hit.t
 
     return look
@@ -224,12 +224,12 @@ def agreement(bench, size, num_envs=256):
     found = {}
     for name in ("cuda", "xla", "cpu"):
 
-        def one(geometry, house, moving, origin, direction, name=name):
-            hit = cast(Scene(geometry, house, moving), origin, direction, mask=1, executor=name)
+        def one(bank, house, moving, origin, direction, name=name):
+            hit = cast(Scene(bank, house, moving), origin, direction, mask=1, executor=name)
             return hit.t, hit.instance, hit.triangle
 
         device = jax.devices("cpu" if name == "cpu" else "cuda")[0]
-        given = jax.device_put((bench.bank.geometry, *args), device)
+        given = jax.device_put((bench.bank, *args), device)
         found[name] = jax.tree.map(np.asarray, jax.jit(jax.vmap(one, (None, 0, 0, 0, 0)))(*given))
     for name in ("xla", "cpu"):
         (t, instance, triangle), (t0, instance0, triangle0) = found[name], found["cuda"]

@@ -25,7 +25,7 @@ def load_bank(path):
 
 def on_device(bank):
     """A host bank as `HouseBank.from_dataset` would have made it here."""
-    from home_mjx.bank.packing.gpu_geometry import gpu_geometry
+    from home_mjx.bank.records.gpu_geometry import gpu_geometry
 
     bank = jax.tree.map(jnp.asarray, bank)
     if jax.default_backend() != "gpu":

@@ -48,7 +48,7 @@ class Studio:
 
     def draw(self, camera, lens, kinds=("rgb",), preset="fast", depth_max=None):
         """Images on the host."""
-        images = look(lens, kinds, preset, depth_max)(self.bank, self.scene(), camera)
+        images = look(lens, kinds, preset, depth_max)(self.scene(), camera)
         return {kind: np.asarray(image) for kind, image in images.items()}
 
     def views(self, count, tries=40):

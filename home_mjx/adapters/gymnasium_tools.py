@@ -121,9 +121,8 @@ class Picture:
             snapshot = env.core.snapshot(params, state)
             camera = jax.tree.map(lambda x: x[0], place_cameras(env.config, view, snapshot.pose))
             own = agent_ids(snapshot.bank, 1)[0]
-            preset, executor = env.config.rgb_preset, env.config.executor
-            kinds = {"kinds": ("rgb",), "preset": preset, "exclude": own, "executor": executor}
-            return render(snapshot.bank, snapshot.scene, camera, view.lens, **kinds)["rgb"]
+            preset = env.config.rgb_preset
+            return render(snapshot.scene, camera, view.lens, kinds=("rgb",), preset=preset, exclude=own)["rgb"]
 
         self._params, self._draw = env.params, jax.jit(draw)
 

@@ -4,22 +4,28 @@ from home_mjx.audio_jax.auralization.response import ear_gains, early_response, 
 from home_mjx.audio_jax.auralization.sources import CLIPS, clip_samples
 from home_mjx.audio_jax.auralization.stream import sound_frame
 from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
-from home_mjx.audio_jax.propagation.paths import Paths, early_paths
+from home_mjx.audio_jax.propagation.paths import PathProducer, Paths, direct_path, early_paths, reflected_paths
 from home_mjx.audio_jax.propagation.tracing import Trace, trace
 
 __all__ = [
     "CLIPS",
     "AudioConfig",
+    "Listener",
+    "PathProducer",
     "Paths",
+    "Source",
     "Trace",
     "clip_samples",
+    "direct_path",
     "ear_gains",
     "early_paths",
     "early_response",
     "energy_histogram",
     "impulse_response",
     "late_response",
+    "reflected_paths",
     "sound_frame",
     "trace",
 ]

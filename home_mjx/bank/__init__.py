@@ -1,9 +1,9 @@
 """Many compiled houses on the device, as one pytree."""
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.bank.records import Acoustics, BankSpec, Finish, Geometry, Lights, Materials, Navigation, Physics
+from home_mjx.bank.records import Acoustics, BankSpec, Finish, Geometry, Lights, Materials, Navigation, Physics, schema
 from home_mjx.bank.stream import HouseStream
-from home_mjx.bank.usage import Usage, bank_usage
+from home_mjx.bank.usage import Usage, bank_bytes, bank_usage, planned_bytes
 
 __all__ = [
     "Acoustics",
@@ -17,5 +17,8 @@ __all__ = [
     "Navigation",
     "Physics",
     "Usage",
+    "bank_bytes",
     "bank_usage",
+    "planned_bytes",
+    "schema",
 ]

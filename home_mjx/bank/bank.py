@@ -1,35 +1,23 @@
 """Many compiled houses on the device: ragged geometry concatenated, small tables padded.
 
-The one module of this package (with `pytree`) that knows JAX. An environment holds only an int32 house index.
+An environment holds only an int32 house index.
 """
 
 from collections.abc import Sequence
 from itertools import islice
 from pathlib import Path
-from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Int, UInt8
+from jaxtyping import Array, Int
 from tqdm import tqdm
 
-from home_mjx.bank.packing.gpu_geometry import gpu_geometry
 from home_mjx.bank.packing.pack import Packed, pack
-from home_mjx.bank.records import (
-    RECORDS,
-    SIZES,
-    Acoustics,
-    BankSpec,
-    Finish,
-    Geometry,
-    Lights,
-    Materials,
-    Navigation,
-    Physics,
-)
+from home_mjx.bank.records.bank_arrays import RECORDS, BankArrays, by_record
+from home_mjx.bank.records.geometry import Geometry
+from home_mjx.bank.records.gpu_geometry import gpu_geometry
 from home_mjx.core.checks import check_number
-from home_mjx.core.pytree import Pytree, static
 from home_mjx.datasets.suncg.dataset import Dataset, open_dataset
 from home_mjx.errors import ConfigError
 from home_mjx.scene_compile.cache.house_cache import HouseCache
@@ -38,7 +26,7 @@ from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS, CompileOpti
 from home_mjx.schema.compiled import CompiledHouse
 
 
-class HouseBank(Pytree):
+class HouseBank(BankArrays):
     """Many houses in one pytree.
 
     Example:
@@ -46,18 +34,6 @@ class HouseBank(Pytree):
         >>> bank.num_houses  # doctest: +SKIP
         8
     """
-
-    geometry: Geometry
-    materials: Materials
-    semantics: Int[Array, "q 23"]  # columns: compiled.Semantic
-    physics: Physics
-    acoustics: Acoustics
-    navigation: Navigation
-    finish: Finish
-    lights: Lights
-    draw: Int[Array, " h"]  # what resets draw from: house indices, each as often as any other that may be drawn
-    house_id: UInt8[Array, "h 32"]  # ASCII of the dataset's house id
-    spec: BankSpec = static()
 
     @classmethod
     def from_compiled(cls, houses: Sequence[CompiledHouse]) -> "HouseBank":
@@ -152,14 +128,11 @@ class HouseBank(Pytree):
 
 def to_bank(packed: Packed) -> HouseBank:
     """Packed houses on the device."""
-    tables: dict[str, dict[str, Any]] = {}
-    for name, values in packed.arrays.items():
-        record, _, field = name.partition(".")
-        tables.setdefault(record, {})[field] = jnp.asarray(values)
+    tables = by_record({key: jnp.asarray(values) for key, values in packed.arrays.items()})
     if jax.default_backend() == "gpu":
         tables["geometry"]["gpu"] = gpu_geometry(Geometry(**tables["geometry"]))
-    whole: dict[str, Any] = {name: table[""] for name, table in tables.items() if "" in table}
-    whole |= {name: record(**tables[name]) for name, record in RECORDS.items()}
-    sizes = {name: getattr(packed.capacity, name.removeprefix("num_")) for name in SIZES}
-    draw = jnp.arange(len(packed.arrays["house_id"]), dtype=jnp.int32)
-    return HouseBank(**whole, draw=draw, spec=BankSpec(**sizes, cell=packed.cell))
+    own = tables.pop("")
+    draw = jnp.arange(len(own["house_id"]), dtype=jnp.int32)
+    return HouseBank(
+        **own, **{name: RECORDS[name](**table) for name, table in tables.items()}, draw=draw, spec=packed.spec
+    )

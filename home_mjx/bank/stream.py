@@ -7,7 +7,6 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -17,9 +16,12 @@ from tqdm import tqdm
 
 from home_mjx.bank.bank import HouseBank, to_bank
 from home_mjx.bank.packing.agent_model import agent_model
-from home_mjx.bank.packing.capacity import Capacity, row_stride
-from home_mjx.bank.packing.gpu_geometry import gpu_geometry
-from home_mjx.bank.packing.pack import Library, pack_slot, pack_slots
+from home_mjx.bank.packing.capacity import capacity_of, row_stride
+from home_mjx.bank.packing.library import Library
+from home_mjx.bank.packing.pack import pack_house_slot, pack_house_slots
+from home_mjx.bank.records.bank_arrays import array_of, with_arrays
+from home_mjx.bank.records.declaration import Key
+from home_mjx.bank.records.gpu_geometry import gpu_geometry
 from home_mjx.core.checks import check_number
 from home_mjx.datasets.suncg.dataset import Dataset, open_dataset
 from home_mjx.errors import ConfigError, HomeMjxError
@@ -31,23 +33,23 @@ from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse
 
 log = logging.getLogger(__name__)
 
-Prepared = tuple[str, dict[str, Array], dict[str, Array]]  # house id, rows, and where they begin
+Prepared = tuple[str, dict[Key, Array], dict[Key, Array]]  # house id, rows, and where they begin
 
 
 @dataclass
 class _Retiring:
-    """A slot that no reset draws any more, and the house that will take it."""
+    """A house slot that no reset draws any more, and the house that will take it."""
 
-    slot: int
+    house_slot: int
     since: int  # the call of `advance` from which on no reset draws it
     house: "Future[Prepared | None]"
 
 
 class HouseStream:
-    """A `HouseBank` of a fixed number of slots, into which a thread brings the houses of a dataset one after the other.
+    """A `HouseBank` of a fixed number of house slots, which a thread fills with the houses of a dataset in turn.
 
-    Models and textures of all houses stay on the device; a slot holds what is a house's own. Shapes never change, so
-    nothing is compiled again. A slot is first retired, that is, resets stop drawing it; when no environment is in it
+    Models and textures of all houses stay on the device; a house slot holds what is a house's own. Shapes never
+    change, so nothing is compiled again. A slot is first retired: resets stop drawing it. When no environment is in it
     any more, the next house is written over it, in place.
 
     Houses should be in the cache (`home-mjx compile ROOT`), or the first pass compiles them.
@@ -105,9 +107,11 @@ class HouseStream:
         self._library = self._look_through(ids, progress)
         self._order = self._endless(ids, np.random.default_rng(seed))
         first = self._first_houses(num_slots)
-        self._capacity, self._stride = Capacity.of(first, headroom), row_stride(first, headroom)
-        self.bank: HouseBank = to_bank(pack_slots(first, self._library, self._capacity, self._stride))
-        self.bank = _write(self.bank, *self._prepare(first[0], 0)[1:])  # compiles it, lest the first swap waits
+        self._capacity, self._stride = capacity_of(first, headroom), row_stride(first, headroom)
+        self.bank: HouseBank = to_bank(pack_house_slots(first, self._library, self._capacity, self._stride))
+        self.bank = _write(
+            self.bank, *self._prepare(first[0], 0)[1:]
+        )  # compiled now, so that the first swap does not wait
         self._calls, self._used, self._closed = 0, None, False
         self._worker = ThreadPoolExecutor(1, "house-stream")
         self._active = list(range(num_slots))
@@ -130,9 +134,9 @@ class HouseStream:
         self._calls += 1
         self._used = (self._calls, _slots_in_use(houses, self.bank.num_houses))
         if used is not None:
-            call, slots = used[0], np.asarray(used[1])
+            call, in_use = used[0], np.asarray(used[1])
             for item in list(self._retiring):
-                if item.since < call and not slots[item.slot] and item.house.done():
+                if item.since < call and not in_use[item.house_slot] and item.house.done():
                     self._exchange(item)
         return self.bank
 
@@ -184,9 +188,9 @@ class HouseStream:
 
     def _retire(self) -> None:
         """Takes the slot that was filled first out of what resets draw, and has the next house made ready for it."""
-        slot = self._active.pop(0)
+        house_slot = self._active.pop(0)
         self.bank = self.bank.replace(draw=jnp.asarray(np.resize(self._active, self.bank.num_houses), jnp.int32))
-        self._retiring.append(_Retiring(slot, self._calls, self._worker.submit(self._next, slot)))
+        self._retiring.append(_Retiring(house_slot, self._calls, self._worker.submit(self._next, house_slot)))
 
     def _exchange(self, item: _Retiring) -> None:
         self._retiring.remove(item)
@@ -195,42 +199,33 @@ class HouseStream:
             return
         _, rows, starts = prepared
         self.bank = _write(self.bank, rows, starts)
-        self._active.append(item.slot)
+        self._active.append(item.house_slot)
         self.swaps += 1
         self._retire()
 
-    def _next(self, slot: int) -> Prepared | None:
+    def _next(self, house_slot: int) -> Prepared | None:
         """The next house that fits, made ready for a slot; in the thread."""
         for house_id in self._order:
             try:
-                return self._prepare(self._cache.load(house_id), slot)
+                return self._prepare(self._cache.load(house_id), house_slot)
             except HomeMjxError as error:
                 self.skipped[house_id] = str(error)
                 log.warning("house %s is skipped: %s", house_id, error)
         return None
 
-    def _prepare(self, house: CompiledHouse, slot: int) -> Prepared:
+    def _prepare(self, house: CompiledHouse, house_slot: int) -> Prepared:
         """Raises `CapacityError` if the house does not fit."""
-        rows, starts = pack_slot(house, self._library, self._capacity, self._stride, slot)
+        rows, starts = pack_house_slot(house, self._library, self._capacity, self._stride, house_slot)
         for key in house.instances.model[:1]:
             self._cache.library.pop(key, None)  # its architecture; models stay
         return house.id, jax.device_put(rows), jax.device_put({k: np.int32(v) for k, v in starts.items()})
 
 
 @functools.partial(jax.jit, donate_argnums=0)
-def _write(bank: HouseBank, rows: Mapping[str, Array], starts: Mapping[str, Array]) -> HouseBank:
+def _write(bank: HouseBank, rows: Mapping[Key, Array], starts: Mapping[Key, Array]) -> HouseBank:
     """The bank with other rows, in the same memory."""
-    changes: dict[str, dict[str, Array]] = {}
-    for name, values in rows.items():
-        record, _, field = name.partition(".")
-        whole = getattr(getattr(bank, record), field) if field else getattr(bank, record)
-        new = jax.lax.dynamic_update_slice_in_dim(whole, values, starts[name], axis=0)
-        changes.setdefault(record, {})[field] = new
-    replaced: dict[str, Any] = {
-        record: fields[""] if "" in fields else getattr(bank, record).replace(**fields)
-        for record, fields in changes.items()
-    }
-    bank = bank.replace(**replaced)
+    write = functools.partial(jax.lax.dynamic_update_slice_in_dim, axis=0)
+    bank = with_arrays(bank, {key: write(array_of(bank, key), values, starts[key]) for key, values in rows.items()})
     if bank.geometry.gpu is not None:
         bank = bank.replace(geometry=bank.geometry.replace(gpu=gpu_geometry(bank.geometry)))
     return bank

@@ -3,12 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
+import jax
 
-from home_mjx.bank.packing.capacity import Capacity
-from home_mjx.bank.packing.pack import TABLES, Library, house_rows, house_slots, model_tables
-from home_mjx.bank.packing.tables import Arrays
+from home_mjx.bank.packing.library import Owners, model_owners
+from home_mjx.bank.packing.pack import plan
 from home_mjx.bank.packing.texture_layers import texture_bytes
+from home_mjx.bank.records.bank_arrays import BankArrays, schema
+from home_mjx.bank.records.declaration import HOUSE, Sizes
 from home_mjx.schema.compiled import CompiledHouse
 
 
@@ -33,24 +34,60 @@ def bank_usage(houses: Sequence[CompiledHouse]) -> Usage:
     Args:
         houses: At least one.
 
+    Raises:
+        ConfigError: No house.
+
     Example:
         >>> found = bank_usage([compiled])  # doctest: +SKIP
         >>> found.houses, max(found.models.values())  # doctest: +SKIP
         ({'0004d52d1aeeb8ae6de39d6bd993e992': 881_000}, 1_900_000)
     """
-    library, capacity = Library.of(houses), Capacity.of(houses)
-    at, own = dict.fromkeys(library.rows, 0), {}
-    for house in houses:
-        rows = house_rows(house, library, at, capacity)
-        own[house.id] = _table_bytes(rows) + _bytes(house_slots([house], library, [at], capacity))
-    models = {key: _table_bytes(model_tables(model, at)) for key, model in library.models.items()}
+    library, sizes = plan(houses)
+    at = dict.fromkeys(library.rows, 0)
+    own = {h.id: _owned_bytes(library.house_owners(h, at, sizes), sizes) for h in houses}
+    models = {key: _owned_bytes(model_owners(model, at), sizes) for key, model in library.models.items()}
     return Usage(own, models, texture_bytes(len(library.textures)))
 
 
-def _table_bytes(rows: Arrays) -> int:
-    """Of rows as the tables hold them."""
-    return sum(values.size * np.dtype(TABLES[name].dtype).itemsize for name, values in rows.items())
+def planned_bytes(houses: Sequence[CompiledHouse]) -> dict[str, int]:
+    """Bytes of each array of the bank that some houses would make, without making it.
+
+    Args:
+        houses: At least one.
+
+    Returns:
+        Bytes by name, such as "geometry.triangle". The derived layout of the `cuda` executor (`Geometry.gpu`) and the
+        few bytes of `draw` are not among them.
+
+    Raises:
+        ConfigError: No house.
+        CapacityError: The houses have too many triangles for one bank.
+
+    Example:
+        >>> sum(planned_bytes([compiled]).values())  # doctest: +SKIP
+        14_680_064
+    """
+    _, sizes = plan(houses)
+    return {d.name: d.nbytes(sizes) for d in schema()}
 
 
-def _bytes(arrays: Arrays) -> int:
-    return sum(values.nbytes for values in arrays.values())
+def bank_bytes(bank: BankArrays) -> int:
+    """Bytes of all arrays of a bank, or of one of `jax.ShapeDtypeStruct`s.
+
+    Example:
+        >>> bank_bytes(bank)  # doctest: +SKIP
+        14_680_096
+    """
+    return sum(leaf.size * leaf.dtype.itemsize for leaf in jax.tree.leaves(bank))
+
+
+def _owned_bytes(owners: Owners, sizes: Sizes) -> int:
+    """Bytes of the rows of some owners; a house's own row counts with its padding."""
+    total = 0
+    for declaration in schema():
+        if declaration.kind == HOUSE and HOUSE in owners:
+            total += declaration.nbytes({**sizes, HOUSE: 1})
+        elif declaration.kind in owners:
+            values = (declaration.values(owner) for owner in owners[declaration.kind])
+            total += sum(v.size for v in values) * declaration.dtype.itemsize
+    return total

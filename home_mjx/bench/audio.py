@@ -10,6 +10,7 @@ from home_mjx.audio_jax.auralization.response import impulse_response
 from home_mjx.audio_jax.auralization.sources import clip_samples
 from home_mjx.audio_jax.auralization.stream import sound_frame
 from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bench.batch import eye_at, own_body, rate_per_environment, scene_at
 from home_mjx.bench.record import Record, Settings, make_record
@@ -43,8 +44,8 @@ def _response(bank: HouseBank, house: jax.Array, start: jax.Array) -> Any:
     """What an agent at `start` hears of the house's first goal."""
     source = bank.navigation.goal[house, 0] + jnp.array([0.0, 0.0, 1.0], jnp.float32)
     scene = scene_at(bank, house, start)
-    ears, head = eye_at(start)
-    return impulse_response(bank, scene, source, ears, head, jax.random.key(0), CONFIG, exclude=own_body(bank))
+    listener = Listener(*eye_at(start), body=own_body(bank))
+    return impulse_response(scene, Source(source), listener, jax.random.key(0), CONFIG)
 
 
 CASES: dict[str, Callable[[Settings], Record]] = {"response": response, "frame": frame}

@@ -36,7 +36,7 @@ def images(settings: Settings) -> Record:
 
     def look(bank: HouseBank, house: jax.Array, start: jax.Array) -> Any:
         camera = Camera(*eye_at(start), jnp.float32(np.pi / 2))
-        return render(bank, scene_at(bank, house, start), camera, Lens(SIZE, SIZE), kinds=KINDS, exclude=own_body(bank))
+        return render(scene_at(bank, house, start), camera, Lens(SIZE, SIZE), kinds=KINDS, exclude=own_body(bank))
 
     value, seconds = rate_per_environment(settings, look)
     note = f"{SIZE}x{SIZE} {', '.join(KINDS)}; {settings.houses}"

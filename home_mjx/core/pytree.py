@@ -13,7 +13,25 @@ def static(**kwargs: Any) -> Any:
     return dataclasses.field(metadata={"static": True}, **kwargs)
 
 
-@dataclass_transform(frozen_default=True, field_specifiers=(static, dataclasses.field))
+def array(doc: str, **notes: Any) -> Any:
+    """A dataclass field for an array, with its meaning and notes for whoever fills it; `declared` gives them back."""
+    return dataclasses.field(metadata={"doc": doc, "notes": notes})
+
+
+def declared(cls: type) -> dict[str, tuple[Any, str, dict[str, Any]]]:
+    """Annotation, meaning and notes of the fields of a record that `array` declares, by name.
+
+    Example:
+        >>> class Line(Pytree):
+        ...     length: float = array("[m]", source="ruler")
+        >>> declared(Line)
+        {'length': (<class 'float'>, '[m]', {'source': 'ruler'})}
+    """
+    fields = (f for f in dataclasses.fields(cls) if "notes" in f.metadata)
+    return {f.name: (f.type, f.metadata["doc"], f.metadata["notes"]) for f in fields}
+
+
+@dataclass_transform(frozen_default=True, field_specifiers=(static, array, dataclasses.field))
 class Pytree:
     """Base of the device-side records: subclasses become frozen dataclasses registered with JAX.
 
@@ -31,6 +49,11 @@ class Pytree:
         super().__init_subclass__(**kwargs)
         dataclasses.dataclass(frozen=True)(cls)
         jax.tree_util.register_pytree_with_keys(cls, _flatten_with_keys, _unflattener(cls), _flatten)
+
+    @classmethod
+    def unchecked(cls: type[T], **values: Any) -> T:
+        """A record whose fields are not what they are declared as, such as the axes of arrays for `jax.vmap`."""
+        return _build(cls, values)
 
     def replace(self: T, **changes: Any) -> T:
         """A copy with some fields changed."""

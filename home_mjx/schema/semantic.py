@@ -18,7 +18,7 @@ class Semantic(IntEnum):
     ROOM = 4  # room index in the house
     LEVEL = 5
     PARTITION = 6  # physical wall or slab: sound pays its transmission once per crossing
-    MOVABLE = 7  # movable slot
+    MOVABLE = 7  # index of the movable body
     ROOM_TYPE = 8  # index into ROOM_TYPES
     MATERIAL = 9  # index into MATERIAL_KINDS
     SIZE = 10  # within the category, index into SIZES
@@ -57,7 +57,7 @@ def semantic_row(
         room: Room index in the house.
         level: Level index.
         partition: Physical wall or slab.
-        movable: Movable slot.
+        movable: Index of the movable body.
 
     Example:
         >>> semantic_row("wall", "wall", "wall", level=0, partition=3)[[Semantic.NYU40, Semantic.PARTITION]]

@@ -38,7 +38,7 @@ class TopView:
         x, y = np.meshgrid(self.low[0] + ticks, self.low[1] + ticks[::-1])
         top = float(bank.physics.floor[house]) + CUT
         origin = jnp.asarray(np.stack([x, y, np.full_like(x, top)], axis=-1), jnp.float32)
-        self.image = np.asarray(_from_above(bank, scene, origin))
+        self.image = np.asarray(_from_above(scene, origin))
 
     def with_path(
         self, path: Float[np.ndarray, "t 3"], source: Float[np.ndarray, " 3"], size: int
@@ -70,12 +70,12 @@ def _extent(bank: HouseBank, house: int) -> tuple[np.ndarray, float]:
 
 
 @jax.jit
-def _from_above(bank: HouseBank, scene: Scene, origin: Float[Array, "h w 3"]) -> UInt8[Array, "h w 3"]:
+def _from_above(scene: Scene, origin: Float[Array, "h w 3"]) -> UInt8[Array, "h w 3"]:
     down = jnp.broadcast_to(jnp.array([0.0, 0.0, -1.0], jnp.float32), origin.shape)
     hit = cast(scene, origin, down)
     # What lies lower is darker, so that furniture stands out from the floor.
     light = 1 - 0.5 * jnp.clip(hit.t / CUT, 0, 1)
-    color = albedo(bank, scene, hit) * light
+    color = albedo(scene, hit) * light
     return select(_in_wall(scene, origin), Vec(WALL, WALL, WALL), color).map(encode).packed()
 
 

@@ -8,7 +8,7 @@ from PIL import Image
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.packing.agent_model import HEIGHT, RADIUS, agent_model
-from home_mjx.bank.packing.padding import ragged_class, size_class
+from home_mjx.bank.packing.size_classes import ragged_class, size_class
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.scene_compile.geometry.boxes import box_inertia
 from home_mjx.scene_compile.geometry.mesh import FACE_NORMALS, box_triangles
@@ -258,9 +258,18 @@ def test_refusals(houses):
         HouseBank.from_compiled([])
     with pytest.raises(ConfigError, match="ASCII"):
         HouseBank.from_compiled([dataclasses.replace(houses[0], id="ü")])
-    coarse = dataclasses.replace(houses[0].navigation, cell=0.2)
-    with pytest.raises(ConfigError, match="cell"):
-        HouseBank.from_compiled([houses[0], dataclasses.replace(houses[0], navigation=coarse)])
+
+
+@pytest.mark.parametrize("name", ["cell", "agent_radius", "agent_height"])
+def test_houses_compiled_for_different_agents_or_cells_share_no_bank(houses, name):
+    other = dataclasses.replace(houses[0].navigation, **{name: 0.2})
+    with pytest.raises(ConfigError, match=name.replace("_", " ")):
+        HouseBank.from_compiled([houses[0], dataclasses.replace(houses[0], navigation=other)])
+
+
+def test_a_bank_tells_what_its_houses_were_compiled_for(bank, houses):
+    navigation = houses[0].navigation
+    assert (bank.spec.cell, bank.spec.agent_radius, bank.spec.agent_height) == (navigation.cell, 0.1, 1.6)
 
 
 def test_ids_can_be_read_back(bank, houses):

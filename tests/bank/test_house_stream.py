@@ -11,7 +11,7 @@ from test_bank import house_navigation, world_surfaces
 from tiny_dataset import edit_house, write_tiny_dataset
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.bank.packing.gpu_geometry import gpu_geometry
+from home_mjx.bank.records.gpu_geometry import gpu_geometry
 from home_mjx.bank.stream import HouseStream
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.options import make_config

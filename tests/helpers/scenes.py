@@ -11,10 +11,10 @@ from home_mjx.schema.compiled import CompiledHouse
 HEAD = jnp.float32([0.5, 0.5, -0.5, -0.5])  # camera frame of an agent at yaw 0: looks along +x, up is +z, left is +y
 
 
-def scene_of(*houses: CompiledHouse, house: int = 0, agents: tuple = ()) -> tuple[HouseBank, Scene]:
-    """A bank and the scene of one of its houses, every body where it was compiled."""
+def scene_of(*houses: CompiledHouse, house: int = 0, agents: tuple = ()) -> Scene:
+    """The scene of one of some houses, every body where it was compiled."""
     bank = HouseBank.from_compiled(houses)
     pos = jnp.asarray(np.array(agents, np.float32).reshape(-1, 3))
     quat = jnp.tile(jnp.float32([[1, 0, 0, 0]]), (len(agents), 1))
     index = jnp.int32(house)
-    return bank, make_scene(bank, index, bank.physics.body_pos[index], bank.physics.body_quat[index], pos, quat)
+    return make_scene(bank, index, bank.physics.body_pos[index], bank.physics.body_quat[index], pos, quat)

@@ -1,5 +1,6 @@
 """Scenes of random triangles by hand, and a brute-force caster in float64 that knows nothing of trees."""
 
+import functools
 import os
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -8,7 +9,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from handmade import shoebox
 
+from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records import Geometry
 from home_mjx.raycast_render.scene.types import Moving, Scene
 from home_mjx.scene_compile.geometry.bvh import build_tree, build_triangle_tree
@@ -105,7 +108,8 @@ class Soup:
             agent_material=i32(0),
             agent_semantic=i32(0),
         )
-        return Scene(geometry=geometry, house=i32(0), moving=self._moving(len(static)))
+        bank = _any_bank().replace(geometry=geometry)
+        return Scene(bank=bank, house=i32(0), moving=self._moving(len(static)))
 
     def _moving(self, start):
         rows = [*range(start, len(self.placed)), -1]  # the last slot is unused
@@ -126,6 +130,12 @@ class Soup:
         p = self.placed[index]
         world = self.models[p.model].reshape(-1, 3) @ p.pose[:, :3].T + p.pose[:, 3]
         return np.array([world.min(axis=0) - 1e-4, world.max(axis=0) + 1e-4])
+
+
+@functools.cache
+def _any_bank():
+    """For all that rays do not need."""
+    return HouseBank.from_compiled([shoebox()])
 
 
 def f32(x):

@@ -25,7 +25,7 @@ class EarTable(NamedTuple):
 
     spectrum: Complex[np.ndarray, "a f"]  # without its delay
     delay: Float[np.ndarray, " a"]  # [s]; negative on the source's side
-    energy: Float[np.ndarray, "a 7"]  # mean |spectrum|² per octave
+    energy: Float[np.ndarray, "a bands"]  # mean |spectrum|² per octave
 
 
 def sphere_spectrum(
@@ -97,7 +97,7 @@ def ear_spectrum(table: EarTable, angle: Float[Array, "*n"]) -> tuple[Complex[Ar
     return _interpolate(table.spectrum, angle), _interpolate(table.delay, angle)
 
 
-def ear_energy(table: EarTable, angle: Float[Array, "*n"]) -> Float[Array, "*n 7"]:
+def ear_energy(table: EarTable, angle: Float[Array, "*n"]) -> Float[Array, "*n bands"]:
     """Energy gain of the ear per octave for each angle."""
     return _interpolate(table.energy, angle)
 

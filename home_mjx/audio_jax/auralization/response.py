@@ -6,15 +6,15 @@ import math
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Complex, Float, Int
+from jaxtyping import Array, Complex, Float
 
 from home_mjx.audio_jax.auralization.hrtf import EarTable, ear_angles, ear_energy, ear_spectrum, ear_table, to_head
 from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.base.filters import high_pass, octave_gains
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.paths import Paths, early_paths
 from home_mjx.audio_jax.propagation.tracing import trace
-from home_mjx.bank.bank import HouseBank
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS
 
@@ -23,53 +23,40 @@ NOISE_LENGTH = 4  # the noise of all environments is this many responses long
 
 
 def impulse_response(
-    bank: HouseBank,
-    scene: Scene,
-    source: Float[Array, "3"],
-    listener: Float[Array, "3"],
-    head_quat: Float[Array, "4"],
-    key: Array,
-    config: AudioConfig,
-    exclude: Int[Array, ""] | int = -1,
-    emitter: Int[Array, ""] | int = -1,
-    executor: str | None = None,
+    scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig
 ) -> Float[Array, "2 l"]:
     """What the left and right ear hear of a pulse from a point source.
 
     Args:
-        bank: The houses.
-        scene: The environment.
-        source: Position of the source [m].
-        listener: Middle of the head [m].
-        head_quat: Orientation of the head, wxyz, in MuJoCo's camera frame: +x right, +y up, looking along -z.
+        scene: The environment, whose `executor` casts the rays.
+        source: Who sounds.
+        listener: Who hears.
         key: Random key, typed or raw. Keep it while a listener moves, so that successive responses are coherent.
         config: Options.
-        exclude: Object id of the listener's own body, transparent to its ears; -1 none.
-        emitter: Object id of the body that sounds, which does not muffle itself; -1 none.
-        executor: Of the rays, see `cast`.
 
     Returns:
         Pressure re the source's free field at 1 m, `config.response_length` samples per ear.
 
     Example:
-        >>> response = impulse_response(bank, scene, source, ears, quat, jax.random.key(0), config)  # doctest: +SKIP
+        >>> source, listener = Source(radio), Listener(ears, quat, body=agent)  # doctest: +SKIP
+        >>> response = impulse_response(scene, source, listener, jax.random.key(0), config)  # doctest: +SKIP
         >>> response.shape  # doctest: +SKIP
         (2, 8000)
     """
     trace_key, noise_key = jax.random.split(key)
-    paths = early_paths(bank, scene, source, listener, config, exclude, emitter, executor)
-    traced = trace(bank, scene, source, listener, trace_key, config, exclude, emitter, executor)
-    energy = energy_histogram(traced, ear_gains(traced.direction, head_quat, config), config)
+    paths = early_paths(scene, source, listener, config)
+    traced = trace(scene, source, listener, trace_key, config)
+    energy = energy_histogram(traced, ear_gains(traced.direction, listener.quat, config), config)
     late = late_response(energy, noise_key, config)
     onset = (paths.distance[0] - config.head_radius) * jnp.float32(config.sample_rate / config.speed_of_sound)
     # nothing overtakes the direct sound
     heard = jnp.arange(config.response_length, dtype=jnp.int32) >= onset.astype(jnp.int32)
-    return early_response(paths, head_quat, config) + jnp.where(heard[None], late, 0.0)
+    return early_response(paths, listener.quat, config) + jnp.where(heard[None], late, 0.0)
 
 
 def ear_gains(
     direction: Float[Array, "n 3"], head_quat: Float[Array, "4"], config: AudioConfig
-) -> Float[Array, "n 2 7"]:
+) -> Float[Array, "n 2 bands"]:
     """Energy gain per octave of both ears for sound from each direction in the world."""
     if config.receiver == "omni":
         return jnp.ones((direction.shape[0], 2, len(BANDS)), jnp.float32)
@@ -96,7 +83,7 @@ def early_response(paths: Paths, head_quat: Float[Array, "4"], config: AudioConf
     return response[:, taps // 2 : taps // 2 + length]
 
 
-def late_response(energy: Float[Array, "k 2 7"], key: Array, config: AudioConfig) -> Float[Array, "2 l"]:
+def late_response(energy: Float[Array, "k 2 bands"], key: Array, config: AudioConfig) -> Float[Array, "2 l"]:
     """Noise that follows an energy histogram in each octave and ear.
 
     The energy runs linearly from the middle of one bin to that of the next. One long noise serves everybody, each
@@ -147,7 +134,7 @@ def _taps(config: AudioConfig) -> int:
 
 
 @functools.cache
-def _noise(config: AudioConfig) -> Float[np.ndarray, "2 7 n"]:
+def _noise(config: AudioConfig) -> Float[np.ndarray, "2 bands n"]:
     """White noise of unit variance for both ears, split into octaves that are independent of each other.
 
     The ears' noises are as coherent as the pressures of a diffuse field at two points a head apart: sin(kd) / kd.

@@ -9,7 +9,7 @@ TRANSITION = 0.25  # [octaves], width of the overlap of neighbouring bands
 HIGH_PASS = 20.0  # [Hz], half-power point
 
 
-def octave_gains(frequency: Float[np.ndarray, " f"]) -> Float[np.ndarray, "7 f"]:
+def octave_gains(frequency: Float[np.ndarray, " f"]) -> Float[np.ndarray, "bands f"]:
     """Gains of the octave bands 125 .. 8000 Hz that add up to one at every frequency.
 
     The first band reaches down to 0 Hz, the last up without end. Bands meet at fc sqrt(2) in sin² ramps, as in Antoni,

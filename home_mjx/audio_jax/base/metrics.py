@@ -64,7 +64,7 @@ def drr(energy: Float[np.ndarray, " n"], dt: float) -> float:
     return _ratio(energy[direct], np.delete(energy, direct))
 
 
-def octave_energies(response: Float[np.ndarray, "*c n"], sample_rate: int) -> Float[np.ndarray, "*c 7"]:
+def octave_energies(response: Float[np.ndarray, "*c n"], sample_rate: int) -> Float[np.ndarray, "*c bands"]:
     """Energy of a response in each octave band, over the share of the spectrum that the band holds.
 
     A unit pulse therefore has energy 1 in every band.
@@ -78,7 +78,7 @@ def octave_energies(response: Float[np.ndarray, "*c n"], sample_rate: int) -> Fl
     return spectrum @ gains.T / np.maximum(gains.sum(axis=1), 1e-9)
 
 
-def octave_responses(response: Float[np.ndarray, "*c n"], sample_rate: int) -> Float[np.ndarray, "*c 7 n"]:
+def octave_responses(response: Float[np.ndarray, "*c n"], sample_rate: int) -> Float[np.ndarray, "*c bands n"]:
     """A response split into octave bands that add up to it."""
     response = np.asarray(response, np.float64)
     length = response.shape[-1]

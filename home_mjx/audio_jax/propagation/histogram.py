@@ -14,7 +14,9 @@ BLUR = 0.15  # resolution in time of late arrivals, relative to their time
 STEEPEST = 50.0  # largest logarithm of a ratio of energies, so that silence stays finite
 
 
-def energy_histogram(trace: Trace, ear_gain: Float[Array, "n 2 7"], config: AudioConfig) -> Float[Array, "k 2 7"]:
+def energy_histogram(
+    trace: Trace, ear_gain: Float[Array, "n 2 bands"], config: AudioConfig
+) -> Float[Array, "k 2 bands"]:
     """Energy per time bin, ear and octave, re the free field of the source at 1 m.
 
     The traced bounces fill the bins, the later the more widely: what few rays bring in bursts comes densely in a room.
@@ -89,7 +91,7 @@ def _fit_range(trace: Trace, metres: float, config: AudioConfig) -> tuple[Int[Ar
     return jnp.minimum((0.3 * last.astype(jnp.float32)).astype(jnp.int32), last - 1), last
 
 
-def _energy_at(trace: Trace, index: Int[Array, ""], metres: float) -> Float[Array, "7"]:
+def _energy_at(trace: Trace, index: Int[Array, ""], metres: float) -> Float[Array, " bands"]:
     """Energy of all rays together at the start of a bin."""
     bounces = jnp.sum(trace.travelled <= index.astype(jnp.float32) * metres, axis=0, dtype=jnp.int32)
     start = jnp.full((1, *trace.remaining.shape[1:]), 1 / bounces.size, jnp.float32)
@@ -98,7 +100,7 @@ def _energy_at(trace: Trace, index: Int[Array, ""], metres: float) -> Float[Arra
     return jnp.einsum("bn,bnc->c", chosen, energy, precision="highest")
 
 
-def _recur(factor: Float[Array, "7"], added: Float[Array, "k 7"]) -> Float[Array, "k 7"]:
+def _recur(factor: Float[Array, " bands"], added: Float[Array, "k bands"]) -> Float[Array, "k bands"]:
     """y[k] = factor y[k - 1] + added[k]."""
 
     def join(left: tuple[Array, Array], right: tuple[Array, Array]) -> tuple[Array, Array]:

@@ -1,14 +1,16 @@
 """Early sound: the direct path, through what stands in its way, and first-order reflections."""
 
+from collections.abc import Callable, Sequence
+
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Array, Bool, Float
 
 from home_mjx.audio_jax.base.air import air_absorption, energy_attenuation
 from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.propagation.surfaces import surface_at
-from home_mjx.bank.bank import HouseBank
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.casting.cast import cast, occluded
 from home_mjx.raycast_render.scene.types import Scene
@@ -23,67 +25,38 @@ class Paths(Pytree):
     """Sound paths from the source to the listener; the first is the direct one."""
 
     distance: Float[Array, " p"]  # [m], travelled
-    gain: Float[Array, "p 7"]  # pressure per octave re the source at 1 m; 0 for no path
+    gain: Float[Array, "p bands"]  # pressure per octave re the source at 1 m; 0 for no path
     direction: Float[Array, "p 3"]  # unit vector from the listener to where the sound comes from, world
 
 
-def air_energy(config: AudioConfig) -> Float[np.ndarray, "7"]:
+PathProducer = Callable[[Scene, Source, Listener, AudioConfig], Paths]
+
+
+def no_paths() -> Paths:
+    """Paths of shape (0,)."""
+    return Paths(jnp.zeros(0, jnp.float32), jnp.zeros((0, len(BANDS)), jnp.float32), jnp.zeros((0, 3), jnp.float32))
+
+
+def air_energy(config: AudioConfig) -> Float[np.ndarray, " bands"]:
     """The m of exp(-m r) per octave [1/m], for energy."""
     loss = air_absorption(np.array(BANDS), config.temperature, config.humidity, config.pressure)
     return energy_attenuation(loss).astype(np.float32)
 
 
-def early_paths(
-    bank: HouseBank,
-    scene: Scene,
-    source: Float[Array, "3"],
-    listener: Float[Array, "3"],
-    config: AudioConfig,
-    exclude: Int[Array, ""] | int = -1,
-    emitter: Int[Array, ""] | int = -1,
-    executor: str | None = None,
-) -> Paths:
-    """The direct path and the strongest first-order reflections.
-
-    Args:
-        bank: The houses.
-        scene: The environment.
-        source: Position of a point source [m].
-        listener: Position of the listener [m].
-        config: Options.
-        exclude: Object id of the listener's own body, which it does not hear as an obstacle; -1 none.
-        emitter: Object id of the body that sounds, which does not muffle itself; -1 none.
-        executor: Of the rays, see `cast`.
-
-    Returns:
-        1 + R paths, R being `config.num_reflections` or the house's number of mirror planes if that is less.
-    """
-    who = (jnp.int32(exclude), jnp.int32(emitter))
-    direct = direct_path(bank, scene, source, listener, config, *who, executor)
-    if config.num_reflections == 0:
-        return direct
-    mirrored = reflected_paths(bank, scene, source, listener, config, *who, executor)
-    return jax.tree.map(lambda a, b: jnp.concatenate([a, b]), direct, mirrored)
-
-
-def direct_path(
-    bank: HouseBank,
-    scene: Scene,
-    source: Float[Array, "3"],
-    listener: Float[Array, "3"],
-    config: AudioConfig,
-    exclude: Int[Array, ""],
-    emitter: Int[Array, ""],
-    executor: str | None = None,
-) -> Paths:
+def direct_path(scene: Scene, source: Source, listener: Listener, config: AudioConfig) -> Paths:
     """The straight path, losing the transmission of every partition and object that it crosses, each once.
 
-    Args: see `early_paths`.
+    Args:
+        scene: The environment.
+        source: Who sounds.
+        listener: Who hears.
+        config: Options.
 
     Returns:
         One path.
     """
-    offset = source - listener
+    exclude, emitter = jnp.int32(listener.body), jnp.int32(source.body)
+    offset = source.pos - listener.pos
     distance = jnp.maximum(jnp.linalg.norm(offset), NEAREST)
     direction = (offset / distance)[None]
 
@@ -91,15 +64,14 @@ def direct_path(
         start, skipped, seen, energy, _ = carry
         hit = cast(
             scene,
-            listener[None],
+            listener.pos[None],
             direction,
             t_min=start,
             t_max=distance - SKIN,
             exclude=skipped,
             mask=int(Ray.SOUND),
-            executor=executor,
         )
-        met = surface_at(bank, scene, direction, hit)
+        met = surface_at(scene, direction, hit)
         barrier, object_id, blocked = met.barrier[0], met.object_id[0], hit.instance[0] >= 0
         own = (object_id >= 0) & ((object_id == exclude) | (object_id == emitter))
         counts = blocked & ~own & ~((barrier >= 0) & jnp.any(seen == barrier))
@@ -118,50 +90,46 @@ def direct_path(
     return Paths(distance[None], jnp.where(blocked, 0.0, amplitude)[None], direction)
 
 
-def reflected_paths(
-    bank: HouseBank,
-    scene: Scene,
-    source: Float[Array, "3"],
-    listener: Float[Array, "3"],
-    config: AudioConfig,
-    exclude: Int[Array, ""],
-    emitter: Int[Array, ""],
-    executor: str | None = None,
-) -> Paths:
+def reflected_paths(scene: Scene, source: Source, listener: Listener, config: AudioConfig) -> Paths:
     """First-order image sources in the house's mirror planes, the shortest first.
 
     A reflection sounds where the ray from the listener really meets a surface in the plane, whose material then counts
     (a window's where there is one), and the source sees that point.
 
-    Args: see `early_paths`.
+    Args:
+        scene: The environment.
+        source: Who sounds.
+        listener: Who hears.
+        config: Options.
 
     Returns:
-        As many paths as fit, silent ones included.
+        `config.num_reflections` paths, or one per mirror plane of the house if that is less, silent ones included.
     """
-    point, distance = _nearest_mirrors(bank, scene, source, listener, config.num_reflections)
-    to_listener = jnp.linalg.norm(point - listener[None], axis=1)
-    to_source = jnp.linalg.norm(point - source[None], axis=1)
-    direction = (point - listener[None]) / jnp.maximum(to_listener, NEAREST)[:, None]
+    if config.num_reflections == 0:
+        return no_paths()
+    start, end = source.pos, listener.pos
+    point, distance = _nearest_mirrors(scene, start, end, config.num_reflections)
+    to_listener = jnp.linalg.norm(point - end[None], axis=1)
+    to_source = jnp.linalg.norm(point - start[None], axis=1)
+    direction = (point - end[None]) / jnp.maximum(to_listener, NEAREST)[:, None]
     possible = jnp.isfinite(distance)
     hit = cast(
         scene,
-        jnp.broadcast_to(listener, point.shape),
+        jnp.broadcast_to(end, point.shape),
         direction,
         t_max=jnp.where(possible, to_listener + MIRROR_DEPTH, -1.0),
-        exclude=exclude,
+        exclude=listener.body,
         mask=int(Ray.SOUND),
-        executor=executor,
     )
     hidden = occluded(
         scene,
-        jnp.broadcast_to(source, point.shape),
-        (point - source[None]) / jnp.maximum(to_source, NEAREST)[:, None],
+        jnp.broadcast_to(start, point.shape),
+        (point - start[None]) / jnp.maximum(to_source, NEAREST)[:, None],
         t_max=jnp.where(possible, to_source - MIRROR_DEPTH, -1.0),
-        exclude=emitter,
+        exclude=source.body,
         mask=int(Ray.SOUND),
-        executor=executor,
     )
-    met = surface_at(bank, scene, direction, hit)
+    met = surface_at(scene, direction, hit)
     heard = possible & ~hidden & (hit.instance >= 0) & (jnp.abs(hit.t - to_listener) < MIRROR_DEPTH)
     length = jnp.where(possible, distance, 1.0)
     energy = (1 - met.absorption) * (1 - met.scattering) * jnp.exp(-length[:, None] * air_energy(config)[None])
@@ -169,11 +137,43 @@ def reflected_paths(
     return Paths(length, jnp.where(heard[:, None], gain, 0.0), direction)
 
 
+PRODUCERS: tuple[PathProducer, ...] = (direct_path, reflected_paths)  # the direct path comes first
+
+
+def early_paths(
+    scene: Scene,
+    source: Source,
+    listener: Listener,
+    config: AudioConfig,
+    producers: Sequence[PathProducer] = PRODUCERS,
+) -> Paths:
+    """The direct path and the strongest first-order reflections.
+
+    Args:
+        scene: The environment.
+        source: Who sounds.
+        listener: Who hears.
+        config: Options.
+        producers: What finds the paths; the first gives the direct one.
+
+    Returns:
+        The paths of all producers, one after the other: by default 1 + R, R being `config.num_reflections` or the
+        house's number of mirror planes if that is less.
+
+    Example:
+        >>> paths = early_paths(scene, Source(radio), Listener(ears, quat), AudioConfig())  # doctest: +SKIP
+        >>> paths.distance.shape  # doctest: +SKIP
+        (9,)
+    """
+    found = [find(scene, source, listener, config) for find in producers]
+    return jax.tree.map(lambda *parts: jnp.concatenate(parts), *found)
+
+
 def _nearest_mirrors(
-    bank: HouseBank, scene: Scene, source: Float[Array, "3"], listener: Float[Array, "3"], count: int
+    scene: Scene, source: Float[Array, "3"], listener: Float[Array, "3"], count: int
 ) -> tuple[Float[Array, "r 3"], Float[Array, " r"]]:
     """Points where the shortest reflections meet their planes, and their path lengths; inf for none."""
-    planes = bank.acoustics
+    planes = scene.bank.acoustics
     center, normal = planes.plane_center[scene.house], planes.plane_normal[scene.house]
     before_source = jnp.sum((source[None] - center) * normal, axis=1)
     before_listener = jnp.sum((listener[None] - center) * normal, axis=1)

@@ -3,7 +3,6 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from home_mjx.bank.bank import HouseBank
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.scene.surface import material_rows, normals, object_ids, semantics
 from home_mjx.raycast_render.scene.types import Hit, Scene
@@ -16,31 +15,31 @@ class Surface(Pytree):
     """The surfaces that n rays have hit; whatever stands here for a miss is meaningless."""
 
     normal: Float[Array, "n 3"]  # unit, towards the ray's origin
-    absorption: Float[Array, "n 7"]
-    scattering: Float[Array, "n 7"]
-    transmission: Float[Array, "n 7"]
+    absorption: Float[Array, "n bands"]
+    scattering: Float[Array, "n bands"]
+    transmission: Float[Array, "n bands"]
     object_id: Int[Array, " n"]  # -1 architecture
     barrier: Int[Array, " n"]  # the same number for all faces of one partition or object; -1 none
 
 
-def surface_at(bank: HouseBank, scene: Scene, direction: Float[Array, "n 3"], hit: Hit) -> Surface:
+def surface_at(scene: Scene, direction: Float[Array, "n 3"], hit: Hit) -> Surface:
     """Looks up the acoustic properties where rays have hit.
 
     Args:
-        bank: The houses.
         scene: The environment in which the rays were cast.
         direction: Of the rays.
         hit: What `cast` gave, with leading shape (n,).
     """
+    materials = scene.bank.materials
     row = jnp.maximum(material_rows(scene, hit), 0)
     object_id = object_ids(scene, hit)
-    partition = semantics(bank, scene, hit, Semantic.PARTITION)
+    partition = semantics(scene, hit, Semantic.PARTITION)
     own = jnp.where(object_id >= 0, object_id + OBJECT_BARRIER, -1)
     return Surface(
         normal=normals(scene, direction, hit),
-        absorption=bank.materials.absorption[row],
-        scattering=bank.materials.scattering[row],
-        transmission=bank.materials.transmission[row],
+        absorption=materials.absorption[row],
+        scattering=materials.scattering[row],
+        transmission=materials.transmission[row],
         object_id=object_id,
         barrier=jnp.where(partition >= 0, partition, own),
     )

@@ -8,9 +8,9 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.propagation.paths import SKIN, air_energy
 from home_mjx.audio_jax.propagation.surfaces import Surface, surface_at
-from home_mjx.bank.bank import HouseBank
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import quat_matrix
 from home_mjx.raycast_render.casting.cast import cast, occluded
@@ -25,30 +25,20 @@ class Trace(Pytree):
 
     direction: Float[Array, "n 3"]  # of each ray as it leaves the listener: where its sound comes from
     arrival: Float[Array, "a n"]  # distance from source to listener over each hit
-    energy: Float[Array, "a n 7"]  # that arrives so
+    energy: Float[Array, "a n bands"]  # that arrives so
     travelled: Float[Array, "b n"]  # distance of each hit from the listener
-    remaining: Float[Array, "b n 7"]  # energy of each ray after each hit, starting from 1 / N
+    remaining: Float[Array, "b n bands"]  # energy of each ray after each hit, starting from 1 / N
 
 
 class _Ray(NamedTuple):
     origin: Float[Array, "n 3"]
     direction: Float[Array, "n 3"]
     travelled: Float[Array, " n"]
-    energy: Float[Array, "n 7"]
-    specular: Float[Array, "n 7"]  # share of the energy that a sphere around the source would count
+    energy: Float[Array, "n bands"]
+    specular: Float[Array, "n bands"]  # share of the energy that a sphere around the source would count
 
 
-def trace(
-    bank: HouseBank,
-    scene: Scene,
-    source: Float[Array, "3"],
-    listener: Float[Array, "3"],
-    key: Array,
-    config: AudioConfig,
-    exclude: Int[Array, ""] | int = -1,
-    emitter: Int[Array, ""] | int = -1,
-    executor: str | None = None,
-) -> Trace:
+def trace(scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig) -> Trace:
     """Traces rays from the listener through specular and Lambert reflections.
 
     Sound paths being reversible, a ray's energy times what the source would give to its hit is what the listener
@@ -57,15 +47,11 @@ def trace(
     but for first-order reflections in architecture, which `reflected_paths` renders.
 
     Args:
-        bank: The houses.
         scene: The environment.
-        source: Position of a point source [m].
-        listener: Position of the listener [m].
+        source: Who sounds.
+        listener: Who hears.
         key: Random key, typed or raw; the same key gives the same rays.
         config: Options.
-        exclude: Object id of the listener's own body; -1 none.
-        emitter: Object id of the body that sounds; -1 none.
-        executor: Of the rays, see `cast`.
 
     Returns:
         Arrivals and the rays' decay. With the detector "sphere" there are 2 B rows of arrivals.
@@ -77,9 +63,9 @@ def trace(
     direction = jnp.matmul(jnp.asarray(_spread(config.num_rays)), turn, precision="highest")
     scattered = jax.random.normal(scatter_key, (*shape, 3), jnp.float32)
     draws = (jnp.arange(shape[0], dtype=jnp.int32), jax.random.uniform(choice_key, shape, jnp.float32), scattered)
-    walk = _Walk(bank, scene, source, config, jnp.int32(exclude), jnp.int32(emitter), executor)
+    walk = _Walk(scene, source.pos, config, jnp.int32(listener.body), jnp.int32(source.body))
     start = _Ray(
-        jnp.broadcast_to(listener, direction.shape),
+        jnp.broadcast_to(listener.pos, direction.shape),
         direction,
         jnp.zeros(shape[1], jnp.float32),
         jnp.full((shape[1], len(BANDS)), 1 / config.num_rays, jnp.float32),
@@ -93,13 +79,11 @@ def trace(
 class _Walk(NamedTuple):
     """What all bounces share."""
 
-    bank: HouseBank
     scene: Scene
     source: Float[Array, "3"]
     config: AudioConfig
     exclude: Int[Array, ""]
     emitter: Int[Array, ""]
-    executor: str | None
 
     def bounce(self, ray: _Ray, draw: tuple[Array, Array, Array]) -> tuple[_Ray, tuple[Array, Array, Array, Array]]:
         """One segment and the reflection at its end."""
@@ -112,9 +96,8 @@ class _Walk(NamedTuple):
             t_max=jnp.where(alive, FAR, -1.0),
             exclude=self.exclude,
             mask=int(Ray.SOUND),
-            executor=self.executor,
         )
-        met = surface_at(self.bank, self.scene, ray.direction, hit)
+        met = surface_at(self.scene, ray.direction, hit)
         alive = hit.instance >= 0
         length = jnp.where(alive, hit.t, 0.0)
         loss = jnp.exp(-length[:, None] * air_energy(self.config)[None]) * (1 - met.absorption)
@@ -135,8 +118,8 @@ class _Walk(NamedTuple):
         return new, (arrival, arriving, travelled, energy)
 
     def _rain(
-        self, point: Float[Array, "n 3"], normal: Float[Array, "n 3"], energy: Float[Array, "n 7"]
-    ) -> tuple[Float[Array, " n"], Float[Array, "n 7"]]:
+        self, point: Float[Array, "n 3"], normal: Float[Array, "n 3"], energy: Float[Array, "n bands"]
+    ) -> tuple[Float[Array, " n"], Float[Array, "n bands"]]:
         """Distance to the source, and the energy that hits scatter there."""
         offset = self.source[None] - point
         distance = jnp.linalg.norm(offset, axis=1)
@@ -150,13 +133,12 @@ class _Walk(NamedTuple):
             t_max=jnp.where(asks, distance - SKIN, -1.0),
             exclude=self.emitter,
             mask=int(Ray.SOUND),
-            executor=self.executor,
         )
         share = 4 * cosine / jnp.maximum(distance, self.config.detector_radius) ** 2
         share = jnp.where(asks & ~hidden, share, 0.0)
         return distance, energy * share[:, None] * jnp.exp(-distance[:, None] * air_energy(self.config)[None])
 
-    def _sphere(self, ray: _Ray, length: Float[Array, " n"]) -> tuple[Float[Array, " n"], Float[Array, "n 7"]]:
+    def _sphere(self, ray: _Ray, length: Float[Array, " n"]) -> tuple[Float[Array, " n"], Float[Array, "n bands"]]:
         """Distance to, and energy of, specular rays that pass through a sphere around the source."""
         offset = self.source[None] - ray.origin
         nearest = jnp.sum(offset * ray.direction, axis=1)
@@ -170,7 +152,7 @@ class _Walk(NamedTuple):
 
 def _reflect(
     direction: Float[Array, "n 3"], met: Surface, choice: Float[Array, " n"], scattered: Float[Array, "n 3"]
-) -> tuple[Float[Array, "n 3"], Float[Array, "n 7"]]:
+) -> tuple[Float[Array, "n 3"], Float[Array, "n bands"]]:
     """New directions, and the weight of the specular energy per octave (0 after scattering).
 
     One direction serves all octaves, drawn by their mean scattering.

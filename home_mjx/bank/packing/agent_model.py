@@ -17,7 +17,7 @@ RINGS = 4  # per half sphere
 
 
 def agent_model() -> Model:
-    """The agent's library model: origin at the middle of the capsule, Z up, looking along +x; slots body and visor."""
+    """The agent's library model: origin mid-capsule, Z up, looking along +x; material slots body and visor."""
     body = _capsule()
     visor = box_triangles(np.array(VISOR_CENTER), np.array(VISOR_SIZE) / 2)
     slot = np.repeat([0, 1], [len(body), len(visor)])
@@ -25,11 +25,11 @@ def agent_model() -> Model:
 
 
 def agent_materials() -> MaterialTable:
-    """Rows of the agent's two slots."""
+    """Rows of the agent's two material slots."""
     return material_table([Surface((0.15, 0.35, 0.75), kind="textile"), Surface((0.95, 0.75, 0.1), kind="plastic")])
 
 
-def agent_semantics() -> Int[np.ndarray, "1 23"]:
+def agent_semantics() -> Int[np.ndarray, "1 columns"]:
     """The one semantic row of agents; which agent it was is the instance that the ray hit."""
     return semantic_row("person", "person", "person")[None]
 

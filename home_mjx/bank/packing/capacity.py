@@ -1,85 +1,76 @@
-"""How large a bank's tables are: sizes of the padded ones, and rows that houses take of the concatenated ones."""
+"""How large a bank's arrays are: lengths of the axes of houses, and rows of the concatenated tables."""
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from home_mjx.bank.packing.padding import ragged_class, size_class
+from home_mjx.bank.packing.size_classes import ragged_class, size_class
+from home_mjx.bank.records.bank_arrays import ID_LENGTH
+from home_mjx.bank.records.declaration import Sizes
+from home_mjx.bank.records.owners import Counts
 from home_mjx.errors import CapacityError
-from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse, MaterialTable, Model
-
-Counts = Mapping[str, int]  # rows by kind of table
+from home_mjx.schema.compiled import ARCHITECTURE, NUM_BANDS, CompiledHouse, MaterialTable, Model
+from home_mjx.schema.semantic import Semantic
 
 GRID_BLOCK = 32  # [cells]
-# of what is rounded up to a power of two times this
-SMALLEST = {
-    "instances": 32,
-    "bodies": 8,
-    "colliders": 64,
-    "planes": 16,
-    "starts": 256,
-    "goals": 8,
-    "rooms": 16,
-    "levels": 1,
-    "portals": 16,
-    "lights": 16,
-}
-DRAWN = ("starts", "goals")  # their number is an option of the compiler, not of the house
+FIXED: Sizes = {"bands": NUM_BANDS, "columns": len(Semantic), "id_bytes": ID_LENGTH}
 
 
 @dataclass(frozen=True)
-class Capacity:
-    """Sizes of the padded tables of each house; all but those of the grid are `SMALLEST` times a power of two."""
+class Axis:
+    """An axis that the arrays of a bank pad to one length for all houses.
 
-    instances: int
-    bodies: int
-    colliders: int
-    planes: int
-    starts: int
-    goals: int
-    rooms: int
-    lights: int
-    portals: int
-    levels: int
-    grid_rows: int
-    grid_columns: int
+    Attributes:
+        count: What a house needs.
+        smallest: Lengths are this times a power of two.
+        block: Lengths are multiples of this instead.
+        drawn: An option of the compiler gives the length, not the house.
+    """
 
-    @classmethod
-    def of(cls, houses: Sequence[CompiledHouse], headroom: float = 1.0) -> "Capacity":
-        """The sizes that hold each of some houses, and others up to `headroom` times as large."""
-        largest = {f.name: max(needs(house)[f.name] for house in houses) for f in fields(cls)}
-        growth = {name: 1.0 if name in DRAWN else headroom for name in largest}
-        wanted = {name: int(np.ceil(count * growth[name])) for name, count in largest.items()}
-        return cls(**{name: _rounded(name, count) for name, count in wanted.items()})
+    count: Callable[[CompiledHouse], int]
+    smallest: int = 1
+    block: int | None = None
+    drawn: bool = False
 
-    def check(self, house: CompiledHouse) -> None:
-        """Raises `CapacityError` if a house does not fit."""
-        check_fits(house.id, needs(house), {f.name: getattr(self, f.name) for f in fields(self)})
+    def rounded(self, count: int) -> int:
+        """The least length of this axis that holds `count`."""
+        return size_class(count, self.smallest) if self.block is None else -(-count // self.block) * self.block
 
 
-def _rounded(name: str, count: int) -> int:
-    return size_class(count, SMALLEST[name]) if name in SMALLEST else -(-count // GRID_BLOCK) * GRID_BLOCK
+AXES: Mapping[str, Axis] = {
+    # Agents take the object ids from `instances` on, so every object's id must lie below it.
+    "instances": Axis(lambda h: max(len(h.instances.model), 1 + int(h.instances.object_id.max())), 32),
+    "bodies": Axis(lambda h: len(h.bodies.mass), 8),
+    "colliders": Axis(lambda h: len(h.colliders.pos), 64),
+    "planes": Axis(lambda h: len(h.planes.material), 16),
+    "starts": Axis(lambda h: len(h.navigation.start), 256, drawn=True),
+    "goals": Axis(lambda h: len(h.navigation.goal), 8, drawn=True),
+    "rooms": Axis(lambda h: len(h.rooms.type), 16),
+    "lights": Axis(lambda h: len(h.lights.instance), 16),
+    "portals": Axis(lambda h: len(h.navigation.portals.width), 16),
+    "levels": Axis(lambda h: len(h.navigation.region)),
+    "grid_rows": Axis(lambda h: h.navigation.region.shape[1], block=GRID_BLOCK),
+    "grid_columns": Axis(lambda h: h.navigation.region.shape[2], block=GRID_BLOCK),
+}
 
 
 def needs(house: CompiledHouse) -> dict[str, int]:
-    """What a house needs of each field of `Capacity`."""
-    levels, rows, columns = house.navigation.region.shape
-    return {
-        # Agents take the object ids from `instances` on, so every object's id must lie below it.
-        "instances": max(len(house.instances.model), 1 + int(house.instances.object_id.max())),
-        "bodies": len(house.bodies.mass),
-        "colliders": len(house.colliders.pos),
-        "planes": len(house.planes.material),
-        "starts": len(house.navigation.start),
-        "goals": len(house.navigation.goal),
-        "rooms": len(house.rooms.type),
-        "lights": len(house.lights.instance),
-        "portals": len(house.navigation.portals.width),
-        "levels": levels,
-        "grid_rows": rows,
-        "grid_columns": columns,
-    }
+    """What a house needs of each axis."""
+    return {name: axis.count(house) for name, axis in AXES.items()}
+
+
+def capacity_of(houses: Sequence[CompiledHouse], headroom: float = 1.0) -> dict[str, int]:
+    """Lengths of the axes that hold each of some houses, and others up to `headroom` times as large."""
+    found = [needs(house) for house in houses]
+    largest = {name: max(counts[name] for counts in found) for name in AXES}
+    growth = {name: 1.0 if axis.drawn else headroom for name, axis in AXES.items()}
+    return {name: axis.rounded(int(np.ceil(largest[name] * growth[name]))) for name, axis in AXES.items()}
+
+
+def axis_lengths(capacity: Sizes) -> dict[str, int]:
+    """Lengths of all axes but those of rows and houses."""
+    return {**FIXED, **capacity, "rooms_and_none": capacity["rooms"] + 1}
 
 
 def rows_of(house: CompiledHouse) -> dict[str, int]:

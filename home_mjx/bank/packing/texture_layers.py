@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float, UInt8
 from PIL import Image
 
-from home_mjx.bank.packing.padding import size_class
+from home_mjx.bank.packing.size_classes import size_class
 from home_mjx.core.color import decode_srgb, encode_srgb
 from home_mjx.core.images import open_texture
 from home_mjx.errors import ConfigError
@@ -29,7 +29,7 @@ def load_textures(paths: Sequence[str], size: int = TEXTURE_SIZE) -> TextureArra
     """
     if size < 1 or size & (size - 1):
         raise ConfigError(f"the edge of texture layers must be a power of two, got {size}")
-    layers = np.full((_num_layers(len(paths)), sum(mip_sizes(size)), 4), 255, np.uint8)
+    layers = np.full((*texture_shape(len(paths), size), 4), 255, np.uint8)
     for layer, path in zip(layers, paths, strict=False):
         image = open_texture(Path(path)).resize((size, size), Image.Resampling.LANCZOS)
         layer[...] = mip_levels(np.asarray(image))
@@ -68,10 +68,12 @@ def _halved(values: Float[np.ndarray, "s s c"]) -> Float[np.ndarray, "s2 s2 c"]:
     return values.reshape(size, 2, size, 2, -1).mean(axis=(1, 3))
 
 
-def _num_layers(count: int) -> int:
-    return size_class(count, 1)
+def texture_shape(count: int, size: int = TEXTURE_SIZE) -> tuple[int, int]:
+    """Layers, and texels of each, that hold `count` images."""
+    return size_class(count, 1), sum(mip_sizes(size))
 
 
 def texture_bytes(count: int, size: int = TEXTURE_SIZE) -> int:
     """What the layers of `count` images take."""
-    return _num_layers(count) * sum(mip_sizes(size)) * 4
+    layers, texels = texture_shape(count, size)
+    return layers * texels * 4

@@ -27,6 +27,7 @@ def run(args: argparse.Namespace) -> int:
     from home_mjx.audio_jax.auralization.response import impulse_response
     from home_mjx.audio_jax.auralization.sources import clip_samples
     from home_mjx.audio_jax.base.config import AudioConfig
+    from home_mjx.audio_jax.base.endpoints import Listener, Source
     from home_mjx.viz.media import write_wav
 
     config = AudioConfig()
@@ -36,15 +37,9 @@ def run(args: argparse.Namespace) -> int:
     goal = np.asarray(view.bank.navigation.goal[0, 0]) + np.array([0, 0, EYE_HEIGHT], np.float32)
     source = goal if args.source is None else np.array(args.source, np.float32)
     check_inside(view.bank, source, "--source")
-    response = jax.jit(impulse_response, static_argnames="config")(
-        view.bank,
-        view.scene,
-        jnp.asarray(source),
-        jnp.asarray(view.position),
-        jnp.asarray(view.head_quat),
-        jax.random.key(0),
-        config,
-    )
+    listener = Listener(jnp.asarray(view.position), jnp.asarray(view.head_quat))
+    respond = jax.jit(impulse_response, static_argnames="config")
+    response = respond(view.scene, Source(jnp.asarray(source)), listener, jax.random.key(0), config)
     response = np.asarray(response)
     heard = scipy.signal.fftconvolve(response, clip[None], axes=1)
     for name, samples in (("heard.wav", heard), ("response.wav", response)):

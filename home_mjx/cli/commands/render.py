@@ -50,7 +50,7 @@ def run(args: argparse.Namespace) -> int:
     width, height = args.size
     lens = Lens(width, height, args.lens, args.samples)
     look = jax.jit(functools.partial(render, lens=lens, kinds=KINDS, preset=args.preset, depth_max=DEPTH_MAX))
-    images = look(view.bank, view.scene, camera)
+    images = look(view.scene, camera)
     for kind in KINDS:
         path = args.out / f"{kind}.png"
         Image.fromarray(_colours(kind, np.asarray(images[kind]))).save(path)

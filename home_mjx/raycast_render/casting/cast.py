@@ -31,7 +31,7 @@ def cast(
 
     Triangles are two-sided and the intersection is watertight: no ray slips between triangles that share an edge. t, u
     and v can be differentiated with respect to the rays and to `scene.moving.pose`, as the hit triangle moves; ids
-    have no gradient. Batch with `vmap`; everything but `scene.geometry` may be batched at no cost.
+    have no gradient. Batch with `vmap`; everything but `scene.bank` may be batched at no cost.
 
     Args:
         scene: The environment.
@@ -41,7 +41,8 @@ def cast(
         t_max: The other end; rays with t_max < t_min hit nothing at no cost.
         exclude: Object id, or I + a for agent a, that the ray passes through; -1 none.
         mask: `Ray` bits; materials that stop none of them are passed through.
-        executor: "xla", "cpu", "cuda" or None, which chooses by the platform that the program is compiled for.
+        executor: "xla", "cpu" or "cuda". None takes the scene's; if that is None too, the best one of the platform for
+            which the program is compiled.
 
     Returns:
         The hits, with the leading shape of `origin`.
@@ -120,5 +121,5 @@ def _run(scene: Scene, rays: Rays, shared: tuple[str, ...], executor: str | None
     flat = flat.replace(**{name: getattr(flat, name)[:, :1] for name in shared})
     house = scene.geometry.known_house(scene.house)  # native code would read past its arrays
     args = scene.geometry, house[None], jax.tree.map(lambda x: x[None], scene.moving), flat
-    hits = flat_cast(executor, any_hit)(*jax.tree.map(lax.stop_gradient, args))
+    hits = flat_cast(executor or scene.executor, any_hit)(*jax.tree.map(lax.stop_gradient, args))
     return tuple(x[0] for x in hits)

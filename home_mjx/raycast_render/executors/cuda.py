@@ -11,8 +11,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Int
 
-from home_mjx.bank.packing.gpu_geometry import gpu_geometry, middles, records
 from home_mjx.bank.records import Geometry
+from home_mjx.bank.records.gpu_geometry import gpu_geometry, middles, records
 from home_mjx.errors import ExecutorError
 from home_mjx.raycast_render.executors.nvrtc import compile_ptx
 from home_mjx.raycast_render.executors.probe import probe

@@ -3,7 +3,6 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_names, check_number, check_type
 from home_mjx.raycast_render.cameras.camera import Camera, Lens
 from home_mjx.raycast_render.images.view import View
@@ -29,7 +28,6 @@ KINDS = ("rgb", "depth", "distance", "normal", "albedo", "instance", "material",
 
 
 def render(
-    bank: HouseBank,
     scene: Scene,
     camera: Camera,
     lens: Lens = LENS,
@@ -38,7 +36,6 @@ def render(
     preset: Preset = "fast",
     exclude: Int[Array, ""] | int = -1,
     depth_max: float | None = 10.0,
-    executor: str | None = None,
 ) -> dict[str, Array]:
     """Images that one camera sees; only the kinds that are asked for are computed, all from one cast.
 
@@ -52,26 +49,24 @@ def render(
     * normal: float32 (H, W, 3), unit, world, facing the camera; zero on a miss.
     * instance: int32 (H, W), object ids, I + a for agent a; -1 for the architecture and on a miss.
     * fine, coarse, nyu40, room, level, partition, room_type, size, color (of 16): int32 (H, W), columns of
-      `bank.semantics`; -1 for none and on a miss.
-    * material: int32 (H, W), rows of `bank.materials`; -1 on a miss.
+      `scene.bank.semantics`; -1 for none and on a miss.
+    * material: int32 (H, W), rows of `scene.bank.materials`; -1 on a miss.
     * valid: bool (), whether the camera's and all objects' poses are finite; if not, the image shows only misses.
 
     Args:
-        bank: The houses.
-        scene: The environment.
+        scene: The environment, whose `executor` casts the rays.
         camera: Where the camera is.
         lens: How it images.
         kinds: Which images.
         preset: How rgb is lit.
         exclude: Object id that the camera does not see, such as its own agent; -1 none.
         depth_max: Greatest value of depth and distance images [m]; None leaves them as they are.
-        executor: See `cast`.
 
     Raises:
-        ConfigError: A kind, a preset or an executor is unknown, or `depth_max` is negative.
+        ConfigError: A kind, a preset or the scene's executor is unknown, or `depth_max` is negative.
 
     Example:
-        >>> images = render(bank, scene, camera, Lens(64, 64), kinds=("rgb", "depth", "fine"))  # doctest: +SKIP
+        >>> images = render(scene, camera, Lens(64, 64), kinds=("rgb", "depth", "fine"))  # doctest: +SKIP
         >>> images["rgb"].shape, images["depth"].shape, images["fine"].shape  # doctest: +SKIP
         ((64, 64, 3), (64, 64, 1), (64, 64))
     """
@@ -79,8 +74,8 @@ def render(
     check_type("lens", lens, Lens)
     if depth_max is not None:
         check_number("depth_max", depth_max, 0)
-    scene = scene.replace(house=bank.known_house(scene.house))
-    view = View(bank, scene, camera, lens, resolve(preset), exclude, executor)
+    scene = scene.replace(house=scene.bank.known_house(scene.house))
+    view = View(scene, camera, lens, resolve(preset), exclude)
     images = _Images(view, depth_max)
     return {kind: images.of(kind) for kind in kinds}
 
@@ -90,18 +85,18 @@ class _Images:
 
     def __init__(self, view: View, depth_max: float | None) -> None:
         self._view, self._depth_max = view, depth_max
-        self._bank, self._scene, self._rays = view.bank, view.scene, view.middle
+        self._scene, self._rays = view.scene, view.middle
 
     def of(self, kind: str) -> Array:
         if kind in SEMANTIC_KINDS:
-            return surface.semantics(self._bank, self._scene, self._rays.hit, SEMANTIC_KINDS[kind])
+            return surface.semantics(self._scene, self._rays.hit, SEMANTIC_KINDS[kind])
         return getattr(self, f"_{kind}")()
 
     def _rgb(self) -> Array:
         return self._view.rgb()
 
     def _albedo(self) -> Array:
-        return shading.albedo(self._bank, self._scene, self._rays.hit).packed()
+        return shading.albedo(self._scene, self._rays.hit).packed()
 
     def _normal(self) -> Array:
         return surface.normals(self._scene, self._rays.direction, self._rays.hit)

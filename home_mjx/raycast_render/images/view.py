@@ -7,7 +7,6 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int, UInt8
 
-from home_mjx.bank.bank import HouseBank
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.cameras import sampling
 from home_mjx.raycast_render.cameras.camera import Camera, Lens, camera_rays, pixel_width
@@ -33,13 +32,11 @@ class CameraRays(Pytree):
 class View:
     """A camera in an environment; `options` None is the fast preset."""
 
-    bank: HouseBank
     scene: Scene
     camera: Camera
     lens: Lens
     options: Lit | None
     exclude: Int[Array, ""] | int
-    executor: str | None
 
     @cached_property
     def valid(self) -> Bool[Array, ""]:
@@ -63,7 +60,6 @@ class View:
             t_max=reach,
             exclude=self.exclude,
             mask=Ray.CAMERA,
-            executor=self.executor,
         )
         # Without the barrier XLA fuses the camera's rays into every image and computes them again for each component.
         direction, found = jax.lax.optimization_barrier((direction, found))
@@ -84,19 +80,17 @@ class View:
     def _shown(self, rays: CameraRays, sample: Int[Array, ""] | int) -> Vec:
         """Linear light on a display, 0..1."""
         if self.options is None:
-            albedo = shading.albedo(self.bank, self.scene, rays.hit)
+            albedo = shading.albedo(self.scene, rays.hit)
             direction = Vec.of(rays.direction)
             normal = surface.unit_normals(self.scene, direction, rays.hit)
             return shading.head_light(albedo, normal, direction).map(lambda x: jnp.clip(x, 0, 1))
         light = lit.radiance(
-            self.bank,
             self.scene,
             self.sight(rays),
             pixel_width(self.camera, self.lens)[1],
             self._spread(rays.hit.t.shape, sample),
             self.options,
             self.exclude,
-            self.executor,
         )
         return lit.tone_map(light, self.options.exposure)
 

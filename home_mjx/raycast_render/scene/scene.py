@@ -14,7 +14,7 @@ from home_mjx.raycast_render.scene.types import Moving, Scene
 SLACK = 1e-4  # [m], by which boxes grow: rays meet a model in its own frame, where they round differently
 
 
-@functools.partial(jax.jit, inline=True)
+@functools.partial(jax.jit, inline=True, static_argnames="executor")
 def make_scene(
     bank: HouseBank,
     house: Int[Array, ""],
@@ -22,19 +22,21 @@ def make_scene(
     body_quat: Float[Array, "k 4"],
     agent_pos: Float[Array, "a 3"],
     agent_quat: Float[Array, "a 4"],
+    executor: str | None = None,
 ) -> Scene:
     """The scene of one environment.
 
     Args:
         bank: The houses.
         house: Which of them; the nearest, if there is none.
-        body_pos: Position of every movable body, its box's middle [m]; those of unused slots are ignored.
+        body_pos: Position of every movable body, its box's middle [m]; rows beyond the house's bodies do not count.
         body_quat: Orientation of every movable body, unit quaternions (w, x, y, z).
         agent_pos: Middle of every agent's capsule [m].
         agent_quat: Orientation of every agent, unit quaternions (w, x, y, z).
+        executor: Of all rays in the scene, see `cast`.
 
     Returns:
-        The scene; its moving slots are the bodies, then the agents.
+        The scene; what moves are the bodies, then the agents.
 
     Example:
         >>> scene = make_scene(bank, house, body_pos, body_quat, agent_pos, agent_quat)  # doctest: +SKIP
@@ -44,7 +46,7 @@ def make_scene(
     bodies = _bodies(bank, house, body_pos, body_quat)
     agents = _agents(bank.geometry, agent_pos, agent_quat)
     moving = jax.tree.map(lambda b, a: jnp.concatenate([b, a]), bodies, agents)
-    return Scene(geometry=bank.geometry, house=house, moving=moving)
+    return Scene(bank=bank, house=house, moving=moving, executor=executor)
 
 
 def _bodies(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "k 3"], quat: Float[Array, "k 4"]) -> Moving:
@@ -54,7 +56,7 @@ def _bodies(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "k 3"], qu
     row = jnp.maximum(instance, 0)
     model = jnp.maximum(geometry.instance_model[house, row], 0)
     pose = jax.vmap(compose)(jax.vmap(rigid)(pos, quat), from_model)
-    # An unused slot's own map may be anything, even singular.
+    # The map of a body that the house lacks may be anything, even singular.
     pose = jnp.where(valid[:, None, None], pose, jnp.eye(3, 4, dtype=jnp.float32)[None])
     return _moving(
         geometry,

@@ -4,7 +4,6 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from home_mjx.bank.bank import HouseBank
 from home_mjx.raycast_render.scene.types import Hit, Moving, Scene
 from home_mjx.raycast_render.scene.vec import Vec, select, take, take_vec
 
@@ -22,12 +21,12 @@ def material_rows(scene: Scene, hit: Hit) -> Int[Array, "*rays"]:
     return jnp.where(hit.instance < 0, -1, take(first, jnp.maximum(hit.instance, 0)) + slot)
 
 
-def semantics(bank: HouseBank, scene: Scene, hit: Hit, column: int) -> Int[Array, "*rays"]:
+def semantics(scene: Scene, hit: Hit, column: int) -> Int[Array, "*rays"]:
     """A column of the semantic table (`compiled.Semantic`); -1 on a miss."""
     first = by_instance(scene.geometry.instance_semantic[scene.house], scene.moving, scene.moving.semantic)
     part = take(scene.geometry.triangle_part, jnp.maximum(hit.triangle, 0))
     row = take(first, jnp.maximum(hit.instance, 0)) + part
-    return jnp.where(hit.instance < 0, -1, take(bank.semantics, row, int(column)))
+    return jnp.where(hit.instance < 0, -1, take(scene.bank.semantics, row, int(column)))
 
 
 def texture_coordinates(scene: Scene, hit: Hit) -> tuple[Float[Array, "*rays"], Float[Array, "*rays"]]:

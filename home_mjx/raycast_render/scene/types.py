@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
+from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records import Geometry
 from home_mjx.core.pytree import Pytree, static
 
@@ -13,22 +14,46 @@ from home_mjx.core.pytree import Pytree, static
 class Moving(Pytree):
     """Instances that move: D = movable objects, then agents. One environment's poses."""
 
-    instance: Int[Array, " d"]  # instance index in the house, I + a for agent a; -1 unused slot
+    instance: Int[Array, " d"]  # instance index in the house, I + a for agent a; -1 none
     model: Int[Array, " d"]  # library model
     pose: Float[Array, "d 3 4"]  # world from model
     inverse: Float[Array, "d 3 4"]  # model from world
-    box: Float[Array, "d 2 3"]  # [m], world bounds; inverted (min > max) for unused slots
+    box: Float[Array, "d 2 3"]  # [m], world bounds; inverted (min > max) where there is none
     object_id: Int[Array, " d"]  # the house's object id, I + a for agents
     material: Int[Array, " d"]  # first material row
     semantic: Int[Array, " d"]  # first semantic row
 
 
 class Scene(Pytree):
-    """One environment as rays see it."""
+    """One environment as rays see and hear it: the bank, which house it is in, and what moves there.
 
-    geometry: Geometry  # shared by all environments; never batched
+    All environments share the bank. Make scenes inside the function that `vmap` maps, and let images or sounds leave
+    it. A scene that leaves `vmap` as it is takes a copy of the whole bank per environment with it: where scenes must
+    cross that border, say with `axes` that the bank is not mapped.
+    """
+
+    bank: HouseBank  # shared by all environments
     house: Int[Array, ""]
     moving: Moving
+    executor: str | None = static(default=None)  # of rays, see `cast`; None: the platform's best
+
+    @property
+    def geometry(self) -> Geometry:
+        """The bank's."""
+        return self.bank.geometry
+
+    @classmethod
+    def axes(cls, executor: str | None = None) -> "Scene":
+        """`in_axes` or `out_axes` of a batch of scenes that share one bank.
+
+        Args:
+            executor: The scenes'.
+
+        Example:
+            >>> moved = jax.vmap(place, out_axes=Scene.axes())(houses)  # doctest: +SKIP
+            >>> hits = jax.vmap(cast, in_axes=(Scene.axes(), 0, 0))(moved, origins, directions)  # doctest: +SKIP
+        """
+        return cls.unchecked(bank=None, house=0, moving=0, executor=executor)
 
 
 class Rays(Pytree):

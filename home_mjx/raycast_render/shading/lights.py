@@ -6,7 +6,6 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from home_mjx.bank.bank import HouseBank
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.casting.cast import occluded
 from home_mjx.raycast_render.scene.surface import by_instance
@@ -65,9 +64,9 @@ class Received(Pytree):
     specular: Vec  # radiance of the gloss, for a specular reflectance of 1 [W/m^2/sr]
 
 
-def place_lights(bank: HouseBank, scene: Scene, options: Lit) -> Placed:
+def place_lights(scene: Scene, options: Lit) -> Placed:
     """The lights of the environment's house; those of lamps that were moved stand where the lamps are."""
-    lights, house, geometry = bank.lights, scene.house, scene.geometry
+    lights, house, geometry = scene.bank.lights, scene.house, scene.geometry
     instance = lights.instance[house]
     carrier = jnp.maximum(instance, 0)
     pose = by_instance(geometry.instance_pose[house], scene.moving, scene.moving.pose)[carrier]
@@ -98,9 +97,7 @@ def place_lights(bank: HouseBank, scene: Scene, options: Lit) -> Placed:
     return jax.lax.optimization_barrier(placed)
 
 
-def lamp_light(
-    scene: Scene, lights: Placed, point: Point, spread: Spread, count: int, executor: str | None = None
-) -> Received:
+def lamp_light(scene: Scene, lights: Placed, point: Point, spread: Spread, count: int) -> Received:
     """Light of the most important lights of each point, as far as nothing stands between.
 
     Args:
@@ -109,7 +106,6 @@ def lamp_light(
         point: Where.
         spread: Where on lines and rectangles light comes from.
         count: Lights per point.
-        executor: See `cast`.
     """
     if count == 0:
         none = point.pos.map(jnp.zeros_like)
@@ -130,7 +126,7 @@ def lamp_light(
     reach = jnp.where((strength > 0) & ~own, 1 - GAP * jnp.minimum(way.inverse_norm(), 1 / GAP), -1.0)
     gloss = strength * blinn_phong(at, toward)
     start, way, reach, strength, gloss = jax.lax.optimization_barrier((start, way, reach, strength, gloss))
-    blocked = occluded(scene, start.packed(), way.packed(), t_max=reach, exclude=light.object_id, executor=executor)
+    blocked = occluded(scene, start.packed(), way.packed(), t_max=reach, exclude=light.object_id)
 
     def arriving(share: Float[Array, "k *rays"]) -> Vec:
         return (light.intensity * jnp.where(blocked, 0.0, share)).map(lambda x: jnp.sum(x, axis=0))
@@ -166,7 +162,7 @@ def choose(lights: Placed, point: Point, count: int) -> Int[Array, "k *rays"]:
     return jnp.stack(best)
 
 
-def sun_light(scene: Scene, point: Point, spread: Spread, options: Lit, executor: str | None = None) -> Received:
+def sun_light(scene: Scene, point: Point, spread: Spread, options: Lit) -> Received:
     """Light of the sun, where it is seen; its disc is a degree wide."""
     azimuth, elevation = math.radians(options.sun_azimuth), math.radians(options.sun_elevation)
     across = math.cos(elevation)
@@ -181,7 +177,7 @@ def sun_light(scene: Scene, point: Point, spread: Spread, options: Lit, executor
     gloss = strength * blinn_phong(point, aim)
     # The barrier keeps what is known before the cast from being computed again after it.
     start, reach, strength, gloss = jax.lax.optimization_barrier((start, reach, strength, gloss))
-    blocked = occluded(scene, start.packed(), way.packed(), t_max=reach, executor=executor)
+    blocked = occluded(scene, start.packed(), way.packed(), t_max=reach)
     return Received(*(Vec(*SUNLIGHT) * jnp.where(blocked, 0.0, share) for share in (strength, gloss)))
 
 

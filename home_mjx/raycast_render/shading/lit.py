@@ -9,7 +9,6 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from home_mjx.bank.bank import HouseBank
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.casting.cast import occluded
 from home_mjx.raycast_render.scene.surface import (
@@ -40,41 +39,37 @@ class Corner(Pytree):
 
 
 def radiance(
-    bank: HouseBank,
     scene: Scene,
     sight: Sight,
     growth: Float[Array, ""],
     spread: lights.Spread,
     options: Lit,
     exclude: Int[Array, ""] | int = -1,
-    executor: str | None = None,
 ) -> Vec:
     """Light that comes along rays [W/m^2/sr].
 
     Args:
-        bank: The houses.
         scene: The environment.
         sight: Camera rays and what they hit first.
         growth: Of the footprint's width per unit of t [m].
         spread: Where on lines, rectangles and the sun light comes from.
         options: Of the preset.
         exclude: Object id that the camera does not see, except in mirrors.
-        executor: See `cast`.
     """
-    sight = follow(bank, scene, sight, growth, options.bounces, exclude, executor)
+    sight = follow(scene, sight, growth, options.bounces, exclude)
     row = jnp.maximum(material_rows(scene, sight.hit), 0)
-    corner = _corner(bank, scene, sight)
-    point = _point(bank, scene, sight, corner, row)
-    color = _color(bank, scene, sight, corner, row, growth)
+    corner = _corner(scene, sight)
+    point = _point(scene, sight, corner, row)
+    color = _color(scene, sight, corner, row, growth)
     # The barrier keeps the surface from being computed again by everything that lights it.
     point, color, row = jax.lax.optimization_barrier((point, color, row))
-    placed = lights.place_lights(bank, scene, options)
-    got = lights.lamp_light(scene, placed, point, spread, options.num_lights, executor)
+    placed = lights.place_lights(scene, options)
+    got = lights.lamp_light(scene, placed, point, spread, options.num_lights)
     if options.sun > 0:
-        sun = lights.sun_light(scene, point, spread, options, executor)
+        sun = lights.sun_light(scene, point, spread, options)
         got = jax.tree.map(jnp.add, got, sun)
-    ambient = _ambient(bank, scene, point, spread, options, executor)
-    light = color * (got.diffuse + ambient) * (1 / math.pi) + take_vec(bank.finish.specular, row) * got.specular
+    ambient = _ambient(scene, point, spread, options)
+    light = color * (got.diffuse + ambient) * (1 / math.pi) + take_vec(scene.bank.finish.specular, row) * got.specular
     return sight.tint * select(sight.hit.instance < 0, sky(sight.direction, options), light)
 
 
@@ -98,33 +93,31 @@ def sky(direction: Vec, options: Lit) -> Vec:
     return select(up >= 0, above, Vec(*GROUND)) * options.sky
 
 
-def _corner(bank: HouseBank, scene: Scene, sight: Sight) -> Corner:
+def _corner(scene: Scene, sight: Sight) -> Corner:
     hit = sight.hit
     area = area_vectors(scene, sight.direction, hit)
-    a, b, c = (take_vec(bank.finish.normal, jnp.maximum(hit.triangle, 0), k) for k in range(3))
+    a, b, c = (take_vec(scene.bank.finish.normal, jnp.maximum(hit.triangle, 0), k) for k in range(3))
     smooth = to_world(scene, a * (1 - hit.u - hit.v) + b * hit.u + c * hit.v, hit)
     side = smooth.dot(area)
     smooth = select(side < 0, -smooth, smooth)
     return Corner(area, select(smooth.dot(smooth) > 0, smooth, area).unit())
 
 
-def _point(bank: HouseBank, scene: Scene, sight: Sight, corner: Corner, row: Int[Array, "*rays"]) -> lights.Point:
+def _point(scene: Scene, sight: Sight, corner: Corner, row: Int[Array, "*rays"]) -> lights.Point:
     return lights.Point(
         pos=sight.end,
         normal=corner.area.unit(),
         shading=corner.shading,
         view=-sight.direction.unit(),
-        shininess=take(bank.finish.shininess, row),
+        shininess=take(scene.bank.finish.shininess, row),
         instance=sight.hit.instance,
-        room=semantics(bank, scene, sight.hit, Semantic.ROOM),
+        room=semantics(scene, sight.hit, Semantic.ROOM),
     )
 
 
-def _color(
-    bank: HouseBank, scene: Scene, sight: Sight, corner: Corner, row: Int[Array, "*rays"], growth: Float[Array, ""]
-) -> Vec:
+def _color(scene: Scene, sight: Sight, corner: Corner, row: Int[Array, "*rays"], growth: Float[Array, ""]) -> Vec:
     """Diffuse reflectance: the material's colour times its texture, filtered over the pixel's footprint."""
-    hit, textures = sight.hit, bank.materials.textures
+    hit, materials, textures = sight.hit, scene.bank.materials, scene.bank.materials.textures
     u, v = texture_corners(scene, hit)
     texels = (u.y - u.x) * (v.z - v.x) - (v.y - v.x) * (u.z - u.x)
     texels = jnp.abs(texels) * texture.edge_of(textures) ** 2
@@ -133,17 +126,15 @@ def _color(
     width = sight.width + growth * jnp.where(hit.instance < 0, 0.0, hit.t)
     footprint = width * width / jnp.maximum(facing, 0.05)
     level = texture.mip_level(footprint * texels * jnp.minimum(inverse, 1e12))
-    layer = take(bank.materials.texture, row)
+    layer = take(materials.texture, row)
     texel = texture.trilinear(textures, jnp.maximum(layer, 0), *texture_coordinates(scene, hit), level)
-    color = take_vec(bank.materials.albedo, row)
+    color = take_vec(materials.albedo, row)
     return select(layer < 0, color, color * texel)
 
 
-def _ambient(
-    bank: HouseBank, scene: Scene, point: lights.Point, spread: lights.Spread, options: Lit, executor: str | None
-) -> Vec:
+def _ambient(scene: Scene, point: lights.Point, spread: lights.Spread, options: Lit) -> Vec:
     """Irradiance by what surfaces reflect on each other: alike in all of a room, less in corners."""
-    table = bank.lights.ambient
+    table = scene.bank.lights.ambient
     place = scene.house * table.shape[1] + jnp.clip(point.room + 1, 0, table.shape[1] - 1)
     lamps, daylight = (take_vec(table.reshape(-1, 2, 3), place, source) for source in range(2))
     received = (lamps + daylight * Vec(*lights.DAYLIGHT) * options.sky) * options.ambient
@@ -154,7 +145,6 @@ def _ambient(
         (point.pos + point.normal * lights.OFFSET).packed(),
         _cosine_direction(point.shading, spread).packed(),
         t_max=jnp.where(point.instance < 0, -1.0, options.corners),
-        executor=executor,
     )
     return received * jnp.where(near, REFLECTANCE, 1.0)
 

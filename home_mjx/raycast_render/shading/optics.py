@@ -4,7 +4,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from home_mjx.bank.bank import HouseBank
+from home_mjx.bank.records import Materials
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.scene.surface import material_rows, texture_coordinates, unit_normals
@@ -35,45 +35,39 @@ class Sight(Pytree):
 
 
 def follow(
-    bank: HouseBank,
     scene: Scene,
     sight: Sight,
     growth: Float[Array, ""],
     bounces: int,
     exclude: Int[Array, ""] | int,
-    executor: str | None = None,
 ) -> Sight:
     """Where rays end that may go on `bounces` times.
 
     Behind the first pane no more glass is seen, so that both faces of a pane, or of many, cost one ray.
 
     Args:
-        bank: The houses.
         scene: The environment.
         sight: First hits.
         growth: Of the footprint's width per unit of t [m].
         bounces: Casts at most.
         exclude: Object id that the camera does not see, except in mirrors.
-        executor: See `cast`.
     """
     for _ in range(bounces):
-        sight = _go_on(bank, scene, sight, growth, exclude, executor)
+        sight = _go_on(scene, sight, growth, exclude)
     return sight
 
 
 def _go_on(
-    bank: HouseBank,
     scene: Scene,
     sight: Sight,
     growth: Float[Array, ""],
     exclude: Int[Array, ""] | int,
-    executor: str | None,
 ) -> Sight:
-    hit = sight.hit
+    hit, bank = sight.hit, scene.bank
     row = jnp.maximum(material_rows(scene, hit), 0)
     seen = hit.instance >= 0
     mirror = seen & take(bank.finish.mirror, row)
-    hole = seen & ~mirror & _holes(bank, scene, hit, row)
+    hole = seen & ~mirror & _holes(scene, hit, row)
     glass = (take(bank.materials.kind, row) == GLASS) & (take(bank.materials.albedo, row, 3) < 1)
     on = mirror | hole | (seen & glass)
     normal = unit_normals(scene, sight.direction, hit)
@@ -91,9 +85,8 @@ def _go_on(
         t_max=jnp.where(on, jnp.inf, -1.0),
         exclude=jnp.where(mirror, -1, exclude),
         mask=jnp.where(hole, int(Ray.CAMERA), int(Ray.LIGHT)),
-        executor=executor,
     )
-    tint = select(mirror, take_vec(bank.materials.albedo, row), _through(bank, row))
+    tint = select(mirror, take_vec(bank.materials.albedo, row), _through(bank.materials, row))
     return Sight(
         origin=pos,
         direction=direction,
@@ -103,14 +96,15 @@ def _go_on(
     )
 
 
-def _through(bank: HouseBank, row: Int[Array, "*rays"]) -> Vec:
+def _through(materials: Materials, row: Int[Array, "*rays"]) -> Vec:
     """What glass leaves of the light: clear glass all, coloured glass most of its own colour."""
-    opacity = take(bank.materials.albedo, row, 3)
-    return take_vec(bank.materials.albedo, row).map(lambda color: 1 - opacity * (1 - color))
+    opacity = take(materials.albedo, row, 3)
+    return take_vec(materials.albedo, row).map(lambda color: 1 - opacity * (1 - color))
 
 
-def _holes(bank: HouseBank, scene: Scene, hit: Hit, row: Int[Array, "*rays"]) -> Bool[Array, "*rays"]:
+def _holes(scene: Scene, hit: Hit, row: Int[Array, "*rays"]) -> Bool[Array, "*rays"]:
     """Whether rays have met a texture where it is cut out."""
-    layer = take(bank.materials.texture, row)
-    texel = texture.nearest(bank.materials.textures, jnp.maximum(layer, 0), *texture_coordinates(scene, hit))
+    materials = scene.bank.materials
+    layer = take(materials.texture, row)
+    texel = texture.nearest(materials.textures, jnp.maximum(layer, 0), *texture_coordinates(scene, hit))
     return (layer >= 0) & (texture.channel(texel, texture.ALPHA) < CUT)

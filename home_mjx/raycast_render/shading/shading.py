@@ -3,7 +3,6 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float, UInt8
 
-from home_mjx.bank.bank import HouseBank
 from home_mjx.raycast_render.scene.surface import material_rows, texture_coordinates
 from home_mjx.raycast_render.scene.types import Hit, Scene
 from home_mjx.raycast_render.scene.vec import Vec, select, take, take_vec
@@ -15,12 +14,13 @@ EXPOSURE = 1.0  # white under full light is white
 SKY = (0.53, 0.68, 0.86)  # linear light, where nothing is hit
 
 
-def albedo(bank: HouseBank, scene: Scene, hit: Hit) -> Vec:
+def albedo(scene: Scene, hit: Hit) -> Vec:
     """Diffuse reflectance in linear light: the material's colour times its texture; the sky's colour on a miss."""
+    materials = scene.bank.materials
     row = jnp.maximum(material_rows(scene, hit), 0)
-    layer = take(bank.materials.texture, row)
-    texel = texture.nearest(bank.materials.textures, jnp.maximum(layer, 0), *texture_coordinates(scene, hit))
-    color = take_vec(bank.materials.albedo, row)
+    layer = take(materials.texture, row)
+    texel = texture.nearest(materials.textures, jnp.maximum(layer, 0), *texture_coordinates(scene, hit))
+    color = take_vec(materials.albedo, row)
     color = select(layer < 0, color, color * texture.linear(texel))
     return select(hit.instance < 0, Vec(*SKY), color)
 

@@ -49,7 +49,7 @@ class Architecture:
     surfaces: tuple[Surface, ...]  # by slot of the model
     facing: Int[np.ndarray, " q"]  # slot of most of each part's area on the side of its room
     backing: Int[np.ndarray, " q"]  # and on the other side
-    semantics: Int[np.ndarray, "q 23"]
+    semantics: Int[np.ndarray, "q columns"]
     num_meshes: int
 
 
@@ -187,7 +187,7 @@ def _coarse(kind: str) -> str:
     return "floor" if kind == "ground" else kind
 
 
-def _row(part: Part, partition: int) -> Int[np.ndarray, "23"]:
+def _row(part: Part, partition: int) -> Int[np.ndarray, " columns"]:
     name = _coarse(part.kind)
     return semantic_row(name, name, name, room=part.room, level=part.level, partition=partition)
 

@@ -110,18 +110,18 @@ SPEED_OF_SOUND = 343.2  # [m/s], at 20 degrees Celsius
 
 
 @functools.cache
-def absorption_table() -> Mapping[str, Float[np.ndarray, "7"]]:
+def absorption_table() -> Mapping[str, Float[np.ndarray, " bands"]]:
     """Random-incidence absorption coefficients per octave by name, energy fractions 0..1."""
     return _read_table("acoustic_absorption.csv")
 
 
 @functools.cache
-def transmission_loss_table() -> Mapping[str, Float[np.ndarray, "7"]]:
+def transmission_loss_table() -> Mapping[str, Float[np.ndarray, " bands"]]:
     """Transmission loss of partitions per octave by name [dB]."""
     return _read_table("acoustic_transmission_loss.csv")
 
 
-def _read_table(name: str) -> Mapping[str, Float[np.ndarray, "7"]]:
+def _read_table(name: str) -> Mapping[str, Float[np.ndarray, " bands"]]:
     text = (resources.files("home_mjx.scene_compile.materials") / name).read_text(encoding="utf-8")
     columns = [f"{band:g}" for band in BANDS]
     return MappingProxyType(
@@ -129,7 +129,7 @@ def _read_table(name: str) -> Mapping[str, Float[np.ndarray, "7"]]:
     )
 
 
-def scattering(depth: float) -> Float[np.ndarray, "7"]:
+def scattering(depth: float) -> Float[np.ndarray, " bands"]:
     """Scattering coefficients per octave of a structure `depth` metres deep, by the rule of the BRAS benchmark.
 
     s(f) = 0.5 sqrt(depth / wavelength), within [0.05, 0.99].
@@ -138,7 +138,7 @@ def scattering(depth: float) -> Float[np.ndarray, "7"]:
     return np.clip(0.5 * np.sqrt(depth / wavelength), 0.05, 0.99)
 
 
-def detour_transmission(detour: float) -> Float[np.ndarray, "7"]:
+def detour_transmission(detour: float) -> Float[np.ndarray, " bands"]:
     """Energy fraction per octave that passes around an obstacle, by Maekawa's insertion loss 10 lg(3 + 20 N).
 
     N = 2 detour / wavelength is the Fresnel number.
@@ -169,7 +169,7 @@ def absorption_name(texture_family: str, category: str, slot_name: str = "") -> 
 
 def acoustic_row(
     texture_family: str, category: str, slot_name: str = ""
-) -> tuple[Float[np.ndarray, "7"], Float[np.ndarray, "7"], Float[np.ndarray, "7"]]:
+) -> tuple[Float[np.ndarray, " bands"], Float[np.ndarray, " bands"], Float[np.ndarray, " bands"]]:
     """What a surface does to sound, per octave 125 .. 8000 Hz.
 
     Args:

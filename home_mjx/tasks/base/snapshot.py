@@ -11,8 +11,6 @@ from home_mjx.tasks.base.pose import AgentPose
 class Snapshot(Pytree):
     """A agents in one house. Built where it is used and never stored, so that what nobody reads costs nothing."""
 
-    bank: HouseBank
-    house: Int[Array, ""]  # index into the bank
     step: Int[Array, ""]  # steps since reset; 0: the episode has just begun
     key: UInt32[Array, "2"]  # of the episode
     pose: AgentPose
@@ -20,3 +18,13 @@ class Snapshot(Pytree):
     contact: Bool[Array, " a"]  # touched anything but the floor during the last step
     source: Float[Array, "3"]  # [m], where the sound comes from
     scene: Scene  # the same as rays see it
+
+    @property
+    def bank(self) -> HouseBank:
+        """The houses."""
+        return self.scene.bank
+
+    @property
+    def house(self) -> Int[Array, ""]:
+        """Index into the bank."""
+        return self.scene.house

@@ -248,17 +248,15 @@ class HouseholdEnv:
     def _snapshot(self, params: EnvParams, data: Any, world: World) -> Snapshot:
         bank, template = params.bank, self.template(params.bank)
         pos, yaw = physics.agent_pose(template, data)
-        bodies = physics.body_pose(template, data)
+        bodies, turned = physics.body_pose(template, data), jax.vmap(body_quat)(yaw)
         return Snapshot(
-            bank=bank,
-            house=world.house,
             step=world.step,
             key=world.key,
             pose=AgentPose(pos=pos, yaw=yaw, pitch=world.pitch),
             velocity=physics.agent_velocity(template, data),
             contact=physics.agent_contact(template, data),
             source=world.source,
-            scene=make_scene(bank, world.house, *bodies, pos, jax.vmap(body_quat)(yaw)),
+            scene=make_scene(bank, world.house, *bodies, pos, turned, executor=self.config.executor),
         )
 
     def template(self, bank: HouseBank) -> physics.Template:

@@ -36,7 +36,7 @@ class Cameras(Sensor):
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: tuple) -> dict[str, Array]:
         """Every camera renders all its kinds from one cast."""
-        return observe_images(config, snapshot.bank, snapshot.scene, snapshot.pose)
+        return observe_images(config, snapshot.scene, snapshot.pose)
 
 
 def _spec(config: EnvConfig, view: AgentCamera, kind: str) -> ArraySpec:
@@ -63,14 +63,14 @@ def agent_ids(bank: HouseBank, num_agents: int) -> Array:
     return bank.spec.num_instances + jnp.arange(num_agents, dtype=jnp.int32)
 
 
-def observe_images(config: EnvConfig, bank: HouseBank, scene: Scene, pose: AgentPose) -> dict[str, Array]:
+def observe_images(config: EnvConfig, scene: Scene, pose: AgentPose) -> dict[str, Array]:
     """The images of every agent's cameras."""
-    own = agent_ids(bank, config.physics.num_agents)
+    own = agent_ids(scene.bank, config.physics.num_agents)
     obs: dict[str, Array] = {}
     for view in config.views:
 
         def look(camera: Camera, own: Array, view: AgentCamera = view) -> dict[str, Array]:
-            return _look(config, view, bank, scene, camera, own)
+            return _look(config, view, scene, camera, own)
 
         obs |= over_agents(look, place_cameras(config, view, pose), own)
     return obs
@@ -94,12 +94,9 @@ def place_cameras(config: EnvConfig, view: AgentCamera, pose: AgentPose) -> Came
     return jax.vmap(Camera)(eye_position(config, pose) + shift, jax.vmap(camera_quat)(yaw, pitch), fovy)
 
 
-def _look(
-    config: EnvConfig, view: AgentCamera, bank: HouseBank, scene: Scene, camera: Camera, own: Array
-) -> dict[str, Array]:
+def _look(config: EnvConfig, view: AgentCamera, scene: Scene, camera: Camera, own: Array) -> dict[str, Array]:
     """What one camera of one agent gives, by the names of the observations."""
     images = render(
-        bank,
         scene,
         camera,
         view.lens,
@@ -107,7 +104,6 @@ def _look(
         preset=config.rgb_preset,
         exclude=own,
         depth_max=config.depth_max,
-        executor=config.executor,
     )
     if "intrinsics" in view.kinds:
         images["intrinsics"] = intrinsics(camera, view.lens)

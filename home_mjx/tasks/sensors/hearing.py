@@ -8,6 +8,7 @@ from home_mjx.audio_jax.auralization.response import impulse_response
 from home_mjx.audio_jax.auralization.sources import clip_samples
 from home_mjx.audio_jax.auralization.stream import sound_frame
 from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import camera_quat
 from home_mjx.tasks.base.config import EnvConfig
@@ -77,17 +78,8 @@ def hear(config: EnvConfig, snapshot: Snapshot) -> Float[Array, "a 2 l"]:
     keys = jax.random.split(fold(snapshot.key, SOUND), num_agents)
 
     def one(ears: Array, quat: Array, key: Array, own: Array) -> Array:
-        return impulse_response(
-            snapshot.bank,
-            snapshot.scene,
-            snapshot.source,
-            ears,
-            quat,
-            key,
-            config.audio,
-            exclude=own,
-            executor=config.executor,
-        )
+        listener = Listener(ears, quat, body=own)
+        return impulse_response(snapshot.scene, Source(snapshot.source), listener, key, config.audio)
 
     heads = jax.vmap(camera_quat)(pose.yaw, jnp.zeros_like(pose.pitch))
     return over_agents(one, eye_position(config, pose), heads, keys, agent_ids(snapshot.bank, num_agents))

@@ -11,6 +11,7 @@ from home_mjx.audio_jax.auralization.response import impulse_response
 from home_mjx.audio_jax.auralization.sources import clip_samples
 from home_mjx.audio_jax.auralization.stream import sound_frame
 from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.base.metrics import octave_energies, t30
 from home_mjx.raycast_render.scene.scene import make_scene
 
@@ -19,18 +20,18 @@ RATE, SPEED = BINAURAL.sample_rate, BINAURAL.speed_of_sound
 KEY = jax.random.key(0)
 
 
-def hear(bank, scene, source, listener, quat=HEAD, key=KEY, config=BINAURAL, exclude=-1):
+def hear(scene, source, listener, quat=HEAD, key=KEY, config=BINAURAL, exclude=-1):
     """The response, under strict promotion."""
     source, listener = (jnp.asarray(p, jnp.float32) for p in (source, listener))
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
-        return np.asarray(_run(bank, scene, source, listener, quat, key, jnp.int32(exclude), config), float)
+        return np.asarray(_run(scene, source, listener, quat, key, jnp.int32(exclude), config), float)
 
 
-def _response(bank, scene, source, listener, quat, key, exclude, config):
-    return impulse_response(bank, scene, source, listener, quat, key, config, exclude=exclude)
+def _response(scene, source, listener, quat, key, exclude, config):
+    return impulse_response(scene, Source(source), Listener(listener, quat, exclude), key, config)
 
 
-_run = jax.jit(_response, static_argnums=7)
+_run = jax.jit(_response, static_argnums=6)
 
 
 def open_air():
@@ -43,7 +44,7 @@ def test_in_the_open(distance):
     """Delay within 0.05 samples of r / c and level within 0.05 dB of 1 / r (air taken out) at 1 kHz."""
     listener = np.array([1.0, 2.0, 9.0])
     source = listener + distance * np.array([0.6, -0.64, 0.48])
-    response = hear(*open_air(), source, listener, config=OMNI)[0]
+    response = hear(open_air(), source, listener, config=OMNI)[0]
     frequency = np.linspace(700, 1300, 61)
     transfer = response @ np.exp(-2j * np.pi * np.outer(np.arange(response.size) / RATE, frequency))
     transfer *= np.exp(2j * np.pi * frequency * distance / SPEED)
@@ -56,7 +57,7 @@ def test_in_the_open(distance):
 @pytest.mark.parametrize(("y", "nearer"), [(3.0, 0), (-3.0, 1)])
 def test_left_and_right(y, nearer):
     """An agent that looks along +x has +y at its left; the nearer ear hears earlier and louder, as on the sphere."""
-    left_right = hear(*open_air(), [1.0, 2.0 + y, 9.0], [1.0, 2.0, 9.0])
+    left_right = hear(open_air(), [1.0, 2.0 + y, 9.0], [1.0, 2.0, 9.0])
     near, far = left_right[nearer], left_right[1 - nearer]
     level = 10 * np.log10(octave_energies(near, RATE) / octave_energies(far, RATE))
     assert np.all(level[2:] > 1.5)
@@ -68,17 +69,17 @@ def test_left_and_right(y, nearer):
 
 def test_turning_the_head_by_half_a_turn_swaps_the_ears():
     """Mirror symmetry of the sphere, for sound from the side."""
-    bank, scene = open_air()
+    scene = open_air()
     turned = jnp.float32([0.5, 0.5, 0.5, 0.5])  # looks along -x
-    ahead = hear(bank, scene, [1, 5, 9.0], [1, 2, 9.0])
-    back = hear(bank, scene, [1, 5, 9.0], [1, 2, 9.0], quat=turned)
+    ahead = hear(scene, [1, 5, 9.0], [1, 2, 9.0])
+    back = hear(scene, [1, 5, 9.0], [1, 2, 9.0], quat=turned)
     np.testing.assert_allclose(ahead, back[::-1], atol=1e-5)
 
 
 def test_nothing_arrives_before_the_direct_sound():
     """Late noise starts no earlier than the direct sound reaches the head, also when no path is there."""
     for wall in (0.3, 0.0):
-        response = hear(*scene_of(two_rooms(transmission=wall)), [-3, 0, 1.2], [-1, 1, 1.6], config=OMNI)
+        response = hear(scene_of(two_rooms(transmission=wall)), [-3, 0, 1.2], [-1, 1, 1.6], config=OMNI)
         first = int(np.sqrt(4 + 1 + 0.16) / SPEED * RATE)
         assert np.sum(response[:, : first - 24] ** 2) < 1e-4 * np.sum(response**2)
 
@@ -86,9 +87,9 @@ def test_nothing_arrives_before_the_direct_sound():
 @pytest.mark.parametrize(("scattering", "expected"), [(0.1, 0.565), (0.3, 0.534), (1.0, 0.539)])
 def test_reverberation_of_the_rendered_response(scattering, expected):
     """T30 at 1 kHz within 15 %, default options, from the samples themselves."""
-    bank, scene = scene_of(shoebox(scattering=scattering))
+    scene = scene_of(shoebox(scattering=scattering))
     config = AudioConfig(receiver="omni", response_seconds=1.0)
-    response = hear(bank, scene, [-1, -1, 1.2], [1, 1, 1.6], config=config)[0]
+    response = hear(scene, [-1, -1, 1.2], [1, 1, 1.6], config=config)[0]
     spectrum = np.fft.rfft(response, 2 * response.size)
     frequency = np.fft.rfftfreq(2 * response.size, 1 / RATE)
     band = np.fft.irfft(spectrum * ((frequency > 707) & (frequency < 1414)))[: response.size]
@@ -99,19 +100,19 @@ def test_a_wall_between_takes_its_table_value():
     """Level of the response's first 10 ms per octave, with the wall against without it."""
     loss = np.array([17, 31, 33, 40, 38, 36, 36])
     ends = [-3, 0.5, 1.2], [3, -0.5, 1.6]
-    walled = hear(*scene_of(two_rooms(transmission=10 ** (-loss / 10), absorption=0.5)), *ends, config=OMNI)
-    free = hear(*open_air(), *ends, config=OMNI)
+    walled = hear(scene_of(two_rooms(transmission=10 ** (-loss / 10), absorption=0.5)), *ends, config=OMNI)
+    free = hear(open_air(), *ends, config=OMNI)
     drop = 10 * np.log10(octave_energies(free[0], RATE) / octave_energies(walled[0], RATE))
     np.testing.assert_allclose(drop, loss, atol=0.9)
 
 
 def test_the_same_key_gives_the_same_response_and_small_steps_small_changes():
     """2 cm of a way change little with the same key; the early part moves by its delay, the tail stays coherent."""
-    bank, scene = scene_of(shoebox())
-    here = hear(bank, scene, [-1, -1, 1.2], [1, 1, 1.6], config=OMNI)
-    np.testing.assert_array_equal(here, hear(bank, scene, [-1, -1, 1.2], [1, 1, 1.6], config=OMNI))
-    near = hear(bank, scene, [-1, -1, 1.2], [1.02, 1, 1.6], config=OMNI)
-    other = hear(bank, scene, [-1, -1, 1.2], [1, 1, 1.6], config=OMNI, key=jax.random.key(1))
+    scene = scene_of(shoebox())
+    here = hear(scene, [-1, -1, 1.2], [1, 1, 1.6], config=OMNI)
+    np.testing.assert_array_equal(here, hear(scene, [-1, -1, 1.2], [1, 1, 1.6], config=OMNI))
+    near = hear(scene, [-1, -1, 1.2], [1.02, 1, 1.6], config=OMNI)
+    other = hear(scene, [-1, -1, 1.2], [1, 1, 1.6], config=OMNI, key=jax.random.key(1))
     late = slice(RATE // 20, None)
     assert np.corrcoef(here[0, late], near[0, late])[0, 1] > 0.97
     assert abs(np.corrcoef(here[0, late], other[0, late])[0, 1]) < 0.2
@@ -120,30 +121,30 @@ def test_the_same_key_gives_the_same_response_and_small_steps_small_changes():
 def test_own_body_is_no_obstacle():
     """A listener inside its agent's capsule."""
     house = shoebox()
-    bank, scene = scene_of(house, agents=((1.0, 1.0, 0.8),))
-    alone, without = scene_of(house)
-    own = hear(bank, scene, [-1, -1, 1.2], [1, 1, 1.5], exclude=bank.spec.num_instances)
-    free = hear(alone, without, [-1, -1, 1.2], [1, 1, 1.5])
+    scene = scene_of(house, agents=((1.0, 1.0, 0.8),))
+    without = scene_of(house)
+    own = hear(scene, [-1, -1, 1.2], [1, 1, 1.5], exclude=scene.bank.spec.num_instances)
+    free = hear(without, [-1, -1, 1.2], [1, 1, 1.5])
     assert np.sum((own - free) ** 2) < 0.01 * np.sum(free**2), "the body only shades what other surfaces receive"
-    inside = hear(bank, scene, [-1, -1, 1.2], [1, 1, 1.5])
+    inside = hear(scene, [-1, -1, 1.2], [1, 1, 1.5])
     assert np.sum(inside**2) < 0.5 * np.sum(own**2)
 
 
 def test_source_in_the_head_stays_finite():
-    response = hear(*scene_of(shoebox()), [1, 1, 1.5], [1, 1, 1.5])
+    response = hear(scene_of(shoebox()), [1, 1, 1.5], [1, 1, 1.5])
     assert np.all(np.isfinite(response))
 
 
 def test_a_step_over_different_houses_in_one_batch():
     """Responses and frames of environments in two houses, vmapped, equal those of each alone."""
     houses = shoebox(furniture=[Furniture((0.5, 0.5), mass=4.0)]), two_rooms()
-    bank, _ = scene_of(*houses)
+    bank = scene_of(*houses).bank
     clip = jnp.asarray(clip_samples("speech", BINAURAL))
 
     def step(house, source, listener, key, old):
         pos, quat = bank.physics.body_pos[house], bank.physics.body_quat[house]
         scene = make_scene(bank, house, pos, quat, jnp.zeros((0, 3)), jnp.zeros((0, 4)))
-        new = impulse_response(bank, scene, source, listener, HEAD, key, BINAURAL)
+        new = impulse_response(scene, Source(source), Listener(listener, HEAD), key, BINAURAL)
         return new, sound_frame(clip, jnp.int32(7000), old, new, BINAURAL)
 
     house = jnp.array([0, 1, 0, 1], jnp.int32)

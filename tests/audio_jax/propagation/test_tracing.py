@@ -15,6 +15,7 @@ from scenes import HEAD, scene_of
 
 from home_mjx.audio_jax.auralization.response import ear_gains
 from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.base.metrics import t30
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.paths import air_energy, early_paths
@@ -45,7 +46,7 @@ def scene_in(bank: HouseBank, house: jax.Array):
 
 def traced(bank, house, source, listener, key, config):
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
-        return trace(bank, scene_in(bank, house), source, listener, key, config)
+        return trace(scene_in(bank, house), Source(source), Listener(listener, HEAD), key, config)
 
 
 def late_energy(bank, house, source, listener, key, config):
@@ -57,7 +58,7 @@ def late_energy(bank, house, source, listener, key, config):
 
 def whole_energy(bank, house, source, listener, key, config):
     """Histogram (k, 7) of one ear, with direct sound and first reflections."""
-    paths = early_paths(bank, scene_in(bank, house), source, listener, config)
+    paths = early_paths(scene_in(bank, house), Source(source), Listener(listener, HEAD), config)
     metres = config.bin_seconds * config.speed_of_sound
     there = (paths.distance / metres).astype(jnp.int32)
     return late_energy(bank, house, source, listener, key, config).at[there].add(paths.gain**2)
@@ -182,21 +183,23 @@ def test_noise_falls_with_the_root_of_the_number_of_rays(bank):
     assert spread[0] / spread[1] == pytest.approx(4, rel=0.5)
 
 
-_trace = jax.jit(lambda bank, scene, *ends: trace(bank, scene, *ends, jax.random.key(0), LONG))
+@jax.jit
+def _trace(scene, source, listener):
+    return trace(scene, Source(source), Listener(listener, HEAD), jax.random.key(0), LONG)
 
 
 def test_a_closed_wall_keeps_the_late_sound_out():
-    bank, scene = scene_of(two_rooms())
-    rays = _trace(bank, scene, jnp.float32([-2, 0, 1]), jnp.float32([2, 0, 1]))
+    scene = scene_of(two_rooms())
+    rays = _trace(scene, jnp.float32([-2, 0, 1]), jnp.float32([2, 0, 1]))
     assert not np.any(rays.energy)
-    rays = _trace(bank, scene, jnp.float32([1, 0, 1]), jnp.float32([2, 0, 1]))
+    rays = _trace(scene, jnp.float32([1, 0, 1]), jnp.float32([2, 0, 1]))
     assert np.mean(np.any(np.asarray(rays.energy) > 0, axis=2)) > 0.9
 
 
 def test_rays_that_leave_the_house_are_over():
     """A listener outside hears its walls' outer faces, and nothing from where there are none."""
-    bank, scene = scene_of(shoebox())
-    rays = _trace(bank, scene, jnp.float32([9, 0, 1]), jnp.float32([6, 0, 1]))
+    scene = scene_of(shoebox())
+    rays = _trace(scene, jnp.float32([9, 0, 1]), jnp.float32([6, 0, 1]))
     gone = ~np.any(np.asarray(rays.remaining[0]) > 0, axis=1)
     assert 0.5 < gone.mean() < 1
     assert not np.any(np.asarray(rays.energy)[:, gone])

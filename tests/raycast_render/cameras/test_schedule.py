@@ -32,10 +32,10 @@ def look(bank):
     def images(x, body, executor=None):
         pos = bank.physics.body_pos[0].at[0].set(body)
         nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
-        scene = make_scene(bank, jnp.int32(0), pos, bank.physics.body_quat[0], *nobody)
+        scene = make_scene(bank, jnp.int32(0), pos, bank.physics.body_quat[0], *nobody, executor=executor)
         eye = jnp.stack([x, jnp.float32(-1.0), jnp.float32(1.2)])
         camera = Camera(eye, LEVEL, jnp.float32(1.5))
-        return render(bank, scene, camera, Lens(8, 8), kinds=KINDS, depth_max=None, executor=executor)
+        return render(scene, camera, Lens(8, 8), kinds=KINDS, depth_max=None)
 
     return images
 
@@ -104,7 +104,7 @@ def test_depth_becomes_points_on_the_walls(bank, lens):
         jnp.array([0.3, -0.4, 1.4]), jnp.asarray(quat / np.linalg.norm(quat), jnp.float32), jnp.float32(fovy)
     )
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
-        images = render(bank, scene, camera, lens, kinds=("depth", "distance", "instance"), depth_max=None)
+        images = render(scene, camera, lens, kinds=("depth", "distance", "instance"), depth_max=None)
         points = np.asarray(depth_points(camera, lens, images["depth"]), float)
     assert images["depth"].shape == (*lens.shape, 1)
     away = np.linalg.norm(points - np.asarray(camera.pos), axis=-1)

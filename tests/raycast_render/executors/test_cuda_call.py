@@ -143,15 +143,17 @@ def batch():
     agents, upright = f32(rng.uniform((-1, -1, 0), (1, 1, 2), size=(E_, 2, 3))), f32([[1, 0, 0, 0]] * 2)
 
     def place(house, agents):
-        return make_scene(bank, house, bank.physics.body_pos[house], bank.physics.body_quat[house], agents, upright)
+        return make_scene(
+            bank, house, bank.physics.body_pos[house], bank.physics.body_quat[house], agents, upright
+        ).moving
 
-    moving = jax.jit(jax.vmap(place))(house, agents).moving
+    moving = jax.jit(jax.vmap(place))(house, agents)
     origin = f32(rng.uniform(-1, 1, size=(E_, R, 3)) * [2, 2, 1] + [0, 0, 1.5])
     return bank, (house, moving, origin, f32(rng.normal(size=(E_, R, 3))))
 
 
-def rows(geometry, house, moving, origin, direction, executor=None):
-    return cast(Scene(geometry, house, moving), origin, direction, executor=executor)
+def rows(bank, house, moving, origin, direction, executor=None):
+    return cast(Scene(bank, house, moving), origin, direction, executor=executor)
 
 
 per_env = jax.vmap(rows, (None, 0, 0, 0, 0))
@@ -168,17 +170,17 @@ def expected(batch):
     bank, args = batch
     bank, args = jax.device_put((bank, args), jax.devices("cpu")[0])
     look = jax.jit(jax.vmap(lambda *a: rows(*a, executor="cpu"), (None, 0, 0, 0, 0)))
-    return jax.tree.map(np.asarray, look(bank.geometry, *args))
+    return jax.tree.map(np.asarray, look(bank, *args))
 
 
 @needs_gpu
 def test_on_a_gpu_it_is_chosen_and_agrees_bit_for_bit(batch, expected):
     bank, args = batch
     assert bank.geometry.gpu is not None
-    program = jax.jit(per_env).lower(bank.geometry, *args).compile()
+    program = jax.jit(per_env).lower(bank, *args).compile()
     assert cuda.TARGET in program.as_text()
-    assert_same(program(bank.geometry, *args), expected)
-    assert_same(jax.jit(per_env)(bank.geometry.replace(gpu=None), *args), expected)
+    assert_same(program(bank, *args), expected)
+    assert_same(jax.jit(per_env)(bank.replace(geometry=bank.geometry.replace(gpu=None)), *args), expected)
 
 
 @needs_gpu
@@ -186,18 +188,18 @@ def test_images_are_cast_in_tiles_to_the_same_hits(batch, expected):
     bank, (house, moving, origin, direction) = batch
     for height, width in ((16, 16), (8, 32), (32, 8), (64, 4)):
         shaped = [x.reshape(E_, height, width, 3) for x in (origin, direction)]
-        assert_same(jax.jit(per_env)(bank.geometry, house, moving, *shaped), expected)
+        assert_same(jax.jit(per_env)(bank, house, moving, *shaped), expected)
 
 
 @needs_gpu
 def test_on_a_gpu_any_nesting_gives_the_same_bits(batch, expected):
     bank, args = batch
     each = jax.vmap(jax.vmap(rows, (None, None, None, 0, 0)), (None, 0, 0, 0, 0))
-    assert_same(jax.jit(each)(bank.geometry, *args), expected)
+    assert_same(jax.jit(each)(bank, *args), expected)
     outer = jax.vmap(jax.vmap(rows, (None, 0, 0, 0, 0)), (None, None, None, 1, 1), out_axes=1)
-    assert_same(jax.jit(outer)(bank.geometry, *args), expected)
+    assert_same(jax.jit(outer)(bank, *args), expected)
     scanned = jax.jit(lambda g, b: jax.lax.scan(lambda c, a: (c, rows(g, *a)), 0, b)[1])
-    assert_same(scanned(bank.geometry, args), expected)
+    assert_same(scanned(bank, args), expected)
 
 
 @needs_gpu
@@ -207,24 +209,24 @@ def test_on_gpus_shards_and_maps(batch, expected):
     mesh = Mesh(np.array(devices), ("envs",))
     spread, whole = PartitionSpec("envs"), PartitionSpec()
     mapped = jax.jit(jax.shard_map(per_env, mesh=mesh, in_specs=(whole, *[spread] * 4), out_specs=spread))
-    assert_same(mapped(bank.geometry, *args), expected)
+    assert_same(mapped(bank, *args), expected)
     everywhere, by_env = (NamedSharding(mesh, spec) for spec in (whole, spread))
-    placed = jax.device_put(bank.geometry, everywhere), *jax.device_put(args, by_env)
+    placed = jax.device_put(bank, everywhere), *jax.device_put(args, by_env)
     program = jax.jit(per_env).lower(*placed).compile()
     assert not [word for word in ("all-gather", "all-reduce", "all-to-all") if word in program.as_text()]
     assert_same(program(*placed), expected)
     split = jax.tree.map(lambda x: x.reshape(len(devices), -1, *x.shape[1:]), args)
-    assert_same(jax.pmap(per_env, in_axes=(None, 0, 0, 0, 0))(bank.geometry, *split), expected)
+    assert_same(jax.pmap(per_env, in_axes=(None, 0, 0, 0, 0))(bank, *split), expected)
 
 
 @needs_gpu
 def test_on_a_gpu_occlusion_and_gradients(batch, expected):
     bank, (house, moving, origin, direction) = batch
-    hidden = jax.vmap(lambda h, m, o, d: occluded(Scene(bank.geometry, h, m), o, d, mask=1))
+    hidden = jax.vmap(lambda h, m, o, d: occluded(Scene(bank, h, m), o, d, mask=1))
     np.testing.assert_array_equal(jax.jit(hidden)(house, moving, origin, direction), expected.instance >= 0)
 
     def depths(step):
-        t = per_env(bank.geometry, house, moving, origin + step * direction, direction).t
+        t = per_env(bank, house, moving, origin + step * direction, direction).t
         return jnp.sum(jnp.where(jnp.isfinite(expected.t), t, 0))
 
     np.testing.assert_allclose(jax.jit(jax.grad(depths))(0.0), -np.isfinite(expected.t).sum(), rtol=1e-4)

@@ -13,7 +13,7 @@ import pytest
 import trimesh
 from soup import Placed, Soup, f32, i32, in_jit, random_pose, random_rays, random_soup
 
-from home_mjx.bank.packing.gpu_geometry import gpu_geometry
+from home_mjx.bank.records.gpu_geometry import gpu_geometry
 from home_mjx.errors import ExecutorError
 from home_mjx.raycast_render.casting.cast import cast, occluded
 from home_mjx.raycast_render.executors import cuda, nvrtc

@@ -45,13 +45,13 @@ def look(bank):
         key = kinds, tuple(options.items())
         if key not in programs:
             programs[key] = jax.jit(
-                lambda bank, scene, camera, exclude: render(
-                    bank, scene, camera, Lens(SIZE, SIZE), kinds=kinds, exclude=exclude, **options
+                lambda scene, camera, exclude: render(
+                    scene, camera, Lens(SIZE, SIZE), kinds=kinds, exclude=exclude, **options
                 )
             )
         camera = Camera(jnp.asarray(pos, jnp.float32), jnp.asarray(quat, jnp.float32), jnp.float32(np.pi / 2))
         with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
-            out = programs[key](bank, place(bank), camera, jnp.int32(exclude))
+            out = programs[key](place(bank), camera, jnp.int32(exclude))
         return jax.tree.map(np.asarray, out)
 
     return images
@@ -82,7 +82,7 @@ def test_a_house_that_is_none_is_the_nearest_one_everywhere():
 
     @jax.jit
     def images(number):
-        return render(two, place(two).replace(house=number), camera, Lens(8, 8), kinds=KINDS)
+        return render(place(two).replace(house=number), camera, Lens(8, 8), kinds=KINDS)
 
     @jax.jit
     def others(number):
@@ -223,16 +223,16 @@ def test_only_what_is_asked_for_is_computed(bank):
     camera = Camera(jnp.zeros(3), jnp.asarray(LEVEL, jnp.float32), jnp.float32(1.0))
 
     def uses_textures(kinds):
-        program = jax.make_jaxpr(lambda b, s, c: render(b, s, c, Lens(4, 4), kinds=kinds))
-        return any("u8[" in str(eqn) for eqn in program(bank, place(bank), camera).eqns)
+        program = jax.make_jaxpr(lambda s, c: render(s, c, Lens(4, 4), kinds=kinds))
+        return any("u8[" in str(eqn) for eqn in program(place(bank), camera).eqns)
 
     assert uses_textures(("depth", "rgb"))
     assert not uses_textures(("depth", "normal", "fine"))
-    camera_ids = jax.jit(lambda b, s, c: render(b, s, c, Lens(4, 4), kinds=("fine",)))(bank, place(bank), camera)
+    camera_ids = jax.jit(lambda s, c: render(s, c, Lens(4, 4), kinds=("fine",)))(place(bank), camera)
     assert list(camera_ids) == ["fine"]
 
 
 def test_unknown_kind_is_refused_with_a_hint(bank):
     camera = Camera(jnp.zeros(3), jnp.asarray(LEVEL, jnp.float32), jnp.float32(1.0))
     with pytest.raises(ConfigError, match="Did you mean `depth`"):
-        render(bank, place(bank), camera, kinds=("deptth",))
+        render(place(bank), camera, kinds=("deptth",))

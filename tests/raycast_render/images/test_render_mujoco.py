@@ -85,8 +85,8 @@ def test_depth_and_segmentation_are_mujoco_s(tmp_path):
     nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
     scene = make_scene(bank, jnp.int32(0), bank.physics.body_pos[0], bank.physics.body_quat[0], *nobody)
     camera = Camera(jnp.array(pos, jnp.float32), jnp.asarray(quat, jnp.float32), jnp.float32(np.deg2rad(FOVY)))
-    look = jax.jit(lambda b, s, c: render(b, s, c, Lens(*SIZE), kinds=("depth", "instance", "partition")))
-    images = jax.tree.map(np.asarray, look(bank, scene, camera))
+    look = jax.jit(lambda s, c: render(s, c, Lens(*SIZE), kinds=("depth", "instance", "partition")))
+    images = jax.tree.map(np.asarray, look(scene, camera))
     ours = np.where(images["instance"] >= 0, 6 + images["instance"], images["partition"])
     same = ours == peer["segmentation"]
     # A rasteriser decides by coverage rules where an edge passes a pixel's middle.

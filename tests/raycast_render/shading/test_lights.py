@@ -20,7 +20,7 @@ def received(bank, xy=XY, spreads=((0.0, 0.0),), count=4, body_pos=None, **point
     """Irradiance at floor points, the mean over places of the lights that light comes from."""
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
         scene = scene_of(bank, body_pos)
-        placed = lights.place_lights(bank, scene, Lit(sky=1.0))
+        placed = lights.place_lights(scene, Lit(sky=1.0))
         at = floor_points(xy, **point)
 
         def one(spread):
@@ -153,7 +153,7 @@ def test_the_most_important_lights_are_chosen(rng, count):
         for i in range(20)
     ]
     bank = lit_bank(*rows)
-    placed = lights.place_lights(bank, scene_of(bank), NIGHT)
+    placed = lights.place_lights(scene_of(bank), NIGHT)
     keys = np.asarray(jax.jit(lambda p: lights.choose(placed, p, count))(floor_points(XY))).T
     pos, power = np.array([r["pos"] for r in rows]), np.array([r["intensity"][0] for r in rows])
     offset = np.concatenate([XY, np.zeros((len(XY), 1))], axis=1)[:, None] - pos[None]

@@ -39,14 +39,14 @@ def camera_at(x=0.0, y=-1.5, z=1.5, quat=AHEAD, fovy=1.2):
 def seen(bank, camera, options=NIGHT, lens=LENS):
     """What the camera's rays end on, under JAX's strictest rules."""
 
-    def look(bank, scene, camera):
-        view = View(bank, scene, camera, lens, options, -1, None)
+    def look(scene, camera):
+        view = View(scene, camera, lens, options, -1)
         growth = pixel_width(camera, lens)[1]
-        end = optics.follow(bank, scene, view.sight(view.middle), growth, options.bounces, -1)
+        end = optics.follow(scene, view.sight(view.middle), growth, options.bounces, -1)
         return end.replace(**{name: getattr(end, name).packed() for name in ("origin", "direction", "tint")})
 
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
-        return jax.tree.map(np.asarray, jax.jit(look)(bank, scene_of(bank), camera))
+        return jax.tree.map(np.asarray, jax.jit(look)(scene_of(bank), camera))
 
 
 def glazed(opacity=0.5, furniture=(PANE, POST)):
@@ -70,7 +70,7 @@ def test_glass_shows_what_is_behind_it_tinted():
     with_pane, without = HouseBank.from_compiled([glazed()]), HouseBank.from_compiled([shoebox(furniture=(POST,))])
     camera = camera_at(y=-2.4)
     there, bare = seen(with_pane, camera), seen(without, camera)
-    first = render(with_pane, scene_of(with_pane), camera, Lens(SIZE, SIZE), kinds=("instance",))["instance"]
+    first = render(scene_of(with_pane), camera, Lens(SIZE, SIZE), kinds=("instance",))["instance"]
     pane = np.asarray(first) == 0
     assert 100 < pane.sum() < SIZE * SIZE
     ends, plain = (s.origin + s.hit.t[..., None] * s.direction for s in (there, bare))
@@ -119,11 +119,9 @@ def test_a_mirror_shows_the_agent_that_looks_into_it():
         options = replace(Lit(), bounces=bounces, ambient=1.0, sun=0.0)
         dark = bank.replace(lights=bank.lights.replace(ambient=jnp.ones_like(bank.lights.ambient)))
         look = jax.jit(
-            lambda b, s, c, o=options: render(
-                b, s, c, Lens(SIZE, SIZE), kinds=("rgb", "instance"), preset=o, exclude=number
-            )
+            lambda s, c, o=options: render(s, c, Lens(SIZE, SIZE), kinds=("rgb", "instance"), preset=o, exclude=number)
         )
-        images[bounces] = jax.tree.map(np.asarray, look(dark, scene, camera_at(x=0.1)))
+        images[bounces] = jax.tree.map(np.asarray, look(scene.replace(bank=dark), camera_at(x=0.1)))
     assert not (images[0]["instance"] == number).any()
     blue = images[1]["rgb"][12:, 10:14].astype(int)
     plain = images[0]["rgb"][12:, 10:14].astype(int)
@@ -151,7 +149,7 @@ def test_a_ball_is_shaded_as_a_ball(mirror):
     assert hits.sum() > 50
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
         none, way = Vec.of(jnp.zeros_like(aim)), Vec.of(jnp.asarray(aim))
-        corner = lit._corner(bank, scene_of(bank), optics.Sight(none, way, hit, none.x, none))
+        corner = lit._corner(scene_of(bank), optics.Sight(none, way, hit, none.x, none))
         corner = jax.tree.map(lambda v: v.packed(), corner, is_leaf=lambda v: isinstance(v, Vec))
     points = start + np.asarray(hit.t)[:, None] * aim
     outward = (points - [0, 1.0, 1.5]) / np.diag(scale) ** 2
@@ -182,12 +180,10 @@ def test_far_textures_are_filtered():
     for height, name in ((0.1, "near"), (2.9, "far")):
         camera = camera_at(0.3, 0.2, height, quat=[1, 0, 0, 0], fovy=1.0)
         lens = Lens(16, 16)
-        view = View(bank, scene_of(bank), camera, lens, NIGHT, -1, None)
+        view = View(scene_of(bank), camera, lens, NIGHT, -1)
         sight = view.sight(view.middle)
-        corner_ = lit._corner(bank, view.scene, sight)
-        color = lit._color(
-            bank, view.scene, sight, corner_, jnp.zeros(lens.shape, jnp.int32), pixel_width(camera, lens)[1]
-        )
+        corner_ = lit._corner(view.scene, sight)
+        color = lit._color(view.scene, sight, corner_, jnp.zeros(lens.shape, jnp.int32), pixel_width(camera, lens)[1])
         spread[name] = np.ptp(np.asarray(color.packed()))
     assert spread["near"] > 0.8
     assert spread["far"] < 0.25
@@ -200,7 +196,7 @@ def test_an_image_is_what_the_formulas_say():
     camera = camera_at(0.0, 0.0, 1.0, quat=[1, 0, 0, 0], fovy=3.0)
     options = replace(NIGHT, exposure=3.0)
     image = np.asarray(
-        jax.jit(lambda b: render(b, scene_of(b), camera, lens, kinds=("rgb",), preset=options)["rgb"])(bank)
+        jax.jit(lambda b: render(scene_of(b), camera, lens, kinds=("rgb",), preset=options)["rgb"])(bank)
     )
     origin, _ = (np.asarray(x) for x in camera_rays(camera, lens))
     offset = origin * [1, 1, 0] - [0.4, 0.2, 2.5]
@@ -229,7 +225,7 @@ def test_more_samples_smooth_edges_and_leave_other_images_alone():
 
     def look(preset, samples):
         lens = Lens(SIZE, SIZE, samples=samples)
-        return jax.jit(lambda b: render(b, scene_of(b), camera, lens, kinds=kinds, preset=preset))(bank)
+        return jax.jit(lambda b: render(scene_of(b), camera, lens, kinds=kinds, preset=preset))(bank)
 
     for preset in ("fast", "lit"):
         one, many = look(preset, 1), look(preset, 12)
@@ -243,13 +239,13 @@ def test_more_samples_smooth_edges_and_leave_other_images_alone():
 
 def test_no_lights_at_all_show_what_is_reflected_and_nothing_breaks():
     bank = HouseBank.from_compiled([shoebox()])
-    image = render(bank, scene_of(bank), camera_at(), Lens(8, 8), kinds=("rgb",), preset="lit")["rgb"]
+    image = render(scene_of(bank), camera_at(), Lens(8, 8), kinds=("rgb",), preset="lit")["rgb"]
     assert (np.asarray(image) == 0).all(), "a closed room without lights is dark"
     none = Lit(num_lights=0)
-    image = render(bank, scene_of(bank), camera_at(), Lens(8, 8), kinds=("rgb",), preset=none)["rgb"]
+    image = render(scene_of(bank), camera_at(), Lens(8, 8), kinds=("rgb",), preset=none)["rgb"]
     assert (np.asarray(image) == 0).all()
     up = camera_at(0.0, 0.0, 10.0, quat=[0.0, 1, 0, 0])
-    sky = np.asarray(render(bank, scene_of(bank), up, Lens(8, 8), kinds=("rgb",), preset="lit")["rgb"])
+    sky = np.asarray(render(scene_of(bank), up, Lens(8, 8), kinds=("rgb",), preset="lit")["rgb"])
     assert (sky[..., 2] >= sky[..., 0]).all()
     assert sky.min() > 100
 

@@ -21,7 +21,7 @@ def look(bank, eye, quat):
     nobody = jnp.array([[0.0, 0.0, -50.0]]), jnp.array([[1.0, 0, 0, 0]])
     scene = make_scene(bank, jnp.int32(0), bank.physics.body_pos[0], bank.physics.body_quat[0], *nobody)
     camera = Camera(eye, quat, jnp.float32(1.5))
-    return render(bank, scene, camera, Lens(64, 48), kinds=("albedo", "instance"))
+    return render(scene, camera, Lens(64, 48), kinds=("albedo", "instance"))
 
 
 def level_camera(yaw: float) -> np.ndarray:

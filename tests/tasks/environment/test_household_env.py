@@ -215,7 +215,7 @@ def test_agents_see_each_other():
         bank, jnp.int32(0), jnp.zeros((bodies, 3)), quats, pose.pos, jnp.tile(jnp.array([1.0, 0.0, 0.0, 0.0]), (2, 1))
     )
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
-        images = jax.jit(lambda scene, pose: observe_images(config, bank, scene, pose))(scene, pose)
+        images = jax.jit(lambda scene, pose: observe_images(config, scene, pose))(scene, pose)
     ids = np.asarray(images["ids/head_instance"])
     first, second = agent_ids(bank, 2)
     assert (ids[0] == second).mean() > 0.02

@@ -38,7 +38,7 @@ def observe(bank, yaw=0.0, pitch=0.0, **options):
     bodies = bank.physics.body_pos[0], bank.physics.body_quat[0]
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
         scene = make_scene(bank, jnp.int32(0), *bodies, pose.pos, jnp.array([[1.0, 0, 0, 0]]))
-        images = jax.jit(lambda b, s: observe_images(config, b, s, pose))(bank, scene)
+        images = jax.jit(lambda s: observe_images(config, s, pose))(scene)
     return {name: np.asarray(value)[0] for name, value in images.items()}
 
 

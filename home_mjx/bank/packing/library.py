@@ -1,0 +1,87 @@
+"""What the houses of a bank share, and who owns the rows of its arrays."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from home_mjx.bank.packing.agent_model import agent_materials, agent_model, agent_semantics
+from home_mjx.bank.packing.capacity import running_starts, shared_rows
+from home_mjx.bank.packing.texture_layers import load_textures
+from home_mjx.bank.records.declaration import HOUSE, SHARED, Sizes
+from home_mjx.bank.records.owners import AgentRows, Counts, HouseAt, ModelAt, Shared, SharedRows, TreeAt
+from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse, Model
+from home_mjx.schema.lighting import Gloss
+
+Owners = dict[str, list]  # in the order of their rows, by kind of array
+
+
+@dataclass(frozen=True)
+class Library:
+    """What the houses of a bank share: models by key, the agent's first, and texture files, in the bank's order."""
+
+    models: Mapping[str, Model]
+    textures: tuple[str, ...]
+
+    @classmethod
+    def of(cls, houses: Sequence[CompiledHouse]) -> "Library":
+        """Each model and texture of some houses once; a house's architecture is its own."""
+        agent = agent_model()
+        models = {agent.key: agent}
+        for house in houses:
+            for key in house.instances.model[ARCHITECTURE + 1 :]:
+                models.setdefault(key, house.models[key])
+        return cls(models, tuple(sorted({path for h in houses for path in h.materials.texture if path})))
+
+    @cached_property
+    def index(self) -> dict[str, int]:
+        """Number of each model."""
+        return {key: i for i, key in enumerate(self.models)}
+
+    @cached_property
+    def layer(self) -> dict[str, int]:
+        """Layer of each texture; -1 of no texture."""
+        return {"": -1} | {path: i for i, path in enumerate(self.textures)}
+
+    @cached_property
+    def rows(self) -> dict[str, int]:
+        """Rows of the concatenated tables that come before those of the houses."""
+        return shared_rows(self.models.values(), agent_materials(), agent_semantics())
+
+    def owners(self, sizes: Sizes) -> Owners:
+        """Owners of those rows."""
+        models = list(self.models.values())
+        sizes_of = [{"node": len(m.tree.child), "triangle": len(m.triangle)} for m in models]
+        starts = running_starts({"node": 0, "triangle": 0}, sizes_of)
+        found: Owners = {}
+        for model, at in zip(models, starts, strict=True):
+            for kind, owners in model_owners(model, at).items():
+                found.setdefault(kind, []).extend(owners)
+        materials = agent_materials()
+        agent = AgentRows(materials, agent_semantics(), Gloss.matt(len(materials.mask)))
+        row = HouseAt(agent, dict.fromkeys(self.rows, 0), self.index, self.layer, sizes)
+        return found | {"material": [row], "semantic": [row]}
+
+    def shared(self, texture_size: int) -> Owners:
+        """The owner of what has no rows; reads the textures."""
+        pixels = load_textures(self.textures, texture_size).view("<u4")[..., 0]
+        return {SHARED: [Shared(SharedRows(pixels))]}
+
+    def house_owners(self, house: CompiledHouse, start: Counts, sizes: Sizes) -> Owners:
+        """Owners of a house's own rows.
+
+        Args:
+            house: The house.
+            start: Where its rows of each kind begin.
+            sizes: Of the bank.
+        """
+        own = house.models[house.instances.model[ARCHITECTURE]]
+        found = model_owners(own, start)
+        found["node"].append(TreeAt(house.top, start["node"] + len(own.tree.child), 0))  # leaves hold instances
+        at = HouseAt(house, start, self.index, self.layer, sizes)
+        return found | {kind: [at] for kind in ("material", "semantic", "cell", HOUSE)}
+
+
+def model_owners(model: Model, start: Counts) -> Owners:
+    """Owners of the rows of one model."""
+    at = ModelAt(model, start["node"])
+    return {"model": [at], "triangle": [at], "node": [TreeAt(model.tree, start["node"], start["triangle"])]}

@@ -1,0 +1,114 @@
+"""All arrays of a bank: the records, and what the bank holds itself."""
+
+import functools
+from collections.abc import Mapping
+from typing import Any, TypeVar
+
+import numpy as np
+from jaxtyping import Array, Int, UInt8
+
+from home_mjx.bank.records.bodies import Physics
+from home_mjx.bank.records.declaration import Declaration, Key
+from home_mjx.bank.records.geometry import Geometry
+from home_mjx.bank.records.light import Lights
+from home_mjx.bank.records.owners import HouseAt
+from home_mjx.bank.records.places import Navigation
+from home_mjx.bank.records.sound import Acoustics
+from home_mjx.bank.records.surfaces import Finish, Materials
+from home_mjx.core.pytree import Pytree, array, declared, static
+from home_mjx.errors import ConfigError
+
+ID_LENGTH = 32  # as "id_bytes" of house_id
+
+
+def ascii_id(at: HouseAt) -> UInt8[np.ndarray, " id_bytes"]:
+    """Bytes of the house's id."""
+    data = at.house.id.encode()
+    if not at.house.id.isascii() or not 0 < len(data) <= ID_LENGTH:
+        raise ConfigError(f"house id `{at.house.id}` must be 1 to {ID_LENGTH} ASCII characters")
+    return np.frombuffer(data.ljust(ID_LENGTH, b"\0"), np.uint8)
+
+
+class BankSpec(Pytree):
+    """Static numbers of a bank. Capacities are rounded to size classes, so that similar banks share a compiled step."""
+
+    num_instances: int = static()
+    num_bodies: int = static()
+    num_colliders: int = static()
+    num_planes: int = static()
+    num_starts: int = static()
+    num_goals: int = static()
+    cell: float = static()  # [m], navigation grid
+    agent_radius: float = static()  # [m], of the agents that the houses were compiled for
+    agent_height: float = static()  # [m]
+
+
+class BankArrays(Pytree):
+    """What a `HouseBank` holds."""
+
+    geometry: Geometry
+    materials: Materials
+    semantics: Int[Array, "semantic columns"] = array("columns: compiled.Semantic", source="semantics", fill=-1)
+    physics: Physics
+    acoustics: Acoustics
+    navigation: Navigation
+    finish: Finish
+    lights: Lights
+    draw: Int[Array, " h"]  # what resets draw from: house indices, each as often as any other that may be drawn
+    house_id: UInt8[Array, "h id_bytes"] = array("ASCII of the dataset's house id", source=ascii_id)
+    spec: BankSpec = static()
+
+
+Bank = TypeVar("Bank", bound=BankArrays)
+
+RECORDS: dict[str, type] = {
+    "": BankArrays,
+    "geometry": Geometry,
+    "materials": Materials,
+    "physics": Physics,
+    "acoustics": Acoustics,
+    "navigation": Navigation,
+    "finish": Finish,
+    "lights": Lights,
+}
+
+
+def schema() -> tuple[Declaration, ...]:
+    """Every declared array of a bank.
+
+    Example:
+        >>> next(d for d in schema() if d.name == "physics.body_mass").axes
+        ('h', 'bodies')
+    """
+    return _declarations(tuple(RECORDS.items()))
+
+
+@functools.cache
+def _declarations(records: tuple[tuple[str, type], ...]) -> tuple[Declaration, ...]:
+    return tuple(
+        Declaration.of((record, field), annotation, doc, **notes)
+        for record, cls in records
+        for field, (annotation, doc, notes) in declared(cls).items()
+    )
+
+
+def array_of(bank: BankArrays, key: Key) -> Array:
+    """One array of a bank."""
+    record, field = key
+    return getattr(getattr(bank, record) if record else bank, field)
+
+
+def by_record(arrays: Mapping[Key, Any]) -> dict[str, dict[str, Any]]:
+    """Arrays by record, then by field."""
+    tables: dict[str, dict[str, Any]] = {name: {} for name in RECORDS}
+    for (record, field), values in arrays.items():
+        tables[record][field] = values
+    return tables
+
+
+def with_arrays(bank: Bank, arrays: Mapping[Key, Array]) -> Bank:
+    """The bank with other arrays."""
+    tables = by_record(arrays)
+    own = tables.pop("")
+    records = {name: getattr(bank, name).replace(**fields) for name, fields in tables.items() if fields}
+    return bank.replace(**own, **records)

@@ -1,0 +1,52 @@
+"""Static boxes and movable bodies, for the physics."""
+
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.bank.records.owners import HouseAt
+from home_mjx.core.pytree import Pytree, array
+from home_mjx.scene_compile.architecture.rooms import ground_floor
+from home_mjx.scene_compile.geometry.boxes import box_inertia
+
+PARKED = np.array([0.0, 0.0, -100.0])  # [m], where padded boxes lie: far below any house
+UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
+SMALL = np.full(3, 0.1, np.float32)  # [m], half extents of padded boxes
+
+
+def ground_height(at: HouseAt) -> float:
+    """Top of the ground floor."""
+    return ground_floor(at.house.rooms)
+
+
+def is_body(at: HouseAt) -> Bool[np.ndarray, " k"]:
+    """True for each body."""
+    return np.ones(len(at.house.bodies.mass), bool)
+
+
+def inertia(at: HouseAt) -> Float[np.ndarray, "k 3"]:
+    """Of solid boxes, from mass and size as float32 holds them."""
+    bodies = at.house.bodies
+    return box_inertia(bodies.mass.astype(np.float32), bodies.size.astype(np.float32))
+
+
+class Physics(Pytree):
+    """Static boxes and movable bodies of every house."""
+
+    floor: Float[Array, " h"] = array("[m], top of the ground floor", source=ground_height)
+    collider_pos: Float[Array, "h colliders 3"] = array(
+        "[m]; padding is parked far below", source="colliders.pos", fill=PARKED
+    )
+    collider_quat: Float[Array, "h colliders 4"] = array("wxyz", source="colliders.quat", fill=UPRIGHT)
+    collider_size: Float[Array, "h colliders 3"] = array("[m], half extents", source="colliders.size", fill=SMALL)
+    body_valid: Bool[Array, "h bodies"] = array("False padding", source=is_body, fill=False)
+    body_instance: Int[Array, "h bodies"] = array("-1 padding", source="bodies.instance", fill=-1)
+    body_pos: Float[Array, "h bodies 3"] = array("[m]; padding is parked far below", source="bodies.pos", fill=PARKED)
+    body_quat: Float[Array, "h bodies 4"] = array("wxyz", source="bodies.quat", fill=UPRIGHT)
+    body_size: Float[Array, "h bodies 3"] = array("[m], half extents", source="bodies.size", fill=SMALL)
+    body_mass: Float[Array, "h bodies"] = array("[kg]", source="bodies.mass", fill=1)
+    body_inertia: Float[Array, "h bodies 3"] = array(
+        "[kg m^2], principal", source=inertia, fill=box_inertia(np.ones(1, np.float32), SMALL[None])[0]
+    )
+    body_from_model: Float[Array, "h bodies 3 4"] = array(
+        "body frame from model frame", source="bodies.from_model", fill=np.eye(3, 4)
+    )

@@ -1,0 +1,115 @@
+"""What rays need of houses."""
+
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from home_mjx.bank.records.gpu_geometry import GpuGeometry
+from home_mjx.bank.records.owners import HouseAt, ModelAt, TreeAt
+from home_mjx.core.pytree import Pytree, array
+from home_mjx.scene_compile.geometry.mesh import invert
+from home_mjx.schema.compiled import ARCHITECTURE
+
+LEAF_BITS = 4  # a leaf code holds `first << LEAF_BITS | count`
+NOWHERE = np.array([[np.inf] * 3 + [-np.inf] * 3])  # a box that no ray meets
+IDENTITY = np.eye(3, 4)
+
+
+def absolute_child(at: TreeAt) -> Int[np.ndarray, "n 2"]:
+    """Tree codes with `node` added to inner nodes and `first` to the primitives of leaves; empty leaves stay."""
+    child = at.record.child
+    leaf = np.where(child == -1, -1, ~(~child.astype(np.int64) + (at.first << LEAF_BITS)))
+    return np.where(child >= 0, child + at.node, leaf).astype(np.int32)
+
+
+def first_node(at: ModelAt) -> Any:
+    """Root of a model's tree."""
+    return [at.node]
+
+
+def whole_box(at: ModelAt) -> Any:
+    """Bounds of a model."""
+    return at.record.box[None]
+
+
+def top_root(at: HouseAt) -> int:
+    """Root of a house's top tree, which follows that of its architecture."""
+    own = at.house.models[at.house.instances.model[ARCHITECTURE]]
+    return at.start["node"] + len(own.tree.child)
+
+
+def model_numbers(at: HouseAt) -> list[int]:
+    """Library models of the instances; the architecture's is the house's own."""
+    return [at.start["model"], *(at.model[key] for key in at.house.instances.model[ARCHITECTURE + 1 :])]
+
+
+def inverse_pose(at: HouseAt) -> Float[np.ndarray, "i 3 4"]:
+    """Inverses of the poses as float32 holds them."""
+    return invert(at.house.instances.pose.astype(np.float32).astype(np.float64))
+
+
+def first_material(at: HouseAt) -> Int[np.ndarray, " i"]:
+    """First material row of each instance."""
+    return at.house.instances.material + at.start["material"]
+
+
+def first_semantic(at: HouseAt) -> Int[np.ndarray, " i"]:
+    """First semantic row of each instance."""
+    return at.house.instances.semantic + at.start["semantic"]
+
+
+def semantic_by_object(at: HouseAt) -> Int[np.ndarray, " o"]:
+    """Semantic row of each object id."""
+    ids = at.house.instances.object_id[ARCHITECTURE + 1 :]
+    rows = np.full(1 + ids.max(initial=-1), -1, np.int32)
+    rows[ids] = first_semantic(at)[ARCHITECTURE + 1 :]
+    return rows
+
+
+class Geometry(Pytree):
+    """The shared model library and each house's instances.
+
+    Triangle and node indices are absolute in these arrays. Instance indices run over [0, I) per house, row 0 being
+    the architecture; agents follow as I + a. Tree codes are those of `compiled.Tree`, except that they are absolute.
+    """
+
+    node_box: Float[Array, "node 2 6"] = array("per child: min xyz, max xyz", source="box", fill=NOWHERE)
+    node_child: Int[Array, "node 2"] = array(
+        ">= 0 node; < 0 leaf: ~code = first << 4 | count", source=absolute_child, fill=-1
+    )
+    triangle: Float[Array, "triangle 3 3"] = array("[m], model frame", source="triangle")
+    triangle_uv: Float[Array, "triangle 3 2"] = array("texture coordinates of the corners", source="uv")
+    triangle_slot: Int[Array, " triangle"] = array("material slot", source="slot")
+    triangle_part: Int[Array, " triangle"] = array("semantic part", source="part")
+    model_root: Int[Array, " model"] = array("root node of the model's tree", source=first_node)
+    model_box: Float[Array, "model 2 3"] = array("[m], min and max", source=whole_box)
+    house_root: Int[Array, " h"] = array(
+        "root node of the top tree over static instances (leaves hold instance indices)", source=top_root
+    )
+    instance_model: Int[Array, "h instances"] = array("-1 padding", source=model_numbers, fill=-1)
+    instance_pose: Float[Array, "h instances 3 4"] = array("world from model", source="instances.pose", fill=IDENTITY)
+    instance_inverse: Float[Array, "h instances 3 4"] = array(
+        "model from world", source=inverse_pose, fill=invert(IDENTITY)
+    )
+    instance_object: Int[Array, "h instances"] = array(
+        "object id (node index); -1 architecture and padding", source="instances.object_id", fill=-1
+    )
+    instance_material: Int[Array, "h instances"] = array("first material row, absolute", source=first_material)
+    instance_semantic: Int[Array, "h instances"] = array("first semantic row, absolute", source=first_semantic)
+    instance_body: Int[Array, "h instances"] = array(
+        "index of the movable body; -1 static", source="instances.body", fill=-1
+    )
+    object_semantic: Int[Array, "h instances"] = array(
+        "semantic row of each object id, absolute; -1 none", source=semantic_by_object, fill=-1
+    )
+    material_mask: Int[Array, " material"] = array("Ray bits that each material stops", source="materials.mask")
+    agent_model: Int[Array, ""] = array("library model of an agent (unit: its real size)", source="agent")
+    agent_material: Int[Array, ""] = array("first material row of an agent", source="agent")
+    agent_semantic: Int[Array, ""] = array("semantic row of agents", source="agent")
+    gpu: GpuGeometry | None = None  # the same once more for the `cuda` ray executor; None: it lays it out at each cast
+
+    def known_house(self, house: Int[Array, "*n"] | int) -> Int[Array, "*n"]:
+        """The nearest index of a house that there is; JAX's own indexing would take negative ones from the end."""
+        return jnp.clip(house, 0, self.house_root.shape[0] - 1)

@@ -1,0 +1,79 @@
+"""Where agents can be."""
+
+import numpy as np
+from jaxtyping import Array, Float, Int, UInt16
+
+from home_mjx.bank.records.declaration import CYCLE
+from home_mjx.bank.records.owners import HouseAt
+from home_mjx.core.pytree import Pytree, array
+from home_mjx.schema.compiled import FIELD_FAR
+
+
+def first_cell(at: HouseAt) -> int:
+    """Number of a house's first cell."""
+    return at.start["cell"]
+
+
+def num_cells(at: HouseAt) -> int:
+    """Cells in which agents can be."""
+    return len(at.house.navigation.field)
+
+
+def cell_numbers(at: HouseAt) -> Int[np.ndarray, "l ny nx"]:
+    """Numbers of the cells in which agents can be, in the order of the grids; -1 elsewhere."""
+    free = at.house.navigation.free
+    return np.where(free, at.start["cell"] + np.cumsum(free).reshape(free.shape) - 1, -1)
+
+
+def goal_fields(at: HouseAt) -> UInt16[np.ndarray, "c g"]:
+    """Distances to the goals, which are taken in turn as often as a bank has goals."""
+    field = at.house.navigation.field
+    return field[:, np.arange(at.sizes["goals"]) % field.shape[1]]
+
+
+class Navigation(Pytree):
+    """Grids of every house and level, starts, goals, portals; see `compiled.Navigation`.
+
+    Cells in which agents can be (those of the home region) are numbered through all houses.
+    """
+
+    origin: Float[Array, "h 2"] = array("[m], corner of cell (0, 0) of a house's grids", source="navigation.origin")
+    floor: Float[Array, "h levels"] = array(
+        "[m], of each level that has rooms, from below; inf padding", source="navigation.floor", fill=np.inf
+    )
+    first_cell: Int[Array, " h"] = array("row of `place` and `field` of a house's first cell", source=first_cell)
+    num_cells: Int[Array, " h"] = array("cells in which agents can be", source=num_cells)
+    cell: Int[Array, "h levels grid_rows grid_columns"] = array(
+        "row of `place` and `field`; -1 where agents cannot be", source=cell_numbers, fill=-1
+    )
+    place: Int[Array, "cell 3"] = array("level, row and column", source="navigation.place", dtype=np.int16)
+    field: UInt16[Array, "cell goals"] = array(
+        "[FIELD_UNIT], geodesic distance to each goal of the cell's house; FIELD_FAR no path",
+        source=goal_fields,
+        fill=FIELD_FAR,
+    )
+    region: Int[Array, "h levels grid_rows grid_columns"] = array(
+        "0 the home region, then by area; -1 where nobody can stand",
+        source="navigation.region",
+        fill=-1,
+        dtype=np.int16,
+    )
+    room: Int[Array, "h levels grid_rows grid_columns"] = array(
+        "-1 outside", source="navigation.room", fill=-1, dtype=np.int16
+    )
+    room_type: Int[Array, "h rooms"] = array("index into ROOM_TYPES; -1 none", source="rooms.type", fill=-1)
+    start: Float[Array, "h starts 3"] = array("[m], on the floor", source="navigation.start", fill=CYCLE)
+    goal: Float[Array, "h goals 3"] = array("[m], on the floor", source="navigation.goal", fill=CYCLE)
+    portal_room: Int[Array, "h portals 2"] = array(
+        "-1 outdoors, and padding", source="navigation.portals.room", fill=-1
+    )
+    portal_pos: Float[Array, "h portals 3"] = array("[m]", source="navigation.portals.pos")
+    portal_width: Float[Array, "h portals"] = array(
+        "[m], that agents can cross; 0: closed to them, and padding", source="navigation.portals.width"
+    )
+    portal_kind: Int[Array, "h portals"] = array(
+        "compiled.PortalKind; -1 padding", source="navigation.portals.kind", fill=-1
+    )
+    room_hops: Int[Array, "h rooms rooms"] = array(
+        "portals on the way from room to room; -1 no way", source="navigation.room_hops", fill=-1, dtype=np.int16
+    )

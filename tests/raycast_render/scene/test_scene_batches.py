@@ -1,0 +1,96 @@
+"""Scenes carry their bank and executor through `vmap`: the bank is never copied."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from handmade import Furniture, shoebox, two_rooms
+
+from home_mjx.audio_jax import AudioConfig, Listener, Source, impulse_response
+from home_mjx.bank.bank import HouseBank
+from home_mjx.raycast_render import Camera, Lens, Scene, cast, make_scene, occluded, render
+from home_mjx.raycast_render.executors.cpu import TARGET
+
+E = 3
+LEVEL = jnp.array([0.5**0.5, 0.5**0.5, 0, 0], jnp.float32)
+CONFIG = AudioConfig(num_rays=4, num_bounces=2, response_seconds=0.1)
+
+
+@pytest.fixture(scope="module")
+def bank():
+    return HouseBank.from_compiled([shoebox(furniture=[Furniture((1.0, 1.0), mass=5.0)]), two_rooms()])
+
+
+def place(bank, house, executor=None):
+    nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
+    return make_scene(bank, house, bank.physics.body_pos[house], bank.physics.body_quat[house], *nobody, executor)
+
+
+def see(scene, eye):
+    return render(scene, Camera(eye, LEVEL, jnp.float32(1.2)), Lens(4, 4), kinds=("rgb", "fine"), preset="lit")
+
+
+def hear(scene, ears):
+    source = Source(jnp.array([-1.5, -1.0, 1.2]))
+    return impulse_response(scene, source, Listener(ears, LEVEL), jax.random.key(0), CONFIG)
+
+
+@pytest.fixture(scope="module")
+def batch():
+    return jnp.array([0, 1, 0]), jnp.array([[-1.0, -1, 1.5], [-2.0, 0, 1.5], [-0.5, -1, 1.2]])
+
+
+@pytest.mark.parametrize("sense", [see, hear])
+def test_scenes_that_cross_the_border_of_vmap_give_what_scenes_inside_do(bank, batch, sense):
+    houses, eyes = batch
+    inside = jax.jit(jax.vmap(lambda house, eye: sense(place(bank, house), eye)))(houses, eyes)
+    scenes = jax.jit(jax.vmap(lambda house: place(bank, house), out_axes=Scene.axes()))(houses)
+    assert jax.tree.map(jnp.shape, scenes.bank) == jax.tree.map(jnp.shape, bank)
+    assert scenes.house.shape == (E,)
+    outside = jax.jit(jax.vmap(sense, in_axes=(Scene.axes(), 0)))(scenes, eyes)
+    jax.tree.map(np.testing.assert_array_equal, inside, outside)
+
+
+def shapes_of(jaxpr):
+    """Shapes of everything that a program computes, inner programs included."""
+    for equation in jaxpr.eqns:
+        yield from (v.aval.shape for v in equation.outvars)
+        for leaf in jax.tree.leaves(list(equation.params.values())):
+            inner = getattr(leaf, "jaxpr", leaf)
+            if hasattr(inner, "eqns"):
+                yield from shapes_of(inner)
+
+
+def copies(function, bank, *args):
+    """Large arrays of the bank that a program over E environments has E times."""
+    found = set(shapes_of(jax.make_jaxpr(function)(bank, *args).jaxpr))
+    large = [leaf.shape for leaf in jax.tree.leaves(bank) if leaf.size > 1000]
+    assert len(large) > 10
+    return [shape for shape in large if (E, *shape) in found]
+
+
+@pytest.mark.parametrize("sense", [see, hear])
+def test_no_program_copies_the_bank_for_each_environment(bank, batch, sense):
+    def batched(bank, houses, eyes):
+        return jax.vmap(lambda house, eye: sense(place(bank, house), eye))(houses, eyes)
+
+    assert copies(batched, bank, *batch) == []
+    assert copies(lambda bank, houses: jax.vmap(lambda h: place(bank, h))(houses), bank, batch[0]) != []
+
+
+def test_every_ray_of_a_scene_is_cast_by_its_executor(bank):
+    def lowered(sense, executor):
+        eye = jnp.array([-1.0, -1, 1.5])
+        return jax.jit(lambda bank: sense(place(bank, jnp.int32(0), executor), eye)).lower(bank).as_text()
+
+    for sense in (see, hear, lambda s, eye: cast(s, eye, LEVEL[:3]), lambda s, eye: occluded(s, eye, LEVEL[:3])):
+        assert TARGET not in lowered(sense, "xla")
+        assert TARGET in lowered(sense, "cpu")
+    assert TARGET not in lowered(lambda s, eye: cast(s, eye, LEVEL[:3], executor="xla"), "cpu")
+
+
+def test_scenes_of_different_executors_are_different_trees(bank):
+    """So that a compiled program of one is not taken for the other."""
+    one, other = (place(bank, jnp.int32(0), name) for name in ("xla", "cpu"))
+    assert jax.tree.structure(one) != jax.tree.structure(other)
+    assert jax.tree.structure(one.replace(executor="cpu")) == jax.tree.structure(other)
