@@ -178,6 +178,8 @@ class Navigation:
 
     origin: Float[np.ndarray, " 2"]  # [m], corner of cell (0, 0) of every grid
     cell: float  # [m]
+    agent_radius: float  # [m], of the agents for whom there is room in `region`
+    agent_height: float  # [m]
     level: Int[np.ndarray, " l"]  # level index of each grid
     floor: Float[np.ndarray, " l"]  # [m], lowest floor of each level
     region: Int[np.ndarray, "l ny nx"]  # connected region where the agent's axis may be, larger before smaller; -1 none
