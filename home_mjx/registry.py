@@ -1,6 +1,5 @@
 """Environment ids and how to make them."""
 
-import itertools
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -88,6 +87,7 @@ def as_bank(
     """
     from home_mjx.bank.bank import HouseBank
     from home_mjx.core.paths import dataset_root
+    from home_mjx.datasets.procedural.default_houses import generated_houses
     from home_mjx.datasets.suncg.dataset import Dataset
 
     if isinstance(houses, HouseBank):
@@ -100,27 +100,12 @@ def as_bank(
         raise ConfigError(f"`houses` must be a HouseBank or the folder of a dataset, got {houses!r}")
     if houses is not None:
         root = houses if isinstance(houses, Dataset) else Path(houses)
-        return HouseBank.from_dataset(root, limit=num_houses, progress=progress, split=split, where=where)
+        return HouseBank.from_dataset(root, num_houses=num_houses, progress=progress, split=split, where=where)
     if where is not None:
         hint = "Write some with `home-mjx generate OUT`, then pass houses=OUT."
         raise ConfigError("`where` chooses among the houses of a dataset", hint=hint)
     root, ids = generated_houses(num_houses, progress, split)
     return HouseBank.from_dataset(root, ids=ids, progress=progress)
-
-
-def generated_houses(num_houses: int, progress: bool = False, split: str | None = None) -> tuple[Path, tuple[str, ...]]:
-    """Root and ids of the first `num_houses` generated houses; made on first use and kept in the cache folder.
-
-    With `split`, of the first ones that belong to it.
-    """
-    from home_mjx.core.paths import cache_folder
-    from home_mjx.datasets.procedural.build import house_id
-    from home_mjx.datasets.procedural.dataset import VERSION, generate_dataset
-    from home_mjx.scene_compile.cache.selection import select_ids
-
-    root = cache_folder() / f"generated-v{VERSION}"
-    seeds = (seed for seed in itertools.count() if select_ids([house_id(seed)], split))
-    return root, generate_dataset(root, list(itertools.islice(seeds, num_houses)), progress=progress)
 
 
 def _point_nav(get_bank: Callable[[], Any], **options: Any) -> Any:
