@@ -78,7 +78,7 @@ class HouseBank(Pytree):
         options: CompileOptions = DEFAULT_OPTIONS,
         split: str | None = None,
         where: HouseFilter | None = None,
-        limit: None = None,
+        limit: object = None,
     ) -> "HouseBank":
         """A bank of houses of a dataset in SUNCG's format; compiled houses are cached on disk.
 
@@ -96,15 +96,8 @@ class HouseBank(Pytree):
             DatasetError: The dataset or one of the houses is missing or broken.
             ConfigError: No house is left, or the houses cannot share a bank.
         """
-        choice = {
-            "ids": ids,
-            "num_houses": num_houses,
-            "options": options,
-            "split": split,
-            "where": where,
-            "limit": limit,
-        }
-        return cls.from_compiled(HouseSet.of(root, **choice).load(progress))
+        choice = {"ids": ids, "split": split, "where": where, "num_houses": num_houses, "options": options}
+        return cls.from_compiled(HouseSet.of(root, **choice, limit=limit).load(progress))
 
     @property
     def num_houses(self) -> int:
