@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from block_houses import block
 from hypothesis import given
 from hypothesis import strategies as st
-from block_houses import block
 
 from home_mjx.scene_compile.architecture.frame import Frame
 from home_mjx.scene_compile.geometry.polygons import inside_polygon, polygon_distance

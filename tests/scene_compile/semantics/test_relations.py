@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from block_houses import FLOOR, ROOM, block, place
 from hypothesis import given
 from hypothesis import strategies as st
-from block_houses import FLOOR, ROOM, block, place
 
 from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, footprint
 from home_mjx.scene_compile.semantics.relations import (
