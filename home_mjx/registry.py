@@ -2,7 +2,6 @@
 
 import dataclasses
 import importlib
-import itertools
 import re
 import sys
 from collections.abc import Callable, Mapping
@@ -11,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import gymnasium
 
-from home_mjx.core.checks import check_number
 from home_mjx.core.jsonable import from_json, to_json
 from home_mjx.errors import ConfigError, did_you_mean
 
 if TYPE_CHECKING:
     from home_mjx.bank.bank import HouseBank
     from home_mjx.datasets.suncg.dataset import Dataset
+    from home_mjx.scene_compile.cache.house_set import HouseSet
     from home_mjx.scene_compile.cache.selection import HouseFilter
     from home_mjx.scene_compile.pipeline.compile import CompileOptions
     from home_mjx.tasks.environment.bound import BoundEnv
@@ -146,7 +145,7 @@ def find_spec(env_id: str) -> EnvSpec:
 
 def make(
     env_id: str,
-    houses: "HouseBank | Dataset | str | Path | None" = None,
+    houses: "HouseBank | HouseSet | Dataset | str | Path | None" = None,
     *,
     num_houses: int | None = None,
     split: str | None = None,
@@ -158,8 +157,9 @@ def make(
 
     Args:
         env_id: Such as `PointNav-v0`, see `list_envs`.
-        houses: A `HouseBank`, a dataset or its root folder, or None: then the dataset that the environment variable
-            `SUNCG_DATA_DIR` names, or, where it is not set, generated houses, made once and kept in the cache folder.
+        houses: A `HouseBank`, a `HouseSet`, a dataset or its root folder, or None: then the dataset that the
+            environment variable `SUNCG_DATA_DIR` names, or, where it is not set, generated houses, made once and kept
+            in the cache folder.
         num_houses: How many houses of a dataset or generator to use; 8 by default.
         split: Only houses of `train`, `val` or `test`.
         where: A `HouseFilter`: only houses of a dataset that have all this.
@@ -180,10 +180,10 @@ def make(
     """
     known = find_spec(env_id)
     in_memory = houses is not None and not isinstance(houses, str | Path)
-    if in_memory and _is_bank(houses):
+    if in_memory and _is_chosen(houses):
         for name, value in (("num_houses", num_houses), ("split", split), ("where", where)):
             if value is not None:
-                raise ConfigError(f"`{name}` chooses houses of a dataset, not of a bank that is made")
+                raise ConfigError(f"`{name}` chooses houses of a dataset, not of {type(houses).__name__}")
     spec = dataclasses.replace(
         known,
         options={**known.options, **options},
@@ -243,10 +243,11 @@ def _load(entry_point: str) -> Callable[..., Any]:
     return found
 
 
-def _is_bank(houses: Any) -> bool:
+def _is_chosen(houses: Any) -> bool:
     from home_mjx.bank.bank import HouseBank
+    from home_mjx.scene_compile.cache.house_set import HouseSet
 
-    return isinstance(houses, HouseBank)
+    return isinstance(houses, HouseBank | HouseSet)
 
 
 def as_bank(
@@ -263,42 +264,19 @@ def as_bank(
         ConfigError: `houses` is something else, or a filter was given for generated houses.
     """
     from home_mjx.bank.bank import HouseBank
-    from home_mjx.core.paths import dataset_root
-    from home_mjx.datasets.suncg.dataset import Dataset
+    from home_mjx.scene_compile.cache.house_set import HouseSet, default_houses
     from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS
 
     if isinstance(houses, HouseBank):
         return houses
     options = compile_options or DEFAULT_OPTIONS
-    check_number("num_houses", num_houses, 1, whole=True)
-    houses = houses or dataset_root()
-    if houses is not None and not isinstance(houses, str | Path | Dataset):
-        raise ConfigError(f"`houses` must be a HouseBank or the folder of a dataset, got {houses!r}")
-    if houses is not None:
-        root = houses if isinstance(houses, Dataset) else Path(houses)
-        return HouseBank.from_dataset(
-            root, limit=num_houses, progress=progress, split=split, where=where, options=options
-        )
-    if where is not None:
-        hint = "Write some with `home-mjx generate OUT`, then pass houses=OUT."
-        raise ConfigError("`where` chooses among the houses of a dataset", hint=hint)
-    root, ids = generated_houses(num_houses, progress, split)
-    return HouseBank.from_dataset(root, ids=ids, progress=progress, options=options)
-
-
-def generated_houses(num_houses: int, progress: bool = False, split: str | None = None) -> tuple[Path, tuple[str, ...]]:
-    """Root and ids of the first `num_houses` generated houses; made on first use and kept in the cache folder.
-
-    With `split`, of the first ones that belong to it.
-    """
-    from home_mjx.core.paths import cache_folder
-    from home_mjx.datasets.procedural.build import house_id
-    from home_mjx.datasets.procedural.dataset import VERSION, generate_dataset
-    from home_mjx.scene_compile.cache.selection import select_ids
-
-    root = cache_folder() / f"generated-v{VERSION}"
-    seeds = (seed for seed in itertools.count() if select_ids([house_id(seed)], split))
-    return root, generate_dataset(root, list(itertools.islice(seeds, num_houses)), progress=progress)
+    if houses is None:
+        chosen = default_houses(num_houses, split=split, where=where, options=options, progress=progress)
+    elif isinstance(houses, HouseSet):
+        chosen = dataclasses.replace(houses, options=options) if houses.options == DEFAULT_OPTIONS else houses
+    else:
+        chosen = HouseSet(houses, split=split, where=where, num_houses=num_houses, options=options)
+    return HouseBank.from_dataset(chosen, progress=progress)
 
 
 register("PointNav-v0", "home_mjx.tasks:PointNav")

@@ -35,10 +35,10 @@ def bank(settings: Settings) -> Record:
     from home_mjx.bank.bank import HouseBank
     from home_mjx.datasets.suncg.digests import forget_files
 
-    HouseBank.from_dataset(settings.root, limit=settings.num_houses)
+    HouseBank.from_dataset(settings.root, num_houses=settings.num_houses)
     forget_files()
     start = time.perf_counter()
-    made = jax.block_until_ready(HouseBank.from_dataset(settings.root, limit=settings.num_houses))
+    made = jax.block_until_ready(HouseBank.from_dataset(settings.root, num_houses=settings.num_houses))
     seconds = time.perf_counter() - start
     size = sum(leaf.nbytes for leaf in jax.tree.leaves(made)) / 2**20
     note = f"{settings.describe(made.num_houses)} from the cache, {size:.0f} MiB"
@@ -66,7 +66,7 @@ def cold(settings: Settings) -> Record:
 
 
 def cached(settings: Settings) -> Record:
-    """Seconds to load the first house from the cache, its files read and checked for changes."""
+    """Seconds to load the first house from the cache, as a new process would, its files checked for changes."""
     from home_mjx.datasets.suncg.digests import forget_files
 
     _first_house(settings.root)
@@ -86,7 +86,7 @@ def stream(settings: Settings) -> Record:
 
     slots = max(2, settings.num_houses // 2)
     if len(open_dataset(settings.root).house_ids) < slots:
-        settings = replace(settings, suncg=None)  # generated houses, since there is nothing to exchange
+        settings = replace(settings, dataset=None)  # generated houses, since there is nothing to exchange
     with HouseStream(settings.root, num_slots=slots, headroom=2.0) as houses:
         core = AutoReset(HouseholdEnv(make_config(sensors=("state", "goal"), episode_length=8)))
         step = jax.jit(core.step)

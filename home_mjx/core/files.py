@@ -1,14 +1,21 @@
-"""Bounded reading of files below a dataset root."""
+"""Bounded reading of files below a dataset root, and writing of files whole or not at all."""
 
 import os
+import shutil
 import stat
+import tempfile
+import uuid
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
+from typing import IO
 
 from home_mjx.errors import DatasetError
 
 # The largest SUNCG file is a few MB and has 130,000 lines; what is beyond these can only be a mistake or an attack.
 MAX_BYTES = 1 << 25
 MAX_LINES = 1 << 20
+TEMPORARY = ".tmp"  # how names of files end that are not yet whole; they begin with a dot
 
 
 def read_text(path: Path, hint: str | None = None, most: int | None = None) -> str:
@@ -81,3 +88,57 @@ def below(root: Path, folder: Path, relative: str) -> Path | None:
     """
     path = Path(os.path.normpath(folder / relative.replace("\\", "/")))
     return path if path.is_relative_to(root) else None
+
+
+@contextmanager
+def write_whole(path: Path) -> Iterator[IO[bytes]]:
+    """A file beside `path` that takes its place when the block ends, so that no reader ever meets half a file.
+
+    If the block raises, `path` stays as it was. Nothing is forced to the disk: what is written so is checked when it
+    is read, and can be made again.
+
+    Args:
+        path: The file; its folder is made if need be.
+
+    Raises:
+        OSError: The folder cannot be written to.
+
+    Example:
+        >>> with write_whole(Path("notes.json")) as file:  # doctest: +SKIP
+        ...     file.write(b"{}")
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=TEMPORARY)
+    try:
+        with os.fdopen(handle, "wb") as file:
+            yield file
+        os.replace(temporary, path)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+
+
+def replace_folder(target: Path, files: Mapping[str, bytes]) -> None:
+    """Writes a folder beside its place and then moves it there; an older one goes.
+
+    Args:
+        target: The folder.
+        files: Contents by path in it.
+
+    Raises:
+        OSError: It cannot be written; the older folder, if there is one, is still there.
+    """
+    target.parent.mkdir(parents=True, exist_ok=True)
+    fresh, old = (target.with_name(f".{target.name}.{uuid.uuid4().hex}") for _ in range(2))
+    try:
+        for name, content in files.items():
+            (fresh / name).parent.mkdir(parents=True, exist_ok=True)
+            (fresh / name).write_bytes(content)
+        if target.exists():
+            target.rename(old)
+        fresh.rename(target)
+    finally:
+        if old.exists() and not target.exists():
+            old.rename(target)
+        shutil.rmtree(fresh, ignore_errors=True)
+        shutil.rmtree(old, ignore_errors=True)

@@ -91,7 +91,7 @@ class Colliders:
 
 @dataclass(frozen=True)
 class Bodies:
-    """Movable objects, one box each, in the order of priority."""
+    """Movable objects, one box each, the lightest first."""
 
     instance: Int[np.ndarray, " k"]
     pos: Float[np.ndarray, "k 3"]  # [m], centre of the box = centre of mass
@@ -178,7 +178,7 @@ class Navigation:
 
     origin: Float[np.ndarray, " 2"]  # [m], corner of cell (0, 0) of every grid
     cell: float  # [m]
-    agent_radius: float  # [m], of the agents that the grids are for
+    agent_radius: float  # [m], of the agents for whom there is room in `region`
     agent_height: float  # [m]
     level: Int[np.ndarray, " l"]  # level index of each grid
     floor: Float[np.ndarray, " l"]  # [m], lowest floor of each level
@@ -229,7 +229,8 @@ class CompiledHouse:
     doors: Doors = field(default_factory=Doors.none)
     lights: LightTable = field(default_factory=LightTable.none)
     gloss: Gloss = field(default_factory=lambda: Gloss.matt(0))  # of the first rows of `materials`; the rest is matt
-    stuck: Int[np.ndarray, " n"] = field(default_factory=lambda: np.zeros(0, np.int32))  # object ids: see `Solid.stuck`
+    # Ids of objects that could be pushed if they did not stand in something.
+    stuck: Int[np.ndarray, " n"] = field(default_factory=lambda: np.zeros(0, np.int32))
 
 
 TextureArray = UInt8[np.ndarray, "l p 4"]  # layers, texels of all mip levels

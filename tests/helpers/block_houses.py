@@ -5,7 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from home_mjx.scene_compile.objects.place import Placed, place_objects
+from home_mjx.scene_compile.architecture.frame import Frame
+from home_mjx.scene_compile.objects.place import PlacedObject, place_objects
 from home_mjx.schema.compiled import Rooms
 from home_mjx.schema.house import Box, House, Level, Metadata, ModelInfo
 
@@ -29,12 +30,12 @@ def block(low: tuple, high: tuple, category: str = "toy", yaw: float = 0.0) -> t
     return node, ModelInfo(category, category, category)
 
 
-def place(blocks: list[tuple[Box, ModelInfo]]) -> list[Placed]:
+def place(blocks: list[tuple[Box, ModelInfo]]) -> list[PlacedObject]:
     """Objects with ids 0, 1, … in the room."""
     boxes = tuple(replace(node, index=i, id=f"0_{i}") for i, (node, _) in enumerate(blocks))
     level = Level("0", 0, (), (), boxes, ())
     house = House("house", "suncg@1.0.0", Path("house.json"), (level,), {})
-    placed = [replace(o, room=0) for o in place_objects(house, Metadata({}), NO_ROOMS, np.zeros(3))]
+    placed = [replace(o, room=0) for o in place_objects(Frame(house, np.zeros(3), NO_ROOMS), Metadata({}))]
     return [replace(o, info=info) for o, (_, info) in zip(placed, blocks, strict=True)]
 
 

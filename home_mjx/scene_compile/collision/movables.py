@@ -6,10 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, footprint, join, yaw_matrix, yaw_quat
+from home_mjx.core.rotations import yaw_matrix, yaw_quat
+from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, footprint, join
 from home_mjx.scene_compile.geometry.mesh import bounds, compose, invert
 from home_mjx.scene_compile.objects.masses import object_mass
-from home_mjx.scene_compile.objects.place import Placed
+from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.compiled import Bodies
 from home_mjx.schema.house import Object
 
@@ -46,13 +47,13 @@ class MovableOptions:
 class Candidate:
     """An object that may become a body."""
 
-    item: Placed
+    item: PlacedObject
     box: BoxSet
     mass: float
 
 
 def choose_movables(
-    objects: Sequence[Placed],
+    objects: Sequence[PlacedObject],
     static: Mapping[int, BoxSet],
     walls: BoxSet,
     floor: float,
@@ -78,13 +79,13 @@ def choose_movables(
     candidates = sorted(free, key=lambda c: (c.mass, c.item.object_id))
     standing = _settle(candidates, objects, static, walls, options)
     ids = [c.item.object_id for c in standing[: options.max_bodies]]
-    # Those without a slot are obstacles with boxes of their own, which may reach a little farther.
+    # Those that are left over are obstacles with boxes of their own, which may reach a little farther.
     chosen = _settle([c for c in candidates if c.item.object_id in ids], objects, static, walls, options)
     free_ids = {c.item.object_id for c in standing}
     return chosen, [c.item.object_id for c in candidates if c.item.object_id not in free_ids]
 
 
-def _may_move(item: Placed, floor: float, options: MovableOptions) -> bool:
+def _may_move(item: PlacedObject, floor: float, options: MovableOptions) -> bool:
     """By category, size and place: what hangs, is built in or stands outside stays."""
     if not isinstance(item.node, Object) or item.room < 0 or item.info.fine in FIXED_FINE:
         return False
@@ -94,7 +95,7 @@ def _may_move(item: Placed, floor: float, options: MovableOptions) -> bool:
     return bool(abs(low[2] - floor) <= options.reach and (high - low).max() <= options.largest)
 
 
-def _supports(objects: Sequence[Placed], gap: float = 0.03) -> set[int]:
+def _supports(objects: Sequence[PlacedObject], gap: float = 0.03) -> set[int]:
     """Ids of the objects that carry another one."""
     boxes = np.array([bounds(o.triangles) for o in objects]).reshape(-1, 2, 3)
     carriers = set()
@@ -116,7 +117,7 @@ def _on_floor(box: BoxSet, floor: float) -> BoxSet:
 
 def _settle(
     candidates: list[Candidate],
-    objects: Sequence[Placed],
+    objects: Sequence[PlacedObject],
     static: Mapping[int, BoxSet],
     walls: BoxSet,
     options: MovableOptions,
@@ -193,19 +194,14 @@ def _overlap(box: BoxSet, obstacles: BoxSet, index: int) -> float:
     return depth
 
 
-def make_bodies(chosen: Sequence[Candidate], instance: Mapping[int, int]) -> Bodies:
-    """Bodies of the chosen objects.
-
-    Args:
-        chosen: In slot order.
-        instance: Instance index by object id.
-    """
+def make_bodies(chosen: Sequence[Candidate]) -> Bodies:
+    """Bodies of the chosen objects, in the given order."""
     box = join(c.box for c in chosen)
     quat = yaw_quat(box.yaw)
     frames = [np.c_[yaw_matrix(y), c] for y, c in zip(box.yaw, box.center, strict=True)]
     inner = [compose(invert(f), c.item.pose) for f, c in zip(frames, chosen, strict=True)]
     return Bodies(
-        instance=np.array([instance[c.item.object_id] for c in chosen], np.int32),
+        instance=np.array([c.item.instance for c in chosen], np.int32),
         pos=box.center,
         quat=quat,
         size=box.half,

@@ -6,12 +6,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from jaxtyping import Bool, Float
 
-from home_mjx.scene_compile.architecture.rooms import extract_rooms, ground_offset, house_rooms
-from home_mjx.scene_compile.architecture.shell import Architecture, build_architecture, inner_normal
+from home_mjx.scene_compile.architecture.frame import Frame, find_frame
+from home_mjx.scene_compile.architecture.rooms import house_rooms
+from home_mjx.scene_compile.architecture.shell import Shell, build_shell, inner_normal
 from home_mjx.scene_compile.geometry.mesh import surface_areas
 from home_mjx.scene_compile.geometry.polygons import polygon_area
-from home_mjx.scene_compile.materials.surface import surface
-from home_mjx.scene_compile.objects.place import Placed, place_objects
+from home_mjx.scene_compile.materials.surface import surface_material
+from home_mjx.scene_compile.objects.place import PlacedObject, place_objects
 from home_mjx.scene_compile.semantics.describe import short_text
 from home_mjx.scene_compile.semantics.looks.appearance import Appearance, Skin, appearance
 from home_mjx.scene_compile.semantics.looks.home import home_appearance
@@ -49,30 +50,27 @@ def house_semantics(house: House, metadata: Metadata, options: SemanticOptions =
         >>> meaning.objects[0].description  # doctest: +SKIP
         'dark gray window'
     """
-    offset = ground_offset(house)
-    rooms = extract_rooms(house, offset)
-    shell = build_architecture(house, rooms, offset)
-    return describe_house(house, shell, place_objects(house, metadata, rooms, offset), rooms, metadata, options)
+    frame = find_frame(house)
+    return describe_house(frame, build_shell(frame), place_objects(frame, metadata), metadata, options)
 
 
 def describe_house(
-    house: House,
-    shell: Architecture,
-    objects: Sequence[Placed],
-    rooms: Rooms,
+    frame: Frame,
+    shell: Shell,
+    objects: Sequence[PlacedObject],
     metadata: Metadata,
     options: SemanticOptions = DEFAULT_OPTIONS,
 ) -> HouseSemantics:
     """As `house_semantics`, of a house that is already built in the world frame.
 
     Args:
-        house: What the dataset says.
+        frame: The house, and its rooms in the world frame.
         shell: Its architecture.
         objects: Its objects.
-        rooms: Its rooms.
         metadata: Categories and sizes of its models.
         options: How colours, materials and sizes are decided.
     """
+    house, rooms = frame.house, frame.rooms
     sizes, supports, looks = size_table(metadata), find_supports(objects, rooms), _Looks(options)
     return HouseSemantics(
         id=house.id,
@@ -101,7 +99,7 @@ class _Looks:
         return self.found[key]
 
 
-def _part(shell: Architecture, index: int, rooms: Rooms, looks: _Looks) -> PartSemantics:
+def _part(shell: Shell, index: int, rooms: Rooms, looks: _Looks) -> PartSemantics:
     part, model = shell.parts[index], shell.model
     seen = np.flatnonzero((model.part == index) & (model.slot == shell.facing[index]))
     triangles = model.triangle[seen].astype(np.float64)
@@ -128,7 +126,7 @@ def _faces(triangles: Float[np.ndarray, "t 3 3"], toward: Float[np.ndarray, "3"]
 
 
 def _object(
-    item: Placed, support: Support, house: House, rooms: Rooms, sizes: SizeTable, looks: _Looks
+    item: PlacedObject, support: Support, house: House, rooms: Rooms, sizes: SizeTable, looks: _Looks
 ) -> ObjectSemantics:
     skin = _skin(item, house, looks.options)
     stretch = (item.pose[:, :3].T @ item.pose[:, :3]).round(6)  # areas follow from it, whichever way the object faces
@@ -152,11 +150,11 @@ def _object(
     )
 
 
-def _skin(item: Placed, house: House, options: SemanticOptions) -> Skin:
+def _skin(item: PlacedObject, house: House, options: SemanticOptions) -> Skin:
     surfaces = item.surfaces
     if options.color == "home" and isinstance(item.node, Object):
         own = house.models[item.node.model_key].materials
-        surfaces = tuple(surface(slot, item.info.fine, item.info.coarse) for slot in own)
+        surfaces = tuple(surface_material(slot, item.info.fine, item.info.coarse) for slot in own)
     return Skin(surface_areas(item.triangles), item.model.uv, item.model.slot, surfaces)
 
 
@@ -167,7 +165,7 @@ def _look(skin: Skin, options: SemanticOptions) -> Appearance:
     return home_appearance(skin, options) if options.color == "home" else appearance(skin, options)
 
 
-def _volume(item: Placed) -> float:
+def _volume(item: PlacedObject) -> float:
     """Of the model's own box as scaled [m^3]; a flat one counts as a millimetre thick."""
     edges = np.ptp(item.model.box.astype(np.float64), axis=0) * np.linalg.norm(item.pose[:, :3], axis=0)
     return float(np.maximum(edges, 1e-3).prod())
