@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import gymnasium
 
+from home_mjx.core.checks import check_number
 from home_mjx.core.jsonable import from_json, to_json
 from home_mjx.errors import ConfigError, did_you_mean
 
@@ -270,6 +271,7 @@ def as_bank(
     if isinstance(houses, HouseBank):
         return houses
     options = compile_options or DEFAULT_OPTIONS
+    check_number("num_houses", num_houses, 1, whole=True)
     if houses is None:
         chosen = default_houses(num_houses, split=split, where=where, options=options, progress=progress)
     elif isinstance(houses, HouseSet):

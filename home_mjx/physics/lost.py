@@ -51,7 +51,7 @@ class Pairs:
         capsules: Geoms that are capsules.
     """
 
-    groups: tuple[Int[np.ndarray, "p 2"], ...]
+    groups: tuple[Int[np.ndarray, "_ 2"], ...]
     most: int
     capsules: Int[np.ndarray, " c"]
 

@@ -20,8 +20,8 @@ class Body:
         ConfigError: A value cannot be used.
 
     Example:
-        >>> Body(radius=0.2).half_length
-        0.6
+        >>> Body(radius=0.25, height=1.5).half_length
+        0.5
     """
 
     radius: float = 0.1

@@ -1,5 +1,7 @@
 """Gymnasium's own checkers judge the adapter."""
 
+import pickle
+
 import gymnasium
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ from gymnasium.utils.env_checker import check_env
 import home_mjx  # noqa: F401, registers the ids
 from home_mjx.adapters.gymnasium import GymEnv, GymVectorEnv
 from home_mjx.errors import ConfigError
+from home_mjx.tasks import sample_episodes, save_episodes
 
 SMALL = {"width": 16, "height": 16, "num_rays": 16, "num_bounces": 3, "episode_length": 5}
 
@@ -19,7 +22,7 @@ def test_check_env(generated_bank):
     again, _ = env.reset(seed=1)
     for name in obs:
         np.testing.assert_array_equal(obs[name], again[name])
-    assert env.render().shape == (16, 16, 3)
+    assert env.render().shape == (256, 256, 3)
 
 
 def test_the_house_can_be_chosen(generated_bank):
@@ -44,8 +47,8 @@ def test_actions_outside_of_the_space_are_refused(generated_bank):
 
 
 def test_what_cannot_be_made_is_refused(generated_bank):
-    with pytest.raises(ConfigError, match="rgb"):
-        GymEnv(houses=generated_bank, sensors=("depth",), render_mode="rgb_array")
+    with pytest.raises(ConfigError, match="render_mode must be None or 'rgb_array'"):
+        GymEnv(houses=generated_bank, sensors=("depth",), render_mode="ansi")
     with pytest.raises(ConfigError, match="num_envs"):
         GymVectorEnv(0, houses=generated_bank)
 
@@ -69,3 +72,79 @@ def test_vector_env_resets_in_the_same_step(generated_bank):
     assert (terminated | truncated).all()
     assert info["_final_obs"].all()
     assert not np.allclose(info["final_obs"]["state"], obs["state"])
+
+
+def test_pictures_are_of_any_size_whatever_is_observed(generated_bank):
+    """With the camera's own size the picture is the observed image; without vision there is one as well."""
+    options = {"houses": generated_bank, "width": 16, "height": 12, "render_mode": "rgb_array", "render_size": (16, 12)}
+    env = GymEnv(sensors=("rgb",), **options)
+    assert env.render() is None
+    obs, _ = env.reset(seed=3)
+    np.testing.assert_array_equal(env.render(), obs["pixels/head_rgb"])
+    blind = GymEnv(sensors=("state",), **options)
+    blind.reset(seed=3)
+    np.testing.assert_array_equal(blind.render(), env.render())
+
+
+def test_the_clock_gives_the_frame_rate(generated_bank):
+    assert GymEnv(houses=generated_bank, sensors=("state",), ctrl_dt=0.2).metadata["render_fps"] == 5
+    assert GymEnv.metadata["render_fps"] == 10
+
+
+def test_vector_infos_tell_of_every_environment(generated_bank):
+    """Metrics as arrays with masks; of those that ended, the last ones, in `final_info` as well."""
+    env = GymVectorEnv(4, houses=generated_bank, sensors=("state", "goal"), episode_length=2)
+    _, info = env.reset(seed=0)
+    assert info["house"].shape == info["distance"].shape == (4,)
+    assert (info["distance"] > 0).all()  # SPL divides by it
+    assert info["_distance"].all()
+    before = info["house"]
+    obs, *_, info = env.step(env.action_space.sample())
+    assert "final_info" not in info
+    goals = obs["goal"]
+    obs, _, terminated, truncated, info = env.step(np.zeros((4, 4), np.float32))
+    assert (terminated | truncated).all()
+    np.testing.assert_array_equal(info["final_info"]["house"], before)
+    np.testing.assert_allclose(info["final_info"]["distance"], info["distance"])
+    np.testing.assert_allclose(info["final_obs"]["goal"], goals, atol=0.2)
+    assert info["_final_info"].all()
+    assert not info["status/not_a_number"].any()
+
+
+def test_seeds_and_masks_of_single_environments(generated_bank):
+    env = GymVectorEnv(3, houses=generated_bank, sensors=("state",))
+    first, _ = env.reset(seed=[1, 2, 3])
+    again, _ = env.reset(seed=[3, 2, 1])
+    np.testing.assert_array_equal(first["state"], again["state"][::-1])
+    some, info = env.reset(seed=[7, 8, 9], options={"reset_mask": np.array([False, True, False])})
+    np.testing.assert_array_equal(some["state"][[0, 2]], again["state"][[0, 2]])
+    assert (some["state"][1] != again["state"][1]).any()
+    np.testing.assert_array_equal(info["_house"], [False, True, False])
+    assert env.reset(options={"house": [1, 0, 1]})[1]["house"].tolist() == [1, 0, 1]
+    for options in ({"reset_mask": [1, 0, 1]}, {"house": [0, 1]}, {"house": [0, 1, 2]}, {"episode": 0}):
+        with pytest.raises(ConfigError):
+            env.reset(options=options)
+    with pytest.raises(ConfigError, match="one seed, or 3"):
+        env.reset(seed=[1, 2])
+
+
+def test_saved_episodes_are_evaluated(generated_bank, tmp_path):
+    episodes = sample_episodes(generated_bank, 5, min_length=1.5)
+    save_episodes(tmp_path / "e.jsonl", generated_bank, episodes)
+    options = {"houses": generated_bank, "sensors": ("state",), "episodes": tmp_path / "e.jsonl", "episode_length": 1}
+    env = GymEnv(**options)
+    seen = [env.reset()[1] for _ in range(6)]
+    assert [info["episode"] % 5 for info in seen] == [0, 1, 2, 3, 4, 0]
+    np.testing.assert_allclose([i["distance"] for i in seen[:5]], episodes.columns["length"], rtol=1e-5)
+    assert env.reset(options={"episode": 3})[1]["house"] == int(episodes.house[3])
+    batch = GymVectorEnv(2, **options)
+    rows = [batch.reset(seed=0)[1]["episode"]]
+    rows += [batch.step(np.zeros((2, 4), np.float32))[4]["episode"] for _ in range(2)]
+    assert np.concatenate(rows).tolist() == [0, 1, 2, 3, 4, 5]
+
+
+def test_environments_pickle(generated_bank):
+    env = GymEnv(houses=generated_bank, sensors=("state",), episode_length=7)
+    twin = pickle.loads(pickle.dumps(env))
+    np.testing.assert_array_equal(twin.reset(seed=1)[0]["state"], env.reset(seed=1)[0]["state"])
+    assert twin.env.config.episode_length == 7

@@ -25,7 +25,7 @@ class Status(IntFlag):
     RESPONSE_CUT = 16  # sound decays so slowly that the impulse response ends before it has fallen by 30 dB
 
     @classmethod
-    def names(cls, status: int) -> list[str]:
+    def names(cls, status: int | np.integer) -> list[str]:
         """Names of the flags that are set.
 
         Example:

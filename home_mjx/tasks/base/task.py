@@ -21,7 +21,8 @@ class Task:
     state is a pytree of its own; its structure must be the same from `init` and from `update`.
 
     Example:
-        >>> @dataclass(frozen=True)
+        >>> import dataclasses
+        >>> @dataclasses.dataclass(frozen=True)
         ... class StandStill(Task):
         ...     speed_cost: float = 1.0
         ...

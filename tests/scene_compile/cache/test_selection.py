@@ -104,8 +104,8 @@ def test_banks_of_a_selection(root):
 def test_environments_of_a_split(root):
     env = home_mjx.make("PointNav-v0", root, num_houses=2, split="train", sensors=("goal",))
     assert ids_of(env.bank) == select_ids(ids_of(HouseBank.from_dataset(root)), "train")[:2]
-    with pytest.raises(ConfigError, match="not of a bank"):
-        as_bank(env.bank, split="train")
+    with pytest.raises(ConfigError, match="not of HouseBank"):
+        home_mjx.make("PointNav-v0", env.bank, split="train")
     with pytest.raises(ConfigError, match="home-mjx generate"):
         as_bank(None, where=HouseFilter())
 

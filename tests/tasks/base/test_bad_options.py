@@ -49,7 +49,7 @@ def test_cameras_that_cannot_give_what_they_should_are_refused():
 
 
 WRONG_TYPES = """
-from home_mjx import HouseFilter, HouseStream, make
+from home_mjx import AutoReset, BoundEnv, HouseBank, HouseFilter, HouseholdEnv, HouseStream, make
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render import Lens
 from home_mjx.raycast_render import Lit
@@ -93,6 +93,8 @@ calls |= {
     "half a house": lambda: make("PointNav-v0", num_houses=1.5),
     "rooms": lambda: HouseFilter(rooms=5),
     "category": lambda: HouseFilter(categories="bed"),
+    "a bank as options": lambda: HouseholdEnv(HouseBank.__new__(HouseBank)),
+    "a bound environment": lambda: AutoReset(BoundEnv.__new__(BoundEnv)),
 }
 for name, call in calls.items():
     try:

@@ -69,7 +69,7 @@ jax.block_until_ready(jax.jit(core.reset)(params, jax.random.key(0)).obs)
 print(sum(e.endswith("cache_misses") for e in hits), sum(e.endswith("cache_hits") for e in hits))
 """
     helpers = os.path.join(os.path.dirname(__file__), "..", "..", "helpers")
-    path = os.pathsep.join([helpers, os.getcwd()])
+    path = os.pathsep.join([helpers, os.getcwd(), os.environ.get("PYTHONPATH", "")])
     env = {k: v for k, v in os.environ.items() if not k.startswith(("JAX_COMPILATION", "JAX_PERSISTENT"))}
     env |= {"HOME_MJX_CACHE": str(tmp_path), "PYTHONPATH": path, "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0"}
     counts = []
