@@ -163,10 +163,10 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         if self._state is None:
             raise tools.needs_reset()
         actions = tools.check_action(actions, self.action_space.shape)
-        house = np.asarray(self._state.world.house)
+        before = self._state.world
         self._state = state = self._step(self.env.params, self._state, actions)
         rewards = np.asarray(state.reward, np.float64).reshape(self.num_envs, -1)
-        infos = tools.infos_of(state, house)
+        infos = tools.infos_of(state, before)
         if self.env.num_agents > 1:
             infos["agent_reward"] = rewards
         info = tools.masked(infos, np.ones(self.num_envs, bool))

@@ -14,7 +14,7 @@ from home_mjx.raycast_render.cameras.camera import Lens
 from home_mjx.raycast_render.images.render import render
 from home_mjx.registry import make
 from home_mjx.tasks.base.config import AgentCamera
-from home_mjx.tasks.base.state import Episodes, State
+from home_mjx.tasks.base.state import Episodes, State, World
 from home_mjx.tasks.base.status import status_report
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.episodes import load_episodes
@@ -92,12 +92,17 @@ def check_action(action: Any, shape: tuple[int, ...] | None) -> np.ndarray:
     return action.astype(np.float32)
 
 
-def infos_of(state: State, house: np.ndarray | None = None) -> dict[str, np.ndarray]:
-    """House, episode, metrics and status flags of one environment or of each of a batch."""
+def infos_of(state: State, before: World | None = None) -> dict[str, np.ndarray]:
+    """House, episode, metrics and status flags of one environment or of each of a batch.
+
+    Args:
+        state: After the step.
+        before: The world before it, whose house and episode the metrics are of: a reset may have drawn others.
+    """
     lost = status_report(np.asarray(state.status))
-    world = state.world
+    world = before or state.world
     metrics = {name: np.array(value) for name, value in state.metrics.items()}
-    own = {"house": np.array(world.house if house is None else house), "episode": np.array(world.episode)}
+    own = {"house": np.array(world.house), "episode": np.array(world.episode)}
     return {**own, **metrics, **{f"status/{name}": value for name, value in lost.items()}}
 
 

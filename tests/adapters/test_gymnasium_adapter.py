@@ -138,9 +138,11 @@ def test_saved_episodes_are_evaluated(generated_bank, tmp_path):
     np.testing.assert_allclose([i["distance"] for i in seen[:5]], episodes.columns["length"], rtol=1e-5)
     assert env.reset(options={"episode": 3})[1]["house"] == int(episodes.house[3])
     batch = GymVectorEnv(2, **options)
-    rows = [batch.reset(seed=0)[1]["episode"]]
-    rows += [batch.step(np.zeros((2, 4), np.float32))[4]["episode"] for _ in range(2)]
-    assert np.concatenate(rows).tolist() == [0, 1, 2, 3, 4, 5]
+    assert batch.reset(seed=0)[1]["episode"].tolist() == [0, 1]
+    finals = [batch.step(np.zeros((2, 4), np.float32))[4]["final_info"] for _ in range(3)]
+    assert np.concatenate([final["episode"] for final in finals]).tolist() == [0, 1, 2, 3, 4, 5]
+    houses = np.concatenate([final["house"] for final in finals])
+    np.testing.assert_array_equal(houses, np.asarray(episodes.house)[np.arange(6) % 5])
 
 
 def test_environments_pickle(generated_bank):
