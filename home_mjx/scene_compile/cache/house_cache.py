@@ -23,7 +23,7 @@ from home_mjx.scene_compile.cache.flatten import Notes, flatten, rebuild
 from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS, CompileOptions, compile_house
 from home_mjx.schema.compiled import CompiledHouse, Model
 
-FORMAT = 3
+FORMAT = 4
 # What makes an entry: a change of any of these makes all houses anew. A test holds it against the imports.
 COMPILER = (
     "core/color.py",

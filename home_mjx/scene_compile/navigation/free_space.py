@@ -155,8 +155,8 @@ def build_navigation(
     return Navigation(
         origin=ground.origin,
         cell=options.cell,
-        agent_radius=options.agent_radius,
-        agent_height=options.agent_height,
+        agent_radius=float(options.agent_radius),
+        agent_height=float(options.agent_height),
         level=np.array([s.level for s in spaces], np.int32),
         floor=np.array([rooms.floor[rooms.level == s.level].min() for s in spaces]),
         region=region,

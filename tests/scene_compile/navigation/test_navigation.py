@@ -156,6 +156,15 @@ def test_field_is_never_shorter_than_the_straight_way():
     assert (field <= 1.09 * straight + FIELD_UNIT).all()  # octile distance in a convex room
 
 
+def test_navigation_names_the_agent_that_it_is_for():
+    rooms = rooms_of(square(0, 3))
+    n = build_navigation(
+        "x", rooms, free_space(rooms, no_boxes()), NavigationOptions(agent_radius=0.25, agent_height=1)
+    )
+    assert (n.agent_radius, n.agent_height) == (0.25, 1.0)
+    assert isinstance(n.agent_height, float)
+
+
 def test_a_house_without_a_place_is_refused():
     rooms = rooms_of(square(0, 1))
     with pytest.raises(DatasetError, match="no place"):
