@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from home_mjx.scene_compile.objects.place import Placed, place_objects
+from home_mjx.scene_compile.objects.place import PlacedObject, place_objects
 from home_mjx.schema.compiled import Rooms
 from home_mjx.schema.house import Box, House, Level, Metadata, ModelInfo
 
@@ -29,7 +29,7 @@ def block(low: tuple, high: tuple, category: str = "toy", yaw: float = 0.0) -> t
     return node, ModelInfo(category, category, category)
 
 
-def place(blocks: list[tuple[Box, ModelInfo]]) -> list[Placed]:
+def place(blocks: list[tuple[Box, ModelInfo]]) -> list[PlacedObject]:
     """Objects with ids 0, 1, … in the room."""
     boxes = tuple(replace(node, index=i, id=f"0_{i}") for i, (node, _) in enumerate(blocks))
     level = Level("0", 0, (), (), boxes, ())

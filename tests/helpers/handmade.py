@@ -12,7 +12,7 @@ from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, join, yaw_mat
 from home_mjx.scene_compile.geometry.instance_tree import top_tree
 from home_mjx.scene_compile.geometry.mesh import box_triangles, make_model
 from home_mjx.scene_compile.geometry.polygons import smallest_room
-from home_mjx.scene_compile.materials.surface import Surface, material_table
+from home_mjx.scene_compile.materials.surface import SurfaceMaterial, material_table
 from home_mjx.scene_compile.navigation.free_space import build_navigation, free_space
 from home_mjx.schema.compiled import Bodies, CompiledHouse, Instances, MaterialTable, Model, Planes, Rooms
 from home_mjx.schema.semantic import semantic_row
@@ -133,7 +133,7 @@ def build_house(
         box=models[0].box,
         instances=instances,
         top=top_tree(instances, {m.key: m for m in models}),
-        materials=_join_tables(table, material_table([Surface(f.color, kind="wood") for f in furniture])),
+        materials=_join_tables(table, material_table([SurfaceMaterial(f.color, kind="wood") for f in furniture])),
         semantics=np.array([*semantics, *_furniture_rows(furniture, instances.body, rooms)]),
         colliders=join([shell, boxes[fixed]]).colliders(np.append(np.full(len(shell), -1), np.flatnonzero(fixed))),
         bodies=_bodies(furniture, boxes, instances.pose[1:]),
@@ -217,7 +217,7 @@ def _architecture_rows(
     transmission: float | np.ndarray,
 ) -> MaterialTable:
     shape = (len(slabs), 7)
-    table = material_table([Surface(COLORS[i % len(COLORS)], category=s.category) for i, s in enumerate(slabs)])
+    table = material_table([SurfaceMaterial(COLORS[i % len(COLORS)], category=s.category) for i, s in enumerate(slabs)])
     between = np.array([[s.room < 0] for s in slabs])
     return replace(
         table,

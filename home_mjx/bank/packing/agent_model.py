@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from home_mjx.scene_compile.geometry.mesh import box_triangles, make_model
-from home_mjx.scene_compile.materials.surface import Surface, material_table
+from home_mjx.scene_compile.materials.surface import SurfaceMaterial, material_table
 from home_mjx.schema.compiled import MaterialTable, Model
 from home_mjx.schema.semantic import semantic_row
 
@@ -25,8 +25,10 @@ def agent_model() -> Model:
 
 
 def agent_materials() -> MaterialTable:
-    """Rows of the agent's two material slots."""
-    return material_table([Surface((0.15, 0.35, 0.75), kind="textile"), Surface((0.95, 0.75, 0.1), kind="plastic")])
+    """Rows of the agent's two slots."""
+    return material_table(
+        [SurfaceMaterial((0.15, 0.35, 0.75), kind="textile"), SurfaceMaterial((0.95, 0.75, 0.1), kind="plastic")]
+    )
 
 
 def agent_semantics() -> Int[np.ndarray, "1 columns"]:

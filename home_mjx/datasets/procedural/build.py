@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from home_mjx.datasets.procedural.design import Design, draw_design
-from home_mjx.datasets.procedural.floor_plan.placed import Placed
+from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
 from home_mjx.datasets.procedural.floor_plan.walls import room_meshes
 from home_mjx.schema.house import House, Level, Mesh, Object, Room
 
@@ -68,7 +68,7 @@ def _room(design: Design, index: int, folder: Path) -> Room:
     )
 
 
-def _object(placed: Placed, index: int) -> Object:
+def _object(placed: PlacedFurniture, index: int) -> Object:
     transform = np.eye(4)
     transform[:3, :3], transform[:3, 3] = placed.linear, placed.position
     return Object(
@@ -83,7 +83,7 @@ def _object(placed: Placed, index: int) -> Object:
     )
 
 
-def _models(objects: Sequence[Placed]) -> Mapping[str, Mesh]:
+def _models(objects: Sequence[PlacedFurniture]) -> Mapping[str, Mesh]:
     """Every mesh that the objects show, and the base of each."""
     meshes = {placed.model.id: placed.model.mesh for placed in objects}
     closed = {f"{p.model.id}_0": p.model.closed for p in objects if p.closed and p.model.closed is not None}

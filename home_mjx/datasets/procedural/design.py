@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from home_mjx.datasets.procedural.floor_plan.openings import WET, HousePlan, draw_plan
-from home_mjx.datasets.procedural.floor_plan.placed import Placed
+from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
 from home_mjx.datasets.procedural.floor_plan.walls import Surfaces
 from home_mjx.datasets.procedural.furnish import furnish
 from home_mjx.datasets.procedural.furnish.style import Style
@@ -30,7 +30,9 @@ class Design:
 
     plan: HousePlan
     surfaces: tuple[Surfaces, ...]  # per room
-    objects: tuple[tuple[Placed, int], ...]  # with the index of the room that owns each; doors and windows first
+    objects: tuple[
+        tuple[PlacedFurniture, int], ...
+    ]  # with the index of the room that owns each; doors and windows first
 
 
 def draw_design(seed: int) -> Design:
@@ -50,7 +52,7 @@ def draw_design(seed: int) -> Design:
             return Design(plan, tuple(_surfaces(plan, rng)), objects)
 
 
-def _openings(plan: HousePlan, style: Style) -> Iterator[tuple[Placed, int]]:
+def _openings(plan: HousePlan, style: Style) -> Iterator[tuple[PlacedFurniture, int]]:
     """Doors and windows, each kind in one look."""
     looks = {}
     for opening in plan.openings:

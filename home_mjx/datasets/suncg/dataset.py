@@ -7,7 +7,7 @@ from pathlib import Path
 
 from home_mjx.core.paths import ROOT_VARIABLE, dataset_root
 from home_mjx.datasets.options import ReadOptions
-from home_mjx.datasets.suncg.formats.asset_library import Assets
+from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
 from home_mjx.datasets.suncg.formats.element import Value
 from home_mjx.datasets.suncg.read.house_json import read_house
 from home_mjx.datasets.suncg.read.metadata import read_metadata
@@ -33,7 +33,7 @@ class Dataset:
 
     def __init__(self, root: Path) -> None:
         self.root = root
-        self.assets = Assets(root)
+        self.assets = AssetLibrary(root)
 
     @cached_property
     def house_ids(self) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from functools import cached_property
 from pathlib import Path
 
 from home_mjx.core.files import MAX_BYTES, below, read_text
-from home_mjx.datasets.suncg.formats.asset_library import Assets
+from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
 from home_mjx.errors import DatasetError
 
 MODEL_ID = re.compile(r'"modelId"\s*:\s*("(?:[^"\\]|\\.)*")')
@@ -27,7 +27,7 @@ class Inputs:
 
     def __init__(self, root: Path) -> None:
         self.root = root
-        self._assets = Assets(root)
+        self._assets = AssetLibrary(root)
         self._models: dict[str, bytes] = {}
         self._textures: dict[str, str] = {}
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.scene_compile.architecture.shell import Architecture, Part, Wall, has_room_behind, inner_normal
+from home_mjx.scene_compile.architecture.shell import Shell, ShellPart, Wall, has_room_behind, inner_normal
 from home_mjx.scene_compile.geometry.boxes import yaw_matrix
 from home_mjx.scene_compile.geometry.polygons import smallest_room
 from home_mjx.scene_compile.geometry.rectangles import cell_centers, cluster, cover
@@ -28,7 +28,7 @@ class Rectangle:
     slot: int  # of the architecture
 
 
-def build_planes(house: Architecture, rooms: Rooms) -> Planes:
+def build_planes(house: Shell, rooms: Rooms) -> Planes:
     """Mirrors of a house.
 
     Args:
@@ -103,7 +103,7 @@ def _hull(a: Rectangle, b: Rectangle) -> Rectangle:
     return Rectangle(center, a.normal, direction * (high - low) / 2, np.array([0, 0, (top - bottom) / 2]), slot)
 
 
-def _flat(house: Architecture, rooms: Rooms, kind: str) -> list[Rectangle]:
+def _flat(house: Shell, rooms: Rooms, kind: str) -> list[Rectangle]:
     """Floors or ceilings; where rooms nest, the smallest one has the place."""
     found = []
     for part, slot in zip(house.parts, house.facing, strict=True):
@@ -114,7 +114,7 @@ def _flat(house: Architecture, rooms: Rooms, kind: str) -> list[Rectangle]:
     return found
 
 
-def _plan_rectangles(house: Architecture, rooms: Rooms, part: Part) -> list[tuple[Float[np.ndarray, "4"], float]]:
+def _plan_rectangles(house: Shell, rooms: Rooms, part: ShellPart) -> list[tuple[Float[np.ndarray, "4"], float]]:
     """Rectangles of the plan (u0, v0, u1, v1 in the room's own direction) that are nearest to this room alone."""
     walls = [p.slab for p in house.parts if isinstance(p, Wall) and p.room == part.room]
     yaw = max(walls, key=lambda s: s.length).yaw if walls else 0.0

@@ -10,7 +10,7 @@ from home_mjx.scene_compile.architecture.rooms import house_rooms, triangles_of
 from home_mjx.scene_compile.architecture.slabs import Slab, fit_slab, same_wall
 from home_mjx.scene_compile.geometry.mesh import bounds, make_model
 from home_mjx.scene_compile.geometry.polygons import inside_polygon
-from home_mjx.scene_compile.materials.surface import Surface, surface
+from home_mjx.scene_compile.materials.surface import SurfaceMaterial, surface_material
 from home_mjx.schema.compiled import Model, Rooms
 from home_mjx.schema.house import House, Mesh
 from home_mjx.schema.semantic import semantic_row
@@ -21,7 +21,7 @@ LAYER_GAP = 0.12  # [m]: slabs nearer than this above one another are one, such 
 
 
 @dataclass(frozen=True)
-class Part:
+class ShellPart:
     """One surface of the architecture in the world frame: a floor, a ceiling, a ground, or a wall of one room."""
 
     kind: str  # floor, ceiling, wall or ground
@@ -33,27 +33,27 @@ class Part:
 
 
 @dataclass(frozen=True)
-class Wall(Part):
+class Wall(ShellPart):
     """Both layers of a room's wall."""
 
     slab: Slab
 
 
 @dataclass(frozen=True)
-class Architecture:
+class Shell:
     """Instance 0 of a house."""
 
-    parts: tuple[Part, ...]
+    parts: tuple[ShellPart, ...]
     partition: Int[np.ndarray, " q"]  # of each part
     model: Model
-    surfaces: tuple[Surface, ...]  # by slot of the model
+    surfaces: tuple[SurfaceMaterial, ...]  # by slot of the model
     facing: Int[np.ndarray, " q"]  # slot of most of each part's area on the side of its room
     backing: Int[np.ndarray, " q"]  # and on the other side
     semantics: Int[np.ndarray, "q columns"]
     num_meshes: int
 
 
-def build_architecture(house: House, rooms: Rooms, offset: Float[np.ndarray, "3"]) -> Architecture:
+def build_shell(house: House, rooms: Rooms, offset: Float[np.ndarray, "3"]) -> Shell:
     """The house itself.
 
     Args:
@@ -71,7 +71,7 @@ def build_architecture(house: House, rooms: Rooms, offset: Float[np.ndarray, "3"
         np.concatenate(slots),
         np.repeat(np.arange(len(parts)), [len(p.faces) for p in parts]),
     )
-    return Architecture(
+    return Shell(
         parts=parts,
         partition=partition,
         model=model,
@@ -83,7 +83,7 @@ def build_architecture(house: House, rooms: Rooms, offset: Float[np.ndarray, "3"
     )
 
 
-def _parts(house: House, offset: Float[np.ndarray, "3"]) -> Iterator[Part]:
+def _parts(house: House, offset: Float[np.ndarray, "3"]) -> Iterator[ShellPart]:
     for index, (level, room) in enumerate(house_rooms(house)):
         for kind, mesh in (("floor", room.floor), ("ceiling", room.ceiling)):
             if mesh is not None:
@@ -97,11 +97,11 @@ def _parts(house: House, offset: Float[np.ndarray, "3"]) -> Iterator[Part]:
                 yield _part("ground", -1, level.index, ground.mesh, np.arange(len(ground.mesh.faces)), offset)
 
 
-def _part(kind: str, room: int, level: int, mesh: Mesh, faces: np.ndarray, offset: np.ndarray) -> Part:
+def _part(kind: str, room: int, level: int, mesh: Mesh, faces: np.ndarray, offset: np.ndarray) -> ShellPart:
     triangles = triangles_of(mesh, offset)[faces]
     if kind == "wall":
         return Wall(kind, room, level, mesh, faces, triangles, fit_slab(triangles))
-    return Part(kind, room, level, mesh, faces, triangles)
+    return ShellPart(kind, room, level, mesh, faces, triangles)
 
 
 def _wall_faces(walls: Mesh) -> list[Int[np.ndarray, " _"]]:
@@ -113,7 +113,7 @@ def _wall_faces(walls: Mesh) -> list[Int[np.ndarray, " _"]]:
     return [np.flatnonzero(wall == w) for w in np.unique(wall)]
 
 
-def partitions(parts: Sequence[Part]) -> Int[np.ndarray, " q"]:
+def partitions(parts: Sequence[ShellPart]) -> Int[np.ndarray, " q"]:
     """A number per physical wall or slab: copies of one wall in neighbouring rooms share theirs."""
     leader = list(range(len(parts)))
     for i, a in enumerate(parts):
@@ -124,7 +124,7 @@ def partitions(parts: Sequence[Part]) -> Int[np.ndarray, " q"]:
     return np.unique(roots, return_inverse=True)[1].astype(np.int32)
 
 
-def _same_partition(a: Part, b: Part) -> bool:
+def _same_partition(a: ShellPart, b: ShellPart) -> bool:
     if isinstance(a, Wall) and isinstance(b, Wall):
         return same_wall(a.slab, b.slab)
     if {a.kind, b.kind} & {"wall", "ground"}:
@@ -145,7 +145,7 @@ def _unite(leader: list[int], i: int, j: int) -> None:
     leader[max(a, b)] = min(a, b)
 
 
-def _categories(parts: Sequence[Part], partition: Int[np.ndarray, " q"], rooms: Rooms) -> list[str]:
+def _categories(parts: Sequence[ShellPart], partition: Int[np.ndarray, " q"], rooms: Rooms) -> list[str]:
     """What each part is to sound; all copies of a wall are alike, so that both sides let through the same."""
     numbered = zip(parts, partition, strict=True)
     inner = {int(p) for part, p in numbered if isinstance(part, Wall) and _is_inner(part, rooms)}
@@ -168,7 +168,7 @@ def _indoors(slab: Slab, side: int, polygons: Sequence[Float[np.ndarray, "_ 2"]]
     return np.any([inside_polygon(polygon, points) for polygon in polygons], axis=0)
 
 
-def _slots(parts: Sequence[Part], categories: Sequence[str]) -> tuple[list[Surface], list[np.ndarray]]:
+def _slots(parts: Sequence[ShellPart], categories: Sequence[str]) -> tuple[list[SurfaceMaterial], list[np.ndarray]]:
     """Surfaces by slot of the joint model, and each part's slots; a slot is a material of a mesh in one category."""
     first: dict[tuple[int, int, str], int] = {}
     surfaces, slots = [], []
@@ -178,7 +178,7 @@ def _slots(parts: Sequence[Part], categories: Sequence[str]) -> tuple[list[Surfa
             key = (id(part.mesh), int(slot), category)
             if key not in first:
                 first[key] = len(surfaces)
-                surfaces.append(surface(part.mesh.materials[slot], category, _coarse(part.kind)))
+                surfaces.append(surface_material(part.mesh.materials[slot], category, _coarse(part.kind)))
         slots.append(np.array([first[id(part.mesh), int(slot), category] for slot in own]))
     return surfaces, slots
 
@@ -187,12 +187,12 @@ def _coarse(kind: str) -> str:
     return "floor" if kind == "ground" else kind
 
 
-def _row(part: Part, partition: int) -> Int[np.ndarray, " columns"]:
+def _row(part: ShellPart, partition: int) -> Int[np.ndarray, " columns"]:
     name = _coarse(part.kind)
     return semantic_row(name, name, name, room=part.room, level=part.level, partition=partition)
 
 
-def inner_normal(part: Part, rooms: Rooms) -> Float[np.ndarray, "3"]:
+def inner_normal(part: ShellPart, rooms: Rooms) -> Float[np.ndarray, "3"]:
     """The direction in which the part faces its room."""
     if not isinstance(part, Wall):
         return np.array([0.0, 0.0, -1.0 if part.kind == "ceiling" else 1.0])
@@ -201,7 +201,7 @@ def inner_normal(part: Part, rooms: Rooms) -> Float[np.ndarray, "3"]:
     return part.slab.to_world(np.array([0.0, 1.0 if left > right else -1.0, 0.0]))
 
 
-def _slot_on_side(part: Part, slots: Int[np.ndarray, " f"], toward: Float[np.ndarray, "3"]) -> int:
+def _slot_on_side(part: ShellPart, slots: Int[np.ndarray, " f"], toward: Float[np.ndarray, "3"]) -> int:
     """The slot of most of the area that is seen from a side."""
     normal = np.cross(part.triangles[:, 1] - part.triangles[:, 0], part.triangles[:, 2] - part.triangles[:, 0])
     height = (part.triangles @ toward).min(axis=1)

@@ -7,12 +7,12 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Bool, Float
 
-from home_mjx.scene_compile.architecture.shell import Architecture, Wall
+from home_mjx.scene_compile.architecture.shell import Shell, Wall
 from home_mjx.scene_compile.architecture.slabs import wall_boxes
 from home_mjx.scene_compile.geometry.box_fit import components, fit_boxes, narrowest_box
 from home_mjx.scene_compile.geometry.boxes import BoxSet, box_of, footprint, join, no_boxes, yaw_matrix
 from home_mjx.scene_compile.geometry.mesh import bounds, transform
-from home_mjx.scene_compile.objects.place import Placed
+from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.compiled import Model, Rooms
 
 PORTALS = ("door", "garage_door", "arch")
@@ -40,7 +40,7 @@ class ColliderOptions:
     boxes_per_object: int = 8
 
 
-def wall_colliders(house: Architecture, options: ColliderOptions) -> BoxSet:
+def wall_colliders(house: Shell, options: ColliderOptions) -> BoxSet:
     """Every physical wall once, solid except for its openings."""
     walls: dict[int, list] = {}
     for part, partition in zip(house.parts, house.partition, strict=True):
@@ -59,7 +59,7 @@ def floor_colliders(rooms: Rooms, floor: float, options: ColliderOptions) -> Box
     return join(slabs)
 
 
-def object_colliders(item: Placed, floor: float, options: ColliderOptions) -> tuple[BoxSet, list[BoxSet]]:
+def object_colliders(item: PlacedObject, floor: float, options: ColliderOptions) -> tuple[BoxSet, list[BoxSet]]:
     """The boxes that stand for one object that cannot be moved, and those of its door leaves, one each.
 
     Of a door whose hinges are known these are all leaves, in the order of its parts; of any other the open ones.
@@ -90,13 +90,13 @@ class _Shape:
     triangles: Float[np.ndarray, "t 3 3"] = field(compare=False)  # [m], around the origin, turned to yaw 0
 
 
-def _shape(item: Placed, model: Model) -> _Shape:
+def _shape(item: PlacedObject, model: Model) -> _Shape:
     """The shape of an object, or of a part of it."""
     linear = yaw_matrix(-item.yaw) @ item.pose[:, :3]
     return _Shape(model.key, np.round(linear, 6).tobytes(), model.triangle.astype(np.float64) @ linear.T)
 
 
-def leaf_box(item: Placed, leaf: Model) -> BoxSet:
+def leaf_box(item: PlacedObject, leaf: Model) -> BoxSet:
     """The narrowest box around the largest piece of a leaf, so without its handles, in the world."""
     triangles = transform(item.pose, leaf.triangle.astype(np.float64))
     part = components(triangles)
@@ -112,7 +112,7 @@ def _fit_shape(shape: _Shape, sill: float | None, most: int) -> tuple[BoxSet, tu
     return door_boxes(shape.triangles, sill, most)
 
 
-def _place(boxes: BoxSet, item: Placed) -> BoxSet:
+def _place(boxes: BoxSet, item: PlacedObject) -> BoxSet:
     return BoxSet(boxes.center @ yaw_matrix(item.yaw).T + item.pose[:, 3], boxes.half, boxes.yaw + item.yaw)
 
 
@@ -147,7 +147,7 @@ def keep_reachable(boxes: BoxSet, floor: float, options: ColliderOptions) -> Box
     return boxes[(boxes.top > floor + options.step) & (boxes.bottom < floor + options.height)]
 
 
-def passages(objects: Sequence[Placed], depth: float = 0.15) -> list[Float[np.ndarray, "4 2"]]:
+def passages(objects: Sequence[PlacedObject], depth: float = 0.15) -> list[Float[np.ndarray, "4 2"]]:
     """Footprints of doorways: as wide as the door, `depth` metres to both sides of the wall's middle plane."""
     found = []
     for item in objects:

@@ -9,7 +9,7 @@ from jaxtyping import Float
 from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, footprint, join, yaw_matrix, yaw_quat
 from home_mjx.scene_compile.geometry.mesh import bounds, compose, invert
 from home_mjx.scene_compile.objects.masses import object_mass
-from home_mjx.scene_compile.objects.place import Placed
+from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.compiled import Bodies
 from home_mjx.schema.house import Object
 
@@ -46,13 +46,13 @@ class MovableOptions:
 class Candidate:
     """An object that may become a body."""
 
-    item: Placed
+    item: PlacedObject
     box: BoxSet
     mass: float
 
 
 def choose_movables(
-    objects: Sequence[Placed],
+    objects: Sequence[PlacedObject],
     static: Mapping[int, BoxSet],
     walls: BoxSet,
     floor: float,
@@ -84,7 +84,7 @@ def choose_movables(
     return chosen, [c.item.object_id for c in candidates if c.item.object_id not in free_ids]
 
 
-def _may_move(item: Placed, floor: float, options: MovableOptions) -> bool:
+def _may_move(item: PlacedObject, floor: float, options: MovableOptions) -> bool:
     """By category, size and place: what hangs, is built in or stands outside stays."""
     if not isinstance(item.node, Object) or item.room < 0 or item.info.fine in FIXED_FINE:
         return False
@@ -94,7 +94,7 @@ def _may_move(item: Placed, floor: float, options: MovableOptions) -> bool:
     return bool(abs(low[2] - floor) <= options.reach and (high - low).max() <= options.largest)
 
 
-def _supports(objects: Sequence[Placed], gap: float = 0.03) -> set[int]:
+def _supports(objects: Sequence[PlacedObject], gap: float = 0.03) -> set[int]:
     """Ids of the objects that carry another one."""
     boxes = np.array([bounds(o.triangles) for o in objects]).reshape(-1, 2, 3)
     carriers = set()
@@ -116,7 +116,7 @@ def _on_floor(box: BoxSet, floor: float) -> BoxSet:
 
 def _settle(
     candidates: list[Candidate],
-    objects: Sequence[Placed],
+    objects: Sequence[PlacedObject],
     static: Mapping[int, BoxSet],
     walls: BoxSet,
     options: MovableOptions,

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from home_mjx.scene_compile.materials.surface import Surface
-from home_mjx.scene_compile.objects.place import Placed
+from home_mjx.scene_compile.materials.surface import SurfaceMaterial
+from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.house import Box, Material, Mesh
 from home_mjx.schema.lighting import Gloss
 
@@ -26,7 +26,10 @@ KIND_GLOSS: Mapping[str, tuple[float, float]] = {
 
 
 def gloss_table(
-    surfaces: Sequence[Surface], objects: Sequence[Placed], models: Mapping[str, Mesh], first: Sequence[int]
+    surfaces: Sequence[SurfaceMaterial],
+    objects: Sequence[PlacedObject],
+    models: Mapping[str, Mesh],
+    first: Sequence[int],
 ) -> Gloss:
     """Gloss of the material rows of a house.
 
@@ -53,7 +56,7 @@ def _from_mtl(gloss: Gloss, row: int, material: Material) -> None:
         gloss.shininess[row] = np.clip(material.shininess, 1.0, 1000.0)
 
 
-def _mirrors(item: Placed) -> list[int]:
+def _mirrors(item: PlacedObject) -> list[int]:
     """The slots of a mirror that mirror: those named so, else the largest plain opaque one."""
     if item.info.coarse != "mirror":
         return []

@@ -9,7 +9,7 @@ from jaxtyping import Float
 from home_mjx.core.color import decode_srgb
 from home_mjx.scene_compile.geometry.mesh import bounds, to_z_up, transform
 from home_mjx.scene_compile.geometry.polygons import inside_polygon, polygon_area, smallest_room
-from home_mjx.scene_compile.objects.place import Placed
+from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.compiled import ARCHITECTURE, Rooms
 from home_mjx.schema.house import Box, Light, Metadata, base_model
 from home_mjx.schema.lighting import REFLECTANCE, LightTable
@@ -60,7 +60,7 @@ class Source:
 
 
 def build_lights(
-    objects: Sequence[Placed],
+    objects: Sequence[PlacedObject],
     first: Mapping[int, int],
     rooms: Rooms,
     metadata: Metadata,
@@ -93,7 +93,7 @@ def build_lights(
 _COLUMNS = ("pos", "axis_u", "axis_v", "direction", "intensity", "exponent", "cutoff", "area", "daylight")
 
 
-def lamp_sources(item: Placed, instance: int, metadata: Metadata) -> Iterator[Source]:
+def lamp_sources(item: PlacedObject, instance: int, metadata: Metadata) -> Iterator[Source]:
     """The lights of a lamp, in its model's frame; those close together are one, so that a chandelier counts once."""
     if isinstance(item.node, Box):
         return
@@ -143,7 +143,7 @@ def _cutoff(light: Light) -> float:
     return float(np.cos(np.clip(np.pi / 2 if light.cutoff is None else light.cutoff, 0.05, np.pi)))
 
 
-def _daylight(item: Placed, first: Mapping[int, int], rooms: Rooms) -> Iterator[Source]:
+def _daylight(item: PlacedObject, first: Mapping[int, int], rooms: Rooms) -> Iterator[Source]:
     """The sky as seen through the glass of a window between a room and the open."""
     if {item.info.fine, item.info.coarse}.isdisjoint(OPENINGS):
         return
@@ -180,7 +180,7 @@ def _daylight(item: Placed, first: Mapping[int, int], rooms: Rooms) -> Iterator[
 
 
 def _inward(
-    item: Placed, middle: Float[np.ndarray, "3"], normal: Float[np.ndarray, "3"], rooms: Rooms
+    item: PlacedObject, middle: Float[np.ndarray, "3"], normal: Float[np.ndarray, "3"], rooms: Rooms
 ) -> tuple[int, int] | None:
     """The side of a window on which there is a room, and that room; None if there is one on both sides or on none."""
     center = transform(item.pose, middle)

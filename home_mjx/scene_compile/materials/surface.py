@@ -17,7 +17,7 @@ CLEAR = 0.05  # below this opacity a surface is not seen
 
 
 @dataclass(frozen=True)
-class Surface:
+class SurfaceMaterial:
     """One resolved material slot."""
 
     color: tuple[float, float, float] = WHITE  # sRGB, 0..1; multiplies the texture
@@ -41,7 +41,7 @@ def override(base: Material, change: Material | None) -> Material:
     )
 
 
-def surface(material: Material, fine: str, coarse: str) -> Surface:
+def surface_material(material: Material, fine: str, coarse: str) -> SurfaceMaterial:
     """Resolves a slot of an object of the given categories.
 
     Args:
@@ -50,7 +50,7 @@ def surface(material: Material, fine: str, coarse: str) -> Surface:
         coarse: Coarse category, or "wall", "floor", "ceiling".
     """
     kind = material_kind(material, coarse)
-    return Surface(
+    return SurfaceMaterial(
         color=material.diffuse or WHITE,
         opacity=1.0 if material.opacity is None else float(material.opacity),
         texture="" if material.texture is None else os.path.abspath(material.texture),
@@ -61,7 +61,7 @@ def surface(material: Material, fine: str, coarse: str) -> Surface:
     )
 
 
-def ray_mask(item: Surface) -> Ray:
+def ray_mask(item: SurfaceMaterial) -> Ray:
     """Which rays a surface stops: glass stops sound and is seen but lets light pass; leaves let sound pass."""
     if item.opacity < CLEAR:
         return Ray.SOUND
@@ -69,7 +69,7 @@ def ray_mask(item: Surface) -> Ray:
     return mask & ~Ray.SOUND if item.kind == "plant" else mask
 
 
-def material_table(surfaces: Sequence[Surface]) -> MaterialTable:
+def material_table(surfaces: Sequence[SurfaceMaterial]) -> MaterialTable:
     """One row per surface."""
     sound = [acoustic_row(s.family, s.category, s.name) for s in surfaces]
     absorption, scattering, transmission = np.array(sound).reshape(-1, 3, NUM_BANDS).transpose(1, 0, 2)
@@ -88,10 +88,10 @@ def material_table(surfaces: Sequence[Surface]) -> MaterialTable:
 class SurfaceRows:
     """Rows of a house as they are collected; instances with equal slots share theirs."""
 
-    surfaces: list[Surface] = field(default_factory=list)
-    _first: dict[tuple[Surface, ...], int] = field(default_factory=dict)
+    surfaces: list[SurfaceMaterial] = field(default_factory=list)
+    _first: dict[tuple[SurfaceMaterial, ...], int] = field(default_factory=dict)
 
-    def add(self, slots: Sequence[Surface]) -> int:
+    def add(self, slots: Sequence[SurfaceMaterial]) -> int:
         """First row of these slots."""
         key = tuple(slots)
         if key not in self._first:

@@ -15,7 +15,7 @@ from home_mjx.schema.compiled import CompiledHouse, Model
 LEAST_AREA = 1e-12  # [m^2]: smaller triangles are dropped, MuJoCo refuses meshes of nothing else
 
 
-class Assets:
+class MjcfAssets:
     """Collects what the geoms of a house refer to; everything is stored once.
 
     Attributes:

@@ -16,7 +16,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.scene_compile.architecture.rooms import ground_floor
 from home_mjx.scene_compile.geometry.boxes import box_inertia
 from home_mjx.scene_compile.mjcf.agent import AGENT_SOLREF, BODY_SOLREF, add_agent, add_motors
-from home_mjx.scene_compile.mjcf.assets import Assets, numbers, safe_name
+from home_mjx.scene_compile.mjcf.assets import MjcfAssets, numbers, safe_name
 from home_mjx.scene_compile.mjcf.boxes import COLLIDER, MEETS_LEAVES, add_box, add_leaf, add_piece
 from home_mjx.scene_compile.mjcf.lights import add_lamps
 from home_mjx.scene_compile.mjcf.overlaps import part_overlaps
@@ -76,7 +76,7 @@ def to_mjcf(
     world = ET.Element("worldbody")
     _add_surroundings(world, house)
     add_lamps(world, house)
-    assets = Assets(house)
+    assets = MjcfAssets(house)
     exact = collision == "exact"
     _add_static_boxes(world, house, exact)
     for instance in range(len(house.instances.model)):
@@ -187,7 +187,7 @@ def _add_static_boxes(world: ET.Element, house: CompiledHouse, exact: bool) -> N
             add_box(world, f"static{i}", size, pos=numbers(pos), quat=numbers(quat))
 
 
-def _add_instance(world: ET.Element, house: CompiledHouse, instance: int, assets: Assets, exact: bool) -> None:
+def _add_instance(world: ET.Element, house: CompiledHouse, instance: int, assets: MjcfAssets, exact: bool) -> None:
     """Adds one instance: the architecture, a static object, or a movable one."""
     body, leaf = int(house.instances.body[instance]), np.flatnonzero(house.doors.instance == instance)
     name = "architecture" if instance == ARCHITECTURE else f"object{house.instances.object_id[instance]}"
@@ -227,7 +227,7 @@ def _add_pieces(
     element: ET.Element,
     house: CompiledHouse,
     instance: int,
-    assets: Assets,
+    assets: MjcfAssets,
     stretch: Float[np.ndarray, "3 3"],
     **more: str,
 ) -> int:
@@ -242,7 +242,7 @@ def _add_visuals(
     element: ET.Element,
     house: CompiledHouse,
     instance: int,
-    assets: Assets,
+    assets: MjcfAssets,
     stretch: Float[np.ndarray, "3 3"],
     **place: str,
 ) -> None:

@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float
 
 from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set
 from home_mjx.scene_compile.navigation.geodesic import Link
-from home_mjx.scene_compile.objects.place import Placed
+from home_mjx.scene_compile.objects.place import PlacedObject
 
 CATEGORY = "stairs"
 TREADS = 0.3  # part of the rise at either end whose treads are the foot and the head
@@ -29,7 +29,7 @@ class Stairs:
     hole: BoxSet  # over the upper floor
 
 
-def find_stairs(objects: Sequence[Placed], level: Sequence[int], floor: Float[np.ndarray, " l"]) -> list[Stairs]:
+def find_stairs(objects: Sequence[PlacedObject], level: Sequence[int], floor: Float[np.ndarray, " l"]) -> list[Stairs]:
     """The flights that lead from one level to the next.
 
     Args:
@@ -46,7 +46,7 @@ def find_stairs(objects: Sequence[Placed], level: Sequence[int], floor: Float[np
     return found
 
 
-def _flight(item: Placed, lower: int, start: float, end: float) -> Stairs | None:
+def _flight(item: PlacedObject, lower: int, start: float, end: float) -> Stairs | None:
     triangles = item.triangles
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     area = np.linalg.norm(normal, axis=1)

@@ -20,7 +20,7 @@ LEAF_MASS = (5.0, 60.0)  # [kg]
 
 
 @dataclass(frozen=True)
-class Part:
+class RigidPart:
     """What of an object moves as one; of a leaf, in the model's frame: its hinge and how far it turns."""
 
     model: Model
@@ -41,18 +41,18 @@ class DoorModel:
 
 
 @lru_cache(maxsize=256)
-def take_apart(door: DoorModel) -> tuple[Part, ...]:
+def take_apart(door: DoorModel) -> tuple[RigidPart, ...]:
     """The frame, then the leaves; the whole door where no hinge was found."""
     hinges = find_hinges(door.shown.triangle.astype(np.float64), door.other)
     frame = ~np.any([hinge.leaf for hinge in hinges], axis=0)
     if not hinges or not frame.any():
-        return (Part(door.shown),)
-    parts = [Part(_cut_out(door.shown, frame, "frame"))]
+        return (RigidPart(door.shown),)
+    parts = [RigidPart(_cut_out(door.shown, frame, "frame"))]
     for hinge in hinges:
         closed = 0.0 if door.is_closed else hinge.turn
         opens = np.sign(hinge.turn) * (1 if door.is_closed else -1)
         wide = closed + opens * max(abs(hinge.turn), WIDE)
-        parts.append(Part(_cut_out(door.shown, hinge.leaf, "leaf"), hinge.pivot, closed, float(wide)))
+        parts.append(RigidPart(_cut_out(door.shown, hinge.leaf, "leaf"), hinge.pivot, closed, float(wide)))
     return tuple(parts)
 
 
@@ -79,7 +79,7 @@ class Leaf:
     box: BoxSet  # as it stands
 
 
-def place_leaf(part: Part, pose: Float[np.ndarray, "3 4"], instance: int, box: BoxSet) -> Leaf:
+def place_leaf(part: RigidPart, pose: Float[np.ndarray, "3 4"], instance: int, box: BoxSet) -> Leaf:
     """A leaf of an object at a pose; mirrors turn the other way round."""
     assert part.pivot is not None
     turn = float(np.sign(np.linalg.det(pose[:2, :2])))

@@ -3,7 +3,7 @@
 import numpy as np
 
 from home_mjx.scene_compile.geometry.mesh import surface_areas
-from home_mjx.scene_compile.objects.place import Placed
+from home_mjx.scene_compile.objects.place import PlacedObject
 
 # Mass per area of visible surface [kg/m^2] = density times thickness; boards have two sides, so half their thickness.
 # Densities are handbook values (particle board 700, steel 7850, glass 2500, stoneware 2400, granite 2700,
@@ -70,7 +70,7 @@ def mass_range(fine: str, coarse: str) -> tuple[float, float]:
     return MASS_RANGES.get(fine) or MASS_RANGES.get(coarse) or USUAL_RANGE
 
 
-def object_mass(item: Placed) -> float:
+def object_mass(item: PlacedObject) -> float:
     """Mass of an object [kg]: areas times areal densities of its materials, within the range of its category."""
     area = np.bincount(item.model.slot, surface_areas(item.triangles), minlength=len(item.slots))
     areal = [AREAL_DENSITY.get(s.kind, USUAL_DENSITY) for s in item.surfaces]

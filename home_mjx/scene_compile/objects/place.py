@@ -10,8 +10,8 @@ from jaxtyping import Float
 from home_mjx.scene_compile.geometry.boxes import BoxSet, box_of
 from home_mjx.scene_compile.geometry.mesh import Z_UP, box_triangles, make_model, to_z_up, transform
 from home_mjx.scene_compile.geometry.polygons import polygon_area, polygon_distance, smallest_room
-from home_mjx.scene_compile.materials.surface import Surface, override, surface
-from home_mjx.scene_compile.objects.doors import DoorModel, Part, keeps_hinges, take_apart
+from home_mjx.scene_compile.materials.surface import SurfaceMaterial, override, surface_material
+from home_mjx.scene_compile.objects.doors import DoorModel, RigidPart, keeps_hinges, take_apart
 from home_mjx.schema.compiled import Model, Rooms
 from home_mjx.schema.house import Box, House, Level, Material, Mesh, Metadata, ModelInfo, Object
 
@@ -23,13 +23,13 @@ BOX_SLOTS = (2, 3, 4, 5, 1, 0)
 
 
 @dataclass(frozen=True)
-class Placed:
+class PlacedObject:
     """One object in the world frame."""
 
     node: Object | Box
     info: ModelInfo
     model: Model
-    parts: tuple[Part, ...]  # what of it moves as one: the whole, or a door's frame and leaves
+    parts: tuple[RigidPart, ...]  # what of it moves as one: the whole, or a door's frame and leaves
     slots: tuple[Material, ...]  # of its mesh, after overrides
     pose: Float[np.ndarray, "3 4"]  # world from model [m]
     object_id: int
@@ -54,12 +54,12 @@ class Placed:
         return box_of(self.triangles.reshape(-1, 3), self.yaw)
 
     @property
-    def surfaces(self) -> tuple[Surface, ...]:
+    def surfaces(self) -> tuple[SurfaceMaterial, ...]:
         """Material slots."""
-        return tuple(surface(slot, self.info.fine, self.info.coarse) for slot in self.slots)
+        return tuple(surface_material(slot, self.info.fine, self.info.coarse) for slot in self.slots)
 
 
-def place_objects(house: House, metadata: Metadata, rooms: Rooms, offset: Float[np.ndarray, "3"]) -> list[Placed]:
+def place_objects(house: House, metadata: Metadata, rooms: Rooms, offset: Float[np.ndarray, "3"]) -> list[PlacedObject]:
     """Every object and box of a house in file order.
 
     Args:
@@ -78,7 +78,7 @@ def place_objects(house: House, metadata: Metadata, rooms: Rooms, offset: Float[
             pose = _pose(node, offset)
             room = _room(node, level, rooms, transform(pose, model.box.astype(np.float64).mean(axis=0)))
             placed.append(
-                Placed(
+                PlacedObject(
                     node=node,
                     info=info,
                     model=model,
@@ -96,9 +96,9 @@ def place_objects(house: House, metadata: Metadata, rooms: Rooms, offset: Float[
 
 def _parts(
     node: Object | Box, info: ModelInfo, model: Model, pose: Float[np.ndarray, "3 4"], others: Mapping[str, Mesh]
-) -> tuple[Part, ...]:
+) -> tuple[RigidPart, ...]:
     if isinstance(node, Box) or info.coarse != "door" or node.other_key not in others or not keeps_hinges(pose):
-        return (Part(model),)
+        return (RigidPart(model),)
     other = others[node.other_key]
     return take_apart(DoorModel(model.key, other.path, bool(node.state), model, triangles_z_up(other)))
 

@@ -11,7 +11,7 @@ from home_mjx.core.checks import check_type
 from home_mjx.datasets.options import ReadOptions
 from home_mjx.scene_compile.architecture.mirror_planes import build_planes
 from home_mjx.scene_compile.architecture.rooms import extract_rooms, ground_offset
-from home_mjx.scene_compile.architecture.shell import Architecture, build_architecture
+from home_mjx.scene_compile.architecture.shell import Shell, build_shell
 from home_mjx.scene_compile.collision.colliders import ColliderOptions, leaf_box
 from home_mjx.scene_compile.collision.movables import MovableOptions, make_bodies
 from home_mjx.scene_compile.geometry.instance_tree import instance_box, top_tree
@@ -20,7 +20,7 @@ from home_mjx.scene_compile.lighting.lights import LightOptions, build_lights
 from home_mjx.scene_compile.materials.surface import SurfaceRows, material_table
 from home_mjx.scene_compile.navigation.free_space import NavigationOptions, build_navigation
 from home_mjx.scene_compile.objects.doors import make_doors, place_leaf
-from home_mjx.scene_compile.objects.place import Placed, place_objects
+from home_mjx.scene_compile.objects.place import PlacedObject, place_objects
 from home_mjx.scene_compile.pipeline.limits import blaming, check_counts, check_extent, check_walls
 from home_mjx.scene_compile.pipeline.solid import Solid, make_solid
 from home_mjx.scene_compile.pipeline.storeys import find_storeys
@@ -77,7 +77,7 @@ def _compiled(house: House, metadata: Metadata, options: CompileOptions) -> Comp
     offset = ground_offset(house)
     rooms = extract_rooms(house, offset)
     check_extent(house, rooms, options.navigation.cell)
-    shell = build_architecture(house, rooms, offset)
+    shell = build_shell(house, rooms, offset)
     check_walls(house, shell)
     objects = place_objects(house, metadata, rooms, offset)
     solid = make_solid(shell, rooms, objects, options.colliders, options.movables, options.navigation)
@@ -112,18 +112,18 @@ def _compiled(house: House, metadata: Metadata, options: CompileOptions) -> Comp
     )
 
 
-def _first_rows(objects: Sequence[Placed], first: Mapping[int, int], instances: Instances) -> list[int]:
+def _first_rows(objects: Sequence[PlacedObject], first: Mapping[int, int], instances: Instances) -> list[int]:
     """First material row of each object."""
     return [int(instances.material[first[o.object_id]]) for o in objects]
 
 
-def _first_instances(objects: Sequence[Placed]) -> dict[int, int]:
+def _first_instances(objects: Sequence[PlacedObject]) -> dict[int, int]:
     """Index of the first instance of each object; the architecture is instance 0."""
     counts = [1, *(len(o.parts) for o in objects)]
     return dict(zip((o.object_id for o in objects), np.cumsum(counts).tolist(), strict=False))
 
 
-def _instances(shell: Architecture, objects: Sequence[Placed], rows: SurfaceRows, slot: Mapping[int, int]) -> Instances:
+def _instances(shell: Shell, objects: Sequence[PlacedObject], rows: SurfaceRows, slot: Mapping[int, int]) -> Instances:
     """One instance per part of an object; the parts share its materials and meaning."""
     parts = [(row, o, part) for row, o in enumerate(objects) for part in o.parts]
     material = [rows.add(o.surfaces) for o in objects]
@@ -137,7 +137,7 @@ def _instances(shell: Architecture, objects: Sequence[Placed], rows: SurfaceRows
     )
 
 
-def _doors(objects: Sequence[Placed], first: Mapping[int, int], solid: Solid) -> Doors:
+def _doors(objects: Sequence[PlacedObject], first: Mapping[int, int], solid: Solid) -> Doors:
     leaves, rows = [], []
     for o in objects:
         for number, part in enumerate(o.parts[1:]):
@@ -146,7 +146,7 @@ def _doors(objects: Sequence[Placed], first: Mapping[int, int], solid: Solid) ->
     return make_doors(leaves, rows)
 
 
-def _object_row(item: Placed, slot: Mapping[int, int]) -> np.ndarray:
+def _object_row(item: PlacedObject, slot: Mapping[int, int]) -> np.ndarray:
     return semantic_row(
         item.info.fine,
         item.info.coarse,
@@ -163,7 +163,7 @@ def _bounds(instances: Instances, models: Mapping[str, Model]) -> Float[np.ndarr
     return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
 
 
-def _report(house: House, shell: Architecture, objects: Sequence[Placed], solid: Solid) -> dict[str, int]:
+def _report(house: House, shell: Shell, objects: Sequence[PlacedObject], solid: Solid) -> dict[str, int]:
     """Counts: of the input as it is and of what became of it."""
     return {
         "levels": len(house.levels),

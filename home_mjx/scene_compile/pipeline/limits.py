@@ -10,7 +10,7 @@ import numpy as np
 
 from home_mjx.errors import DatasetError
 from home_mjx.scene_compile.architecture.rooms import house_rooms
-from home_mjx.scene_compile.architecture.shell import Architecture, Wall
+from home_mjx.scene_compile.architecture.shell import Shell, Wall
 from home_mjx.schema.compiled import Rooms
 from home_mjx.schema.house import Box, House, Object
 
@@ -69,7 +69,7 @@ def check_extent(house: House, rooms: Rooms, cell: float) -> None:
     )
 
 
-def check_walls(house: House, shell: Architecture) -> None:
+def check_walls(house: House, shell: Shell) -> None:
     """Refuses a house of longer walls than any has: they are cut into pieces, every one of which is compared with all.
 
     Raises:

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Int
 
 from home_mjx.scene_compile.architecture.rooms import ground_floor
-from home_mjx.scene_compile.architecture.shell import Architecture
+from home_mjx.scene_compile.architecture.shell import Shell
 from home_mjx.scene_compile.collision.colliders import (
     LEAF_TURN,
     ColliderOptions,
@@ -22,7 +22,7 @@ from home_mjx.scene_compile.collision.colliders import (
 from home_mjx.scene_compile.collision.movables import Candidate, MovableOptions, choose_movables
 from home_mjx.scene_compile.geometry.boxes import BoxSet, join
 from home_mjx.scene_compile.navigation.free_space import FreeSpace, NavigationOptions, free_space
-from home_mjx.scene_compile.objects.place import Placed
+from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.compiled import Rooms
 
 
@@ -60,9 +60,9 @@ class Solid:
 
 
 def make_solid(
-    shell: Architecture,
+    shell: Shell,
     rooms: Rooms,
-    objects: Sequence[Placed],
+    objects: Sequence[PlacedObject],
     colliders: ColliderOptions,
     movables: MovableOptions,
     navigation: NavigationOptions,
@@ -103,7 +103,7 @@ def make_solid(
     )
 
 
-def _leaves(item: Placed, boxes: Sequence[BoxSet], floor: float, options: ColliderOptions) -> list[LeafBox]:
+def _leaves(item: PlacedObject, boxes: Sequence[BoxSet], floor: float, options: ColliderOptions) -> list[LeafBox]:
     """The leaves of a door that something on the floor can touch."""
     hinged = item.parts[1:]
     is_open = [bool(abs(part.closed) > LEAF_TURN) for part in hinged] or [True] * len(boxes)

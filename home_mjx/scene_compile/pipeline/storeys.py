@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from home_mjx.scene_compile.architecture.shell import Architecture
+from home_mjx.scene_compile.architecture.shell import Shell
 from home_mjx.scene_compile.collision.colliders import (
     ColliderOptions,
     keep_reachable,
@@ -15,14 +15,14 @@ from home_mjx.scene_compile.collision.colliders import (
 from home_mjx.scene_compile.geometry.boxes import BoxSet, join
 from home_mjx.scene_compile.navigation.free_space import NavigationOptions, Storeys, free_space
 from home_mjx.scene_compile.navigation.stairs import find_stairs
-from home_mjx.scene_compile.objects.place import Placed
+from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.compiled import Rooms
 
 
 def find_storeys(
-    shell: Architecture,
+    shell: Shell,
     rooms: Rooms,
-    objects: Sequence[Placed],
+    objects: Sequence[PlacedObject],
     colliders: ColliderOptions,
     options: NavigationOptions,
 ) -> Storeys:
@@ -47,7 +47,7 @@ def find_storeys(
     return Storeys(upper, doorways, stairs)
 
 
-def _obstacles(shell: Architecture, objects: Sequence[Placed], floor: float, colliders: ColliderOptions) -> BoxSet:
+def _obstacles(shell: Shell, objects: Sequence[PlacedObject], floor: float, colliders: ColliderOptions) -> BoxSet:
     """Walls and furniture of one level; door leaves are thought open."""
     walls = keep_reachable(wall_colliders(shell, colliders), floor, colliders)
     return join([walls, *(object_colliders(o, floor, colliders)[0] for o in objects)])

@@ -7,11 +7,11 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from home_mjx.scene_compile.architecture.rooms import extract_rooms, ground_offset, house_rooms
-from home_mjx.scene_compile.architecture.shell import Architecture, build_architecture, inner_normal
+from home_mjx.scene_compile.architecture.shell import Shell, build_shell, inner_normal
 from home_mjx.scene_compile.geometry.mesh import surface_areas
 from home_mjx.scene_compile.geometry.polygons import polygon_area
-from home_mjx.scene_compile.materials.surface import surface
-from home_mjx.scene_compile.objects.place import Placed, place_objects
+from home_mjx.scene_compile.materials.surface import surface_material
+from home_mjx.scene_compile.objects.place import PlacedObject, place_objects
 from home_mjx.scene_compile.semantics.describe import short_text
 from home_mjx.scene_compile.semantics.looks.appearance import Appearance, Skin, appearance
 from home_mjx.scene_compile.semantics.looks.home import home_appearance
@@ -51,14 +51,14 @@ def house_semantics(house: House, metadata: Metadata, options: SemanticOptions =
     """
     offset = ground_offset(house)
     rooms = extract_rooms(house, offset)
-    shell = build_architecture(house, rooms, offset)
+    shell = build_shell(house, rooms, offset)
     return describe_house(house, shell, place_objects(house, metadata, rooms, offset), rooms, metadata, options)
 
 
 def describe_house(
     house: House,
-    shell: Architecture,
-    objects: Sequence[Placed],
+    shell: Shell,
+    objects: Sequence[PlacedObject],
     rooms: Rooms,
     metadata: Metadata,
     options: SemanticOptions = DEFAULT_OPTIONS,
@@ -101,7 +101,7 @@ class _Looks:
         return self.found[key]
 
 
-def _part(shell: Architecture, index: int, rooms: Rooms, looks: _Looks) -> PartSemantics:
+def _part(shell: Shell, index: int, rooms: Rooms, looks: _Looks) -> PartSemantics:
     part, model = shell.parts[index], shell.model
     seen = np.flatnonzero((model.part == index) & (model.slot == shell.facing[index]))
     triangles = model.triangle[seen].astype(np.float64)
@@ -128,7 +128,7 @@ def _faces(triangles: Float[np.ndarray, "t 3 3"], toward: Float[np.ndarray, "3"]
 
 
 def _object(
-    item: Placed, support: Support, house: House, rooms: Rooms, sizes: SizeTable, looks: _Looks
+    item: PlacedObject, support: Support, house: House, rooms: Rooms, sizes: SizeTable, looks: _Looks
 ) -> ObjectSemantics:
     skin = _skin(item, house, looks.options)
     stretch = (item.pose[:, :3].T @ item.pose[:, :3]).round(6)  # areas follow from it, whichever way the object faces
@@ -152,11 +152,11 @@ def _object(
     )
 
 
-def _skin(item: Placed, house: House, options: SemanticOptions) -> Skin:
+def _skin(item: PlacedObject, house: House, options: SemanticOptions) -> Skin:
     surfaces = item.surfaces
     if options.color == "home" and isinstance(item.node, Object):
         own = house.models[item.node.model_key].materials
-        surfaces = tuple(surface(slot, item.info.fine, item.info.coarse) for slot in own)
+        surfaces = tuple(surface_material(slot, item.info.fine, item.info.coarse) for slot in own)
     return Skin(surface_areas(item.triangles), item.model.uv, item.model.slot, surfaces)
 
 
@@ -167,7 +167,7 @@ def _look(skin: Skin, options: SemanticOptions) -> Appearance:
     return home_appearance(skin, options) if options.color == "home" else appearance(skin, options)
 
 
-def _volume(item: Placed) -> float:
+def _volume(item: PlacedObject) -> float:
     """Of the model's own box as scaled [m^3]; a flat one counts as a millimetre thick."""
     edges = np.ptp(item.model.box.astype(np.float64), axis=0) * np.linalg.norm(item.pose[:, :3], axis=0)
     return float(np.maximum(edges, 1e-3).prod())

@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float
 
 from home_mjx.scene_compile.geometry.boxes import BoxSet, footprint_distance, join, yaw_matrix
 from home_mjx.scene_compile.geometry.mesh import bounds
-from home_mjx.scene_compile.objects.place import Placed
+from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.compiled import Rooms
 
 SUPPORTS = ("floor", "wall", "ceiling", "object")
@@ -43,7 +43,7 @@ class Support:
     container: int = -1  # object id of what it is in
 
 
-def find_supports(objects: Sequence[Placed], rooms: Rooms) -> list[Support]:
+def find_supports(objects: Sequence[PlacedObject], rooms: Rooms) -> list[Support]:
     """The support of each object.
 
     Args:
@@ -58,7 +58,7 @@ def find_supports(objects: Sequence[Placed], rooms: Rooms) -> list[Support]:
 
 def _support(
     index: int,
-    objects: Sequence[Placed],
+    objects: Sequence[PlacedObject],
     boxes: BoxSet,
     limits: Float[np.ndarray, "o 2 3"],
     rooms: Rooms,
@@ -84,7 +84,7 @@ def _support(
     return Support("wall" if at_wall else "")
 
 
-def _heights(item: Placed, rooms: Rooms) -> tuple[float, float]:
+def _heights(item: PlacedObject, rooms: Rooms) -> tuple[float, float]:
     """Floor and ceiling of an object's room [m]; outdoors, the lowest floor of its level and no ceiling."""
     if item.room >= 0:
         return float(rooms.floor[item.room]), float(rooms.ceiling[item.room])
@@ -102,7 +102,7 @@ def _outline_points(rooms: Rooms, level: int) -> Float[np.ndarray, "p 2"]:
     return np.concatenate(points)
 
 
-def _bearer(index: int, objects: Sequence[Placed], limits: Float[np.ndarray, "o 2 3"]) -> int:
+def _bearer(index: int, objects: Sequence[PlacedObject], limits: Float[np.ndarray, "o 2 3"]) -> int:
     """The object whose upper sides lie under most of the lowest points of another; -1 if none bears enough."""
     low, high = limits[index]
     near = ((limits[:, 0, :2] < high[:2]) & (limits[:, 1, :2] > low[:2])).all(axis=1)
@@ -119,14 +119,14 @@ def _bearer(index: int, objects: Sequence[Placed], limits: Float[np.ndarray, "o 
     return best if borne[best] >= RESTING else -1
 
 
-def _soles(item: Placed) -> Float[np.ndarray, "p 3"]:
+def _soles(item: PlacedObject) -> Float[np.ndarray, "p 3"]:
     """Some of the lowest points of an object."""
     points = item.triangles.reshape(-1, 3)
     points = np.unique(points[points[:, 2] < points[:, 2].min() + SOLE].round(4), axis=0)
     return points[np.linspace(0, len(points) - 1, min(len(points), MAX_POINTS)).astype(int)]
 
 
-def _borne(points: Float[np.ndarray, "p 3"], below: Placed, top: float) -> Bool[np.ndarray, " p"]:
+def _borne(points: Float[np.ndarray, "p 3"], below: PlacedObject, top: float) -> Bool[np.ndarray, " p"]:
     """Whether an upper side of an object is within `TOUCH` of each point, vertically, and below `top`."""
     triangles = below.triangles
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
@@ -155,7 +155,7 @@ def _barycentric(
     return np.stack([1 - second - third, second, third], axis=-1)
 
 
-def _container(index: int, objects: Sequence[Placed], boxes: BoxSet, limits: Float[np.ndarray, "o 2 3"]) -> int:
+def _container(index: int, objects: Sequence[PlacedObject], boxes: BoxSet, limits: Float[np.ndarray, "o 2 3"]) -> int:
     """The smallest container whose box holds an object's; -1 if none does."""
     middle, volume = boxes.center[index], boxes.half.prod(axis=1)
     around = (limits[:, 0] <= middle).all(axis=1) & (limits[:, 1] >= middle).all(axis=1) & (volume > volume[index])

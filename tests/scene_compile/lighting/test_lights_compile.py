@@ -14,7 +14,7 @@ from home_mjx.scene_compile.lighting.lights import (
     lamp_sources,
     middle_of,
 )
-from home_mjx.scene_compile.objects.place import Placed
+from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.house import Light, Material, Metadata, ModelInfo, Object
 
 PLAIN = (Material("a"),)
@@ -27,7 +27,7 @@ def placed(lights=(), fine="chandelier", pose=None, slots=PLAIN, room=0, half=(0
     node = Object("0_1", 1, "levels[0].nodes[1]", None, "m", None, np.eye(4))
     parts = ()
     info = ModelInfo("m", fine, fine)
-    item = Placed(node, info, model, parts, slots, pose, 1, 0, room)
+    item = PlacedObject(node, info, model, parts, slots, pose, 1, 0, room)
     return item, Metadata({}, {"m": tuple(lights)})
 
 

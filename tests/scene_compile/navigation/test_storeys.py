@@ -14,8 +14,8 @@ from home_mjx.scene_compile.navigation.geodesic import Link, distance_fields
 from home_mjx.scene_compile.navigation.portals import room_hops
 from home_mjx.scene_compile.navigation.regions import label_regions
 from home_mjx.scene_compile.navigation.stairs import find_stairs
-from home_mjx.scene_compile.objects.doors import Part
-from home_mjx.scene_compile.objects.place import Placed
+from home_mjx.scene_compile.objects.doors import RigidPart
+from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.scene_compile.pipeline.compile import CompileOptions, compile_house
 from home_mjx.schema.categories import COARSE
 from home_mjx.schema.compiled import FIELD_UNIT, Navigation, PortalKind, Rooms
@@ -35,7 +35,7 @@ def rooms_of(*polygons: np.ndarray, level: tuple[int, ...] = ()) -> Rooms:
     return Rooms(np.full(n, -1), levels, polygons, UP * levels.astype(float), UP * levels + 2.5)
 
 
-def stairs_at(x: float, y: float, level: int = 0) -> Placed:
+def stairs_at(x: float, y: float, level: int = 0) -> PlacedObject:
     """A flight that rises along +x from (x, y), the middle of its first edge."""
     rise = UP / STEPS
     boxes = []
@@ -45,10 +45,12 @@ def stairs_at(x: float, y: float, level: int = 0) -> Placed:
     model = make_model("stairs", np.concatenate(boxes))
     pose = np.c_[np.eye(3), [x, y, level * UP]]
     node = Object("0_9", 9, "levels[0].nodes[9]", None, "stairs", None, np.eye(4))
-    return Placed(node, ModelInfo("stairs", "stairs", "stairs", "floor"), model, (Part(model),), (), pose, 9, level, 0)
+    return PlacedObject(
+        node, ModelInfo("stairs", "stairs", "stairs", "floor"), model, (RigidPart(model),), (), pose, 9, level, 0
+    )
 
 
-def two_storeys(climb: bool, stairs: Placed | None = None) -> Navigation:
+def two_storeys(climb: bool, stairs: PlacedObject | None = None) -> Navigation:
     """A 6 x 4 m room on each level, joined by stairs along the middle."""
     stairs = stairs or stairs_at(1.0, 2.0)
     rooms = rooms_of(outline(0, 0, 6, 4), outline(0, 0, 6, 4), level=(0, 1))

@@ -8,7 +8,7 @@ from PIL import Image
 
 from home_mjx.core.color import srgb_to_lab
 from home_mjx.errors import ConfigError, DatasetError
-from home_mjx.scene_compile.materials.surface import Surface
+from home_mjx.scene_compile.materials.surface import SurfaceMaterial
 from home_mjx.scene_compile.semantics.looks.appearance import (
     LIKENESS,
     Skin,
@@ -25,7 +25,7 @@ DEFAULT = SemanticOptions()
 RED, WHITE = (255, 0, 0), (255, 255, 255)
 
 
-def skin(areas: list[float], surfaces: list[Surface], uv: np.ndarray = QUAD) -> Skin:
+def skin(areas: list[float], surfaces: list[SurfaceMaterial], uv: np.ndarray = QUAD) -> Skin:
     """Two triangles per surface, of the given areas together."""
     half = np.repeat(np.array(areas) / 2, 2)
     return Skin(half, np.tile(uv, (len(areas), 1, 1)), np.repeat(np.arange(len(areas)), 2), tuple(surfaces))
@@ -47,25 +47,25 @@ def css(item: Skin, options: SemanticOptions = DEFAULT) -> tuple[str, ...]:
 
 
 def test_colours_come_by_area():
-    surfaces = [Surface((1, 0, 0)), Surface((0, 0, 1)), Surface((0, 0.5, 0))]
+    surfaces = [SurfaceMaterial((1, 0, 0)), SurfaceMaterial((0, 0, 1)), SurfaceMaterial((0, 0.5, 0))]
     assert css(skin([1.0, 3.0, 0.5], surfaces)) == ("blue", "red")
     assert css(skin([1.0, 3.0, 0.5], surfaces), SemanticOptions(share=0.1)) == ("blue", "red", "green")
 
 
 def test_the_foremost_colour_is_named_even_if_none_covers_enough():
-    grays = [Surface((x, 0.9 - x, x)) for x in np.linspace(0, 0.9, 12)]
+    grays = [SurfaceMaterial((x, 0.9 - x, x)) for x in np.linspace(0, 0.9, 12)]
     assert len(css(skin([1.0] * 12, grays), SemanticOptions(share=1.0))) == 1
 
 
 def test_a_pattern_gives_its_colours_and_not_their_mean(picture):
     chequered = picture("chequers", [[RED] * 8 + [WHITE] * 8] * 8 + [[WHITE] * 8 + [RED] * 8] * 8)
-    assert set(css(skin([1.0], [Surface(texture=chequered)]))) == {"red", "white"}
+    assert set(css(skin([1.0], [SurfaceMaterial(texture=chequered)]))) == {"red", "white"}
 
 
 def test_a_grain_gives_one_colour(picture):
     rng = np.random.default_rng(0)
     grain = picture("wood_1", (np.array([139, 69, 19]) + rng.integers(-15, 15, (32, 32, 1))).tolist())
-    assert css(skin([1.0], [Surface(texture=grain)])) == ("saddle brown",)
+    assert css(skin([1.0], [SurfaceMaterial(texture=grain)])) == ("saddle brown",)
 
 
 def test_only_the_part_of_an_image_that_is_used_counts(picture):
@@ -73,22 +73,22 @@ def test_only_the_part_of_an_image_that_is_used_counts(picture):
     halves = picture("halves", [[RED] * 4] * 2 + [[(0, 0, 255)] * 4] * 2)
     for low, high, name in ((0.5, 1.0, "red"), (0.0, 0.5, "blue"), (7.5, 8.0, "red"), (-1.0, -0.5, "blue")):
         uv = QUAD * [1, high - low] + [0, low]
-        assert css(skin([1.0], [Surface(texture=halves)], uv)) == (name,)
+        assert css(skin([1.0], [SurfaceMaterial(texture=halves)], uv)) == (name,)
 
 
 def test_the_diffuse_colour_multiplies_the_image_in_linear_light(picture):
     gray = picture("gray", [[(188, 188, 188)] * 2] * 2)  # half of white in linear light
-    lab, weight = surface_colors(skin([1.0], [Surface((0.735356983, 0.0, 1.0), texture=gray)]))
+    lab, weight = surface_colors(skin([1.0], [SurfaceMaterial((0.735356983, 0.0, 1.0), texture=gray)]))
     expected = srgb_to_lab(np.array([[0.5371, 0.0, 0.7369]]))
     np.testing.assert_allclose(np.average(lab, axis=0, weights=weight), expected[0], atol=0.2)
 
 
 def test_clear_surfaces_count_by_their_opacity(picture):
-    glass, frame = Surface((0, 0, 1), opacity=0.1), Surface((1, 0, 0))
+    glass, frame = SurfaceMaterial((0, 0, 1), opacity=0.1), SurfaceMaterial((1, 0, 0))
     assert css(skin([2.0, 1.0], [glass, frame])) == ("red",)
-    assert css(skin([1.0], [Surface((0, 0, 1), opacity=0.0)])) == ("blue",)
+    assert css(skin([1.0], [SurfaceMaterial((0, 0, 1), opacity=0.0)])) == ("blue",)
     leaf = picture("leaf_1", [[(0, 128, 0, 255), (255, 0, 0, 0)]] * 2)
-    assert css(skin([1.0], [Surface(texture=leaf)])) == ("green",)
+    assert css(skin([1.0], [SurfaceMaterial(texture=leaf)])) == ("green",)
 
 
 @given(
@@ -114,8 +114,11 @@ def test_shades_of_one_colour_are_one(red, green, blue):
 
 def test_material_is_the_texture_of_the_largest_area(picture):
     wood, cloth = picture("wood_3", [[RED]]), picture("textile_2_1", [[RED]])
-    plain = Surface(kind="metal")
-    item = skin([2.0, 3.0, 1.5, 7.0], [Surface(texture=wood), Surface(texture=cloth), Surface(texture=wood), plain])
+    plain = SurfaceMaterial(kind="metal")
+    item = skin(
+        [2.0, 3.0, 1.5, 7.0],
+        [SurfaceMaterial(texture=wood), SurfaceMaterial(texture=cloth), SurfaceMaterial(texture=wood), plain],
+    )
     look = appearance(item, SemanticOptions())
     assert (look.materials, look.textured) == (("wood",), True)
     shared = appearance(item, SemanticOptions(material="share"))
@@ -125,32 +128,36 @@ def test_material_is_the_texture_of_the_largest_area(picture):
 
 
 def test_what_no_texture_tells_is_usual_for_the_category():
-    look = appearance(skin([1.0, 2.0], [Surface(kind="metal"), Surface(kind="glass")]), SemanticOptions())
+    look = appearance(
+        skin([1.0, 2.0], [SurfaceMaterial(kind="metal"), SurfaceMaterial(kind="glass")]), SemanticOptions()
+    )
     assert (look.materials, look.textured) == (("glass",), False)
-    assert appearance(skin([1.0], [Surface()]), SemanticOptions()).materials == ()
-    assert appearance(skin([1.0], [Surface(kind="metal")]), HOME).materials == ()
+    assert appearance(skin([1.0], [SurfaceMaterial()]), SemanticOptions()).materials == ()
+    assert appearance(skin([1.0], [SurfaceMaterial(kind="metal")]), HOME).materials == ()
 
 
 def test_a_users_picture_tells_no_material(picture):
     user, wood = picture("123", [[RED]]), picture("wood_1", [[RED]])
-    item = skin([9.0, 1.0], [Surface(texture=user), Surface(texture=wood)])
+    item = skin([9.0, 1.0], [SurfaceMaterial(texture=user), SurfaceMaterial(texture=wood)])
     assert appearance(item, SemanticOptions()).materials == ("wood",)
 
 
 def test_home_takes_the_mean_of_the_whole_image_and_no_diffuse_colour(picture):
     halves = picture("wood_1", [[RED] * 4] * 2 + [[(0, 0, 255)] * 4] * 2)
     upper = QUAD * [1, 0.5] + [0, 0.5]
-    look = home_appearance(skin([1.0], [Surface((0, 1, 0), texture=halves)], upper), HOME)
+    look = home_appearance(skin([1.0], [SurfaceMaterial((0, 1, 0), texture=halves)], upper), HOME)
     assert look.colors["basic"] == ("purple",)
     assert look.materials == ("wood",)
 
 
 def test_home_adds_up_slots_of_one_colour_and_drops_small_ones():
-    reds = [Surface((1, 0, 0))] * 2
-    look = home_appearance(skin([0.15, 0.15, 0.7], [*reds, Surface((0, 0, 1))]), HOME)
+    reds = [SurfaceMaterial((1, 0, 0))] * 2
+    look = home_appearance(skin([0.15, 0.15, 0.7], [*reds, SurfaceMaterial((0, 0, 1))]), HOME)
     assert look.colors["css"] == ("blue", "red")
     assert (
-        home_appearance(skin([0.1] * 10, [Surface((x, 0, 0)) for x in np.linspace(0, 1, 10)]), HOME).colors["basic"]
+        home_appearance(skin([0.1] * 10, [SurfaceMaterial((x, 0, 0)) for x in np.linspace(0, 1, 10)]), HOME).colors[
+            "basic"
+        ]
         == ()
     )
 
@@ -166,7 +173,7 @@ def test_a_broken_texture_is_named(tmp_path):
     path = tmp_path / "wood_1.jpg"
     path.write_bytes(b"no image")
     with pytest.raises(DatasetError, match=r"wood_1\.jpg"):
-        appearance(skin([1.0], [Surface(texture=str(path))]), SemanticOptions())
+        appearance(skin([1.0], [SurfaceMaterial(texture=str(path))]), SemanticOptions())
 
 
 @pytest.mark.parametrize(

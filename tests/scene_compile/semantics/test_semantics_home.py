@@ -6,7 +6,7 @@ import pytest
 from home_mjx.datasets.suncg.dataset import open_dataset
 from home_mjx.datasets.suncg.read.metadata import read_metadata
 from home_mjx.scene_compile.geometry.mesh import surface_areas
-from home_mjx.scene_compile.materials.surface import surface
+from home_mjx.scene_compile.materials.surface import surface_material
 from home_mjx.scene_compile.objects.place import library_model
 from home_mjx.scene_compile.semantics.engine import house_semantics
 from home_mjx.scene_compile.semantics.looks.appearance import Skin
@@ -88,14 +88,14 @@ def test_the_other_values_that_home_asserted(meaning, house):
 def house_semantics_of_model(house, key, options):
     mesh = house.models[key]
     model = library_model(key, mesh)
-    slots = tuple(surface(slot, "", "") for slot in mesh.materials)
+    slots = tuple(surface_material(slot, "", "") for slot in mesh.materials)
     return home_appearance(Skin(surface_areas(model.triangle.astype(float)), model.uv, model.slot, slots), options)
 
 
 def test_a_lamp_that_no_table_names(dataset):
     mesh = dataset.load_model("s__1296")
     model = library_model("s__1296", mesh)
-    slots = tuple(surface(slot, "unknown", "unknown") for slot in mesh.materials)
+    slots = tuple(surface_material(slot, "unknown", "unknown") for slot in mesh.materials)
     look = home_appearance(Skin(surface_areas(model.triangle.astype(float)), model.uv, model.slot, slots), HOME)
     wanted = [{"black", "silver"}, {"black", "gainsboro"}, {"light grey", "almost black"}, {"linen"}]
     assert [set(names) for names in (*look.colors.values(), look.materials)] == wanted

@@ -9,7 +9,7 @@ from home_mjx.datasets.procedural.dataset import generate_dataset
 from home_mjx.datasets.suncg.dataset import open_dataset
 from home_mjx.scene_compile.architecture.rooms import extract_rooms, ground_offset
 from home_mjx.scene_compile.geometry.mesh import bounds
-from home_mjx.scene_compile.objects.place import Placed, place_objects
+from home_mjx.scene_compile.objects.place import PlacedObject, place_objects
 from home_mjx.scene_compile.semantics.supports import OPENINGS, TOUCH, WALL_HUNG, Support, find_supports
 
 TABLE = block((0, 0, FLOOR), (1, 1, 0.8), "table")
@@ -90,7 +90,7 @@ def test_no_objects():
     assert supports() == []
 
 
-def _below(item: Placed, others: list[Placed]) -> list[int]:
+def _below(item: PlacedObject, others: list[PlacedObject]) -> list[int]:
     """Ids of what rays meet that start twice the tolerance above each of an object's lowest points and go down."""
     points = item.triangles.reshape(-1, 3)
     start = points[points[:, 2] < points[:, 2].min() + 0.02] + (0, 0, 2 * TOUCH)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from home_mjx.datasets.procedural.floor_plan.placed import Box, Placed, overlaps, quarter_towards, stack
+from home_mjx.datasets.procedural.floor_plan.placed import Box, PlacedFurniture, overlaps, quarter_towards, stack
 from home_mjx.datasets.procedural.floor_plan.plan import draw_rooms, draw_types
 from home_mjx.datasets.procedural.floor_plan.rooms import RoomPlan, Wall, outer_spans, shared_span
 from home_mjx.datasets.procedural.furniture import family_models
@@ -29,7 +29,7 @@ _PRIVATE = 10
 class Opening:
     """A door or window in a wall, and the rooms that it joins; a single one if it leads outside."""
 
-    placed: Placed
+    placed: PlacedFurniture
     rooms: tuple[int, ...]  # the first one owns the object
 
     @property
@@ -151,7 +151,7 @@ def _fit_door(
         x, z = site.wall.point(along)
         for mirrored in rng.permutation([False, True]).tolist():
             quarter = quarter_towards(*-swing)
-            placed = Placed(model, (x, DOOR_Y, z), quarter, mirrored=mirrored, closed=len(owners) == 1)
+            placed = PlacedFurniture(model, (x, DOOR_Y, z), quarter, mirrored=mirrored, closed=len(owners) == 1)
             door = Opening(placed, owners)
             if not overlaps(placed.box, passages).any() and not overlaps(door.passage, boxes).any():
                 return door
@@ -194,6 +194,6 @@ def _fit_windows(rng: np.random.Generator, site: Site, wet: bool, taken: Sequenc
     boxes = stack([box for opening in taken for box in (opening.placed.box, opening.passage)[: 1 + opening.is_door]])
     for middle in middles:
         x, z = site.wall.point(middle)
-        placed = Placed(model, (x, HIGH_SILL_Y if wet else SILL_Y, z), quarter_towards(*site.wall.normal))
+        placed = PlacedFurniture(model, (x, HIGH_SILL_Y if wet else SILL_Y, z), quarter_towards(*site.wall.normal))
         if not overlaps(placed.box, boxes).any():
             yield Opening(placed, site.rooms)

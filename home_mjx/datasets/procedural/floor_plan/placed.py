@@ -18,7 +18,7 @@ FACING = ((0, 1), (1, 0), (0, -1), (-1, 0))  # (x, z) that the front points to a
 
 
 @dataclass(frozen=True)
-class Placed:
+class PlacedFurniture:
     """An instance of a library model."""
 
     model: Furniture
@@ -41,7 +41,7 @@ class Placed:
         """Extents along the model's own axes [m]."""
         return self.model.size * np.asarray(self.scale)
 
-    def at(self, x: float, y: float, z: float, quarter: int = 0) -> "Placed":
+    def at(self, x: float, y: float, z: float, quarter: int = 0) -> "PlacedFurniture":
         """The same object somewhere else [m]."""
         return replace(self, position=(round(x, 4), round(y, 4), round(z, 4)), quarter=quarter % 4)
 

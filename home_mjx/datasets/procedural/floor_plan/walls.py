@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from home_mjx.datasets.procedural.floor_plan.placed import Placed
+from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
 from home_mjx.datasets.procedural.floor_plan.rooms import RoomPlan, Wall
 from home_mjx.datasets.procedural.primitives.palette import CUT
 from home_mjx.datasets.procedural.primitives.solids import Solid, to_mesh
@@ -37,7 +37,7 @@ class Surfaces:
 
 
 def room_meshes(
-    folder: Path, node: int, room: RoomPlan, height: float, openings: Sequence[Placed], surfaces: Surfaces
+    folder: Path, node: int, room: RoomPlan, height: float, openings: Sequence[PlacedFurniture], surfaces: Surfaces
 ) -> tuple[Mesh, Mesh, Mesh]:
     """Floor, ceiling and walls of a room.
 
@@ -61,7 +61,7 @@ def room_meshes(
     )
 
 
-def _prisms(wall: Wall, number: int, node: int, height: float, openings: Sequence[Placed]) -> Iterator[Solid]:
+def _prisms(wall: Wall, number: int, node: int, height: float, openings: Sequence[PlacedFurniture]) -> Iterator[Solid]:
     """The inner and the outer prism of one wall."""
     holes = tuple(hole for opening in openings if (hole := carve(wall, opening)) is not None)
     start, end = (np.array([x, 0.0, z]) for x, z in (wall.start, wall.end))
@@ -71,7 +71,7 @@ def _prisms(wall: Wall, number: int, node: int, height: float, openings: Sequenc
         yield Solid(prism.vertices, prism.faces, prism.uv, slots, f"Wall{name}#0_{node}_{number}")
 
 
-def carve(wall: Wall, opening: Placed) -> Hole | None:
+def carve(wall: Wall, opening: PlacedFurniture) -> Hole | None:
     """The hole that an opening makes in a wall, or None if it is not in this wall."""
     x, _, z = opening.position
     box = opening.box

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 
 from home_mjx.datasets.procedural.floor_plan.openings import HousePlan
-from home_mjx.datasets.procedural.floor_plan.placed import Placed
+from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
 from home_mjx.datasets.procedural.furnish.dining import dining_room
 from home_mjx.datasets.procedural.furnish.kitchen import kitchen
 from home_mjx.datasets.procedural.furnish.layout import RoomLayout
@@ -41,7 +41,7 @@ ESSENTIALS = {
 RADIO_STANDS = ("tv_stand", "dresser", "nightstand", "desk", "side_table", "shoes_cabinet", "coffee_table")
 
 
-def furnish(plan: HousePlan, style: Style) -> list[list[Placed]] | None:
+def furnish(plan: HousePlan, style: Style) -> list[list[PlacedFurniture]] | None:
     """The furniture of every room, or None if the plan does not serve.
 
     That is if open doors block one another, or a room has no place for what it is for, or none has for the radio.

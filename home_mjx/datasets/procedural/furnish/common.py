@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from home_mjx.datasets.procedural.floor_plan.placed import Placed
+from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
 from home_mjx.datasets.procedural.furnish.layout import RoomLayout
 
 
@@ -11,7 +11,9 @@ def chance(room: RoomLayout, probability: float) -> bool:
     return bool(room.rng.random() < probability)
 
 
-def fit(room: RoomLayout, family: str, place: Callable[[Placed], Placed | None]) -> Placed | None:
+def fit(
+    room: RoomLayout, family: str, place: Callable[[PlacedFurniture], PlacedFurniture | None]
+) -> PlacedFurniture | None:
     """Places the favourite model of a family, or else the first other one that fits."""
     return next((placed for item in room.style.choices(family) if (placed := place(item))), None)
 

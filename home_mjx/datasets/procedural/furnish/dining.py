@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from home_mjx.datasets.procedural.floor_plan.placed import Placed
+from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
 from home_mjx.datasets.procedural.floor_plan.walls import FLOOR_TOP
 from home_mjx.datasets.procedural.furnish.common import add
 from home_mjx.datasets.procedural.furnish.layout import RoomLayout
@@ -18,7 +18,7 @@ def dining_set(room: RoomLayout, seats: int) -> None:
             return
 
 
-def _chairs(table: Placed, chair: Placed, seats: int) -> Iterator[Placed]:
+def _chairs(table: PlacedFurniture, chair: PlacedFurniture, seats: int) -> Iterator[PlacedFurniture]:
     """Chairs that face a table from its long sides (right and left of a round one too)."""
     wide, deep = float(table.size[0]), float(table.size[2])
     away = deep / 2 + float(chair.size[2]) / 2 + 0.04

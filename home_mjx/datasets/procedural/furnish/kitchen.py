@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from home_mjx.datasets.procedural.floor_plan.placed import Placed
+from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
 from home_mjx.datasets.procedural.floor_plan.walls import HALF
 from home_mjx.datasets.procedural.furnish.common import add, chance
 from home_mjx.datasets.procedural.furnish.dining import dining_set
@@ -34,7 +34,7 @@ def kitchen(room: RoomLayout) -> None:
     add(room, "trash_can", probability=0.8)
 
 
-def _row(room: RoomLayout, families: Sequence[str]) -> list[Placed] | None:
+def _row(room: RoomLayout, families: Sequence[str]) -> list[PlacedFurniture] | None:
     """Objects side by side along one wall, in the given or the reverse order, with free floor before them."""
     items = [room.style.object(family) for family in families]
     if chance(room, 0.5):
@@ -55,7 +55,7 @@ def _row(room: RoomLayout, families: Sequence[str]) -> list[Placed] | None:
     return None
 
 
-def _above(room: RoomLayout, row: Sequence[Placed]) -> None:
+def _above(room: RoomLayout, row: Sequence[PlacedFurniture]) -> None:
     """A hood over the cooker and cabinets over the rest, where no window is."""
     for unit in row:
         if unit.model.family == "refrigerator":

@@ -6,7 +6,14 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.datasets.procedural.floor_plan.openings import HousePlan
-from home_mjx.datasets.procedural.floor_plan.placed import FACING, Box, Placed, overlaps, quarter_towards, stack
+from home_mjx.datasets.procedural.floor_plan.placed import (
+    FACING,
+    Box,
+    PlacedFurniture,
+    overlaps,
+    quarter_towards,
+    stack,
+)
 from home_mjx.datasets.procedural.floor_plan.rooms import Wall
 from home_mjx.datasets.procedural.floor_plan.walking import WalkingGrid
 from home_mjx.datasets.procedural.floor_plan.walls import CEILING_LOW, FLOOR_TOP, HALF
@@ -15,10 +22,10 @@ from home_mjx.datasets.procedural.furnish.style import Style
 GAP = 0.01  # [m], between furniture and a wall
 SIGHT = 0.35  # [m], depth in front of a window that tall things keep clear
 
-Companions = Callable[[Placed], Iterable[Placed]]
+Companions = Callable[[PlacedFurniture], Iterable[PlacedFurniture]]
 
 
-def _alone(_: Placed) -> Iterable[Placed]:
+def _alone(_: PlacedFurniture) -> Iterable[PlacedFurniture]:
     return ()
 
 
@@ -39,7 +46,7 @@ class RoomLayout:
         self.height = plan.height
         self.style = style
         self.rng = style.rng
-        self.items: list[Placed] = []
+        self.items: list[PlacedFurniture] = []
         openings = plan.openings_of(index)
         walls = [_wall_box(wall, plan.height) for wall in self.room.walls]
         self._flat = [_upright(box) for box in walls]
@@ -53,7 +60,7 @@ class RoomLayout:
         """Whether one gets from every door to every other; open leaves may block even an empty room."""
         return self._grid.stays_connected([])
 
-    def put(self, items: Sequence[Placed], zones: Sequence[Box] = ()) -> bool:
+    def put(self, items: Sequence[PlacedFurniture], zones: Sequence[Box] = ()) -> bool:
         """Places things together if they fit; `zones` must be free and stay free of furniture."""
         boxes = [item.box for item in items]
         solid, clear = stack(self._solid), stack(self._clear)
@@ -81,8 +88,8 @@ class RoomLayout:
         self._clear.append(zone)
 
     def against_wall(
-        self, item: Placed, front: float = 0.0, companions: Companions = _alone, y: float = FLOOR_TOP
-    ) -> Placed | None:
+        self, item: PlacedFurniture, front: float = 0.0, companions: Companions = _alone, y: float = FLOOR_TOP
+    ) -> PlacedFurniture | None:
         """Backs an object against a wall at random, in a corner rather than elsewhere.
 
         Args:
@@ -99,7 +106,9 @@ class RoomLayout:
         spots.sort(key=lambda spot: spot[0])
         return self._first([spot for _, spot in spots], front, companions)
 
-    def _first(self, spots: list[Placed], front: float = 0.0, companions: Companions = _alone) -> Placed | None:
+    def _first(
+        self, spots: list[PlacedFurniture], front: float = 0.0, companions: Companions = _alone
+    ) -> PlacedFurniture | None:
         """The first spot where an object and its companions fit."""
         if not spots:
             return None
@@ -110,19 +119,21 @@ class RoomLayout:
         candidates = (spots[i] for i in np.flatnonzero(~busy))
         return next((spot for spot in candidates if self.place(spot, front, companions)), None)
 
-    def backed(self, item: Placed, wall: Wall, along: float, y: float = FLOOR_TOP) -> Placed:
+    def backed(self, item: PlacedFurniture, wall: Wall, along: float, y: float = FLOOR_TOP) -> PlacedFurniture:
         """The object with its back to a wall, its middle at a coordinate along the wall."""
         x, z = wall.point(along, HALF + GAP + float(item.size[2]) / 2)
         return item.at(x, y, z, quarter_towards(*wall.normal))
 
-    def place(self, item: Placed, front: float = 0.0, companions: Companions = _alone) -> Placed | None:
+    def place(
+        self, item: PlacedFurniture, front: float = 0.0, companions: Companions = _alone
+    ) -> PlacedFurniture | None:
         """Places an object where it is, with its companions and a free zone in front of it."""
         zones = [zone_before(item, front)] if front else []
         return item if self.put([item, *companions(item)], zones) else None
 
     def opposite(
-        self, anchor: Placed, item: Placed, front: float = 0.0, companions: Companions = _alone
-    ) -> Placed | None:
+        self, anchor: PlacedFurniture, item: PlacedFurniture, front: float = 0.0, companions: Companions = _alone
+    ) -> PlacedFurniture | None:
         """Backs an object against a wall that the anchor faces, as nearly opposite as it fits."""
         x, z = FACING[anchor.quarter]
         middle = anchor.position[0 if x == 0 else 2]
@@ -134,7 +145,7 @@ class RoomLayout:
         ]
         return self._first(spots, front, companions)
 
-    def freely(self, item: Placed, companions: Companions = _alone) -> Placed | None:
+    def freely(self, item: PlacedFurniture, companions: Companions = _alone) -> PlacedFurniture | None:
         """Stands an object anywhere, square to the walls."""
         spots = [
             item.at(float(x), FLOOR_TOP, float(z), quarter)
@@ -145,11 +156,11 @@ class RoomLayout:
         order = self.rng.permutation(len(spots))
         return self._first([spots[i] for i in order], 0.0, companions)
 
-    def hang(self, item: Placed, y: float) -> Placed | None:
+    def hang(self, item: PlacedFurniture, y: float) -> PlacedFurniture | None:
         """Hangs an object on a wall with its bottom at height `y` [m]."""
         return self.against_wall(item, y=FLOOR_TOP + y)
 
-    def on_top(self, anchor: Placed, item: Placed) -> Placed | None:
+    def on_top(self, anchor: PlacedFurniture, item: PlacedFurniture) -> PlacedFurniture | None:
         """Stands an object somewhere on another."""
         slack = np.maximum(anchor.size - item.size, 0.0)[[0, 2]] / 2 * 0.9
         for _ in range(8):
@@ -159,7 +170,7 @@ class RoomLayout:
                 return placed
         return None
 
-    def under_ceiling(self, item: Placed, x: float, z: float) -> Placed | None:
+    def under_ceiling(self, item: PlacedFurniture, x: float, z: float) -> PlacedFurniture | None:
         """Hangs a lamp from the ceiling."""
         return self.place(item.at(x, self.height - CEILING_LOW - float(item.size[1]), z))
 
@@ -181,7 +192,7 @@ def _steps(span: tuple[float, float], width: float) -> Iterator[tuple[float, boo
         yield from ((float(along), i in (0, count - 1)) for i, along in enumerate(np.linspace(low, high, count)))
 
 
-def zone_before(item: Placed, depth: float) -> Box:
+def zone_before(item: PlacedFurniture, depth: float) -> Box:
     """The floor in front of an object, as deep as said and as wide as the object [m]."""
     x, z = item.beside(0.0, float(item.size[2]) / 2 + depth / 2)
     half = np.array([item.size[0] / 2 - 0.02, depth / 2 - 0.02])[:: 1 if item.quarter % 2 == 0 else -1]

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 
-from home_mjx.datasets.procedural.floor_plan.placed import Placed
+from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
 from home_mjx.datasets.procedural.floor_plan.walls import FLOOR_TOP
 from home_mjx.datasets.procedural.furnish.common import add, chance, fit
 from home_mjx.datasets.procedural.furnish.dining import dining_set
@@ -24,32 +24,32 @@ def living_room(room: RoomLayout) -> None:
     add(room, "ottoman", probability=0.3)
 
 
-def _table_before(room: RoomLayout) -> Callable[[Placed], Iterator[Placed]]:
+def _table_before(room: RoomLayout) -> Callable[[PlacedFurniture], Iterator[PlacedFurniture]]:
     """A coffee table in front of a sofa."""
     table = room.style.object(str(room.rng.choice(["coffee_table", "coffee_table", "glass_table"])))
 
-    def companions(sofa: Placed) -> Iterator[Placed]:
+    def companions(sofa: PlacedFurniture) -> Iterator[PlacedFurniture]:
         x, z = sofa.beside(0.0, float(sofa.size[2] + table.size[2]) / 2 + 0.35)
         yield table.at(x, FLOOR_TOP, z, sofa.quarter)
 
     return companions
 
 
-def _television(room: RoomLayout, sofa: Placed | None) -> None:
+def _television(room: RoomLayout, sofa: PlacedFurniture | None) -> None:
     """A television on its stand, where the sofa faces if possible."""
     screen = room.style.object("television")
 
-    def companions(stand: Placed) -> Iterator[Placed]:
+    def companions(stand: PlacedFurniture) -> Iterator[PlacedFurniture]:
         yield screen.at(stand.position[0], float(stand.box[1, 1]), stand.position[2], stand.quarter)
 
-    def place(stand: Placed) -> Placed | None:
+    def place(stand: PlacedFurniture) -> PlacedFurniture | None:
         found = room.opposite(sofa, stand, 0.4, companions) if sofa else None
         return found or room.against_wall(stand, 0.5, companions)
 
     fit(room, "tv_stand", place)
 
 
-def _sofa_group(room: RoomLayout, sofa: Placed, table: Placed) -> None:
+def _sofa_group(room: RoomLayout, sofa: PlacedFurniture, table: PlacedFurniture) -> None:
     """A rug under the coffee table, armchairs beside it, a lamp and a side table beside the sofa."""
     style = room.style
     x, _, z = table.position
@@ -68,7 +68,7 @@ def _sofa_group(room: RoomLayout, sofa: Placed, table: Placed) -> None:
     room.reserve(zone_before(table, 0.5))
 
 
-def _next_to(room: RoomLayout, anchor: Placed, item: Placed, side: int) -> Placed | None:
+def _next_to(room: RoomLayout, anchor: PlacedFurniture, item: PlacedFurniture, side: int) -> PlacedFurniture | None:
     """Stands an object beside another, their backs in line."""
     x, z = anchor.beside(
         side * float(anchor.size[0] / 2 + item.size[0] / 2 + 0.04), float(item.size[2] - anchor.size[2]) / 2

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from functools import partial
 
-from home_mjx.datasets.procedural.floor_plan.placed import Placed
+from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
 from home_mjx.datasets.procedural.floor_plan.walls import FLOOR_TOP
 from home_mjx.datasets.procedural.furnish.common import add, chance, fit
 from home_mjx.datasets.procedural.furnish.layout import RoomLayout
@@ -33,7 +33,7 @@ def _bed(room: RoomLayout, family: str) -> None:
             return
 
 
-def _stands(bed: Placed, stand: Placed, sides: Sequence[int]) -> Iterator[Placed]:
+def _stands(bed: PlacedFurniture, stand: PlacedFurniture, sides: Sequence[int]) -> Iterator[PlacedFurniture]:
     for side in sides:
         right = side * float(bed.size[0] / 2 + stand.size[0] / 2 + 0.04)
         x, z = bed.beside(right, float(stand.size[2] - bed.size[2]) / 2)
@@ -46,7 +46,7 @@ def _desk(room: RoomLayout, probability: float = 1.0) -> None:
         return
     chair = room.style.object("office_chair")
 
-    def companions(desk: Placed) -> Iterator[Placed]:
+    def companions(desk: PlacedFurniture) -> Iterator[PlacedFurniture]:
         x, z = desk.beside(-0.1, float(desk.size[2] + chair.size[2]) / 2 + 0.04)
         yield chair.at(x, FLOOR_TOP, z, desk.quarter + 2)
 

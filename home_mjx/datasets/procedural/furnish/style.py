@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from home_mjx.datasets.procedural.floor_plan.placed import Placed
+from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
 from home_mjx.datasets.procedural.furniture import family_models
 from home_mjx.datasets.procedural.primitives.family import Furniture
 from home_mjx.datasets.procedural.primitives.palette import FINISHES, choose
@@ -29,23 +29,23 @@ class Style:
         models = {family: choose(options, rng) for family, options in family_models().items()}
         return cls(rng, models, {finish: choose(options, rng) for finish, options in FINISHES.items()})
 
-    def object(self, family: str) -> Placed:
+    def object(self, family: str) -> PlacedFurniture:
         """An object of a family at the origin: mostly the favourite model."""
         favourite = self.rng.random() < 0.7
         return self._instance(self.models[family] if favourite else choose(family_models()[family], self.rng))
 
-    def choices(self, family: str) -> Iterator[Placed]:
+    def choices(self, family: str) -> Iterator[PlacedFurniture]:
         """An object as by `object`, then one of every model of the family, smaller ones first."""
         yield self.object(family)
         for model in sorted(family_models()[family], key=lambda model: float(model.size[0])):
             yield self._instance(model)
 
-    def _instance(self, model: Furniture) -> Placed:
+    def _instance(self, model: Furniture) -> PlacedFurniture:
         """A model at the origin, sometimes stretched or mirrored."""
         family = model.family
         wide, deep = np.round(self.rng.uniform(0.92, 1.08, 2), 2).tolist() if family in _STRETCHED else (1.0, 1.0)
         mirrored = family in _HANDED and bool(self.rng.random() < 0.5)
-        return Placed(model, (0.0, 0.0, 0.0), 0, (wide, 1.0, deep), mirrored, materials=self.dress(model))
+        return PlacedFurniture(model, (0.0, 0.0, 0.0), 0, (wide, 1.0, deep), mirrored, materials=self.dress(model))
 
     def dress(self, model: Furniture) -> tuple[Material, ...]:
         """A material per slot: often the favourite of its finish, and mostly the same in all slots of one finish."""

@@ -9,7 +9,7 @@ from home_mjx.datasets.suncg.formats.texture_paths import Textures
 from home_mjx.schema.house import Mesh, base_model
 
 
-class Assets:
+class AssetLibrary:
     """Meshes and textures below one dataset root.
 
     Args:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from home_mjx.datasets.options import ReadOptions
-from home_mjx.datasets.suncg.formats.asset_library import Assets
+from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
 from home_mjx.datasets.suncg.formats.element import Value, read_json
 from home_mjx.datasets.suncg.formats.fields import HOUSE, LEVEL, NODES, unknown_fields
 from home_mjx.datasets.suncg.read.backdrops import cut_backdrops
@@ -21,7 +21,7 @@ AXES = (("up", [0, 1, 0]), ("front", [0, 0, 1]))
 N = TypeVar("N", bound=Node)
 
 
-def read_house(house_id: str, assets: Assets, options: ReadOptions, left_out: Callable[[str], bool]) -> House:
+def read_house(house_id: str, assets: AssetLibrary, options: ReadOptions, left_out: Callable[[str], bool]) -> House:
     """One house with every mesh that it shows.
 
     Args:
@@ -40,7 +40,7 @@ def read_house(house_id: str, assets: Assets, options: ReadOptions, left_out: Ca
     return house
 
 
-def house_path(house_id: str, assets: Assets) -> Path:
+def house_path(house_id: str, assets: AssetLibrary) -> Path:
     """Where the house.json of a house lies."""
     return assets.root / "house" / house_id / "house.json"
 

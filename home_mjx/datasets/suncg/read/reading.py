@@ -6,7 +6,7 @@ from typing import Any, ParamSpec, TypeVar
 
 from home_mjx.core.files import is_file
 from home_mjx.datasets.options import ReadOptions
-from home_mjx.datasets.suncg.formats.asset_library import Assets
+from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
 from home_mjx.datasets.suncg.formats.element import Place, Value, printable
 from home_mjx.datasets.suncg.read.arch_json import Architecture, read_architecture
 from home_mjx.errors import DatasetError
@@ -21,7 +21,7 @@ class Reading:
     """The state of reading one house."""
 
     house_id: str
-    assets: Assets
+    assets: AssetLibrary
     left_out: Callable[[str], bool] = lambda model_id: False  # models that the options leave out
     options: ReadOptions = field(default_factory=ReadOptions)
     materials: Value | None = None  # the house's own list, for nodes that have `materialIndices`
@@ -58,7 +58,7 @@ class Reading:
         return self.kept[key]
 
     def model(self, model_id: str, key: str, place: Place) -> Mesh:
-        """A library model; arguments and errors as of `Assets.model`."""
+        """A library model; arguments and errors as of `AssetLibrary.model`."""
         self.assets.find_model(model_id, key, place)
         return self.once(f"object/{key}", self.assets.model, model_id, key, place)
 

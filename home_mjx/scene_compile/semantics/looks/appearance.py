@@ -11,7 +11,7 @@ from PIL import Image
 
 from home_mjx.core.color import decode_srgb, linear_to_lab
 from home_mjx.core.images import open_texture
-from home_mjx.scene_compile.materials.surface import Surface
+from home_mjx.scene_compile.materials.surface import SurfaceMaterial
 from home_mjx.scene_compile.semantics.looks.color_names import LEVELS, names_by_look
 from home_mjx.scene_compile.semantics.looks.options import SemanticOptions
 from home_mjx.schema.categories import texture_family
@@ -30,7 +30,7 @@ class Skin:
     area: Float[np.ndarray, " t"]  # [m^2], in the world
     uv: Float[np.ndarray, "t 3 2"]
     slot: Int[np.ndarray, " t"]  # index into surfaces
-    surfaces: tuple[Surface, ...]
+    surfaces: tuple[SurfaceMaterial, ...]
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.core.images import open_texture
-from home_mjx.scene_compile.materials.surface import Surface
+from home_mjx.scene_compile.materials.surface import SurfaceMaterial
 from home_mjx.scene_compile.semantics.looks.appearance import Appearance, Skin, surface_materials
 from home_mjx.scene_compile.semantics.looks.color_names import LEVELS, names_in_srgb
 from home_mjx.scene_compile.semantics.looks.options import SemanticOptions
@@ -35,7 +35,7 @@ def home_appearance(skin: Skin, options: SemanticOptions) -> Appearance:
     return Appearance(colors, materials, textured)
 
 
-def _color(surface: Surface) -> Float[np.ndarray, " 3"]:
+def _color(surface: SurfaceMaterial) -> Float[np.ndarray, " 3"]:
     """Mean of the whole image, else the diffuse colour; never their product."""
     return _mean(surface.texture) if surface.texture else np.array(surface.color, float)
 
