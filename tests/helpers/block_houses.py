@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from home_mjx.scene_compile.architecture.frame import Frame
 from home_mjx.scene_compile.objects.place import PlacedObject, place_objects
 from home_mjx.schema.compiled import Rooms
 from home_mjx.schema.house import Box, House, Level, Metadata, ModelInfo
@@ -34,7 +35,7 @@ def place(blocks: list[tuple[Box, ModelInfo]]) -> list[PlacedObject]:
     boxes = tuple(replace(node, index=i, id=f"0_{i}") for i, (node, _) in enumerate(blocks))
     level = Level("0", 0, (), (), boxes, ())
     house = House("house", "suncg@1.0.0", Path("house.json"), (level,), {})
-    placed = [replace(o, room=0) for o in place_objects(house, Metadata({}), NO_ROOMS, np.zeros(3))]
+    placed = [replace(o, room=0) for o in place_objects(Frame(house, np.zeros(3), NO_ROOMS), Metadata({}))]
     return [replace(o, info=info) for o, (_, info) in zip(placed, blocks, strict=True)]
 
 

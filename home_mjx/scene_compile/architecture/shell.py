@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from home_mjx.scene_compile.architecture.frame import Frame
 from home_mjx.scene_compile.architecture.rooms import house_rooms, triangles_of
 from home_mjx.scene_compile.architecture.slabs import Slab, fit_slab, same_wall
 from home_mjx.scene_compile.geometry.mesh import bounds, make_model
@@ -53,15 +54,10 @@ class Shell:
     num_meshes: int
 
 
-def build_shell(house: House, rooms: Rooms, offset: Float[np.ndarray, "3"]) -> Shell:
-    """The house itself.
-
-    Args:
-        house: The house.
-        rooms: Its rooms in the world frame.
-        offset: Added to Z-up file coordinates [m].
-    """
-    parts = tuple(_parts(house, offset))
+def build_shell(frame: Frame) -> Shell:
+    """Walls, floors, ceilings and grounds of a house in the world frame."""
+    house, rooms = frame.house, frame.rooms
+    parts = tuple(_parts(house, frame.offset))
     partition = partitions(parts)
     surfaces, slots = _slots(parts, _categories(parts, partition, rooms))
     model = make_model(

@@ -1,4 +1,4 @@
-"""Static collision boxes of a house's ground floor: walls around their openings, doors, furniture."""
+"""Collision boxes on a level of a house: walls around their openings, doors, furniture."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -11,9 +11,9 @@ from home_mjx.scene_compile.architecture.shell import Shell, Wall
 from home_mjx.scene_compile.architecture.slabs import wall_boxes
 from home_mjx.scene_compile.geometry.box_fit import components, fit_boxes, narrowest_box
 from home_mjx.scene_compile.geometry.boxes import BoxSet, box_of, footprint, join, no_boxes, yaw_matrix
-from home_mjx.scene_compile.geometry.mesh import bounds, transform
+from home_mjx.scene_compile.geometry.mesh import bounds
 from home_mjx.scene_compile.objects.place import PlacedObject
-from home_mjx.schema.compiled import Model, Rooms
+from home_mjx.schema.compiled import Rooms
 
 PORTALS = ("door", "garage_door", "arch")
 SOFT = ("curtain", "rug")  # an agent walks through or over them
@@ -28,8 +28,8 @@ class ColliderOptions:
     """How collision boxes are made.
 
     Attributes:
-        height: Boxes that begin higher above the ground floor are left out [m].
-        step: Boxes that end lower above the ground floor are left out [m].
+        height: Boxes that begin higher above the level's floor are left out [m].
+        step: Boxes that end lower above the level's floor are left out [m].
         wall_length: Most length of one piece of a wall [m].
         boxes_per_object: Most boxes that stand for one object.
     """
@@ -40,10 +40,10 @@ class ColliderOptions:
     boxes_per_object: int = 8
 
 
-def wall_colliders(house: Shell, options: ColliderOptions) -> BoxSet:
-    """Every physical wall once, solid except for its openings."""
+def wall_colliders(shell: Shell, options: ColliderOptions) -> BoxSet:
+    """Every physical wall of all levels once, solid except for its openings."""
     walls: dict[int, list] = {}
-    for part, partition in zip(house.parts, house.partition, strict=True):
+    for part, partition in zip(shell.parts, shell.partition, strict=True):
         if isinstance(part, Wall):
             walls.setdefault(int(partition), []).append(part.slab)
     return join(wall_boxes(slabs, options.wall_length) for slabs in walls.values())
@@ -66,7 +66,7 @@ def object_colliders(item: PlacedObject, floor: float, options: ColliderOptions)
 
     Args:
         item: The object.
-        floor: Height of the ground floor [m].
+        floor: Height of the level's floor [m].
         options: How many boxes, and how high.
     """
     boxes, leaves = no_boxes(), []
@@ -74,10 +74,9 @@ def object_colliders(item: PlacedObject, floor: float, options: ColliderOptions)
         boxes = item.box
     elif item.info.coarse not in SOFT and bounds(item.triangles)[0, 2] < floor + options.height:
         sill = floor + SILL - item.pose[2, 3] if item.info.coarse in PORTALS else None
-        frame, *hinged = item.parts
-        boxes, leaves = _fit_shape(_shape(item, frame.model), sill, options.boxes_per_object)
+        boxes, leaves = _fit_shape(_shape(item), sill, options.boxes_per_object)
         boxes, leaves = _place(boxes, item), [_place(leaf, item) for leaf in leaves]
-        leaves = [leaf_box(item, part.model) for part in hinged] or leaves
+        leaves = [leaf.box for leaf in item.leaves] or leaves
     return keep_reachable(boxes, floor, options), leaves
 
 
@@ -90,18 +89,10 @@ class _Shape:
     triangles: Float[np.ndarray, "t 3 3"] = field(compare=False)  # [m], around the origin, turned to yaw 0
 
 
-def _shape(item: PlacedObject, model: Model) -> _Shape:
-    """The shape of an object, or of a part of it."""
+def _shape(item: PlacedObject) -> _Shape:
+    """The shape of an object, without the leaves of a door whose hinges are known."""
     linear = yaw_matrix(-item.yaw) @ item.pose[:, :3]
-    return _Shape(model.key, np.round(linear, 6).tobytes(), model.triangle.astype(np.float64) @ linear.T)
-
-
-def leaf_box(item: PlacedObject, leaf: Model) -> BoxSet:
-    """The narrowest box around the largest piece of a leaf, so without its handles, in the world."""
-    triangles = transform(item.pose, leaf.triangle.astype(np.float64))
-    part = components(triangles)
-    boxes = [narrowest_box(triangles[part == p].reshape(-1, 3)) for p in np.unique(part)]
-    return max(boxes, key=lambda box: float(box.half.prod()))
+    return _Shape(item.main.key, np.round(linear, 6).tobytes(), item.main.triangle.astype(np.float64) @ linear.T)
 
 
 @lru_cache(maxsize=1 << 12)
@@ -143,7 +134,7 @@ def _is_open_leaf(box: BoxSet) -> bool:
 
 
 def keep_reachable(boxes: BoxSet, floor: float, options: ColliderOptions) -> BoxSet:
-    """The boxes that something on the ground floor can touch."""
+    """The boxes that something on a floor at this height [m] can touch."""
     return boxes[(boxes.top > floor + options.step) & (boxes.bottom < floor + options.height)]
 
 
@@ -172,6 +163,8 @@ def passable_leaves(leaves: Sequence[BoxSet], free_area: Callable[[BoxSet], floa
         free_area: Size of the largest free region with some leaves in the way [m^2].
         gain: Least area that a leaf must cut off to be left out [m^2].
     """
+    if not leaves:
+        return []
     area = free_area(join(leaves))
     for leaf in leaves:
         others = [other for other in leaves if other is not leaf]

@@ -78,7 +78,7 @@ def choose_movables(
     candidates = sorted(free, key=lambda c: (c.mass, c.item.object_id))
     standing = _settle(candidates, objects, static, walls, options)
     ids = [c.item.object_id for c in standing[: options.max_bodies]]
-    # Those without a slot are obstacles with boxes of their own, which may reach a little farther.
+    # Those that are left over are obstacles with boxes of their own, which may reach a little farther.
     chosen = _settle([c for c in candidates if c.item.object_id in ids], objects, static, walls, options)
     free_ids = {c.item.object_id for c in standing}
     return chosen, [c.item.object_id for c in candidates if c.item.object_id not in free_ids]
@@ -193,19 +193,14 @@ def _overlap(box: BoxSet, obstacles: BoxSet, index: int) -> float:
     return depth
 
 
-def make_bodies(chosen: Sequence[Candidate], instance: Mapping[int, int]) -> Bodies:
-    """Bodies of the chosen objects.
-
-    Args:
-        chosen: In slot order.
-        instance: Instance index by object id.
-    """
+def make_bodies(chosen: Sequence[Candidate]) -> Bodies:
+    """Bodies of the chosen objects, in the given order."""
     box = join(c.box for c in chosen)
     quat = yaw_quat(box.yaw)
     frames = [np.c_[yaw_matrix(y), c] for y, c in zip(box.yaw, box.center, strict=True)]
     inner = [compose(invert(f), c.item.pose) for f, c in zip(frames, chosen, strict=True)]
     return Bodies(
-        instance=np.array([instance[c.item.object_id] for c in chosen], np.int32),
+        instance=np.array([c.item.instance for c in chosen], np.int32),
         pos=box.center,
         quat=quat,
         size=box.half,

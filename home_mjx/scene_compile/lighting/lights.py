@@ -1,6 +1,6 @@
 """The lights of a house: of its lamps, from the dataset's light table; of the sky, through its windows."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -61,7 +61,6 @@ class Source:
 
 def build_lights(
     objects: Sequence[PlacedObject],
-    first: Mapping[int, int],
     rooms: Rooms,
     metadata: Metadata,
     options: LightOptions,
@@ -70,12 +69,11 @@ def build_lights(
 
     Args:
         objects: In the world frame.
-        first: Index of the first instance of each object.
         rooms: In the world frame.
         metadata: Holds the lights of the models.
         options: Lights that are added.
     """
-    found = [s for o in objects for s in (*lamp_sources(o, first[o.object_id], metadata), *_daylight(o, first, rooms))]
+    found = [s for o in objects for s in (*lamp_sources(o, metadata), *_daylight(o, rooms))]
     lit = {s.room for s in found if not s.daylight}
     found += [_room_source(rooms, r, options) for r in range(len(rooms.type)) if r not in lit and options.room_power]
     ambient = ambient_light(found, rooms)
@@ -93,14 +91,14 @@ def build_lights(
 _COLUMNS = ("pos", "axis_u", "axis_v", "direction", "intensity", "exponent", "cutoff", "area", "daylight")
 
 
-def lamp_sources(item: PlacedObject, instance: int, metadata: Metadata) -> Iterator[Source]:
+def lamp_sources(item: PlacedObject, metadata: Metadata) -> Iterator[Source]:
     """The lights of a lamp, in its model's frame; those close together are one, so that a chandelier counts once."""
     if isinstance(item.node, Box):
         return
     known = metadata.lights
     listed = known.get(item.node.model_key) or known.get(base_model(item.node.model_id, known.__contains__), ())
     for group in _groups(listed):
-        yield _lamp_source(group, instance, item.room)
+        yield _lamp_source(group, item.instance, item.room)
 
 
 def _groups(lights: Iterable[Light]) -> list[list[Light]]:
@@ -143,7 +141,7 @@ def _cutoff(light: Light) -> float:
     return float(np.cos(np.clip(np.pi / 2 if light.cutoff is None else light.cutoff, 0.05, np.pi)))
 
 
-def _daylight(item: PlacedObject, first: Mapping[int, int], rooms: Rooms) -> Iterator[Source]:
+def _daylight(item: PlacedObject, rooms: Rooms) -> Iterator[Source]:
     """The sky as seen through the glass of a window between a room and the open."""
     if {item.info.fine, item.info.coarse}.isdisjoint(OPENINGS):
         return
@@ -167,7 +165,7 @@ def _daylight(item: PlacedObject, first: Mapping[int, int], rooms: Rooms) -> Ite
     yield Source(
         pos=(low + high) / 2,
         flux=np.pi * area * tint,
-        instance=first[item.object_id],
+        instance=item.instance,
         room=room,
         axis_u=np.eye(3)[across] * half[across],
         axis_v=np.eye(3)[2] * half[2],

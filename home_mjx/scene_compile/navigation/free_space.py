@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -77,21 +77,6 @@ class FreeSpace:
         return self.standable & (labels == sizes.argmax())
 
 
-@dataclass(frozen=True)
-class Storeys:
-    """What a house has besides the free space of its ground floor.
-
-    Attributes:
-        upper: Free space of the other levels that have rooms, from below.
-        doorways: Footprints of the doors of each level, the ground floor first [m].
-        stairs: Flights between the levels.
-    """
-
-    upper: Sequence[FreeSpace] = ()
-    doorways: Sequence[Sequence[Float[np.ndarray, "4 2"]]] = field(default_factory=lambda: [[]])
-    stairs: Sequence[Stairs] = ()
-
-
 def free_space(
     rooms: Rooms,
     obstacles: BoxSet,
@@ -120,23 +105,25 @@ def free_space(
 def build_navigation(
     house_id: str,
     rooms: Rooms,
-    ground: FreeSpace,
+    spaces: Sequence[FreeSpace],
     options: NavigationOptions = NavigationOptions(),
-    storeys: Storeys = Storeys(),
+    doorways: Sequence[Sequence[Float[np.ndarray, "4 2"]]] = (),
+    stairs: Sequence[Stairs] = (),
 ) -> Navigation:
     """Regions, portals, starts, goals and distance fields on the free space of a house.
 
     Args:
         house_id: Seeds the draw of starts and goals.
         rooms: For the heights of their floors.
-        ground: Where an agent can stand on the ground floor.
+        spaces: Where an agent can stand on each level that has rooms, the lowest first.
         options: Counts.
-        storeys: The other levels, and what leads from room to room.
+        doorways: Footprints of the doors of each level [m]; none by default.
+        stairs: Flights between the levels.
 
     Raises:
         DatasetError: An agent can stand nowhere on the ground floor.
     """
-    spaces = [ground, *storeys.upper]
+    ground = spaces[0]
     standable, room = np.stack([s.standable for s in spaces]), np.stack([s.room for s in spaces])
     if not ground.standable.any():
         raise DatasetError(
@@ -144,10 +131,10 @@ def build_navigation(
             hint="Leave this house out, or use a smaller agent.",
         )
     centres = ground.x, ground.y
-    links = stair_links(storeys.stairs, standable, centres)
+    links = stair_links(stairs, standable, centres)
     region, area = label_regions(standable, links if options.climb else (), options.cell)
     home = region == 0
-    portals = find_portals(rooms, room, standable, centres, storeys.doorways, links)
+    portals = find_portals(rooms, room, standable, centres, doorways or [[] for _ in spaces], links)
     rng = np.random.default_rng(int.from_bytes(hashlib.sha256(house_id.encode()).digest()[:8], "little"))
     goals = _spread_goals(home, room, options.num_goals, rng)
     cells = rng.permutation(np.argwhere(home))[np.arange(options.num_starts) % home.sum()]

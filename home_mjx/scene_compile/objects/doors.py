@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Bool, Float
 
+from home_mjx.scene_compile.geometry.box_fit import components, narrowest_box
 from home_mjx.scene_compile.geometry.boxes import BoxSet, join, yaw_quat
 from home_mjx.scene_compile.geometry.mesh import make_model, transform
 from home_mjx.scene_compile.objects.hinges import find_hinges
@@ -20,13 +21,13 @@ LEAF_MASS = (5.0, 60.0)  # [kg]
 
 
 @dataclass(frozen=True)
-class RigidPart:
-    """What of an object moves as one; of a leaf, in the model's frame: its hinge and how far it turns."""
+class HingedPart:
+    """A leaf of a door in its model's frame: its hinge, and how far it turns."""
 
     model: Model
-    pivot: Float[np.ndarray, "2"] | None = None  # [m]; None: it does not turn
-    closed: float = 0.0  # [rad], from where it is shown
-    wide: float = 0.0  # [rad]
+    pivot: Float[np.ndarray, "2"]  # [m]
+    closed: float  # [rad], from where it is shown
+    wide: float  # [rad]
 
 
 @dataclass(frozen=True)
@@ -41,19 +42,19 @@ class DoorModel:
 
 
 @lru_cache(maxsize=256)
-def take_apart(door: DoorModel) -> tuple[RigidPart, ...]:
-    """The frame, then the leaves; the whole door where no hinge was found."""
+def take_apart(door: DoorModel) -> tuple[Model, tuple[HingedPart, ...]]:
+    """The frame and the leaves; the whole door and none where no hinge was found."""
     hinges = find_hinges(door.shown.triangle.astype(np.float64), door.other)
     frame = ~np.any([hinge.leaf for hinge in hinges], axis=0)
     if not hinges or not frame.any():
-        return (RigidPart(door.shown),)
-    parts = [RigidPart(_cut_out(door.shown, frame, "frame"))]
+        return door.shown, ()
+    leaves = []
     for hinge in hinges:
         closed = 0.0 if door.is_closed else hinge.turn
         opens = np.sign(hinge.turn) * (1 if door.is_closed else -1)
         wide = closed + opens * max(abs(hinge.turn), WIDE)
-        parts.append(RigidPart(_cut_out(door.shown, hinge.leaf, "leaf"), hinge.pivot, closed, float(wide)))
-    return tuple(parts)
+        leaves.append(HingedPart(_cut_out(door.shown, hinge.leaf, "leaf"), hinge.pivot, closed, float(wide)))
+    return _cut_out(door.shown, frame, "frame"), tuple(leaves)
 
 
 def _cut_out(model: Model, kept: Bool[np.ndarray, " t"], name: str) -> Model:
@@ -79,12 +80,25 @@ class Leaf:
     box: BoxSet  # as it stands
 
 
-def place_leaf(part: RigidPart, pose: Float[np.ndarray, "3 4"], instance: int, box: BoxSet) -> Leaf:
-    """A leaf of an object at a pose; mirrors turn the other way round."""
-    assert part.pivot is not None
+def place_leaf(leaf: HingedPart, pose: Float[np.ndarray, "3 4"], instance: int) -> Leaf:
+    """A leaf of an object at a pose; in a mirrored one it turns the other way round.
+
+    Args:
+        leaf: In its model's frame.
+        pose: World from model [m].
+        instance: Its instance in the house.
+    """
     turn = float(np.sign(np.linalg.det(pose[:2, :2])))
-    pivot = transform(pose, np.array([*part.pivot, 0.0]))[:2]
-    return Leaf(instance, pivot, turn * part.closed, turn * part.wide, box)
+    pivot = transform(pose, np.array([*leaf.pivot, 0.0]))[:2]
+    return Leaf(instance, pivot, turn * leaf.closed, turn * leaf.wide, _leaf_box(leaf.model, pose))
+
+
+def _leaf_box(leaf: Model, pose: Float[np.ndarray, "3 4"]) -> BoxSet:
+    """The narrowest box around the largest piece of a leaf, so without its handles, in the world."""
+    triangles = transform(pose, leaf.triangle.astype(np.float64))
+    piece = components(triangles)
+    boxes = [narrowest_box(triangles[piece == p].reshape(-1, 3)) for p in np.unique(piece)]
+    return max(boxes, key=lambda box: float(box.half.prod()))
 
 
 def make_doors(leaves: Sequence[Leaf], collider: Sequence[int]) -> Doors:

@@ -7,13 +7,14 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float
 
+from home_mjx.scene_compile.architecture.frame import Frame
 from home_mjx.scene_compile.geometry.boxes import BoxSet, box_of
 from home_mjx.scene_compile.geometry.mesh import Z_UP, box_triangles, make_model, to_z_up, transform
 from home_mjx.scene_compile.geometry.polygons import polygon_area, polygon_distance, smallest_room
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial, override, surface_material
-from home_mjx.scene_compile.objects.doors import DoorModel, RigidPart, keeps_hinges, take_apart
-from home_mjx.schema.compiled import Model, Rooms
-from home_mjx.schema.house import Box, House, Level, Material, Mesh, Metadata, ModelInfo, Object
+from home_mjx.scene_compile.objects.doors import DoorModel, HingedPart, Leaf, keeps_hinges, place_leaf, take_apart
+from home_mjx.schema.compiled import ARCHITECTURE, Model, Rooms
+from home_mjx.schema.house import Box, Level, Material, Mesh, Metadata, ModelInfo, Object
 
 UPRIGHT = 1e-3  # most that the vertical axis of an object may lean while it still counts as turned about it only
 STRAY = 1.0  # [m]: what is farther from a room than this is not in it, whatever the file says
@@ -29,12 +30,14 @@ class PlacedObject:
     node: Object | Box
     info: ModelInfo
     model: Model
-    parts: tuple[RigidPart, ...]  # what of it moves as one: the whole, or a door's frame and leaves
+    main: Model  # the whole object, or of a door whose hinges are known what stays
+    hinged: tuple[HingedPart, ...]  # leaves of a door, in their model's frame
     slots: tuple[Material, ...]  # of its mesh, after overrides
     pose: Float[np.ndarray, "3 4"]  # world from model [m]
     object_id: int
     level: int
     room: int  # -1 in none
+    instance: int  # of the first of its parts; the others follow it
 
     @cached_property
     def triangles(self) -> Float[np.ndarray, "t 3 3"]:
@@ -53,52 +56,66 @@ class PlacedObject:
         """The upright box around the object in its own direction."""
         return box_of(self.triangles.reshape(-1, 3), self.yaw)
 
+    @cached_property
+    def leaves(self) -> tuple[Leaf, ...]:
+        """The leaves of a door, in the order of its parts."""
+        return tuple(place_leaf(leaf, self.pose, self.instance + i) for i, leaf in enumerate(self.hinged, 1))
+
+    @property
+    def parts(self) -> tuple[Model, ...]:
+        """What of it moves as one: the main part and the leaves of a door; each is an instance."""
+        return (self.main, *(leaf.model for leaf in self.hinged))
+
     @property
     def surfaces(self) -> tuple[SurfaceMaterial, ...]:
         """Material slots."""
         return tuple(surface_material(slot, self.info.fine, self.info.coarse) for slot in self.slots)
 
 
-def place_objects(house: House, metadata: Metadata, rooms: Rooms, offset: Float[np.ndarray, "3"]) -> list[PlacedObject]:
+def place_objects(frame: Frame, metadata: Metadata) -> list[PlacedObject]:
     """Every object and box of a house in file order.
 
     Args:
-        house: The house.
+        frame: The house, and its rooms in the world frame.
         metadata: Categories of its models.
-        rooms: Its rooms in the world frame.
-        offset: Added to Z-up file coordinates [m].
     """
+    house, rooms, offset = frame.house, frame.rooms, frame.offset
     models = {key: library_model(key, mesh) for key, mesh in house.models.items()}
     cube = unit_cube()
-    placed, first = [], 0
+    placed: list[PlacedObject] = []
+    first, instance = 0, ARCHITECTURE + 1
     for level in house.levels:
         for node in sorted((*level.objects, *level.boxes), key=lambda n: n.index):
             model = cube if isinstance(node, Box) else models[node.model_key]
             info = ModelInfo("Box") if isinstance(node, Box) else metadata.info(node.model_id)
             pose = _pose(node, offset)
             room = _room(node, level, rooms, transform(pose, model.box.astype(np.float64).mean(axis=0)))
+            main, hinged = _parts(node, info, model, pose, house.others)
             placed.append(
                 PlacedObject(
                     node=node,
                     info=info,
                     model=model,
-                    parts=_parts(node, info, model, pose, house.others),
+                    main=main,
+                    hinged=hinged,
                     slots=_slots(node, house.models),
                     pose=pose,
                     object_id=first + node.index,
                     level=level.index,
                     room=room,
+                    instance=instance,
                 )
             )
+            instance += len(placed[-1].parts)
         first += _num_nodes(level)
     return placed
 
 
 def _parts(
     node: Object | Box, info: ModelInfo, model: Model, pose: Float[np.ndarray, "3 4"], others: Mapping[str, Mesh]
-) -> tuple[RigidPart, ...]:
+) -> tuple[Model, tuple[HingedPart, ...]]:
     if isinstance(node, Box) or info.coarse != "door" or node.other_key not in others or not keeps_hinges(pose):
-        return (RigidPart(model),)
+        return model, ()
     other = others[node.other_key]
     return take_apart(DoorModel(model.key, other.path, bool(node.state), model, triangles_z_up(other)))
 

@@ -1,6 +1,7 @@
 """How large a house may be: far beyond any real one, and small enough that compiling it takes minutes and gigabytes.
 
 The time of some steps grows with the square of the number of rooms or objects, and the navigation grid with the area.
+`check_counts` guards the whole compiler, `check_levels` the stage that cuts walls into pieces and rooms into cells.
 """
 
 from collections.abc import Iterator
@@ -9,6 +10,7 @@ from contextlib import contextmanager
 import numpy as np
 
 from home_mjx.errors import DatasetError
+from home_mjx.scene_compile.architecture.frame import Frame
 from home_mjx.scene_compile.architecture.rooms import house_rooms
 from home_mjx.scene_compile.architecture.shell import Shell, Wall
 from home_mjx.schema.compiled import Rooms
@@ -44,17 +46,22 @@ def _refuse_beyond(house: House, most: int, what: str, counts: list[tuple[str, i
             raise DatasetError(f"at most {most} {what} can be compiled", file=house.path, element=path, hint=HINT)
 
 
-def check_extent(house: House, rooms: Rooms, cell: float) -> None:
-    """Refuses a house whose rooms reach over more than a navigation grid can have.
+def check_levels(frame: Frame, shell: Shell, cell: float) -> None:
+    """Refuses a house whose rooms reach over more than a navigation grid can have, or of longer walls than any has.
 
     Args:
-        house: The house.
-        rooms: Its rooms, the middle of the ground floor at the origin.
+        frame: Its rooms, the middle of the ground floor at the origin.
+        shell: Its walls.
         cell: Edge of a cell [m].
 
     Raises:
-        DatasetError: With the room that reaches farthest.
+        DatasetError: With the room that reaches farthest, or that of the longest wall.
     """
+    _check_extent(frame.house, frame.rooms, cell)
+    _check_walls(frame.house, shell)
+
+
+def _check_extent(house: House, rooms: Rooms, cell: float) -> None:
     points = np.concatenate(rooms.polygon)
     width, depth = np.ptp(points, axis=0).tolist() if len(points) else (0.0, 0.0)
     levels = len(np.unique(rooms.level))
@@ -69,12 +76,8 @@ def check_extent(house: House, rooms: Rooms, cell: float) -> None:
     )
 
 
-def check_walls(house: House, shell: Shell) -> None:
-    """Refuses a house of longer walls than any has: they are cut into pieces, every one of which is compared with all.
-
-    Raises:
-        DatasetError: With the room of the longest wall.
-    """
+def _check_walls(house: House, shell: Shell) -> None:
+    """Walls are cut into pieces, every one of which is compared with all."""
     lengths = [(part.slab.length, part.room) for part in shell.parts if isinstance(part, Wall)]
     total = sum(length for length, _ in lengths)
     if total <= MAX_WALL:

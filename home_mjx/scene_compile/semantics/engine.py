@@ -6,7 +6,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from jaxtyping import Bool, Float
 
-from home_mjx.scene_compile.architecture.rooms import extract_rooms, ground_offset, house_rooms
+from home_mjx.scene_compile.architecture.frame import Frame, find_frame
+from home_mjx.scene_compile.architecture.rooms import house_rooms
 from home_mjx.scene_compile.architecture.shell import Shell, build_shell, inner_normal
 from home_mjx.scene_compile.geometry.mesh import surface_areas
 from home_mjx.scene_compile.geometry.polygons import polygon_area
@@ -49,30 +50,27 @@ def house_semantics(house: House, metadata: Metadata, options: SemanticOptions =
         >>> meaning.objects[0].description  # doctest: +SKIP
         'dark gray window'
     """
-    offset = ground_offset(house)
-    rooms = extract_rooms(house, offset)
-    shell = build_shell(house, rooms, offset)
-    return describe_house(house, shell, place_objects(house, metadata, rooms, offset), rooms, metadata, options)
+    frame = find_frame(house)
+    return describe_house(frame, build_shell(frame), place_objects(frame, metadata), metadata, options)
 
 
 def describe_house(
-    house: House,
+    frame: Frame,
     shell: Shell,
     objects: Sequence[PlacedObject],
-    rooms: Rooms,
     metadata: Metadata,
     options: SemanticOptions = DEFAULT_OPTIONS,
 ) -> HouseSemantics:
     """As `house_semantics`, of a house that is already built in the world frame.
 
     Args:
-        house: What the dataset says.
+        frame: The house, and its rooms in the world frame.
         shell: Its architecture.
         objects: Its objects.
-        rooms: Its rooms.
         metadata: Categories and sizes of its models.
         options: How colours, materials and sizes are decided.
     """
+    house, rooms = frame.house, frame.rooms
     sizes, supports, looks = size_table(metadata), find_supports(objects, rooms), _Looks(options)
     return HouseSemantics(
         id=house.id,

@@ -1,11 +1,46 @@
 """What the semantic engine says, as numbers for the device: see `vocabulary` for what they stand for."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from jaxtyping import Int
 
+from home_mjx.scene_compile.architecture.shell import Shell
+from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.scene_compile.semantics.types import HouseSemantics, ObjectSemantics, PartSemantics
 from home_mjx.scene_compile.semantics.vocabulary import FIRST_COLOR, MAX_COLORS, number_of
-from home_mjx.schema.semantic import Semantic
+from home_mjx.schema.compiled import Bodies
+from home_mjx.schema.semantic import Semantic, semantic_row
+
+
+def semantic_rows(
+    shell: Shell, objects: Sequence[PlacedObject], bodies: Bodies, meaning: HouseSemantics
+) -> Int[np.ndarray, "q 23"]:
+    """The semantic rows of a house: one per part of its shell, then one per object. Columns: `Semantic`.
+
+    Args:
+        shell: Walls, floors and ceilings.
+        objects: In the world frame.
+        bodies: Those of them that can be pushed.
+        meaning: What the semantic engine says of all of them, in the same order.
+    """
+    body = {instance: row for row, instance in enumerate(bodies.instance.tolist())}
+    rows = [shell.semantics, *(_object_row(o, body.get(o.instance, -1))[None] for o in objects)]
+    return with_meaning(np.concatenate(rows), meaning)
+
+
+def _object_row(item: PlacedObject, body: int) -> Int[np.ndarray, "23"]:
+    """What the file says of an object."""
+    info = item.info
+    return semantic_row(
+        info.fine,
+        info.coarse,
+        info.nyu40,
+        object_id=item.object_id,
+        room=item.room,
+        level=item.level,
+        movable=body,
+    )
 
 
 def with_meaning(rows: Int[np.ndarray, "q c"], house: HouseSemantics) -> Int[np.ndarray, "q c"]:

@@ -143,7 +143,7 @@ def test_starts_and_goals_are_free_spread_and_repeatable():
 
 def test_goals_visit_all_rooms():
     rooms = rooms_of(square(0, 3), square(0, 3) + np.array([3.0, 0]))
-    n = build_navigation("x", rooms, free_space(rooms, no_boxes()), NavigationOptions(num_goals=4))
+    n = build_navigation("x", rooms, [free_space(rooms, no_boxes())], NavigationOptions(num_goals=4))
     assert sorted((n.goal[:, 0] > 3).tolist()) == [False, False, True, True]
 
 
@@ -159,7 +159,7 @@ def test_field_is_never_shorter_than_the_straight_way():
 def test_navigation_names_the_agent_that_it_is_for():
     rooms = rooms_of(square(0, 3))
     n = build_navigation(
-        "x", rooms, free_space(rooms, no_boxes()), NavigationOptions(agent_radius=0.25, agent_height=1)
+        "x", rooms, [free_space(rooms, no_boxes())], NavigationOptions(agent_radius=0.25, agent_height=1)
     )
     assert (n.agent_radius, n.agent_height) == (0.25, 1.0)
     assert isinstance(n.agent_height, float)
@@ -168,4 +168,4 @@ def test_navigation_names_the_agent_that_it_is_for():
 def test_a_house_without_a_place_is_refused():
     rooms = rooms_of(square(0, 1))
     with pytest.raises(DatasetError, match="no place"):
-        build_navigation("full", rooms, free_space(rooms, box_set((0.5, 0.5, 1), (1, 1, 1))))
+        build_navigation("full", rooms, [free_space(rooms, box_set((0.5, 0.5, 1), (1, 1, 1)))])

@@ -9,12 +9,11 @@ from tiny_dataset import HOUSE_ID, ROOM_PARTS, edit_house, object_node, write_me
 from home_mjx.datasets.suncg.dataset import open_dataset
 from home_mjx.scene_compile.geometry.boxes import box_set, join, no_boxes
 from home_mjx.scene_compile.geometry.mesh import box_triangles, make_model
-from home_mjx.scene_compile.navigation.free_space import NavigationOptions, Storeys, build_navigation, free_space
+from home_mjx.scene_compile.navigation.free_space import NavigationOptions, build_navigation, free_space
 from home_mjx.scene_compile.navigation.geodesic import Link, distance_fields
 from home_mjx.scene_compile.navigation.portals import room_hops
 from home_mjx.scene_compile.navigation.regions import label_regions
 from home_mjx.scene_compile.navigation.stairs import find_stairs
-from home_mjx.scene_compile.objects.doors import RigidPart
 from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.scene_compile.pipeline.compile import CompileOptions, compile_house
 from home_mjx.schema.categories import COARSE
@@ -46,7 +45,7 @@ def stairs_at(x: float, y: float, level: int = 0) -> PlacedObject:
     pose = np.c_[np.eye(3), [x, y, level * UP]]
     node = Object("0_9", 9, "levels[0].nodes[9]", None, "stairs", None, np.eye(4))
     return PlacedObject(
-        node, ModelInfo("stairs", "stairs", "stairs", "floor"), model, (RigidPart(model),), (), pose, 9, level, 0
+        node, ModelInfo("stairs", "stairs", "stairs", "floor"), model, model, (), (), pose, 9, level, 0, 1
     )
 
 
@@ -57,8 +56,7 @@ def two_storeys(climb: bool, stairs: PlacedObject | None = None) -> Navigation:
     flights = find_stairs([stairs], [0, 1], np.array([0, UP]))
     below = free_space(rooms, stairs.box)
     above = free_space(rooms, join([no_boxes(), *(f.hole for f in flights)]), level=1)
-    storeys = Storeys([above], [[], []], flights)
-    return build_navigation("x", rooms, below, NavigationOptions(climb=climb), storeys)
+    return build_navigation("x", rooms, [below, above], NavigationOptions(climb=climb), stairs=flights)
 
 
 def test_the_category_exists():
@@ -163,7 +161,7 @@ def three_rooms(door: bool) -> Navigation:
     wall += [] if door else [box_set((6, 1, 1), (0.05, 1, 1))]
     doorway = np.array([[6.15, 0.6], [6.15, 1.4], [5.85, 1.4], [5.85, 0.6]])
     outside = np.array([[9.15, 0.6], [9.15, 1.4], [8.85, 1.4], [8.85, 0.6]])
-    return build_navigation("x", rooms, free_space(rooms, join(wall)), storeys=Storeys([], [[doorway, outside]]))
+    return build_navigation("x", rooms, [free_space(rooms, join(wall))], doorways=[[doorway, outside]])
 
 
 def test_portals_are_doors_and_openings():

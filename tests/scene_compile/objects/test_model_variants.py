@@ -2,7 +2,7 @@
 
 import pytest
 
-from home_mjx.datasets.suncg.formats.asset_library import Assets
+from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
 from home_mjx.schema.house import Metadata, ModelInfo, base_model
 
 IDS = ("122", "s__1762", "s__1", "gen_coffee_table_1", "gen_coffee_table", "stores__3__1183")
@@ -22,7 +22,7 @@ OTHERS = ("s__1296", "s__12", "gen_coffee_table_12", "123_0", "122_x", "122_10",
 def objects(tmp_path):
     for name in IDS:
         (tmp_path / "object" / name).mkdir(parents=True)
-    return Assets(tmp_path)
+    return AssetLibrary(tmp_path)
 
 
 @pytest.mark.parametrize(("variant", "base"), VARIANTS.items())

@@ -9,6 +9,7 @@ from block_houses import block
 from hypothesis import given
 from hypothesis import strategies as st
 
+from home_mjx.scene_compile.architecture.frame import Frame
 from home_mjx.scene_compile.geometry.polygons import inside_polygon, polygon_distance
 from home_mjx.scene_compile.objects.place import STRAY, place_objects
 from home_mjx.schema.compiled import Rooms
@@ -28,7 +29,7 @@ def room_of(x: float, y: float, listed: tuple[int, ...]) -> int:
         Room("", 1 + i, "", None, f"fr_0rm_{i}", (), (0,) if i in listed else (), None, None, None) for i in range(3)
     )
     level = Level("0", 0, rooms, (), (replace(node, index=0),), ())
-    (placed,) = place_objects(House("h", "", Path("house.json"), (level,), {}), Metadata({}), ROOMS, np.zeros(3))
+    (placed,) = place_objects(Frame(House("h", "", Path("house.json"), (level,), {}), np.zeros(3), ROOMS), Metadata({}))
     return placed.room
 
 

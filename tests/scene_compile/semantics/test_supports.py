@@ -7,7 +7,7 @@ from block_houses import CEILING, FLOOR, ROOM, block, place
 
 from home_mjx.datasets.procedural.dataset import generate_dataset
 from home_mjx.datasets.suncg.dataset import open_dataset
-from home_mjx.scene_compile.architecture.rooms import extract_rooms, ground_offset
+from home_mjx.scene_compile.architecture.frame import find_frame
 from home_mjx.scene_compile.geometry.mesh import bounds
 from home_mjx.scene_compile.objects.place import PlacedObject, place_objects
 from home_mjx.scene_compile.semantics.supports import OPENINGS, TOUCH, WALL_HUNG, Support, find_supports
@@ -116,9 +116,8 @@ def generated(tmp_path_factory):
     houses = [dataset.load_house(house_id) for house_id in dataset.house_ids]
     found = []
     for house in houses:
-        offset = ground_offset(house)
-        rooms = extract_rooms(house, offset)
-        found.append((place_objects(house, dataset.metadata, rooms, offset), rooms))
+        frame = find_frame(house)
+        found.append((place_objects(frame, dataset.metadata), frame.rooms))
     return found
 
 

@@ -1,0 +1,101 @@
+"""The last stage: what the others have found, as one `CompiledHouse`."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from home_mjx.scene_compile.architecture.frame import Frame
+from home_mjx.scene_compile.architecture.shell import Shell
+from home_mjx.scene_compile.geometry.instance_tree import instance_box, top_tree
+from home_mjx.scene_compile.objects.place import PlacedObject
+from home_mjx.scene_compile.pipeline.levels import Levels
+from home_mjx.scene_compile.pipeline.surfaces import Surfaces
+from home_mjx.schema.compiled import Bodies, CompiledHouse, Instances, Model, Navigation
+from home_mjx.schema.lighting import LightTable
+
+
+def assemble(
+    frame: Frame,
+    shell: Shell,
+    objects: Sequence[PlacedObject],
+    levels: Levels,
+    navigation: Navigation,
+    surfaces: Surfaces,
+    lights: LightTable,
+    semantics: Int[np.ndarray, "q 23"],
+) -> CompiledHouse:
+    """The house as rays see it, bodies feel it, and agents find their way in it.
+
+    Args:
+        frame: Where it lies.
+        shell: Instance 0.
+        objects: The other instances.
+        levels: What stops bodies.
+        navigation: Where agents can stand.
+        surfaces: Materials.
+        lights: Lamps and windows.
+        semantics: Rows of the shell's parts and of the objects.
+    """
+    instances = _instances(shell, objects, surfaces.first_row, levels.bodies)
+    models = {m.key: m for m in (shell.model, *(part for o in objects for part in o.parts))}
+    return CompiledHouse(
+        id=frame.house.id,
+        offset=frame.offset,
+        box=_bounds(instances, models),
+        instances=instances,
+        top=top_tree(instances, models),
+        materials=surfaces.materials,
+        semantics=semantics,
+        colliders=levels.colliders,
+        bodies=levels.bodies,
+        planes=surfaces.planes,
+        rooms=frame.rooms,
+        navigation=navigation,
+        models=models,
+        report=_report(frame, shell, objects, levels),
+        doors=levels.doors,
+        lights=lights,
+        gloss=surfaces.gloss,
+        stuck=levels.stuck,
+    )
+
+
+def _instances(shell: Shell, objects: Sequence[PlacedObject], first_row: Sequence[int], bodies: Bodies) -> Instances:
+    """One instance per part of an object; the parts share its materials and meaning."""
+    body = {instance: row for row, instance in enumerate(bodies.instance.tolist())}
+    parts = [(i, o, part) for i, o in enumerate(objects) for part in o.parts]
+    return Instances(
+        model=(shell.model.key, *(part.key for _, _, part in parts)),
+        pose=np.stack([np.eye(3, 4), *(o.pose for _, o, _ in parts)]),
+        object_id=np.array([-1, *(o.object_id for _, o, _ in parts)], np.int32),
+        material=np.array([0, *(first_row[i] for i, _, _ in parts)], np.int32),
+        semantic=np.array([0, *(len(shell.semantics) + i for i, _, _ in parts)], np.int32),
+        body=np.array([-1, *(body.get(o.instance, -1) for _, o, _ in parts)], np.int32),
+    )
+
+
+def _bounds(instances: Instances, models: Mapping[str, Model]) -> Float[np.ndarray, "2 3"]:
+    boxes = np.array([instance_box(p, models[k].box) for p, k in zip(instances.pose, instances.model, strict=True)])
+    return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
+
+
+def _report(frame: Frame, shell: Shell, objects: Sequence[PlacedObject], levels: Levels) -> dict[str, int]:
+    """Counts: of the input as it is and of what became of it."""
+    house = frame.house
+    return {
+        "levels": len(house.levels),
+        "rooms": sum(len(level.rooms) for level in house.levels),
+        "objects": len(objects),
+        "objects_outside": sum(o.room < 0 for o in objects),
+        "architecture_parts": shell.num_meshes,
+        "surfaces": len(shell.parts),
+        "partitions": int(shell.partition.max()) + 1,
+        "models": len({o.model.key for o in objects}),
+        "triangles": sum(len(o.model.triangle) for o in objects) + len(shell.model.triangle),
+        "colliders": len(levels.colliders.pos),
+        "bodies": len(levels.bodies.mass),
+        "hinged_leaves": sum(len(o.hinged) for o in objects),
+        "problems": len(house.problems),
+        **levels.report,
+    }
