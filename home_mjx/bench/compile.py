@@ -66,7 +66,7 @@ def cold(settings: Settings) -> Record:
 
 
 def cached(settings: Settings) -> Record:
-    """Seconds to load the first house from the cache, its files read and checked for changes."""
+    """Seconds to load the first house from the cache, as a new process would, its files checked for changes."""
     from home_mjx.datasets.suncg.digests import forget_files
 
     _first_house(settings.root)

@@ -1,14 +1,19 @@
-"""Bounded reading of files below a dataset root."""
+"""Bounded reading of files below a dataset root, and writing of files whole or not at all."""
 
 import os
 import stat
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import IO
 
 from home_mjx.errors import DatasetError
 
 # The largest SUNCG file is a few MB and has 130,000 lines; what is beyond these can only be a mistake or an attack.
 MAX_BYTES = 1 << 25
 MAX_LINES = 1 << 20
+TEMPORARY = ".tmp"  # how names of files end that are not yet whole; they begin with a dot
 
 
 def read_text(path: Path, hint: str | None = None, most: int | None = None) -> str:
@@ -81,3 +86,31 @@ def below(root: Path, folder: Path, relative: str) -> Path | None:
     """
     path = Path(os.path.normpath(folder / relative.replace("\\", "/")))
     return path if path.is_relative_to(root) else None
+
+
+@contextmanager
+def write_whole(path: Path) -> Iterator[IO[bytes]]:
+    """A file beside `path` that takes its place when the block ends, so that no reader ever meets half a file.
+
+    If the block raises, `path` stays as it was. Nothing is forced to the disk: what is written so is checked when it
+    is read, and can be made again.
+
+    Args:
+        path: The file; its folder is made if need be.
+
+    Raises:
+        OSError: The folder cannot be written to.
+
+    Example:
+        >>> with write_whole(Path("notes.json")) as file:  # doctest: +SKIP
+        ...     file.write(b"{}")
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=TEMPORARY)
+    try:
+        with os.fdopen(handle, "wb") as file:
+            yield file
+        os.replace(temporary, path)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise

@@ -5,11 +5,10 @@ import functools
 import hashlib
 import importlib.util
 import logging
-import os
-import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
+from home_mjx.core.files import write_whole
 from home_mjx.core.paths import cache_folder
 from home_mjx.errors import ExecutorError, install_hint
 
@@ -138,13 +137,9 @@ def _read(entry: Path) -> str | None:
 
 
 def _keep(entry: Path, ptx: str) -> None:
-    """Writes to a file beside the entry and then renames it, so that no reader ever meets half an entry."""
     try:
-        entry.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=entry.parent, prefix=".", suffix=".tmp")
-        with os.fdopen(handle, "w") as file:
-            file.write(f"{MARK}{_digest(ptx)}\n{ptx}")
-        os.replace(name, entry)
+        with write_whole(entry) as file:
+            file.write(f"{MARK}{_digest(ptx)}\n{ptx}".encode())
     except OSError as error:
         log.warning("compiled kernel is not cached: %s", error)
 

@@ -5,25 +5,23 @@ a header per array, takes ten times as long to read, since houses have eighty sm
 """
 
 import json
-import os
-import tempfile
 import zipfile
 import zlib
 from pathlib import Path
 
 import numpy as np
 
+from home_mjx.core.files import write_whole
 from home_mjx.scene_compile.cache.flatten import Arrays, Notes
 
 BROKEN = (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error, RuntimeError)
-TEMPORARY = ".tmp"
 SUFFIX = ".zip"
 NOTES, DATA = "notes.json", "data"
 ALIGN = 64  # [bytes]
 
 
 def write_entry(path: Path, arrays: Arrays, notes: Notes) -> None:
-    """Writes to a file beside the target and then renames it, so that no reader ever meets half an entry.
+    """Writes an entry whole or not at all, see `write_whole`.
 
     Args:
         path: The file; its folder is made if need be.
@@ -41,16 +39,9 @@ def write_entry(path: Path, arrays: Arrays, notes: Notes) -> None:
         chunks.append(data.ljust(padded, b"\0"))
         at += padded
     members = {NOTES: json.dumps({"arrays": table, "notes": notes}).encode(), DATA: b"".join(chunks)}
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=TEMPORARY)
-    try:
-        with os.fdopen(handle, "wb") as file, zipfile.ZipFile(file, "w") as archive:
-            for name, data in members.items():
-                archive.writestr(zipfile.ZipInfo(name), data)  # without the time of day: equal content, equal bytes
-        os.replace(temporary, path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
+    with write_whole(path) as file, zipfile.ZipFile(file, "w") as archive:
+        for name, data in members.items():
+            archive.writestr(zipfile.ZipInfo(name), data)  # without the time of day: equal content, equal bytes
 
 
 def read_entry(path: Path) -> tuple[Arrays, Notes]:

@@ -12,18 +12,21 @@ import os
 import re
 import shutil
 import time
+import weakref
 from dataclasses import replace
 from pathlib import Path
 
+from home_mjx.core.files import TEMPORARY
 from home_mjx.core.paths import cache_folder
 from home_mjx.datasets.suncg.dataset import Dataset
 from home_mjx.datasets.suncg.digests import Inputs
-from home_mjx.scene_compile.cache.entry import BROKEN, SUFFIX, TEMPORARY, read_entry, read_notes, write_entry
+from home_mjx.scene_compile.cache.entry import BROKEN, SUFFIX, read_entry, read_notes, write_entry
 from home_mjx.scene_compile.cache.flatten import Notes, flatten, rebuild
 from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS, CompileOptions, compile_house
 from home_mjx.schema.compiled import CompiledHouse, Model
 
 FORMAT = 4
+PACKAGE = Path(__file__).parents[2]
 # What makes an entry: a change of any of these makes all houses anew. A test holds it against the imports.
 COMPILER = (
     "core/color.py",
@@ -62,7 +65,8 @@ log = logging.getLogger(__name__)
 class HouseCache:
     """Compiled houses of one dataset, from disk if nothing that they depend on has changed.
 
-    What houses share, such as the files of a model, is looked at once; so make a new one to see changes.
+    What houses share, such as the files of a model, is looked at once; so make a new one to see changes. Files are read
+    only if their size or times say that they may have changed, see `datasets.suncg.digest_index`.
 
     Args:
         dataset: An open dataset.
@@ -84,6 +88,7 @@ class HouseCache:
         self.compiled = 0  # houses that were not in the cache
         self._root = str(dataset.root)
         self._inputs = Inputs(dataset.root)
+        weakref.finalize(self, self._inputs.save)
         self._folder = cache_folder() / _version()
         _mark_used(self._folder)
 
@@ -198,16 +203,23 @@ def load_compiled(
 
 @functools.cache
 def _version() -> str:
-    """Name of the format and of the code that makes entries, so that a changed compiler never meets old ones."""
+    return version_of(PACKAGE)
+
+
+def version_of(package: Path) -> str:
+    """Name of the format and of the code that makes entries, so that a changed compiler never meets old ones.
+
+    Args:
+        package: Folder of `home_mjx`.
+    """
     code = hashlib.sha256()
-    for path in compiler_files():
+    for path in compiler_files(package):
         code.update(path.read_bytes())
     return f"v{FORMAT}-{code.hexdigest()[:12]}"
 
 
-def compiler_files() -> list[Path]:
+def compiler_files(root: Path = PACKAGE) -> list[Path]:
     """Code and tables of `COMPILER`, in order."""
-    root = Path(__file__).parents[2]
     named = [root / name for name in COMPILER]
     found = [path for place in named for path in (place.rglob("*") if place.is_dir() else (place,))]
     return sorted(path for path in found if path.suffix in (".py", ".csv", ".json", ".npz"))
