@@ -87,11 +87,10 @@ class DigestIndex:
         """Adds what is new to the file; one that cannot be written only costs time."""
         if not self.unsaved:
             return
-        self._known = _read(self.path) | self._known
         self.unsaved = 0
         try:
             with write_whole(self.path) as file:
-                file.write(_encode(self._known))
+                file.write(_encode(_read(self.path) | self._known))
         except OSError as error:
             log.debug("digests are not kept: %s", error)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from tiny_dataset import HOUSE_ID, TABLE, write_tiny_dataset
 
-from home_mjx.datasets.suncg import digest_index, digests
+from home_mjx.datasets.suncg import digest_index
 from home_mjx.datasets.suncg.digest_index import DigestIndex, Facts, Stamp, index_folder, stamp_of
 from home_mjx.datasets.suncg.digests import Inputs, forget_digests, forget_files
 
