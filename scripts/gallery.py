@@ -193,7 +193,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         root = args.suncg or folder
         ids = None if args.suncg else generate_dataset(Path(folder), SEEDS)
-        bank = HouseBank.from_dataset(root, ids=ids, limit=len(SEEDS))
+        bank = HouseBank.from_dataset(root, ids=ids, num_houses=len(SEEDS))
     studios = [Studio(bank, house) for house in range(bank.num_houses)]
     drawn = {
         "presets": lambda: presets(studios, args.samples),

@@ -3,9 +3,11 @@
 Host only: nothing here loads JAX.
 """
 
+from home_mjx.datasets.splits import SPLITS, select_ids, split_of
 from home_mjx.scene_compile.cache.house_cache import HouseCache, load_compiled
+from home_mjx.scene_compile.cache.house_set import HouseSet
 from home_mjx.scene_compile.cache.job import Outcome, Summary, compile_dataset
-from home_mjx.scene_compile.cache.selection import SPLITS, HouseFilter, select_ids, split_of
+from home_mjx.scene_compile.cache.selection import HouseFilter
 from home_mjx.scene_compile.collision.colliders import ColliderOptions
 from home_mjx.scene_compile.collision.movables import MovableOptions
 from home_mjx.scene_compile.lighting.lights import LightOptions
@@ -36,6 +38,7 @@ __all__ = [
     "HouseCache",
     "HouseFilter",
     "HouseSemantics",
+    "HouseSet",
     "LightOptions",
     "MovableOptions",
     "NavigationOptions",

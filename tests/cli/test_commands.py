@@ -116,7 +116,7 @@ def test_render_writes_pictures(houses: Path, tmp_path: Path, capsys: pytest.Cap
 
 
 def test_listen_hears_the_source_after_its_delay(houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture):
-    bank = HouseBank.from_dataset(houses, limit=1)
+    bank = HouseBank.from_dataset(houses, num_houses=1)
     feet = np.asarray(bank.navigation.start[0, 0])
     yaw = longest_view(bank, feet)  # so that nothing stands between head and source
     source = np.add(feet, [np.cos(yaw), np.sin(yaw), EYE_HEIGHT])

@@ -22,8 +22,9 @@ from home_mjx.datasets.suncg.dataset import Dataset
 from home_mjx.datasets.suncg.digests import Inputs
 from home_mjx.scene_compile.cache.entry import BROKEN, SUFFIX, read_entry, read_notes, write_entry
 from home_mjx.scene_compile.cache.flatten import Notes, flatten, rebuild
+from home_mjx.scene_compile.cache.selection import HouseContents, contents_of
 from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS, CompileOptions, compile_house
-from home_mjx.schema.compiled import CompiledHouse, Model
+from home_mjx.schema.compiled import CompiledHouse, Model, Rooms
 
 FORMAT = 4
 PACKAGE = Path(__file__).parents[2]
@@ -118,6 +119,20 @@ class HouseCache:
             return read_notes(self.entry(house_id))
         except BROKEN:
             return flatten(self.load(house_id), frozenset(("models",)))[1]
+
+    def contents(self, house_id: str) -> HouseContents:
+        """What a filter asks about a house; it is compiled if need be, but no model is read.
+
+        Raises:
+            DatasetError: The house is unknown or broken.
+        """
+        self.dataset.check_known(house_id)
+        try:
+            arrays, notes = read_entry(self.entry(house_id))
+            return contents_of(notes["report"], rebuild(Rooms, arrays, notes, "rooms."), arrays["semantics"])
+        except BROKEN:
+            house = self.load(house_id)
+            return contents_of(house.report, house.rooms, house.semantics)
 
     def textures(self, notes: Notes) -> list[str]:
         """Paths of the images that a house shows, from its notes."""

@@ -17,9 +17,10 @@ from tqdm import tqdm
 
 from home_mjx.core.paths import CACHE_VARIABLE, cache_folder
 from home_mjx.core.workers import worker_pool
-from home_mjx.datasets.suncg.dataset import open_dataset
+from home_mjx.datasets.suncg.dataset import Dataset, open_dataset
 from home_mjx.errors import ConfigError, HomeMjxError, install_hint
 from home_mjx.scene_compile.cache.house_cache import HouseCache, prepare_folder, report_path
+from home_mjx.scene_compile.cache.house_set import HouseSet
 from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS, CompileOptions
 
 COMPILED, CACHED, FAILED = "compiled", "cached", "failed"
@@ -61,9 +62,10 @@ class Summary:
 
 
 def compile_dataset(
-    root: str | Path,
+    root: HouseSet | Dataset | str | Path | None,
     ids: Sequence[str] | None = None,
     *,
+    split: str | None = None,
     workers: int = 1,
     resume: bool = False,
     report: Path | None = None,
@@ -77,12 +79,13 @@ def compile_dataset(
     killed at any moment: the next one goes on where it ended.
 
     Args:
-        root: Folder of the dataset.
+        root: Folder of the dataset, an open one, or a `HouseSet`; None: the dataset that `SUNCG_DATA_DIR` names.
         ids: Which houses; all by default.
+        split: Only houses of this split.
         workers: Processes on this machine.
         resume: Skip houses that an earlier run has noted as done and that are in the cache, without looking at their
             files again.
-        report: Where to note what became of each house; by default in the cache folder. A run of some `ids` adds to it.
+        report: Where to note what became of each house; by default in the cache folder. A run of some houses adds to it.
         scheduler: Address of a Dask scheduler, whose workers are used instead; they must see the same dataset and
             cache folder. Needs the extra `distributed`.
         options: How to compile.
@@ -93,7 +96,7 @@ def compile_dataset(
 
     Raises:
         DatasetError: There is no dataset, or it has no such house.
-        ConfigError: The cache folder or the report cannot be written to, something else than a report is in its place,
+        ConfigError: A filter was given, which asks for what is only known when a house is compiled. The cache folder or the report cannot be written to, something else than a report is in its place,
             there are no workers, or a scheduler was given and it does not answer or the extra is not installed.
 
     Example:
@@ -103,8 +106,11 @@ def compile_dataset(
     begin = time.perf_counter()
     if workers < 1:
         raise ConfigError(f"expected one worker or more, got {workers}", element="workers")
-    dataset = open_dataset(root)
-    chosen = list(dict.fromkeys(dataset.house_ids if ids is None else ids))
+    houses = HouseSet.of(root, ids=ids, split=split, options=options)
+    if houses.where is not None:
+        raise ConfigError("`where` cannot choose houses that are still to be compiled")
+    dataset, options = houses.opened, houses.options
+    chosen = list(dict.fromkeys(houses.house_ids))
     for house_id in chosen:
         dataset.check_known(house_id)
     path = Path(report or report_path(dataset.root, options))
@@ -117,7 +123,7 @@ def compile_dataset(
     with (
         _outcomes(task, left, workers, scheduler) as outcomes,
         # After the scheduler: nothing is lost from an old report if there is none.
-        _journal(path, append=resume or ids is not None) as note,
+        _journal(path, append=resume or not houses.is_whole) as note,
         tqdm(total=len(left), desc="compile", unit="house", disable=not progress) as bar,
     ):
         for outcome in outcomes:

@@ -1,54 +1,20 @@
-"""Which houses of a dataset: splits by a hash of the house's id, and filters by what is in the house."""
+"""Houses chosen by what is in them."""
 
-import hashlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from numbers import Real
 
-from home_mjx.core.checks import check_known, check_names
+import numpy as np
+from jaxtyping import Int
+
+from home_mjx.core.checks import check_names
 from home_mjx.errors import ConfigError
 from home_mjx.scene_compile.geometry.polygons import polygon_area
 from home_mjx.schema.categories import COARSE, FINE
-from home_mjx.schema.compiled import CompiledHouse
+from home_mjx.schema.compiled import CompiledHouse, Rooms
 from home_mjx.schema.semantic import Semantic
 
-SPLITS: Mapping[str, float] = {"train": 0.8, "val": 0.1, "test": 0.1}
-
 Range = tuple[float, float]  # least and most, both allowed
-
-
-def split_of(house_id: str, fractions: Mapping[str, float] = SPLITS) -> str:
-    """The split that a house belongs to, the same for ever and whatever other houses there are.
-
-    Args:
-        house_id: The house.
-        fractions: Part of all houses in each split; they add up to 1.
-
-    Example:
-        >>> split_of("0004d52d1aeeb8ae6de39d6bd993e992")
-        'test'
-    """
-    if abs(sum(fractions.values()) - 1) > 1e-9 or min(fractions.values()) < 0:
-        raise ConfigError(f"fractions of splits must add up to 1, got {dict(fractions)}")
-    at = int.from_bytes(hashlib.sha256(house_id.encode()).digest()[:8], "big") / 2**64
-    names = list(fractions)
-    for name in names[:-1]:
-        at -= fractions[name]
-        if at < 0:
-            return name
-    return names[-1]
-
-
-def select_ids(ids: Iterable[str], split: str | None) -> list[str]:
-    """Those of some houses that belong to a split of `SPLITS`; all if it is None.
-
-    Raises:
-        ConfigError: There is no such split.
-    """
-    if split is None:
-        return list(ids)
-    check_known("split", [split], SPLITS)
-    return [house_id for house_id in ids if split_of(house_id) == split]
 
 
 @dataclass(frozen=True)
@@ -80,10 +46,42 @@ class HouseFilter:
 
     def accepts(self, house: CompiledHouse) -> bool:
         """Whether a house has all that."""
-        area = sum(polygon_area(polygon) for polygon in house.rooms.polygon)
-        sizes = ((house.report["levels"], self.levels), (len(house.rooms.type), self.rooms), (area, self.area))
-        fits = all(limits is None or limits[0] <= size <= limits[1] for size, limits in sizes)
-        return fits and set(self.categories) <= _categories(house)
+        return self.fits(contents_of(house.report, house.rooms, house.semantics))
+
+    def fits(self, contents: "HouseContents") -> bool:
+        """Whether all that is in what a house has."""
+        sizes = ((contents.levels, self.levels), (contents.rooms, self.rooms), (contents.area, self.area))
+        met = all(limits is None or limits[0] <= size <= limits[1] for size, limits in sizes)
+        return met and set(self.categories) <= contents.categories
+
+
+@dataclass(frozen=True)
+class HouseContents:
+    """What a `HouseFilter` asks about.
+
+    Attributes:
+        levels: Number of levels.
+        rooms: Number of rooms.
+        area: Floor area of all rooms [m^2].
+        categories: Fine and coarse categories of its objects.
+    """
+
+    levels: int
+    rooms: int
+    area: float
+    categories: frozenset[str]
+
+
+def contents_of(report: Mapping[str, int], rooms: Rooms, semantics: Int[np.ndarray, "q 23"]) -> HouseContents:
+    """What a filter asks about a compiled house; its models are not needed.
+
+    Args:
+        report: Its counts.
+        rooms: Its rooms.
+        semantics: Its semantic rows.
+    """
+    area = sum(polygon_area(polygon) for polygon in rooms.polygon)
+    return HouseContents(report["levels"], len(rooms.type), area, _categories(semantics))
 
 
 def _is_range(limits: object) -> bool:
@@ -92,8 +90,7 @@ def _is_range(limits: object) -> bool:
     return limits[0] <= limits[1]
 
 
-def _categories(house: CompiledHouse) -> set[str]:
-    """Fine and coarse categories of the objects of a house."""
-    rows = house.semantics[house.semantics[:, Semantic.OBJECT] >= 0]
+def _categories(semantics: Int[np.ndarray, "q 23"]) -> frozenset[str]:
+    rows = semantics[semantics[:, Semantic.OBJECT] >= 0]
     fine, coarse = rows[:, Semantic.FINE].tolist(), rows[:, Semantic.COARSE].tolist()
-    return {FINE[i] for i in fine if i >= 0} | {COARSE[i] for i in coarse if i >= 0}
+    return frozenset({FINE[i] for i in fine if i >= 0} | {COARSE[i] for i in coarse if i >= 0})

@@ -345,7 +345,7 @@ def test_folder_follows_the_environment(monkeypatch, tmp_path):
 def test_a_bank_of_a_dataset_holds_its_houses(root, compiles):
     bank = HouseBank.from_dataset(root, ids=[HOUSE_ID, HOUSE_ID])
     assert bank.num_houses == 2
-    assert HouseBank.from_dataset(open_dataset(root), limit=1).num_houses == 1
+    assert HouseBank.from_dataset(open_dataset(root), num_houses=1).num_houses == 1
     assert compiles == [HOUSE_ID]
     fields = {f.name: np.asarray(getattr(bank.physics, f.name)) for f in dataclasses.fields(bank.physics)}
     for name, values in fields.items():

@@ -8,9 +8,10 @@ from handmade import Furniture, shoebox, two_rooms
 import home_mjx
 from home_mjx.bank.bank import HouseBank
 from home_mjx.datasets.procedural.dataset import generate_dataset
+from home_mjx.datasets.splits import SPLITS, select_ids, split_of
 from home_mjx.errors import ConfigError
 from home_mjx.registry import as_bank
-from home_mjx.scene_compile.cache.selection import SPLITS, HouseFilter, select_ids, split_of
+from home_mjx.scene_compile.cache.selection import HouseFilter
 
 IDS = [hashlib.md5(str(i).encode()).hexdigest() for i in range(20_000)]
 
@@ -95,7 +96,7 @@ def test_banks_of_a_selection(root):
     most = max(rooms.values())
     chosen = HouseBank.from_dataset(root, where=HouseFilter(rooms=(most, most)))
     assert ids_of(chosen) == [i for i in ids_of(everything) if rooms[i] == most]
-    assert ids_of(HouseBank.from_dataset(root, split="train", limit=2)) == select_ids(sorted(rooms), "train")[:2]
+    assert ids_of(HouseBank.from_dataset(root, split="train", num_houses=2)) == select_ids(sorted(rooms), "train")[:2]
     with pytest.raises(ConfigError, match="no house"):
         HouseBank.from_dataset(root, where=HouseFilter(rooms=(99, 99)))
 

@@ -1,0 +1,43 @@
+"""Splits of a dataset by a hash of the house's id."""
+
+import hashlib
+from collections.abc import Iterable, Mapping
+
+from home_mjx.core.checks import check_known
+from home_mjx.errors import ConfigError
+
+SPLITS: Mapping[str, float] = {"train": 0.8, "val": 0.1, "test": 0.1}
+
+
+def split_of(house_id: str, fractions: Mapping[str, float] = SPLITS) -> str:
+    """The split that a house belongs to, the same for ever and whatever other houses there are.
+
+    Args:
+        house_id: The house.
+        fractions: Part of all houses in each split; they add up to 1.
+
+    Example:
+        >>> split_of("0004d52d1aeeb8ae6de39d6bd993e992")
+        'test'
+    """
+    if abs(sum(fractions.values()) - 1) > 1e-9 or min(fractions.values()) < 0:
+        raise ConfigError(f"fractions of splits must add up to 1, got {dict(fractions)}")
+    at = int.from_bytes(hashlib.sha256(house_id.encode()).digest()[:8], "big") / 2**64
+    names = list(fractions)
+    for name in names[:-1]:
+        at -= fractions[name]
+        if at < 0:
+            return name
+    return names[-1]
+
+
+def select_ids(ids: Iterable[str], split: str | None) -> list[str]:
+    """Those of some houses that belong to a split of `SPLITS`; all if it is None.
+
+    Raises:
+        ConfigError: There is no such split.
+    """
+    if split is None:
+        return list(ids)
+    check_known("split", [split], SPLITS)
+    return [house_id for house_id in ids if split_of(house_id) == split]

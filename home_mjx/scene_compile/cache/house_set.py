@@ -1,0 +1,164 @@
+"""Which houses of which dataset, and how they are compiled: said once, taken by bank, stream, job and command line."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+from tqdm import tqdm
+
+from home_mjx.core.checks import check_known, check_number, check_type
+from home_mjx.core.paths import dataset_root
+from home_mjx.datasets.procedural.default_houses import generated_houses
+from home_mjx.datasets.splits import SPLITS, select_ids
+from home_mjx.datasets.suncg.dataset import Dataset, open_dataset
+from home_mjx.errors import ConfigError
+from home_mjx.scene_compile.cache.house_cache import HouseCache
+from home_mjx.scene_compile.cache.selection import HouseFilter
+from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS, CompileOptions
+from home_mjx.schema.compiled import CompiledHouse
+
+
+@dataclass(frozen=True)
+class HouseSet:
+    """Houses of a dataset in SUNCG's format, and how they are compiled.
+
+    Attributes:
+        dataset: Root folder, or an open dataset; None: the one that `SUNCG_DATA_DIR` names.
+        ids: Which houses, in this order; None: all, sorted.
+        split: Only houses of `train`, `val` or `test`; None: of all.
+        where: Only houses that have all this.
+        num_houses: The first so many of what is left; None: all.
+        options: How they are compiled.
+
+    Raises:
+        ConfigError: An option cannot be used.
+
+    Example:
+        >>> beds = HouseSet("houses", split="train", where=HouseFilter(categories=("bed",)))
+        >>> beds.house_ids  # doctest: +SKIP
+        ('0004d52d1aeeb8ae6de39d6bd993e992',)
+    """
+
+    dataset: Dataset | str | Path | None = None
+    ids: tuple[str, ...] | None = None
+    split: str | None = None
+    where: HouseFilter | None = None
+    num_houses: int | None = None
+    options: CompileOptions = DEFAULT_OPTIONS
+
+    def __post_init__(self) -> None:
+        if self.dataset is not None and not isinstance(self.dataset, Dataset | str | Path):
+            raise ConfigError(f"`dataset` must be the folder of a dataset or an open one, got {self.dataset!r}")
+        if isinstance(self.ids, str):
+            raise ConfigError(f"`ids` must be several ids, got `{self.ids}`", hint="One alone is written [id].")
+        if self.ids is not None:
+            object.__setattr__(self, "ids", tuple(self.ids))
+        if self.split is not None:
+            check_known("split", [self.split], SPLITS)
+        if self.where is not None:
+            check_type("where", self.where, HouseFilter)
+        if self.num_houses is not None:
+            check_number("num_houses", self.num_houses, 1, whole=True)
+        check_type("options", self.options, CompileOptions)
+
+    @classmethod
+    def of(cls, houses: "HouseSet | Dataset | str | Path | None", **choice: Any) -> "HouseSet":
+        """A set from what functions that need houses take.
+
+        Args:
+            houses: A `HouseSet`, or a dataset.
+            **choice: The other fields. Beside a `HouseSet` only those that are None or the default are allowed.
+
+        Raises:
+            ConfigError: A choice is made twice, or goes by an old name.
+        """
+        if choice.pop("limit", None) is not None:
+            raise ConfigError("`limit` is called `num_houses` now")
+        if not isinstance(houses, HouseSet):
+            return cls(houses, **choice)
+        twice = [name for name, value in choice.items() if value is not None and value != DEFAULT_OPTIONS]
+        if twice:
+            raise ConfigError(f"`{twice[0]}` is chosen beside a HouseSet", hint="Choose it in the HouseSet.")
+        return houses
+
+    @cached_property
+    def opened(self) -> Dataset:
+        """The dataset.
+
+        Raises:
+            DatasetError: There is none.
+        """
+        return self.dataset if isinstance(self.dataset, Dataset) else open_dataset(self.dataset)
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether it is every house of the dataset."""
+        return self.ids is None and self.split is None and self.where is None and self.num_houses is None
+
+    @cached_property
+    def house_ids(self) -> tuple[str, ...]:
+        """Ids of the houses, in order. With `where` houses that are not in the cache are compiled.
+
+        Raises:
+            ConfigError: No house is left.
+            DatasetError: The dataset, or with `where` a house, is missing or broken.
+        """
+        return self._checked(tuple(self._choose(self.open_cache(), progress=False)))
+
+    def open_cache(self) -> HouseCache:
+        """A new cache of the dataset's compiled houses, compiled as the set says."""
+        return HouseCache(self.opened, self.options)
+
+    def load(self, progress: bool = False) -> list[CompiledHouse]:
+        """The compiled houses, in order; those that are not in the cache are compiled. They share their models.
+
+        Args:
+            progress: Show a progress bar.
+
+        Raises:
+            ConfigError: No house is left.
+            DatasetError: The dataset or one of the houses is missing or broken.
+        """
+        cache = self.open_cache()
+        houses = tuple(cache.load(house_id) for house_id in self._choose(cache, progress))
+        return list(self._checked(houses))
+
+    def _choose(self, cache: HouseCache, progress: bool) -> Iterator[str]:
+        """Ids of the houses, and no more of the others looked at than need be."""
+        found = select_ids(self.opened.house_ids if self.ids is None else self.ids, self.split)
+        candidates = found[: self.num_houses] if self.where is None else found
+        with tqdm(candidates, desc="houses", unit="house", disable=not progress) as bar:
+            wanted = (i for i in bar if self.where is None or self.where.fits(cache.contents(i)))
+            yield from islice(wanted, self.num_houses)
+
+    def _checked(self, found: tuple[Any, ...]) -> tuple[Any, ...]:
+        if not found:
+            hint = "Choose another split or a wider filter." if self.split or self.where else None
+            raise ConfigError("no house of the dataset was chosen", hint=hint)
+        return found
+
+
+def default_houses(
+    num_houses: int, *, split: str | None = None, where: HouseFilter | None = None, progress: bool = False
+) -> HouseSet:
+    """The houses where no dataset is given: those of `SUNCG_DATA_DIR`, or where it is not set, generated ones.
+
+    Args:
+        num_houses: How many.
+        split: Of which split.
+        where: What they must have; generated houses cannot be chosen so.
+        progress: Show a progress bar while houses are generated.
+
+    Raises:
+        ConfigError: `where` is given, and there is no dataset.
+    """
+    if dataset_root() is not None:
+        return HouseSet(split=split, where=where, num_houses=num_houses)
+    if where is not None:
+        hint = "Write some with `home-mjx generate OUT`, then pass houses=OUT."
+        raise ConfigError("`where` chooses among the houses of a dataset", hint=hint)
+    root, ids = generated_houses(num_houses, progress, split)
+    return HouseSet(root, ids)
