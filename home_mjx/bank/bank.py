@@ -4,24 +4,20 @@ An environment holds only an int32 house index.
 """
 
 from collections.abc import Sequence
-from itertools import islice
 from pathlib import Path
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Int
-from tqdm import tqdm
 
 from home_mjx.bank.packing.pack import Packed, pack
 from home_mjx.bank.records.bank_arrays import RECORDS, BankArrays, by_record
 from home_mjx.bank.records.geometry import Geometry
 from home_mjx.bank.records.gpu_geometry import gpu_geometry
-from home_mjx.core.checks import check_number
-from home_mjx.datasets.suncg.dataset import Dataset, open_dataset
-from home_mjx.errors import ConfigError
-from home_mjx.scene_compile.cache.house_cache import HouseCache
-from home_mjx.scene_compile.cache.selection import HouseFilter, select_ids
+from home_mjx.datasets.suncg.dataset import Dataset
+from home_mjx.scene_compile.cache.house_set import HouseSet
+from home_mjx.scene_compile.cache.selection import HouseFilter
 from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS, CompileOptions
 from home_mjx.schema.compiled import CompiledHouse
 
@@ -52,44 +48,33 @@ class HouseBank(BankArrays):
     @classmethod
     def from_dataset(
         cls,
-        root: str | Path | Dataset | None,
+        root: HouseSet | Dataset | str | Path | None,
         ids: Sequence[str] | None = None,
-        limit: int | None = None,
+        num_houses: int | None = None,
         progress: bool = False,
         options: CompileOptions = DEFAULT_OPTIONS,
         split: str | None = None,
         where: HouseFilter | None = None,
+        limit: object = None,
     ) -> "HouseBank":
         """A bank of houses of a dataset in SUNCG's format; compiled houses are cached on disk.
 
         Args:
-            root: Folder of the dataset, or an open one; None: the one that `SUNCG_DATA_DIR` names.
+            root: Folder of the dataset, an open one, or a `HouseSet`; None: the dataset that `SUNCG_DATA_DIR` names.
             ids: Which houses, in this order; by default all, sorted.
-            limit: Take the first so many.
+            num_houses: Take the first so many.
             progress: Show a progress bar.
             options: How to compile.
-            split: Only houses of this split, see `selection.split_of`.
+            split: Only houses of this split, see `splits.split_of`.
             where: Only houses that have all this.
+            limit: The old name of `num_houses`, refused.
 
         Raises:
             DatasetError: The dataset or one of the houses is missing or broken.
             ConfigError: No house is left, or the houses cannot share a bank.
         """
-        if isinstance(ids, str):
-            raise ConfigError(f"`ids` must be several ids, got `{ids}`", hint="One alone is written [id].")
-        if limit is not None:
-            check_number("limit", limit, 1, whole=True)
-        dataset = root if isinstance(root, Dataset) else open_dataset(root)
-        chosen = select_ids(dataset.house_ids if ids is None else ids, split)
-        wanted = chosen[:limit] if where is None else chosen
-        cache = HouseCache(dataset, options)
-        with tqdm(wanted, desc="houses", unit="house", disable=not progress) as bar:
-            loaded = (cache.load(house_id) for house_id in bar)
-            houses = list(islice((house for house in loaded if where is None or where.accepts(house)), limit))
-        if not houses:
-            hint = "Choose another split or a wider filter." if split or where else None
-            raise ConfigError("no house of the dataset was chosen", hint=hint)
-        return cls.from_compiled(houses)
+        choice = {"ids": ids, "split": split, "where": where, "num_houses": num_houses, "options": options}
+        return cls.from_compiled(HouseSet.of(root, **choice, limit=limit).load(progress))
 
     @property
     def num_houses(self) -> int:

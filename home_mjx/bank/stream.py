@@ -23,11 +23,11 @@ from home_mjx.bank.records.bank_arrays import array_of, with_arrays
 from home_mjx.bank.records.declaration import Key
 from home_mjx.bank.records.gpu_geometry import gpu_geometry
 from home_mjx.core.checks import check_number
-from home_mjx.datasets.suncg.dataset import Dataset, open_dataset
+from home_mjx.datasets.suncg.dataset import Dataset
 from home_mjx.errors import ConfigError, HomeMjxError
 from home_mjx.scene_compile.cache.entry import BROKEN
-from home_mjx.scene_compile.cache.house_cache import HouseCache
-from home_mjx.scene_compile.cache.selection import select_ids
+from home_mjx.scene_compile.cache.house_set import HouseSet
+from home_mjx.scene_compile.cache.selection import HouseFilter
 from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS, CompileOptions
 from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse
 
@@ -55,7 +55,7 @@ class HouseStream:
     Houses should be in the cache (`home-mjx compile ROOT`), or the first pass compiles them.
 
     Args:
-        root: Folder of the dataset, or an open one.
+        root: Folder of the dataset, an open one, or a `HouseSet`; None: the dataset that `SUNCG_DATA_DIR` names.
         ids: Which houses; all by default.
         num_slots: Houses in the bank at a time.
         spare: How many of them may be retired at a time.
@@ -65,6 +65,8 @@ class HouseStream:
         seed: Of the order, which is another one in every pass over the dataset.
         options: How to compile.
         progress: Show a progress bar while all houses are looked through.
+        where: Only houses that have all this.
+        num_houses: Only the first so many of them.
 
     Attributes:
         bank: The bank as it is now. The one before is gone once `advance` was called: its memory is written over.
@@ -83,7 +85,7 @@ class HouseStream:
 
     def __init__(
         self,
-        root: str | Path | Dataset,
+        root: HouseSet | Dataset | str | Path | None,
         ids: Sequence[str] | None = None,
         *,
         num_slots: int = 8,
@@ -93,19 +95,22 @@ class HouseStream:
         seed: int = 0,
         options: CompileOptions = DEFAULT_OPTIONS,
         progress: bool = False,
+        where: HouseFilter | None = None,
+        num_houses: int | None = None,
     ) -> None:
         for name, value, least in (("num_slots", num_slots, 2), ("spare", spare, 1), ("seed", seed, 0)):
             check_number(name, value, least, whole=True)
         check_number("headroom", headroom, 1)
-        dataset = root if isinstance(root, Dataset) else open_dataset(root)
+        choice = {"ids": ids, "split": split, "options": options, "where": where, "num_houses": num_houses}
+        houses = HouseSet.of(root, **choice)
+        houses.opened  # refuse a wrong folder before anything else
         if not 0 < spare < num_slots:
             raise ConfigError(f"`spare` must be from 1 to num_slots - 1, got {spare} of {num_slots}")
         self.skipped: dict[str, str] = {}
         self.swaps = 0
-        self._cache = HouseCache(dataset, options)
-        ids = select_ids(dataset.house_ids if ids is None else ids, split)
-        self._library = self._look_through(ids, progress)
-        self._order = self._endless(ids, np.random.default_rng(seed))
+        self._cache = houses.open_cache()
+        self._library = self._look_through(houses.house_ids, progress)
+        self._order = self._endless(houses.house_ids, np.random.default_rng(seed))
         first = self._first_houses(num_slots)
         self._capacity, self._stride = capacity_of(first, headroom), row_stride(first, headroom)
         self.bank: HouseBank = to_bank(pack_house_slots(first, self._library, self._capacity, self._stride))
