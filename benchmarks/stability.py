@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 from tqdm import tqdm
 
-from home_mjx.datasets.suncg.dataset import open_dataset
 from home_mjx.datasets.procedural.default_houses import generated_houses
+from home_mjx.datasets.suncg.dataset import open_dataset
 from home_mjx.scene_compile.cache.house_cache import HouseCache
 from home_mjx.scene_compile.mjcf.export import COLLISIONS, OVERLAPS, to_mjcf
 from home_mjx.scene_compile.mjcf.stability import rest_drift

@@ -2,7 +2,6 @@
 
 import dataclasses
 import importlib
-import itertools
 import re
 import sys
 from collections.abc import Callable, Mapping
@@ -264,6 +263,7 @@ def as_bank(
     """
     from home_mjx.bank.bank import HouseBank
     from home_mjx.core.paths import dataset_root
+    from home_mjx.datasets.procedural.default_houses import generated_houses
     from home_mjx.datasets.suncg.dataset import Dataset
     from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS
 
@@ -277,28 +277,13 @@ def as_bank(
     if houses is not None:
         root = houses if isinstance(houses, Dataset) else Path(houses)
         return HouseBank.from_dataset(
-            root, limit=num_houses, progress=progress, split=split, where=where, options=options
+            root, num_houses=num_houses, progress=progress, split=split, where=where, options=options
         )
     if where is not None:
         hint = "Write some with `home-mjx generate OUT`, then pass houses=OUT."
         raise ConfigError("`where` chooses among the houses of a dataset", hint=hint)
     root, ids = generated_houses(num_houses, progress, split)
     return HouseBank.from_dataset(root, ids=ids, progress=progress, options=options)
-
-
-def generated_houses(num_houses: int, progress: bool = False, split: str | None = None) -> tuple[Path, tuple[str, ...]]:
-    """Root and ids of the first `num_houses` generated houses; made on first use and kept in the cache folder.
-
-    With `split`, of the first ones that belong to it.
-    """
-    from home_mjx.core.paths import cache_folder
-    from home_mjx.datasets.procedural.build import house_id
-    from home_mjx.datasets.procedural.dataset import VERSION, generate_dataset
-    from home_mjx.scene_compile.cache.selection import select_ids
-
-    root = cache_folder() / f"generated-v{VERSION}"
-    seeds = (seed for seed in itertools.count() if select_ids([house_id(seed)], split))
-    return root, generate_dataset(root, list(itertools.islice(seeds, num_houses)), progress=progress)
 
 
 register("PointNav-v0", "home_mjx.tasks:PointNav")

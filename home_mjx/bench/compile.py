@@ -35,10 +35,10 @@ def bank(settings: Settings) -> Record:
     from home_mjx.bank.bank import HouseBank
     from home_mjx.datasets.suncg.digests import forget_files
 
-    HouseBank.from_dataset(settings.root, limit=settings.num_houses)
+    HouseBank.from_dataset(settings.root, num_houses=settings.num_houses)
     forget_files()
     start = time.perf_counter()
-    made = jax.block_until_ready(HouseBank.from_dataset(settings.root, limit=settings.num_houses))
+    made = jax.block_until_ready(HouseBank.from_dataset(settings.root, num_houses=settings.num_houses))
     seconds = time.perf_counter() - start
     size = sum(leaf.nbytes for leaf in jax.tree.leaves(made)) / 2**20
     note = f"{settings.describe(made.num_houses)} from the cache, {size:.0f} MiB"

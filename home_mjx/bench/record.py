@@ -76,7 +76,7 @@ class Settings:
     @cached_property
     def root(self) -> Path:
         """Root of the dataset."""
-        from home_mjx.registry import generated_houses
+        from home_mjx.datasets.procedural.default_houses import generated_houses
 
         return self.suncg or generated_houses(self.num_houses, progress=True)[0]
 
@@ -90,11 +90,10 @@ class Settings:
     @cached_property
     def first_house(self) -> CompiledHouse:
         """The bank's first house, on the host."""
-        from home_mjx.datasets.suncg.dataset import open_dataset
-        from home_mjx.scene_compile.pipeline.compile import compile_house
+        from home_mjx.scene_compile.cache.house_set import HouseSet
 
-        dataset = open_dataset(self.root)
-        return compile_house(dataset.load_house(dataset.house_ids[0]), dataset.metadata)
+        (house,) = HouseSet(self.root, num_houses=1).load()
+        return house
 
     def describe(self, num_houses: int) -> str:
         """So many houses, in words."""

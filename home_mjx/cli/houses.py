@@ -70,7 +70,7 @@ def compile_named_house(args: argparse.Namespace) -> CompiledHouse:
 
 
 def _generated_root() -> Path:
-    from home_mjx.registry import generated_houses
+    from home_mjx.datasets.procedural.default_houses import generated_houses
 
     root, _ = generated_houses(1)
     return root
