@@ -97,7 +97,8 @@ def compile_dataset(
     Raises:
         DatasetError: There is no dataset, or it has no such house.
         ConfigError: A filter was given, which asks for what is only known when a house is compiled. The cache folder or the report cannot be written to, something else than a report is in its place,
-            there are no workers, or a scheduler was given and it does not answer or the extra is not installed.
+            there are no workers, or a scheduler was given and it does not answer or the extra is not installed, or houses are
+            to be chosen by what is in them, which is only known once they are compiled.
 
     Example:
         >>> compile_dataset("datasets/demo", workers=2).failed  # doctest: +SKIP
