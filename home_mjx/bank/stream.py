@@ -103,7 +103,6 @@ class HouseStream:
         check_number("headroom", headroom, 1)
         choice = {"ids": ids, "split": split, "options": options, "where": where, "num_houses": num_houses}
         houses = HouseSet.of(root, **choice)
-        houses.opened  # refuse a wrong folder before anything else
         if not 0 < spare < num_slots:
             raise ConfigError(f"`spare` must be from 1 to num_slots - 1, got {spare} of {num_slots}")
         self.skipped: dict[str, str] = {}

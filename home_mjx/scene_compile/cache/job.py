@@ -85,7 +85,8 @@ def compile_dataset(
         workers: Processes on this machine.
         resume: Skip houses that an earlier run has noted as done and that are in the cache, without looking at their
             files again.
-        report: Where to note what became of each house; by default in the cache folder. A run of some houses adds to it.
+        report: Where to note what became of each house; by default in the cache folder. A run of some
+            houses adds to it.
         scheduler: Address of a Dask scheduler, whose workers are used instead; they must see the same dataset and
             cache folder. Needs the extra `distributed`.
         options: How to compile.
@@ -96,9 +97,9 @@ def compile_dataset(
 
     Raises:
         DatasetError: There is no dataset, or it has no such house.
-        ConfigError: A filter was given, which asks for what is only known when a house is compiled. The cache folder or the report cannot be written to, something else than a report is in its place,
-            there are no workers, or a scheduler was given and it does not answer or the extra is not installed, or houses are
-            to be chosen by what is in them, which is only known once they are compiled.
+        ConfigError: The cache folder or the report cannot be written to, something else than a report is in its place,
+            there are no workers, a scheduler was given and it does not answer or the extra is not installed, or houses
+            are to be chosen by what is in them, which is only known once they are compiled.
 
     Example:
         >>> compile_dataset("datasets/demo", workers=2).failed  # doctest: +SKIP
