@@ -1,9 +1,11 @@
 """Bounded reading of files below a dataset root, and writing of files whole or not at all."""
 
 import os
+import shutil
 import stat
 import tempfile
-from collections.abc import Iterator
+import uuid
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import IO
@@ -114,3 +116,29 @@ def write_whole(path: Path) -> Iterator[IO[bytes]]:
     except BaseException:
         Path(temporary).unlink(missing_ok=True)
         raise
+
+
+def replace_folder(target: Path, files: Mapping[str, bytes]) -> None:
+    """Writes a folder beside its place and then moves it there; an older one goes.
+
+    Args:
+        target: The folder.
+        files: Contents by path in it.
+
+    Raises:
+        OSError: It cannot be written; the older folder, if there is one, is still there.
+    """
+    target.parent.mkdir(parents=True, exist_ok=True)
+    fresh, old = (target.with_name(f".{target.name}.{uuid.uuid4().hex}") for _ in range(2))
+    try:
+        for name, content in files.items():
+            (fresh / name).parent.mkdir(parents=True, exist_ok=True)
+            (fresh / name).write_bytes(content)
+        if target.exists():
+            target.rename(old)
+        fresh.rename(target)
+    finally:
+        if old.exists() and not target.exists():
+            old.rename(target)
+        shutil.rmtree(fresh, ignore_errors=True)
+        shutil.rmtree(old, ignore_errors=True)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
+from home_mjx.core.rotations import yaw_matrix, yaw_quat
 from home_mjx.schema.compiled import Colliders
 
 
@@ -65,18 +66,6 @@ def join(sets: Iterable[BoxSet]) -> BoxSet:
     """One set after the other."""
     sets = [no_boxes(), *sets]
     return BoxSet(*(np.concatenate([getattr(s, name) for s in sets]) for name in ("center", "half", "yaw")))
-
-
-def yaw_quat(yaw: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 4"]:
-    """Quaternions wxyz of turns about +z."""
-    zero = np.zeros_like(yaw)
-    return np.stack([np.cos(yaw / 2), zero, zero, np.sin(yaw / 2)], axis=-1)
-
-
-def yaw_matrix(yaw: float) -> Float[np.ndarray, "3 3"]:
-    """Rotation about +z: world from box axes."""
-    c, s = np.cos(yaw), np.sin(yaw)
-    return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
 
 
 def box_of(points: Float[np.ndarray, "n 3"], yaw: float = 0.0) -> BoxSet:

@@ -1,10 +1,7 @@
 """A compiled house as a full MJCF model: what MuJoCo's viewer shows, and what the batched physics is held to."""
 
 import json
-import shutil
-import uuid
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +9,7 @@ from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
 from home_mjx.core.checks import check_known
+from home_mjx.core.files import replace_folder
 from home_mjx.errors import ConfigError
 from home_mjx.scene_compile.architecture.rooms import ground_floor
 from home_mjx.scene_compile.geometry.boxes import box_inertia
@@ -21,6 +19,7 @@ from home_mjx.scene_compile.mjcf.boxes import COLLIDER, MEETS_LEAVES, add_box, a
 from home_mjx.scene_compile.mjcf.lights import add_lamps
 from home_mjx.scene_compile.mjcf.overlaps import part_overlaps
 from home_mjx.schema.agent import Body
+from home_mjx.schema.choices import COLLISIONS
 from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse
 from home_mjx.schema.semantic import Semantic
 
@@ -28,9 +27,6 @@ FILE, OVERLAPS = "house.xml", "overlaps.json"
 EYE_HEIGHT = Body().eye_height  # [m], of the cameras of rooms
 NYU40_CEILING = 22
 VISUAL, CEILING = "2", "4"  # the viewer shows groups 0 to 2 at first
-
-
-COLLISIONS = ("box", "exact")
 
 
 def to_mjcf(
@@ -112,28 +108,10 @@ def export_mjcf(house: CompiledHouse, folder: Path, agent: Body | None = None, c
     if target.exists() and not (target / FILE).is_file():
         raise ConfigError("there is something else than an exported house", file=target, hint="Choose another folder")
     try:
-        _write_whole(target, {**files, FILE: xml.encode()})
+        replace_folder(target, {**files, FILE: xml.encode()})
     except OSError as error:
         raise ConfigError(f"cannot write: {error}", file=target, hint="Choose another folder") from error
     return target / FILE
-
-
-def _write_whole(target: Path, files: Mapping[str, bytes]) -> None:
-    """Writes a folder beside its place and then moves it there."""
-    target.parent.mkdir(parents=True, exist_ok=True)
-    fresh, old = (target.with_name(f".{target.name}.{uuid.uuid4().hex}") for _ in range(2))
-    try:
-        for name, content in files.items():
-            (fresh / name).parent.mkdir(parents=True, exist_ok=True)
-            (fresh / name).write_bytes(content)
-        if target.exists():
-            target.rename(old)
-        fresh.rename(target)
-    finally:
-        if old.exists() and not target.exists():
-            old.rename(target)
-        shutil.rmtree(fresh, ignore_errors=True)
-        shutil.rmtree(old, ignore_errors=True)
 
 
 def split_linear(linear: Float[np.ndarray, "3 3"]) -> tuple[Float[np.ndarray, "3 3"], Float[np.ndarray, "3 3"]]:
@@ -281,6 +259,5 @@ def _add_agent(root: ET.Element, world: ET.Element, house: CompiledHouse, shape:
 
 
 def _pose_of(world: ET.Element, name: str) -> Float[np.ndarray, "7"]:
-    body = world.find(f"body[@name='{name}']")
-    assert body is not None
+    (body,) = world.iterfind(f"body[@name='{name}']")
     return np.array(f"{body.attrib['pos']} {body.attrib['quat']}".split(), float)

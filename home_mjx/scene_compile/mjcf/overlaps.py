@@ -121,6 +121,5 @@ def _overlaps(model: mujoco.MjModel, data: mujoco.MjData) -> list[tuple[int, int
 
 
 def _move(root: ET.Element, name: str, shift: Float[np.ndarray, "3"]) -> None:
-    body = root.find(f"worldbody/body[@name='{name}']")
-    assert body is not None
+    (body,) = root.iterfind(f"worldbody/body[@name='{name}']")
     body.set("pos", numbers(np.array(body.attrib["pos"].split(), float) + shift))

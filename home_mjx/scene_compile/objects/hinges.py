@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.spatial import KDTree
 
+from home_mjx.core.rotations import plane_matrix
 from home_mjx.scene_compile.geometry.box_fit import components, narrowest_box, sample_surface
 
 SAME = 2e-3  # [m]: surfaces nearer than this are one
@@ -109,7 +110,7 @@ def _turn_onto(
     if any(abs(angle) < LEAST_TURN for angle, _ in good):
         return None  # it slides; a plain leaf fits end to end as well
     # The point that stays: (1 - R) p = shift. A plain leaf fits several ways, but hangs on its own edge.
-    found = [(np.linalg.solve(np.eye(2) - _rotation(angle), shift), angle) for angle, shift in good]
+    found = [(np.linalg.solve(np.eye(2) - plane_matrix(angle), shift), angle) for angle, shift in good]
     return min(found, key=lambda f: np.linalg.norm(points[:, :2] - f[0], axis=1).min(), default=None)
 
 
@@ -126,7 +127,7 @@ def _guesses(
             for quarter in range(4):
                 angle = float(box.yaw[0] - source.yaw[0] + quarter * np.pi / 2)
                 angle = (angle + np.pi) % (2 * np.pi) - np.pi
-                yield angle, box.center[0, :2] - _rotation(angle) @ source.center[0, :2]
+                yield angle, box.center[0, :2] - plane_matrix(angle) @ source.center[0, :2]
 
 
 def _largest(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "l 3 3"]:
@@ -157,7 +158,7 @@ def _sample(triangles: Float[np.ndarray, "t 3 3"], spacing: float) -> Float[np.n
 
 
 def _put(points: Float[np.ndarray, "p 3"], angle: float, shift: Float[np.ndarray, "2"]) -> Float[np.ndarray, "p 3"]:
-    return np.c_[points[:, :2] @ _rotation(angle).T + shift, points[:, 2]]
+    return np.c_[points[:, :2] @ plane_matrix(angle).T + shift, points[:, 2]]
 
 
 def _fit(source: Float[np.ndarray, "p 2"], target: Float[np.ndarray, "p 2"]) -> tuple[float, Float[np.ndarray, "2"]]:
@@ -165,9 +166,4 @@ def _fit(source: Float[np.ndarray, "p 2"], target: Float[np.ndarray, "p 2"]) -> 
     middle, goal = source.mean(axis=0), target.mean(axis=0)
     a, b = source - middle, target - goal
     angle = float(np.arctan2((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum(), (a * b).sum()))
-    return angle, goal - _rotation(angle) @ middle
-
-
-def _rotation(angle: float) -> Float[np.ndarray, "2 2"]:
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[c, -s], [s, c]])
+    return angle, goal - plane_matrix(angle) @ middle

@@ -1,0 +1,27 @@
+"""Rotations on the host, in NumPy; `transforms` has those of the device. Angles in radians, quaternions wxyz."""
+
+import numpy as np
+from jaxtyping import Float
+
+
+def yaw_quat(yaw: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 4"]:
+    """Quaternions wxyz of turns about +z."""
+    zero = np.zeros_like(yaw)
+    return np.stack([np.cos(yaw / 2), zero, zero, np.sin(yaw / 2)], axis=-1)
+
+
+def yaw_matrix(yaw: float) -> Float[np.ndarray, "3 3"]:
+    """Rotation about +z: world from turned axes.
+
+    Example:
+        >>> yaw_matrix(np.pi / 2).round().tolist()
+        [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
+    """
+    c, s = np.cos(yaw), np.sin(yaw)
+    return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+
+
+def plane_matrix(angle: float) -> Float[np.ndarray, "2 2"]:
+    """Rotation of the plane, counter-clockwise."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s], [s, c]])
