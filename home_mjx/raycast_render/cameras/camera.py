@@ -11,8 +11,8 @@ from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import quat_matrix
 from home_mjx.errors import ConfigError
+from home_mjx.schema.choices import CAMERA_MODELS
 
-MODELS = ("pinhole", "panorama", "cube", "orthographic", "lidar")
 MAX_PIXELS = 2**26  # of one image: more is a slip, and kernels count rays in 32 bits
 MAX_SAMPLES = 1 << 16  # rays per pixel
 CENTER = (0.5, 0.5)  # of a pixel, right and down
@@ -59,7 +59,7 @@ class Lens:
     Attributes:
         width: Columns.
         height: Rows.
-        model: One of `MODELS`.
+        model: One of `schema.choices.CAMERA_MODELS`.
         samples: Rays per pixel of the colour images, spread over the pixel; all else is seen through its middle.
         elevation: Lowest and highest beam of a lidar [degrees].
 
@@ -78,7 +78,7 @@ class Lens:
     elevation: tuple[float, float] = (-15.0, 15.0)
 
     def __post_init__(self) -> None:
-        check_known("camera model", [self.model], MODELS)
+        check_known("camera model", [self.model], CAMERA_MODELS)
         check_number("width of a camera", self.width, 1, whole=True)
         check_number("height of a camera", self.height, 1, whole=True)
         check_number("samples of a camera", self.samples, 1, MAX_SAMPLES, whole=True)

@@ -4,8 +4,7 @@ import math
 from dataclasses import dataclass, fields
 
 from home_mjx.core.checks import check_known, check_number
-
-PRESETS = ("fast", "lit")
+from home_mjx.schema.choices import PRESETS
 
 
 @dataclass(frozen=True)
