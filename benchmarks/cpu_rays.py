@@ -1,6 +1,6 @@
 """What rays cost on a CPU, of the form of `home-mjx bench --json`: cameras and timing are those of `gpu_rays.py`.
 
-    python benchmarks/make_bank.py sample.pkl --suncg /path/to/suncg
+    python benchmarks/make_bank.py sample.pkl --dataset /path/to/suncg
     python benchmarks/warp_renderer.py sample.pkl --num-envs 64 --out depth.npz > peer.jsonl
     python benchmarks/cpu_rays.py sample.pkl --houses "the sample house" --peer peer.jsonl --peer-depth depth.npz
 

@@ -1,6 +1,6 @@
 """What rays cost on a GPU: one JSON object a line, of the form of `home-mjx bench --json`.
 
-    python benchmarks/make_bank.py sample.pkl --suncg /path/to/suncg
+    python benchmarks/make_bank.py sample.pkl --dataset /path/to/suncg
     python benchmarks/warp_renderer.py sample.pkl --size 64 84 128 --out depth.npz > peer.jsonl
     python benchmarks/gpu_rays.py sample.pkl --houses "the sample house" --peer peer.jsonl --peer-depth depth.npz
 

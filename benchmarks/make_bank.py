@@ -29,11 +29,11 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("out", type=Path)
     parser.add_argument("--generate", type=int, help="so many generated houses")
-    parser.add_argument("--suncg", type=Path, help="the houses of this dataset")
+    parser.add_argument("--dataset", type=Path, help="the houses of this dataset")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     args = parser.parse_args()
-    root = args.suncg or Path(tempfile.mkdtemp())
-    ids = open_dataset(root).house_ids if args.suncg else generate_dataset(root, range(args.generate))
+    root = args.dataset or Path(tempfile.mkdtemp())
+    ids = open_dataset(root).house_ids if args.dataset else generate_dataset(root, range(args.generate))
     compile_some(root, ids[:1])  # compiles the compiler once
     with ProcessPoolExecutor(args.jobs) as pool:
         list(pool.map(partial(compile_some, root), [ids[i :: args.jobs] for i in range(args.jobs)]))

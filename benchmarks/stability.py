@@ -1,6 +1,6 @@
 """How still houses stand: drift of every movable object over 10 s, untouched, with boxes and with convex pieces.
 
-    python benchmarks/stability.py [--suncg ROOT] [--houses 100] [--seconds 10]
+    python benchmarks/stability.py [--dataset ROOT] [--houses 100] [--seconds 10]
 
 Prints one JSON line per house and kind of collision, then the shares of objects that drift less than 2 cm.
 """
@@ -16,8 +16,9 @@ from tqdm import tqdm
 from home_mjx.datasets.procedural.default_houses import generated_houses
 from home_mjx.datasets.suncg.dataset import open_dataset
 from home_mjx.scene_compile.cache.house_cache import HouseCache
-from home_mjx.scene_compile.mjcf.export import COLLISIONS, OVERLAPS, to_mjcf
+from home_mjx.scene_compile.mjcf.export import OVERLAPS, to_mjcf
 from home_mjx.scene_compile.mjcf.stability import rest_drift
+from home_mjx.schema.choices import COLLISIONS
 from home_mjx.schema.compiled import CompiledHouse
 
 LIMIT = 0.02  # [m]
@@ -35,12 +36,12 @@ def houses(root: Path | None, count: int) -> Iterator[CompiledHouse]:
 def main() -> None:
     """Runs the benchmark."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--suncg", type=Path, help="root of a dataset that is looked at as well")
+    parser.add_argument("--dataset", type=Path, help="root of a dataset that is looked at as well")
     parser.add_argument("--houses", type=int, default=100, help="generated houses (default: 100)")
     parser.add_argument("--seconds", type=float, default=10.0, help="simulated time (default: 10)")
     args = parser.parse_args()
     drifts: dict[str, list[float]] = {name: [] for name in COLLISIONS}
-    for house in tqdm(houses(args.suncg, args.houses), unit="house"):
+    for house in tqdm(houses(args.dataset, args.houses), unit="house"):
         for collision in COLLISIONS:
             xml, files = to_mjcf(house, collision=collision)
             drift = rest_drift(xml, files, args.seconds)

@@ -1,7 +1,7 @@
 """Draws the gallery of the docs: generated houses by default, any dataset on request.
 
 python scripts/gallery.py                                   docs/images/gallery_*.png
-python scripts/gallery.py --suncg ROOT --out local/gallery  pictures of another dataset, not for the docs
+python scripts/gallery.py --dataset ROOT --out local/gallery  pictures of another dataset, not for the docs
 """
 
 import argparse
@@ -185,14 +185,14 @@ def rooms(studios, samples):
 def main():
     """Draws everything."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--suncg", type=Path, help="dataset root (default: generated houses)")
+    parser.add_argument("--dataset", type=Path, help="dataset root (default: generated houses)")
     parser.add_argument("--out", type=Path, default=Path("docs/images"))
     parser.add_argument("--samples", type=int, default=9, help="rays per pixel of lit pictures")
     parser.add_argument("--only", nargs="*", default=["presets", "kinds", "cameras", "moved", "rooms"])
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        root = args.suncg or folder
-        ids = None if args.suncg else generate_dataset(Path(folder), SEEDS)
+        root = args.dataset or folder
+        ids = None if args.dataset else generate_dataset(Path(folder), SEEDS)
         bank = HouseBank.from_dataset(root, ids=ids, num_houses=len(SEEDS))
     studios = [Studio(bank, house) for house in range(bank.num_houses)]
     drawn = {

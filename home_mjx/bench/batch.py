@@ -11,6 +11,7 @@ from home_mjx.bench import timing
 from home_mjx.bench.record import Settings
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.schema.agent import Body
 
 
 def houses_and_starts(settings: Settings) -> tuple[jax.Array, jax.Array]:
@@ -25,7 +26,7 @@ def scene_at(bank: HouseBank, house: jax.Array, start: jax.Array) -> Scene:
     """One environment as rays see it: its agent at `start`, its bodies where the dataset puts them."""
     physics = bank.physics
     upright = jnp.array([[1.0, 0.0, 0.0, 0.0]], jnp.float32)
-    centre = start + jnp.array([0.0, 0.0, 0.8], jnp.float32)
+    centre = start + jnp.array([0.0, 0.0, Body().height / 2], jnp.float32)
     return make_scene(bank, house, physics.body_pos[house], physics.body_quat[house], centre[None], upright)
 
 
@@ -42,8 +43,9 @@ def rate_per_environment(settings: Settings, function: Callable[..., Any]) -> tu
 
 
 def eye_at(start: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """Eyes and ears 1.5 m above the floor, and a level camera looking along +y."""
-    return start + jnp.array([0.0, 0.0, 1.5], jnp.float32), jnp.array([0.5**0.5, 0.5**0.5, 0.0, 0.0], jnp.float32)
+    """Eyes and ears of an agent that stands at a point of the floor, and a level camera looking along +y."""
+    eyes = start + jnp.array([0.0, 0.0, Body().eye_height], jnp.float32)
+    return eyes, jnp.array([0.5**0.5, 0.5**0.5, 0.0, 0.0], jnp.float32)
 
 
 def own_body(bank: HouseBank) -> int:

@@ -86,7 +86,7 @@ def stream(settings: Settings) -> Record:
 
     slots = max(2, settings.num_houses // 2)
     if len(open_dataset(settings.root).house_ids) < slots:
-        settings = replace(settings, suncg=None)  # generated houses, since there is nothing to exchange
+        settings = replace(settings, dataset=None)  # generated houses, since there is nothing to exchange
     with HouseStream(settings.root, num_slots=slots, headroom=2.0) as houses:
         core = AutoReset(HouseholdEnv(make_config(sensors=("state", "goal"), episode_length=8)))
         step = jax.jit(core.step)

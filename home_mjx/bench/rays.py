@@ -14,6 +14,7 @@ from home_mjx.bench.record import Record, Settings, make_record
 from home_mjx.raycast_render.cameras.camera import Camera, Lens
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.images.render import render
+from home_mjx.schema.agent import Body
 from home_mjx.schema.compiled import CompiledHouse
 
 SIZE = 64  # pixels, each way
@@ -74,7 +75,7 @@ def _embree(settings: Settings) -> tuple[str, float] | None:
     scene = EmbreeScene()
     TriangleMesh(scene, _world_triangles(settings.first_house))
     starts = np.asarray(settings.bank.navigation.start[0])
-    origins = np.repeat(starts + np.array([0, 0, 1.5]), RAYS, axis=0).astype(np.float32)
+    origins = np.repeat(starts + np.array([0, 0, Body().eye_height]), RAYS, axis=0).astype(np.float32)
     directions = np.tile(np.asarray(_directions()).reshape(RAYS, 3), (len(starts), 1)).astype(np.float32)
     rate = timing.calls_per_second(lambda: scene.run(origins, directions), seconds=settings.seconds)
     return "Embree (1 thread, 1 house)", rate * len(origins)

@@ -1,11 +1,12 @@
 """One measured figure, and what it is measured on."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from home_mjx.bench import timing
+from home_mjx.scene_compile.cache.house_set import HouseSet
 from home_mjx.schema.compiled import CompiledHouse
 
 
@@ -62,42 +63,47 @@ class Settings:
     """What to measure on.
 
     Attributes:
-        suncg: Root of a SUNCG dataset; None for generated houses.
+        dataset: Root of a SUNCG dataset; None for generated houses.
         num_houses: Houses in the bank.
         num_envs: Environments in the batch.
         seconds: How long each figure is measured, at least.
     """
 
-    suncg: Path | None = None
+    dataset: Path | None = None
     num_houses: int = 8
     num_envs: int = 64
     seconds: float = 2.0
 
     @cached_property
-    def root(self) -> Path:
-        """Root of the dataset."""
+    def house_set(self) -> HouseSet:
+        """Which houses."""
         from home_mjx.datasets.procedural.default_houses import generated_houses
 
-        return self.suncg or generated_houses(self.num_houses, progress=True)[0]
+        if self.dataset is not None:
+            return HouseSet(self.dataset, num_houses=self.num_houses)
+        return HouseSet(*generated_houses(self.num_houses, progress=True))
+
+    @property
+    def root(self) -> Path:
+        """Root of the dataset."""
+        return self.house_set.opened.root
 
     @cached_property
     def bank(self) -> Any:
         """The houses, on the device."""
-        from home_mjx.registry import as_bank
+        from home_mjx.bank.bank import HouseBank
 
-        return as_bank(self.suncg, self.num_houses, progress=True)
+        return HouseBank.from_dataset(self.house_set, progress=True)
 
     @cached_property
     def first_house(self) -> CompiledHouse:
         """The bank's first house, on the host."""
-        from home_mjx.scene_compile.cache.house_set import HouseSet
-
-        (house,) = HouseSet(self.root, num_houses=1).load()
+        (house,) = replace(self.house_set, num_houses=1).load()
         return house
 
     def describe(self, num_houses: int) -> str:
         """So many houses, in words."""
-        return f"{num_houses} {f'houses of {self.suncg.name}' if self.suncg else 'generated houses'}"
+        return f"{num_houses} {f'houses of {self.dataset.name}' if self.dataset else 'generated houses'}"
 
     @property
     def houses(self) -> str:

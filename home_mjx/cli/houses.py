@@ -2,71 +2,94 @@
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from home_mjx.core.paths import dataset_root
-from home_mjx.datasets.suncg.dataset import Dataset, open_dataset
 from home_mjx.errors import ConfigError
-from home_mjx.schema.compiled import CompiledHouse
-from home_mjx.schema.house import House, Metadata
+
+if TYPE_CHECKING:
+    from home_mjx.datasets.suncg.dataset import Dataset
+    from home_mjx.scene_compile.cache.house_set import HouseSet
+    from home_mjx.schema.compiled import CompiledHouse
+    from home_mjx.schema.house import House, Metadata
 
 
 def add_dataset_option(parser: argparse.ArgumentParser) -> None:
-    """Adds `--suncg ROOT`."""
+    """Adds `--dataset ROOT`, and its old name `--suncg`."""
     parser.add_argument(
-        "--suncg",
+        "--dataset",
         type=Path,
         default=dataset_root(),
         metavar="ROOT",
-        help="root of a SUNCG dataset (default: $SUNCG_DATA_DIR, or generated houses)",
+        help="root of a dataset in SUNCG's format (default: $SUNCG_DATA_DIR, or generated houses)",
     )
+    parser.add_argument("--suncg", dest="dataset", type=Path, default=argparse.SUPPRESS, help=argparse.SUPPRESS)
 
 
 def add_house_arguments(
     parser: argparse.ArgumentParser, text: str = "id of the house (default: the dataset's first)"
 ) -> None:
-    """Adds `HOUSE`, explained by `text`, and `--suncg ROOT`."""
+    """Adds `HOUSE`, explained by `text`, and `--dataset ROOT`."""
     parser.add_argument("house", nargs="?", metavar="HOUSE", help=text)
     add_dataset_option(parser)
 
 
-def load_house(args: argparse.Namespace) -> tuple[House, Metadata]:
-    """The house that the arguments name, as the dataset has it.
-
-    Raises:
-        DatasetError: If the dataset cannot be read or has no such house.
-        ConfigError: If they name a whole dataset.
-    """
-    if names_root(args):
-        hint = f"Name one of its houses: HOUSE --suncg {args.house}"
-        raise ConfigError(f"expected the id of a house, got the root of a dataset `{args.house}`", hint=hint)
-    dataset = open_named_dataset(args)
-    return dataset.load_house(args.house or dataset.house_ids[0]), dataset.metadata
-
-
-def open_named_dataset(args: argparse.Namespace) -> Dataset:
-    """The dataset that the arguments name, by default one of generated houses."""
-    return open_dataset(named_root(args))
-
-
 def named_root(args: argparse.Namespace) -> Path:
     """Root of the dataset that the arguments name, by default one of generated houses."""
-    return Path(args.house) if names_root(args) else args.suncg or _generated_root()
+    if names_root(args):
+        return Path(args.house)
+    return args.dataset or _generated_root()
 
 
 def names_root(args: argparse.Namespace) -> bool:
-    """Whether `HOUSE` is the root of a dataset: a path or a folder, if it is no house of `--suncg`."""
+    """Whether `HOUSE` is the root of a dataset: a path or a folder, if it is no house of `--dataset`."""
     name = args.house
     if name is None or Path(name).name != name:
         return name is not None
-    known = args.suncg is not None and (args.suncg / "house" / name / "house.json").exists()
+    known = args.dataset is not None and (args.dataset / "house" / name / "house.json").exists()
     return Path(name).is_dir() and not known
 
 
-def compile_named_house(args: argparse.Namespace) -> CompiledHouse:
-    """The house that the arguments name, compiled."""
-    from home_mjx.scene_compile.pipeline.compile import compile_house
+def open_named_dataset(args: argparse.Namespace) -> "Dataset":
+    """The dataset that the arguments name, by default one of generated houses."""
+    from home_mjx.datasets.suncg.dataset import open_dataset
 
-    return compile_house(*load_house(args))
+    return open_dataset(named_root(args))
+
+
+def named_houses(args: argparse.Namespace) -> "HouseSet":
+    """All houses of the dataset that the arguments name, or the one house."""
+    from home_mjx.scene_compile.cache.house_set import HouseSet
+
+    ids = None if args.house is None or names_root(args) else (str(args.house),)
+    return HouseSet(open_named_dataset(args), ids)
+
+
+def named_house(args: argparse.Namespace) -> tuple["Dataset", str]:
+    """The dataset, and the id of the house that the arguments name, by default its first.
+
+    Raises:
+        DatasetError: If the dataset cannot be read.
+        ConfigError: If they name a whole dataset.
+    """
+    if names_root(args):
+        hint = f"Name one of its houses: HOUSE --dataset {args.house}"
+        raise ConfigError(f"expected the id of a house, got the root of a dataset `{args.house}`", hint=hint)
+    dataset = open_named_dataset(args)
+    return dataset, args.house or dataset.house_ids[0]
+
+
+def load_house(args: argparse.Namespace) -> tuple["House", "Metadata"]:
+    """The house that the arguments name, as the dataset has it; errors as of `named_house`."""
+    dataset, house_id = named_house(args)
+    return dataset.load_house(house_id), dataset.metadata
+
+
+def load_compiled_house(args: argparse.Namespace) -> "CompiledHouse":
+    """The house that the arguments name, compiled, from the cache if it is there; errors as of `named_house`."""
+    from home_mjx.scene_compile.cache.house_cache import load_compiled
+
+    return load_compiled(*named_house(args))
 
 
 def _generated_root() -> Path:

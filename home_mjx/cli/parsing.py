@@ -30,7 +30,8 @@ class Parser(argparse.ArgumentParser):
         if not argument.startswith("-"):
             self.error(f"unexpected argument `{argument}`")
         name = argument.split("=")[0]
-        known = [option for action in self._actions for option in action.option_strings if option.startswith("--")]
+        shown = [action for action in self._actions if action.help != argparse.SUPPRESS]
+        known = [option for action in shown for option in action.option_strings if option.startswith("--")]
         raise ConfigError(f"unknown option `{name}`", hint=did_you_mean(name, known))
 
 

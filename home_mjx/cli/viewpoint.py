@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.cli.houses import add_house_arguments, compile_named_house
+from home_mjx.cli.houses import add_house_arguments, load_compiled_house
 from home_mjx.cli.parsing import number
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.scene.types import Scene
@@ -33,7 +33,7 @@ class Viewpoint:
 
 
 def add_viewpoint_arguments(parser: argparse.ArgumentParser) -> None:
-    """Adds `HOUSE`, `--suncg`, `--at` and `--yaw`."""
+    """Adds `HOUSE`, `--dataset`, `--at` and `--yaw`."""
     add_house_arguments(parser)
     parser.add_argument(
         "--at",
@@ -56,7 +56,7 @@ def stand(args: argparse.Namespace) -> Viewpoint:
     from home_mjx.core.transforms import camera_quat
     from home_mjx.raycast_render.scene.scene import make_scene
 
-    bank = HouseBank.from_compiled([compile_named_house(args)])
+    bank = HouseBank.from_compiled([load_compiled_house(args)])
     start = np.asarray(bank.navigation.start[0, 0])
     feet = start if args.at is None else np.array([*args.at, start[2]], np.float32)
     check_inside(bank, feet, "--at")

@@ -68,7 +68,7 @@ def test_no_command_shows_help_and_fails(capsys: pytest.CaptureFixture):
         (["generate", "x", "--seeds", "99999999999999999999"], ["2**63"]),
         (["demo", "--seed", "99999999999999999999"], ["whole number from 0 to 4294967295"]),
         (["demo", "--seed", "-1"], ["whole number from 0 to 4294967295"]),
-        (["inspect", "--suncg", "no/such/folder"], ["no/such/folder"]),
+        (["inspect", "--dataset", "no/such/folder"], ["no/such/folder"]),
         (["compile", "no/such/folder"], ["no/such/folder", "dataset root is not a folder"]),
         (["compile", "--mjcf", "x", "--collision", "bogus"], ["bogus", "box", "exact"]),
         (["compile", "--collision", "bogus"], ["bogus", "box", "exact"]),
@@ -97,7 +97,7 @@ def test_unusable_output_folder_is_found_before_the_work(command: str, tmp_path,
         assert_refused(capsys, [command, "--out", str(out)], str(out), "--out")
 
 
-@pytest.mark.parametrize("args", [["--debug", "demoo"], ["inspect", "--debug", "--suncg", "no/such/folder"]])
+@pytest.mark.parametrize("args", [["--debug", "demoo"], ["inspect", "--debug", "--dataset", "no/such/folder"]])
 def test_debug_shows_the_traceback(args: list[str]):
     done = run(*args)
     assert done.returncode == 1
@@ -105,7 +105,7 @@ def test_debug_shows_the_traceback(args: list[str]):
 
 
 def test_error_leaves_no_traceback_in_a_real_process():
-    done = run("inspect", "--suncg", "no/such/folder")
+    done = run("inspect", "--dataset", "no/such/folder")
     assert done.returncode == 2
     assert "Traceback" not in done.stderr
 

@@ -12,6 +12,8 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.cli import main
 from home_mjx.cli.viewpoint import EYE_HEIGHT, longest_view
 from home_mjx.datasets.procedural.dataset import generate_dataset
+from home_mjx.scene_compile.cache import house_cache
+from home_mjx.scene_compile.cache.house_set import HouseSet
 
 RECORD = ["case", "value", "unit", "num_envs", "device", "versions", "compile_seconds", "peer", "peer_value", "ratio"]
 
@@ -28,7 +30,7 @@ def test_generate_writes_what_inspect_counts(tmp_path: Path, capsys: pytest.Capt
     written = sorted(path.parent.name for path in (tmp_path / "new").glob("house/*/house.json"))
     assert len(written) == 2
     capsys.readouterr()
-    assert main(["inspect", written[1], "--suncg", str(tmp_path / "new"), "--json"]) == 0
+    assert main(["inspect", written[1], "--dataset", str(tmp_path / "new"), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     house = json.loads((tmp_path / "new" / "house" / written[1] / "house.json").read_text())
     nodes = [node["type"] for level in house["levels"] for node in level["nodes"]]
@@ -39,12 +41,12 @@ def test_generate_writes_what_inspect_counts(tmp_path: Path, capsys: pytest.Capt
 
 
 def test_inspect_counts_of_the_real_house(suncg_root: Path, capsys: pytest.CaptureFixture):
-    assert main(["inspect", "--suncg", str(suncg_root), "--json"]) == 0
+    assert main(["inspect", "--dataset", str(suncg_root), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     counts = found["counts"]
     assert len(found["stuck"]) == counts["movable_but_stuck"] > 0
     assert found["bytes"]["house"] > found["bytes"]["fields"] > 100_000
-    assert main(["inspect", "--suncg", str(suncg_root)]) == 0
+    assert main(["inspect", "--dataset", str(suncg_root)]) == 0
     listed = [line for line in capsys.readouterr().out.splitlines() if line.startswith("stuck: ")]
     assert [int(line.split()[2]) for line in listed] == found["stuck"]
     wanted = {"levels": 1, "rooms": 4, "objects": 43, "architecture parts": 12, "triangles": 102_076}
@@ -52,7 +54,7 @@ def test_inspect_counts_of_the_real_house(suncg_root: Path, capsys: pytest.Captu
 
 
 def test_inspect_prints_a_table(houses: Path, capsys: pytest.CaptureFixture):
-    assert main(["inspect", "--suncg", str(houses)]) == 0
+    assert main(["inspect", "--dataset", str(houses)]) == 0
     rows = [line.rsplit(maxsplit=1) for line in capsys.readouterr().out.splitlines()[2:]]
     assert [name for name, _ in rows if name in ("rooms", "objects")] == ["rooms", "objects"]
 
@@ -67,7 +69,7 @@ def test_inspect_tells_bytes_per_house_and_per_model(houses: Path, capsys: pytes
     geometry = bank.geometry
     stored = sum(getattr(geometry, name).nbytes for name in ("triangle", "triangle_uv", "node_box"))
     assert 0.5 * stored < found["counts"]["bytes_of_models"] < 1.5 * stored
-    assert main(["inspect", "--suncg", str(houses), "--json"]) == 0
+    assert main(["inspect", "--dataset", str(houses), "--json"]) == 0
     one = json.loads(capsys.readouterr().out)["bytes"]
     assert one["house"] > 100_000
     assert all(found["bytes"]["models"][key] == size for key, size in one["models"].items())
@@ -75,7 +77,7 @@ def test_inspect_tells_bytes_per_house_and_per_model(houses: Path, capsys: pytes
 
 def test_semantics_of_a_root_asks_for_a_house(houses: Path, capsys: pytest.CaptureFixture):
     assert main(["inspect", str(houses), "--semantics"]) == 2
-    assert f"Name one of its houses: HOUSE --suncg {houses}" in capsys.readouterr().err
+    assert f"Name one of its houses: HOUSE --dataset {houses}" in capsys.readouterr().err
 
 
 def test_a_folder_named_as_a_house_is_not_a_dataset(
@@ -84,12 +86,12 @@ def test_a_folder_named_as_a_house_is_not_a_dataset(
     house = sorted(path.name for path in (houses / "house").iterdir())[1]
     (tmp_path / house).mkdir()
     monkeypatch.chdir(tmp_path)
-    assert main(["inspect", house, "--suncg", str(houses), "--json"]) == 0
+    assert main(["inspect", house, "--dataset", str(houses), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["id"] == house
 
 
 def test_unknown_house_is_one_message(houses: Path, capsys: pytest.CaptureFixture):
-    assert main(["inspect", "nowhere", "--suncg", str(houses)]) == 2
+    assert main(["inspect", "nowhere", "--dataset", str(houses)]) == 2
     assert "unknown house `nowhere`" in capsys.readouterr().err
 
 
@@ -97,7 +99,7 @@ def test_compiled_mjcf_opens_in_mujoco(houses: Path, tmp_path: Path, capsys: pyt
     import mujoco
 
     house = sorted(path.name for path in (houses / "house").iterdir())[0]
-    assert main(["compile", house, "--suncg", str(houses), "--mjcf", str(tmp_path)]) == 0
+    assert main(["compile", house, "--dataset", str(houses), "--mjcf", str(tmp_path)]) == 0
     path = Path(capsys.readouterr().out.splitlines()[0])
     model = mujoco.MjModel.from_xml_path(str(path))
     data = mujoco.MjData(model)
@@ -106,8 +108,42 @@ def test_compiled_mjcf_opens_in_mujoco(houses: Path, tmp_path: Path, capsys: pyt
     assert model.nmesh > 0
 
 
+COMMANDS = {
+    "inspect": ["--json"],
+    "compile": ["--mjcf", "OUT"],
+    "render": ["--size", "4", "4", "--out", "OUT"],
+    "listen": ["--out", "OUT"],
+}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_commands_take_a_compiled_house_from_the_cache(
+    command: str, houses: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    (house, _) = HouseSet(houses, num_houses=2).house_ids
+    HouseSet(houses, ids=(house,)).load()
+    monkeypatch.setattr(house_cache, "compile_house", lambda *_: pytest.fail("compiled"))
+    options = [str(tmp_path) if word == "OUT" else word for word in COMMANDS[command]]
+    assert main([command, house, "--dataset", str(houses), *options]) == 0
+
+
+def test_the_old_name_of_the_dataset_works_but_is_not_shown(houses: Path, capsys: pytest.CaptureFixture):
+    shown = []
+    for option in ("--dataset", "--suncg"):
+        assert main(["inspect", option, str(houses), "--json"]) == 0
+        shown.append(capsys.readouterr().out)
+    assert shown[0] == shown[1]
+    assert main(["inspect", "--sunc", str(houses)]) == 2
+    assert "--suncg" not in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        main(["inspect", "--help"])
+    text = capsys.readouterr().out
+    assert "--dataset ROOT" in text
+    assert "suncg" not in text
+
+
 def test_render_writes_pictures(houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture):
-    assert main(["render", "--suncg", str(houses), "--size", "32", "24", "--out", str(tmp_path)]) == 0
+    assert main(["render", "--dataset", str(houses), "--size", "32", "24", "--out", str(tmp_path)]) == 0
     images = {line.rsplit("/")[-1]: np.asarray(Image.open(line)) for line in capsys.readouterr().out.splitlines()}
     assert {image.shape for image in images.values()} == {(24, 32, 3)}
     assert images["rgb.png"].std() > 5
@@ -121,7 +157,7 @@ def test_listen_hears_the_source_after_its_delay(houses: Path, tmp_path: Path, c
     yaw = longest_view(bank, feet)  # so that nothing stands between head and source
     source = np.add(feet, [np.cos(yaw), np.sin(yaw), EYE_HEIGHT])
     where = ["--source", *map(str, source)]
-    assert main(["listen", "--suncg", str(houses), "--out", str(tmp_path), "--clip", "tone", *where]) == 0
+    assert main(["listen", "--dataset", str(houses), "--out", str(tmp_path), "--clip", "tone", *where]) == 0
     metres = float(capsys.readouterr().out.split(": ")[-1].split()[0])
     with wave.open(str(tmp_path / "response.wav")) as file:
         assert (file.getnchannels(), file.getframerate()) == (2, 16000)
@@ -132,7 +168,7 @@ def test_listen_hears_the_source_after_its_delay(houses: Path, tmp_path: Path, c
 
 
 def test_places_outside_of_the_house_are_refused(houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture):
-    where = ["--suncg", str(houses), "--out", str(tmp_path)]
+    where = ["--dataset", str(houses), "--out", str(tmp_path)]
     assert main(["render", *where, "--at", "1000", "1000"]) == 2
     assert "--at 1000 1000 is outside of the house. X is " in capsys.readouterr().err
     assert main(["listen", *where, "--source", "1000", "0", "1"]) == 2
@@ -141,7 +177,7 @@ def test_places_outside_of_the_house_are_refused(houses: Path, tmp_path: Path, c
 
 
 def test_bench_prints_json_lines(houses: Path, capsys: pytest.CaptureFixture):
-    assert main(["bench", "load", "--json", "--suncg", str(houses), "--houses", "2"]) == 0
+    assert main(["bench", "load", "--json", "--dataset", str(houses), "--houses", "2"]) == 0
     (record,) = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     assert [*RECORD, "note"] == list(record)
     assert (record["case"], record["unit"]) == ("load/houses", "houses/s")
@@ -150,7 +186,7 @@ def test_bench_prints_json_lines(houses: Path, capsys: pytest.CaptureFixture):
 
 
 def test_bench_of_rays_names_batch_and_compile_time(houses: Path, capsys: pytest.CaptureFixture):
-    args = ["--json", "--suncg", str(houses), "--houses", "2", "--envs", "2", "--seconds", "1"]
+    args = ["--json", "--dataset", str(houses), "--houses", "2", "--envs", "2", "--seconds", "1"]
     assert main(["bench", "rays/primary-depth", *args]) == 0
     record = json.loads(capsys.readouterr().out)
     assert record["num_envs"] == 2
@@ -164,7 +200,7 @@ def test_streams_of_a_dataset_of_one_house_are_measured_on_generated_ones(
     tmp_path: Path, capsys: pytest.CaptureFixture
 ):
     generate_dataset(tmp_path, range(1))
-    args = ["--json", "--suncg", str(tmp_path), "--houses", "2", "--envs", "2", "--seconds", "1"]
+    args = ["--json", "--dataset", str(tmp_path), "--houses", "2", "--envs", "2", "--seconds", "1"]
     assert main(["bench", "compile/stream", *args]) == 0
     record = json.loads(capsys.readouterr().out)
     assert record["value"] > 0

@@ -26,7 +26,7 @@ def test_model_opens_and_collides_as_asked(dataset, tmp_path, collision, monkeyp
     # CoACD takes minutes for a whole house; how it cuts is tested elsewhere.
     monkeypatch.setattr("home_mjx.scene_compile.mjcf.assets.convex_pieces", lambda model: (hull_of(model.box),))
     root, house = dataset
-    arguments = ["compile", house, "--suncg", str(root), "--mjcf", str(tmp_path), "--collision", collision]
+    arguments = ["compile", house, "--dataset", str(root), "--mjcf", str(tmp_path), "--collision", collision]
     assert main(arguments) == 0
     model = mujoco.MjModel.from_xml_path(str(tmp_path / house / "house.xml"))
     solid = (model.geom_contype > 0) & (model.geom_type == mujoco.mjtGeom.mjGEOM_MESH)
@@ -40,7 +40,7 @@ def test_model_opens_and_collides_as_asked(dataset, tmp_path, collision, monkeyp
 
 def test_unknown_collision_is_refused_before_anything_is_written(dataset, tmp_path, capsys):
     root, house = dataset
-    arguments = ["compile", house, "--suncg", str(root), "--mjcf", str(tmp_path / "out"), "--collision", "exakt"]
+    arguments = ["compile", house, "--dataset", str(root), "--mjcf", str(tmp_path / "out"), "--collision", "exakt"]
     assert main(arguments) == 2
     assert "Did you mean `exact`" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()

@@ -23,7 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Prints each figure as soon as it is known."""
-    settings = Settings(args.suncg, args.houses, args.envs, float(args.seconds))
+    settings = Settings(args.dataset, args.houses, args.envs, float(args.seconds))
     for record in measure(args.case, settings):
         sys.stdout.write((json.dumps(asdict(record)) if args.json else as_text(record)) + "\n")
         sys.stdout.flush()

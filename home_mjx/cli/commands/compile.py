@@ -6,12 +6,11 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from home_mjx.cli.houses import add_house_arguments, compile_named_house, named_root, names_root
+from home_mjx.cli.houses import add_house_arguments, load_compiled_house, named_houses, names_root
 from home_mjx.cli.parsing import positive_int
 from home_mjx.core.checks import check_known
 from home_mjx.errors import ConfigError
-
-COLLISIONS = ("box", "exact")
+from home_mjx.schema.choices import COLLISIONS
 
 if TYPE_CHECKING:
     from home_mjx.scene_compile.cache.job import Summary
@@ -37,8 +36,7 @@ def run(args: argparse.Namespace) -> int:
     from home_mjx.scene_compile.cache.job import compile_dataset
 
     summary = compile_dataset(
-        named_root(args),
-        None if args.house is None or names_root(args) else [args.house],
+        named_houses(args),
         workers=args.workers,
         resume=args.resume,
         report=args.report,
@@ -53,8 +51,8 @@ def _write_mjcf(args: argparse.Namespace) -> int:
     from home_mjx.scene_compile.mjcf.export import export_mjcf
 
     if names_root(args):
-        raise ConfigError("--mjcf takes one house, not a dataset", hint="Name a house, and its dataset by --suncg.")
-    path = export_mjcf(compile_named_house(args), args.mjcf, collision=args.collision)
+        raise ConfigError("--mjcf takes one house, not a dataset", hint="Name a house, and its dataset by --dataset.")
+    path = export_mjcf(load_compiled_house(args), args.mjcf, collision=args.collision)
     sys.stdout.write(f"{path}\nLook at it: python -m mujoco.viewer --mjcf={path}\n")
     return 0
 

@@ -25,7 +25,7 @@ def run(args: argparse.Namespace) -> int:
 
     options = DemoOptions(
         out=make_folder(args.out),
-        suncg=args.suncg,
+        suncg=args.dataset,
         num_houses=args.houses,
         num_envs=args.envs,
         num_steps=args.steps,

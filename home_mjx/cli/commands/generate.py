@@ -25,5 +25,5 @@ def run(args: argparse.Namespace) -> int:
 
     ids = generate_dataset(args.out, args.seeds, progress=True)
     sys.stdout.write(f"{len(ids)} houses in {args.out}: {ids[0]} .. {ids[-1]}\n")
-    sys.stdout.write(f"Use them: home-mjx demo --suncg {args.out}\n")
+    sys.stdout.write(f"Use them: home-mjx demo --dataset {args.out}\n")
     return 0

@@ -6,7 +6,7 @@ import sys
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from home_mjx.cli.houses import add_house_arguments, load_house, names_root, open_named_dataset
+from home_mjx.cli.houses import add_house_arguments, load_compiled_house, load_house, names_root, open_named_dataset
 
 if TYPE_CHECKING:
     from home_mjx.datasets.suncg.dataset import Dataset
@@ -34,10 +34,9 @@ def run(args: argparse.Namespace) -> int:
     if names_root(args):
         return _dataset(args)
     from home_mjx.bank.usage import bank_usage
-    from home_mjx.scene_compile.pipeline.compile import compile_house
 
-    house, metadata = load_house(args)
-    compiled = compile_house(house, metadata)
+    house, _ = load_house(args)
+    compiled = load_compiled_house(args)
     problems = [f"{problem.element}: {problem.message}" for problem in house.problems]
     taken = bank_usage([compiled])
     if args.json:

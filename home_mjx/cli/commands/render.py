@@ -11,12 +11,11 @@ from PIL import Image
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import number, positive_int
 from home_mjx.cli.viewpoint import add_viewpoint_arguments, stand
+from home_mjx.schema.choices import CAMERA_MODELS, PRESETS
 from home_mjx.viz import pictures
 
 KINDS = ("rgb", "depth", "normal", "instance", "fine", "room", "material")
 DEPTH_MAX = 10.0  # [m]
-MODELS = ("pinhole", "panorama", "cube", "orthographic", "lidar")
-PRESETS = ("fast", "lit")
 SHAPES = {"rgb": "hwc", "depth": "hwc", "normal": "hwc"}
 
 
@@ -32,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--preset", choices=PRESETS, default="fast", help="how colours are lit (default: fast)")
     parser.add_argument("--samples", type=positive_int, default=1, help="rays per pixel of the colours (default: 1)")
-    parser.add_argument("--lens", choices=MODELS, default="pinhole", help="camera model (default: pinhole)")
+    parser.add_argument("--lens", choices=CAMERA_MODELS, default="pinhole", help="camera model (default: pinhole)")
     parser.add_argument("--out", type=Path, default=Path("pictures"), help="folder for the files (default: pictures)")
 
 

@@ -288,13 +288,13 @@ def test_unknown_house(root):
 
 
 def test_command_line(root, capsys):
-    assert main(["inspect", HOUSE_ID, "--suncg", str(root), "--validate"]) == 0
+    assert main(["inspect", HOUSE_ID, "--dataset", str(root), "--validate"]) == 0
     assert capsys.readouterr().out == f"{HOUSE_ID}: 0 errors, 0 warnings\n"
     edit_house(root, node(2, bbox=None))
-    assert main(["inspect", "--suncg", str(root), "--validate"]) == 0
+    assert main(["inspect", "--dataset", str(root), "--validate"]) == 0
     assert "warning: " in capsys.readouterr().out
     edit_house(root, node(3, isMirrored=0))
-    assert main(["inspect", "--suncg", str(root), "--validate"]) == 1
+    assert main(["inspect", "--dataset", str(root), "--validate"]) == 1
     first, *_, last = capsys.readouterr().out.splitlines()
     assert first.startswith("error: ")
     assert first.endswith(f"{NODES}[3].isMirrored: isMirrored contradicts the transform, which is taken [mirror-flag]")
@@ -312,7 +312,7 @@ def test_command_line_validates_all_houses_of_a_root(root, capsys):
 
 def test_command_line_with_json(root, capsys):
     edit_house(root, node(3, isMirrored=0))
-    assert main(["inspect", "--suncg", str(root), "--validate", "--json"]) == 1
+    assert main(["inspect", "--dataset", str(root), "--validate", "--json"]) == 1
     record = json.loads(capsys.readouterr().out)
     assert (record["id"], record["errors"]) == (HOUSE_ID, 1)
     (found,) = record["findings"]
@@ -320,7 +320,7 @@ def test_command_line_with_json(root, capsys):
 
 
 def test_unknown_house_on_the_command_line(root, capsys):
-    assert main(["inspect", "nothing", "--suncg", str(root), "--validate"]) == 2
+    assert main(["inspect", "nothing", "--dataset", str(root), "--validate"]) == 2
     assert "unknown house" in capsys.readouterr().err
 
 
