@@ -18,6 +18,7 @@ _PUBLIC = {
     "EnvSpec": "home_mjx.registry",
     "HouseBank": "home_mjx.bank",
     "HouseFilter": "home_mjx.scene_compile",
+    "HouseSet": "home_mjx.scene_compile",
     "HouseStream": "home_mjx.bank",
     "HouseholdEnv": "home_mjx.tasks",
     "Sensor": "home_mjx.tasks",

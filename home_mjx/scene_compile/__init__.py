@@ -6,7 +6,8 @@ Host only: nothing here loads JAX.
 from home_mjx.datasets.splits import SPLITS, select_ids, split_of
 from home_mjx.scene_compile.cache.house_cache import HouseCache, load_compiled
 from home_mjx.scene_compile.cache.house_set import HouseSet
-from home_mjx.scene_compile.cache.job import Outcome, Summary, compile_dataset
+from home_mjx.scene_compile.cache.job import compile_dataset
+from home_mjx.scene_compile.cache.report import Outcome, Summary
 from home_mjx.scene_compile.cache.selection import HouseFilter
 from home_mjx.scene_compile.collision.colliders import ColliderOptions
 from home_mjx.scene_compile.collision.movables import MovableOptions

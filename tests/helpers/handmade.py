@@ -14,7 +14,8 @@ from home_mjx.scene_compile.geometry.instance_tree import top_tree
 from home_mjx.scene_compile.geometry.mesh import box_triangles, make_model
 from home_mjx.scene_compile.geometry.polygons import smallest_room
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial, material_table
-from home_mjx.scene_compile.navigation.free_space import build_navigation, free_space
+from home_mjx.scene_compile.navigation.build import build_navigation
+from home_mjx.scene_compile.navigation.free_space import free_space
 from home_mjx.schema.compiled import Bodies, CompiledHouse, Instances, MaterialTable, Model, Planes, Rooms
 from home_mjx.schema.semantic import semantic_row
 

@@ -13,7 +13,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.schema.choices import COLLISIONS
 
 if TYPE_CHECKING:
-    from home_mjx.scene_compile.cache.job import Summary
+    from home_mjx.scene_compile.cache.report import Summary
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -58,7 +58,7 @@ def _write_mjcf(args: argparse.Namespace) -> int:
 
 
 def _tell(summary: "Summary") -> None:
-    from home_mjx.scene_compile.cache.job import FAILED, read_report
+    from home_mjx.scene_compile.cache.report import FAILED, read_report
 
     done = summary.compiled + summary.cached
     rate = done / max(summary.seconds, 1e-9)

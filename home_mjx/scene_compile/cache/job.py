@@ -1,64 +1,35 @@
 """Compiles the houses of a whole dataset into the cache, on this machine or on many; no house can stop the run."""
 
-import json
 import os
 import time
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import as_completed
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from collections.abc import Sequence
 from functools import lru_cache, partial
 from pathlib import Path
-from typing import Any
-from zipfile import is_zipfile
 
 from tqdm import tqdm
 
 from home_mjx.core.paths import CACHE_VARIABLE, cache_folder
-from home_mjx.core.workers import worker_pool
 from home_mjx.datasets.suncg.dataset import Dataset, open_dataset
-from home_mjx.errors import ConfigError, HomeMjxError, install_hint
-from home_mjx.scene_compile.cache.house_cache import HouseCache, prepare_folder, report_path
+from home_mjx.errors import ConfigError
+from home_mjx.scene_compile.cache.executors import outcomes
+from home_mjx.scene_compile.cache.house_cache import HouseCache
 from home_mjx.scene_compile.cache.house_set import HouseSet
+from home_mjx.scene_compile.cache.report import (
+    CACHED,
+    COMPILED,
+    FAILED,
+    Outcome,
+    Summary,
+    described,
+    done_houses,
+    earlier_lines,
+    journal,
+    report_path,
+)
+from home_mjx.scene_compile.cache.version import prepare_folder
 from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS, CompileOptions
 
-COMPILED, CACHED, FAILED = "compiled", "cached", "failed"
 MODELS_KEPT = 1000  # in the memory of a worker
-CONNECT_SECONDS = 10  # that a scheduler has to answer
-
-Task = Callable[[str], "Outcome"]
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What became of one house; a line of the report.
-
-    Attributes:
-        id: The house.
-        status: `compiled`, `cached` (it was there already) or `failed`.
-        seconds: How long it took.
-        error: Of a failed house: kind, message, file, element and hint.
-        entry: Where it is, below the cache folder; None if it failed.
-    """
-
-    id: str
-    status: str
-    seconds: float
-    error: dict[str, str | None] | None = None
-    entry: str | None = None
-
-
-@dataclass(frozen=True)
-class Summary:
-    """What became of a dataset: counts of houses, and where the report is."""
-
-    compiled: int
-    cached: int
-    failed: int
-    skipped: int  # done in an earlier run
-    seconds: float
-    report: Path
 
 
 def compile_dataset(
@@ -116,19 +87,19 @@ def compile_dataset(
     for house_id in chosen:
         dataset.check_known(house_id)
     path = Path(report or report_path(dataset.root, options))
-    earlier = _earlier_lines(path)
-    done = _done(earlier) if resume else set()
+    earlier = earlier_lines(path)
+    done = done_houses(earlier) if resume else set()
     left = [house_id for house_id in chosen if house_id not in done]
     _prepare()
     task = partial(compile_one, dataset.root, options, f"{os.getpid()} {time.time_ns()}")
     counts: dict[str, int] = dict.fromkeys((COMPILED, CACHED, FAILED), 0)
     with (
-        _outcomes(task, left, workers, scheduler) as outcomes,
+        outcomes(task, left, workers, scheduler) as found,
         # After the scheduler: nothing is lost from an old report if there is none.
-        _journal(path, append=resume or not houses.is_whole) as note,
+        journal(path, append=resume or not houses.is_whole) as note,
         tqdm(total=len(left), desc="compile", unit="house", disable=not progress) as bar,
     ):
-        for outcome in outcomes:
+        for outcome in found:
             note(outcome)
             counts[outcome.status] += 1
             bar.set_postfix(failed=counts[FAILED], refresh=False)
@@ -168,129 +139,10 @@ def compile_one(root: Path, options: CompileOptions, run: str, house_id: str) ->
             raise OSError("the cache folder cannot be written to")
         entry = str(path.relative_to(cache_folder()))
     except Exception as problem:  # one house of 45,000 must not stop the run, whatever is wrong with it
-        status, error = FAILED, _described(problem)
+        status, error = FAILED, described(problem)
     return Outcome(house_id, status, round(time.perf_counter() - begin, 4), error, entry)
 
 
 @lru_cache(maxsize=1)
 def _houses(root: Path, options: CompileOptions, run: str) -> HouseCache:
     return HouseCache(open_dataset(root), options)
-
-
-def _described(problem: Exception) -> dict[str, str | None]:
-    if isinstance(problem, HomeMjxError):
-        where = {"file": problem.file, "element": problem.element, "hint": problem.hint}
-        return {"type": type(problem).__name__, "message": problem.message, **where}
-    return {"type": type(problem).__name__, "message": str(problem), "file": None, "element": None, "hint": None}
-
-
-def _done(lines: list[dict[str, Any]]) -> set[str]:
-    """Houses that the lines of a report say are in the cache, and that are."""
-    entries = {line["id"]: line.get("entry") for line in lines if line["status"] != FAILED}
-    # The end of an entry's archive is looked at: one that was cut off has lost it.
-    return {house_id for house_id, entry in entries.items() if entry and is_zipfile(cache_folder() / entry)}
-
-
-def _earlier_lines(path: Path) -> list[dict[str, Any]]:
-    """What an earlier run has noted; a file that is no report is refused, lest it is written over."""
-    try:
-        lines = read_report(path)
-        is_other = not lines and path.is_file() and path.read_bytes().strip()
-    except OSError as error:
-        raise ConfigError(f"report cannot be read: {error.strerror}", file=path, hint="Name a new file.") from None
-    if is_other:
-        raise ConfigError("there is a file that is no report", file=path, hint="Name a new file.")
-    return lines
-
-
-def read_report(path: Path) -> list[dict[str, Any]]:
-    """The lines of a report; what else is there, such as a line that a killed run left half written, is passed over."""
-    lines = path.read_text(encoding="utf-8", errors="replace").splitlines() if path.is_file() else []
-    found = []
-    for line in lines:
-        try:
-            entry = json.loads(line)
-        except ValueError:
-            continue
-        if isinstance(entry, dict) and {"id", "status"} <= entry.keys():
-            found.append(entry)
-    return found
-
-
-@contextmanager
-def _journal(path: Path, append: bool) -> Iterator[Callable[[Outcome], None]]:
-    """Notes outcomes in a report; each is one write, so that a kill cuts at most the last line."""
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        report = path.open("ab" if append else "wb", buffering=0)
-    except OSError as error:
-        raise ConfigError(f"report cannot be written: {error.strerror}", file=path, hint="Name a new file.") from None
-    with report as file:
-        if append and path.stat().st_size:
-            file.write(b"\n")  # the last line may be cut
-
-        def note(outcome: Outcome) -> None:
-            file.write((json.dumps(asdict(outcome)) + "\n").encode())
-
-        yield note
-
-
-@contextmanager
-def _outcomes(task: Task, ids: Sequence[str], workers: int, scheduler: str | None) -> Iterator[Iterator[Outcome]]:
-    if scheduler is not None:
-        with _dask(scheduler) as executor:
-            yield _as_they_come(executor, task, ids)
-    elif workers == 1 or len(ids) < 2:
-        yield map(task, ids)
-    else:
-        yield _in_processes(task, ids, workers)
-
-
-def _as_they_come(executor: Any, task: Task, ids: Sequence[str]) -> Iterator[Outcome]:
-    futures = {executor.submit(task, house_id): house_id for house_id in ids}
-    for future in as_completed(futures):
-        try:
-            yield future.result()
-        except Exception as problem:  # its worker died, or the cluster lost it
-            yield Outcome(futures[future], FAILED, 0.0, _described(problem))
-
-
-@contextmanager
-def _dask(scheduler: str) -> Iterator[Any]:
-    try:
-        from distributed import Client
-    except ModuleNotFoundError:
-        raise ConfigError("a scheduler needs the package `distributed`", hint=install_hint("distributed")) from None
-    try:
-        client = Client(scheduler, timeout=CONNECT_SECONDS)
-    except (OSError, ValueError) as error:
-        hint = "Start one with `dask scheduler` and workers with `dask worker ADDRESS`."
-        raise ConfigError(f"no Dask scheduler answers at `{scheduler}`: {error}", hint=hint) from error
-    with client, client.get_executor(pure=False) as executor:
-        yield executor
-
-
-def _in_processes(task: Task, ids: Sequence[str], workers: int) -> Iterator[Outcome]:
-    """Outcomes from worker processes; a house that kills its worker, as one that needs too much memory, has failed."""
-    left = dict.fromkeys(ids)
-    while left:
-        with worker_pool(min(workers, len(left))) as pool:
-            futures = [pool.submit(task, house_id) for house_id in left]
-            for future in as_completed(futures):
-                if not isinstance(future.exception(), BrokenProcessPool):
-                    outcome = future.result()
-                    del left[outcome.id]
-                    yield outcome
-        # If the pool broke, one of the first that are left did it: pools work in order.
-        for house_id in list(left)[:workers]:
-            del left[house_id]
-            yield _alone(task, house_id)
-
-
-def _alone(task: Task, house_id: str) -> Outcome:
-    with worker_pool(1) as pool:
-        try:
-            return pool.submit(task, house_id).result()
-        except BrokenProcessPool:
-            death = MemoryError("the process that compiled the house died, as for lack of memory")
-            return Outcome(house_id, FAILED, 0.0, _described(death))

@@ -1,25 +1,17 @@
-"""Where an agent can stand: free grids of all levels, regions, rooms, portals, starts, goals, geodesic distances."""
+"""Where an agent can stand on a level: its grid, rooms and free cells."""
 
-import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Bool, Float, Int, UInt16
+from jaxtyping import Bool, Float, Int
 from scipy import ndimage
 
 from home_mjx.core.checks import check_flag, check_number
-from home_mjx.errors import DatasetError
 from home_mjx.scene_compile.geometry.boxes import BoxSet, footprint_distance
 from home_mjx.scene_compile.geometry.polygons import inside_polygon, smallest_room
-from home_mjx.scene_compile.navigation.geodesic import distance_fields
-from home_mjx.scene_compile.navigation.portals import find_portals, room_hops
-from home_mjx.scene_compile.navigation.regions import label_regions
-from home_mjx.scene_compile.navigation.stairs import Stairs, stair_links
-from home_mjx.schema.compiled import FIELD_FAR, FIELD_UNIT, Navigation, Rooms
-
-LEVEL_APART = 1000  # [cells], between levels where goals are spread
+from home_mjx.schema.compiled import Rooms
 
 
 @dataclass(frozen=True)
@@ -102,80 +94,6 @@ def free_space(
     return FreeSpace(level, origin, x, y, room.astype(np.int16), standable)
 
 
-def build_navigation(
-    house_id: str,
-    rooms: Rooms,
-    spaces: Sequence[FreeSpace],
-    options: NavigationOptions = NavigationOptions(),
-    doorways: Sequence[Sequence[Float[np.ndarray, "4 2"]]] = (),
-    stairs: Sequence[Stairs] = (),
-) -> Navigation:
-    """Regions, portals, starts, goals and distance fields on the free space of a house.
-
-    Args:
-        house_id: Seeds the draw of starts and goals.
-        rooms: For the heights of their floors.
-        spaces: Where an agent can stand on each level that has rooms, the lowest first.
-        options: Counts.
-        doorways: Footprints of the doors of each level [m]; none by default.
-        stairs: Flights between the levels.
-
-    Raises:
-        DatasetError: An agent can stand nowhere on the ground floor.
-    """
-    ground = spaces[0]
-    standable, room = np.stack([s.standable for s in spaces]), np.stack([s.room for s in spaces])
-    if not ground.standable.any():
-        raise DatasetError(
-            f"house {house_id} has no place where an agent of radius {options.agent_radius} m can stand",
-            hint="Leave this house out, or use a smaller agent.",
-        )
-    centres = ground.x, ground.y
-    links = stair_links(stairs, standable, centres)
-    region, area = label_regions(standable, links if options.climb else (), options.cell)
-    home = region == 0
-    portals = find_portals(rooms, room, standable, centres, doorways or [[] for _ in spaces], links)
-    rng = np.random.default_rng(int.from_bytes(hashlib.sha256(house_id.encode()).digest()[:8], "little"))
-    goals = _spread_goals(home, room, options.num_goals, rng)
-    cells = rng.permutation(np.argwhere(home))[np.arange(options.num_starts) % home.sum()]
-    jitter = rng.uniform(-0.5, 0.5, (options.num_starts, 2)) * options.margin
-    return Navigation(
-        origin=ground.origin,
-        cell=options.cell,
-        agent_radius=float(options.agent_radius),
-        agent_height=float(options.agent_height),
-        level=np.array([s.level for s in spaces], np.int32),
-        floor=np.array([rooms.floor[rooms.level == s.level].min() for s in spaces]),
-        region=region,
-        region_area=area,
-        room=room,
-        start=_place(ground, rooms, room, cells, jitter),
-        goal=_place(ground, rooms, room, goals, np.zeros((len(goals), 2))),
-        field=_stored(distance_fields(home, goals, options.cell, links)),
-        portals=portals,
-        room_hops=room_hops(portals, len(rooms.type)),
-    )
-
-
-def _stored(distance: Float[np.ndarray, "c g"]) -> UInt16[np.ndarray, "c g"]:
-    """Distances [m] as they are kept; those beyond 163 m are kept as that."""
-    steps = np.minimum(np.round(distance / FIELD_UNIT), FIELD_FAR - 1)
-    return np.where(np.isfinite(distance), steps, FIELD_FAR).astype(np.uint16)
-
-
-def _place(
-    space: FreeSpace,
-    rooms: Rooms,
-    room: Int[np.ndarray, "l ny nx"],
-    cells: Int[np.ndarray, "n 3"],
-    shift: Float[np.ndarray, "n 2"],
-) -> Float[np.ndarray, "n 3"]:
-    """Cells as points in the world, on the floor of their room."""
-    _, row, column = cells.T
-    z = rooms.floor[room[tuple(cells.T)]]
-    return np.stack([space.x[column] + shift[:, 0], space.y[row] + shift[:, 1], z], axis=-1)
-
-
 def _grid(
     polygons: Sequence[Float[np.ndarray, "_ 2"]], cell: float
 ) -> tuple[Float[np.ndarray, "2"], Float[np.ndarray, " nx"], Float[np.ndarray, " ny"]]:
@@ -227,17 +145,3 @@ def _clearance(
             met = (high[i] > floor[window] + options.step) & (low[i] < floor[window] + options.agent_height)
             clearance[window] = np.minimum(clearance[window], np.where(met, near, np.inf))
     return clearance
-
-
-def _spread_goals(
-    free: Bool[np.ndarray, "l ny nx"], room: Int[np.ndarray, "l ny nx"], count: int, rng: np.random.Generator
-) -> Int[np.ndarray, "g 3"]:
-    """Cells of goals: the rooms in turn, in each the one of some random cells that is farthest from earlier goals."""
-    order = rng.permutation(np.unique(room[free]))
-    goals = np.empty((count, 3), np.int64)
-    for g in range(count):
-        cells = np.argwhere(free & (room == order[g % len(order)]))
-        candidates = cells[rng.integers(len(cells), size=32)]
-        gaps = np.linalg.norm((candidates[:, None] - goals[None, :g]) * [LEVEL_APART, 1, 1], axis=-1)
-        goals[g] = candidates[gaps.min(axis=1, initial=np.inf).argmax()]
-    return goals

@@ -10,7 +10,8 @@ from home_mjx.scene_compile.architecture.shell import build_shell
 from home_mjx.scene_compile.collision.colliders import ColliderOptions
 from home_mjx.scene_compile.collision.movables import MovableOptions
 from home_mjx.scene_compile.lighting.lights import LightOptions, build_lights
-from home_mjx.scene_compile.navigation.free_space import NavigationOptions, build_navigation
+from home_mjx.scene_compile.navigation.build import build_navigation
+from home_mjx.scene_compile.navigation.free_space import NavigationOptions
 from home_mjx.scene_compile.objects.place import place_objects
 from home_mjx.scene_compile.pipeline.assemble import assemble
 from home_mjx.scene_compile.pipeline.levels import build_levels

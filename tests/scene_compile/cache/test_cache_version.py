@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from home_mjx.scene_compile.cache.house_cache import PACKAGE, version_of
+from home_mjx.scene_compile.cache.version import PACKAGE, version_of
 
 
 @pytest.fixture(scope="module")
@@ -29,6 +29,7 @@ def changed(package: Path, module: str) -> bool:
     [
         "scene_compile/mjcf/export.py",
         "scene_compile/cache/job.py",
+        "scene_compile/cache/version.py",
         "scene_compile/cache/entry.py",
         "bank/bank.py",
         "datasets/procedural/build.py",

@@ -19,6 +19,7 @@ from home_mjx.scene_compile.cache import house_cache as cache
 from home_mjx.scene_compile.cache.entry import BROKEN, read_entry, read_notes, write_entry
 from home_mjx.scene_compile.cache.flatten import flatten
 from home_mjx.scene_compile.cache.house_cache import load_compiled
+from home_mjx.scene_compile.cache.version import VERSION_FOLDER, prepare_folder
 from home_mjx.scene_compile.collision.movables import MovableOptions
 from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS, CompileOptions, compile_house
 
@@ -281,7 +282,7 @@ def test_a_new_version_drops_those_unused_for_a_month(root):
 
 def test_a_version_in_use_is_not_stale(root):
     load(root)
-    (folder,) = [path for path in cache_folder().iterdir() if cache.VERSION_FOLDER.fullmatch(path.name)]
+    (folder,) = [path for path in cache_folder().iterdir() if VERSION_FOLDER.fullmatch(path.name)]
     os.utime(folder, times=(0, 0))
     load(root)
     assert time.time() - folder.stat().st_mtime < 60
@@ -294,7 +295,7 @@ def test_leftovers_of_killed_writers_are_removed(root):
     for path in (old, new):
         path.write_text("half")
     os.utime(old, times=(0, 0))
-    cache.prepare_folder()
+    prepare_folder()
     assert not old.exists()
     assert new.exists()
 

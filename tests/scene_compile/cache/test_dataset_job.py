@@ -15,9 +15,10 @@ from tiny_dataset import edit_house, write_tiny_dataset
 
 from home_mjx.cli import main
 from home_mjx.errors import ConfigError, DatasetError
-from home_mjx.scene_compile.cache import job as dataset_job
+from home_mjx.scene_compile.cache import executors
 from home_mjx.scene_compile.cache.entry import read_entry
-from home_mjx.scene_compile.cache.job import compile_dataset, read_report
+from home_mjx.scene_compile.cache.job import compile_dataset
+from home_mjx.scene_compile.cache.report import Outcome, read_report
 
 NUM_HOUSES = 12
 
@@ -208,16 +209,16 @@ def test_kills_lose_nothing_and_break_nothing(houses, tmp_path, monkeypatch):
     assert {line["id"] for line in read_report(cache / report)} == set(ids)
 
 
-def _deadly(house_id: str) -> dataset_job.Outcome:
+def _deadly(house_id: str) -> Outcome:
     if house_id == "deadly":
         os.kill(os.getpid(), signal.SIGKILL)
     time.sleep(0.05)
-    return dataset_job.Outcome(house_id, "compiled", 0.05)
+    return Outcome(house_id, "compiled", 0.05)
 
 
 def test_a_house_that_kills_its_worker_fails_alone():
     ids = [f"a{i}" for i in range(5)] + ["deadly"] + [f"b{i}" for i in range(5)]
-    found = {o.id: o for o in dataset_job._in_processes(_deadly, ids, 2)}
+    found = {o.id: o for o in executors._in_processes(_deadly, ids, 2)}
     assert sorted(found) == sorted(ids)
     assert [i for i, o in found.items() if o.status == "failed"] == ["deadly"]
     assert "died" in found["deadly"].error["message"]

@@ -10,7 +10,8 @@ from scipy import ndimage
 from home_mjx.errors import DatasetError
 from home_mjx.scene_compile.geometry.boxes import box_set, no_boxes
 from home_mjx.scene_compile.geometry.polygons import inside_polygon, polygon_area, smallest_room
-from home_mjx.scene_compile.navigation.free_space import NavigationOptions, build_navigation, free_space
+from home_mjx.scene_compile.navigation.build import build_navigation
+from home_mjx.scene_compile.navigation.free_space import NavigationOptions, free_space
 from home_mjx.scene_compile.navigation.geodesic import distance_fields
 from home_mjx.schema.compiled import FIELD_UNIT, Rooms
 

@@ -5,8 +5,8 @@ import tracemalloc
 import mujoco
 import numpy as np
 import pytest
+from cuboids import cuboid, turned
 from scipy.spatial import cKDTree
-from test_compile_boxes import cuboid, turned
 
 from home_mjx.datasets.procedural.dataset import generate_dataset
 from home_mjx.datasets.suncg.dataset import open_dataset

@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import trimesh
+from cuboids import cuboid, turned
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -21,19 +22,8 @@ from home_mjx.scene_compile.geometry.box_fit import (
     sample_surface,
 )
 from home_mjx.scene_compile.geometry.boxes import BoxSet, box_of, box_set, footprint, footprint_distance
-from home_mjx.scene_compile.geometry.mesh import box_triangles
 from home_mjx.scene_compile.geometry.polygons import polygon_area
 from home_mjx.scene_compile.geometry.rectangles import cell_centers, cluster, cover, in_triangles, split
-
-
-def cuboid(low, high) -> np.ndarray:
-    low, high = np.array(low, float), np.array(high, float)
-    return box_triangles((low + high) / 2, (high - low) / 2)
-
-
-def turned(triangles: np.ndarray, yaw: float, shift=(0.0, 0.0, 0.0)) -> np.ndarray:
-    return triangles @ yaw_matrix(yaw).T + shift
-
 
 TABLE = np.concatenate(
     [cuboid((-0.7, -0.4, 0.7), (0.7, 0.4, 0.75))]

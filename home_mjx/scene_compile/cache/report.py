@@ -1,0 +1,113 @@
+"""What became of the houses of a job: one JSON object a line; a kill cuts at most the last."""
+
+import hashlib
+import json
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+from zipfile import is_zipfile
+
+from home_mjx.core.paths import cache_folder
+from home_mjx.errors import ConfigError, HomeMjxError
+from home_mjx.scene_compile.cache.version import version_folder
+from home_mjx.scene_compile.pipeline.compile import CompileOptions
+
+COMPILED, CACHED, FAILED = "compiled", "cached", "failed"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of one house; a line of the report.
+
+    Attributes:
+        id: The house.
+        status: `compiled`, `cached` (it was there already) or `failed`.
+        seconds: How long it took.
+        error: Of a failed house: kind, message, file, element and hint.
+        entry: Where it is, below the cache folder; None if it failed.
+    """
+
+    id: str
+    status: str
+    seconds: float
+    error: dict[str, str | None] | None = None
+    entry: str | None = None
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What became of a dataset: counts of houses, and where the report is."""
+
+    compiled: int
+    cached: int
+    failed: int
+    skipped: int  # done in an earlier run
+    seconds: float
+    report: Path
+
+
+def report_path(root: Path, options: CompileOptions) -> Path:
+    """Where it is noted what became of each house of a dataset."""
+    name = hashlib.sha256(repr((str(root), options)).encode()).hexdigest()[:16]
+    return version_folder() / "reports" / f"{name}.jsonl"
+
+
+def described(problem: Exception) -> dict[str, str | None]:
+    """An error as a line of the report has it: type, message, file, element and hint."""
+    if isinstance(problem, HomeMjxError):
+        where = {"file": problem.file, "element": problem.element, "hint": problem.hint}
+        return {"type": type(problem).__name__, "message": problem.message, **where}
+    return {"type": type(problem).__name__, "message": str(problem), "file": None, "element": None, "hint": None}
+
+
+def done_houses(lines: list[dict[str, Any]]) -> set[str]:
+    """Houses that the lines of a report say are in the cache, and that are."""
+    entries = {line["id"]: line.get("entry") for line in lines if line["status"] != FAILED}
+    # The end of an entry's archive is looked at: one that was cut off has lost it.
+    return {house_id for house_id, entry in entries.items() if entry and is_zipfile(cache_folder() / entry)}
+
+
+def earlier_lines(path: Path) -> list[dict[str, Any]]:
+    """What an earlier run has noted; a file that is no report is refused, so that it is not written over."""
+    try:
+        lines = read_report(path)
+        is_other = not lines and path.is_file() and path.read_bytes().strip()
+    except OSError as error:
+        raise ConfigError(f"report cannot be read: {error.strerror}", file=path, hint="Name a new file.") from None
+    if is_other:
+        raise ConfigError("there is a file that is no report", file=path, hint="Name a new file.")
+    return lines
+
+
+def read_report(path: Path) -> list[dict[str, Any]]:
+    """The lines of a report; what else is there, such as a line that a killed run left half written, is passed over."""
+    lines = path.read_text(encoding="utf-8", errors="replace").splitlines() if path.is_file() else []
+    found = []
+    for line in lines:
+        try:
+            entry = json.loads(line)
+        except ValueError:
+            continue
+        if isinstance(entry, dict) and {"id", "status"} <= entry.keys():
+            found.append(entry)
+    return found
+
+
+@contextmanager
+def journal(path: Path, append: bool) -> Iterator[Callable[[Outcome], None]]:
+    """Notes outcomes in a report; each is one write, so that a kill cuts at most the last line."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        report = path.open("ab" if append else "wb", buffering=0)
+    except OSError as error:
+        raise ConfigError(f"report cannot be written: {error.strerror}", file=path, hint="Name a new file.") from None
+    with report as file:
+        if append and path.stat().st_size:
+            file.write(b"\n")  # the last line may be cut
+
+        def note(outcome: Outcome) -> None:
+            file.write((json.dumps(asdict(outcome)) + "\n").encode())
+
+        yield note
