@@ -142,7 +142,12 @@ class HouseSet:
 
 
 def default_houses(
-    num_houses: int, *, split: str | None = None, where: HouseFilter | None = None, progress: bool = False
+    num_houses: int,
+    *,
+    split: str | None = None,
+    where: HouseFilter | None = None,
+    options: CompileOptions = DEFAULT_OPTIONS,
+    progress: bool = False,
 ) -> HouseSet:
     """The houses where no dataset is given: those of `SUNCG_DATA_DIR`, or where it is not set, generated ones.
 
@@ -150,15 +155,16 @@ def default_houses(
         num_houses: How many.
         split: Of which split.
         where: What they must have; generated houses cannot be chosen so.
+        options: How they are compiled.
         progress: Show a progress bar while houses are generated.
 
     Raises:
         ConfigError: `where` is given, and there is no dataset.
     """
     if dataset_root() is not None:
-        return HouseSet(split=split, where=where, num_houses=num_houses)
+        return HouseSet(split=split, where=where, num_houses=num_houses, options=options)
     if where is not None:
         hint = "Write some with `home-mjx generate OUT`, then pass houses=OUT."
         raise ConfigError("`where` chooses among the houses of a dataset", hint=hint)
     root, ids = generated_houses(num_houses, progress, split)
-    return HouseSet(root, ids)
+    return HouseSet(root, ids, options=options)

@@ -4,7 +4,7 @@ Only the ground floor has physics: there objects move, leaves of doors are felt,
 Agents that climb find the upper floors with nothing but walls and furniture, and every door open.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,18 +27,43 @@ from home_mjx.scene_compile.navigation.stairs import Stairs, find_stairs
 from home_mjx.scene_compile.objects.doors import make_doors
 from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.scene_compile.pipeline.limits import check_levels
-from home_mjx.schema.compiled import Bodies, Colliders, Doors
+from home_mjx.schema.compiled import Bodies, Colliders, Doors, Rooms
 
 
 @dataclass(frozen=True)
 class Site:
-    """A level that has rooms, before anything is known of what is in the way there."""
+    """A level that has rooms, before anything is known of what is in the way there.
 
-    number: int  # level index
-    floor: float  # [m], the lowest of its rooms
+    Attributes:
+        number: Level index.
+        floor: Height of the lowest of its rooms' floors [m].
+        is_ground: Whether it is the lowest.
+        objects: Those that may reach into it.
+        walls: Boxes of the architecture that may.
+        holes: Over stairs from below, where nobody can stand.
+    """
+
+    number: int
+    floor: float
     is_ground: bool
-    objects: Sequence[PlacedObject]  # those that may reach into it
-    walls: BoxSet  # and what else of the architecture may
+    objects: Sequence[PlacedObject]
+    walls: BoxSet
+    holes: BoxSet
+
+
+@dataclass(frozen=True)
+class Level:
+    """What was found on a level.
+
+    Attributes:
+        obstacles: What is in an agent's way.
+        space: Where an agent can stand.
+        stuck: Ids of objects that could be pushed if they did not stand in something.
+    """
+
+    obstacles: Obstacles
+    space: FreeSpace
+    stuck: Sequence[int]
 
 
 @dataclass(frozen=True)
@@ -92,46 +117,56 @@ def build_levels(
     floors = np.array([frame.rooms.floor[frame.rooms.level == number].min() for number in numbers])
     stairs = find_stairs(objects, numbers, floors)
     walls = wall_colliders(shell, colliders)
-    found, spaces, stuck = [], [], []
-    for site in _sites(frame, objects, walls, list(zip(numbers, floors.tolist(), strict=True)), colliders):
-        boxes = level_boxes(site.walls, site.objects, site.floor, colliders, with_leaves=site.is_ground)
-        moving, fixed = _moving(site, boxes, movables)
-        holes = join(flight.hole for flight in stairs if flight.upper == len(spaces))
-        obstacles, space = _free(frame, site, boxes, moving, holes, navigation)
-        found.append(obstacles)
-        spaces.append(space)
-        stuck += fixed
-    static, leaf_row = static_colliders(found[0])
-    hinged = [(leaf, leaf_row.get((o.object_id, i), -1)) for o in objects for i, leaf in enumerate(o.leaves)]
+    sites = [
+        _site(grid, number, float(floor), frame.rooms, objects, walls, stairs, colliders)
+        for grid, (number, floor) in enumerate(zip(numbers, floors, strict=True))
+    ]
+    levels = [_level(site, frame.rooms, colliders, movables, navigation) for site in sites]
+    ground = levels[0].obstacles
+    static, leaf_row = static_colliders(ground)
+    stuck = [object_id for level in levels for object_id in level.stuck]
     return Levels(
-        spaces=spaces,
+        spaces=[level.space for level in levels],
         doorways=[passages([o for o in objects if o.level == number]) for number in numbers],
         stairs=stairs,
         colliders=static,
-        bodies=make_bodies(found[0].moving),
-        doors=make_doors([leaf for leaf, _ in hinged], [row for _, row in hinged]),
+        bodies=make_bodies(ground.moving),
+        doors=_doors(objects, leaf_row),
         stuck=np.array(stuck, np.int32),
-        report={
-            "movable_but_stuck": len(stuck),
-            "leaves_not_solid": len(found[0].boxes.leaves) - len(found[0].felt),
-        },
+        report={"movable_but_stuck": len(stuck), "leaves_not_solid": len(ground.boxes.leaves) - len(ground.felt)},
     )
 
 
-def _sites(
-    frame: Frame,
+def _site(
+    grid: int,
+    number: int,
+    floor: float,
+    rooms: Rooms,
     objects: Sequence[PlacedObject],
     walls: BoxSet,
-    levels: Sequence[tuple[int, float]],
+    stairs: Sequence[Stairs],
     options: ColliderOptions,
-) -> Iterator[Site]:
-    """The levels by number and height of their floor, the lowest first."""
-    for grid, (number, floor) in enumerate(levels):
-        if grid == 0:
-            raised = floor_colliders(frame.rooms, floor, options)
-            yield Site(number, floor, True, objects, join([walls, raised]))
-        else:
-            yield Site(number, floor, False, [o for o in objects if o.level == number], walls)
+) -> Site:
+    """The level of a grid; objects of other levels reach into the ground floor only."""
+    holes = join(flight.hole for flight in stairs if flight.upper == grid)
+    if grid == 0:
+        return Site(number, floor, True, objects, join([walls, floor_colliders(rooms, floor, options)]), holes)
+    return Site(number, floor, False, [o for o in objects if o.level == number], walls, holes)
+
+
+def _level(
+    site: Site, rooms: Rooms, colliders: ColliderOptions, movables: MovableOptions, navigation: NavigationOptions
+) -> Level:
+    """What is in the way on a level, what of it moves, and where an agent can stand between."""
+    boxes = level_boxes(site.walls, site.objects, site.floor, colliders, with_leaves=site.is_ground)
+    moving, stuck = _moving(site, boxes, movables)
+    gaps = passages(site.objects)
+
+    def space(around: BoxSet) -> FreeSpace:
+        return free_space(rooms, join([around, site.holes]), gaps, navigation, site.number)
+
+    obstacles = find_obstacles(boxes, moving, lambda around: space(around).free.sum() * navigation.cell**2)
+    return Level(obstacles, space(obstacles.all), stuck)
 
 
 def _moving(site: Site, boxes: LevelBoxes, options: MovableOptions) -> tuple[list[Candidate], list[int]]:
@@ -141,19 +176,7 @@ def _moving(site: Site, boxes: LevelBoxes, options: MovableOptions) -> tuple[lis
     return choose_movables(site.objects, boxes.objects, boxes.fixed, site.floor, site.number, options)
 
 
-def _free(
-    frame: Frame,
-    site: Site,
-    boxes: LevelBoxes,
-    moving: Sequence[Candidate],
-    holes: BoxSet,
-    options: NavigationOptions,
-) -> tuple[Obstacles, FreeSpace]:
-    """What is in an agent's way on a level, and the space that it leaves."""
-    gaps = passages(site.objects)
-
-    def space(obstacles: BoxSet) -> FreeSpace:
-        return free_space(frame.rooms, join([obstacles, holes]), gaps, options, site.number)
-
-    obstacles = find_obstacles(boxes, moving, lambda around: space(around).free.sum() * options.cell**2)
-    return obstacles, space(obstacles.all)
+def _doors(objects: Sequence[PlacedObject], leaf_row: Mapping[tuple[int, int], int]) -> Doors:
+    """Leaves of all doors, and the row of the collider that stands for each."""
+    rows = [leaf_row.get((o.object_id, number), -1) for o in objects for number in range(len(o.leaves))]
+    return make_doors([leaf for o in objects for leaf in o.leaves], rows)
