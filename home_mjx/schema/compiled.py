@@ -76,7 +76,7 @@ class Instances:
     object_id: Int[np.ndarray, " i"]  # Semantic.OBJECT; -1 for the architecture
     material: Int[np.ndarray, " i"]  # first row of its slots in the house's MaterialTable
     semantic: Int[np.ndarray, " i"]  # first row of its parts in the semantic table
-    body: Int[np.ndarray, " i"]  # movable slot; -1 static
+    body: Int[np.ndarray, " i"]  # row of Bodies; -1 static
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ class Colliders:
 
 @dataclass(frozen=True)
 class Bodies:
-    """Movable objects, one box each; slot order is by priority."""
+    """Movable objects, one box each, the lightest first."""
 
     instance: Int[np.ndarray, " k"]
     pos: Float[np.ndarray, "k 3"]  # [m], centre of the box = centre of mass
@@ -229,7 +229,8 @@ class CompiledHouse:
     doors: Doors = field(default_factory=Doors.none)
     lights: LightTable = field(default_factory=LightTable.none)
     gloss: Gloss = field(default_factory=lambda: Gloss.matt(0))  # of the first rows of `materials`; the rest is matt
-    stuck: Int[np.ndarray, " n"] = field(default_factory=lambda: np.zeros(0, np.int32))  # object ids: see `Solid.stuck`
+    # Ids of objects that could be pushed if they did not stand in something.
+    stuck: Int[np.ndarray, " n"] = field(default_factory=lambda: np.zeros(0, np.int32))
 
 
 TextureArray = UInt8[np.ndarray, "l p 4"]  # layers, texels of all mip levels
