@@ -48,9 +48,9 @@ class MaterialTable:
     texture: tuple[str, ...]  # absolute path of the image, "" for none
     kind: tuple[str, ...]  # semantic and acoustic name, such as "wood", "wallpaper"; "" unknown
     mask: Int[np.ndarray, " r"]  # Ray bits that the material stops
-    absorption: Float[np.ndarray, "r 7"]  # energy fractions per octave
-    scattering: Float[np.ndarray, "r 7"]
-    transmission: Float[np.ndarray, "r 7"]
+    absorption: Float[np.ndarray, "r bands"]  # energy fractions per octave
+    scattering: Float[np.ndarray, "r bands"]
+    transmission: Float[np.ndarray, "r bands"]
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ class Instances:
     object_id: Int[np.ndarray, " i"]  # Semantic.OBJECT; -1 for the architecture
     material: Int[np.ndarray, " i"]  # first row of its slots in the house's MaterialTable
     semantic: Int[np.ndarray, " i"]  # first row of its parts in the semantic table
-    body: Int[np.ndarray, " i"]  # row of Bodies; -1 static
+    body: Int[np.ndarray, " i"]  # index of the movable body; -1 static
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ class Colliders:
 
 @dataclass(frozen=True)
 class Bodies:
-    """Movable objects, one box each, the lightest first."""
+    """Movable objects, one box each, in the order of priority."""
 
     instance: Int[np.ndarray, " k"]
     pos: Float[np.ndarray, "k 3"]  # [m], centre of the box = centre of mass
@@ -218,7 +218,7 @@ class CompiledHouse:
     instances: Instances
     top: Tree  # over static instances
     materials: MaterialTable
-    semantics: Int[np.ndarray, "q 23"]  # columns: Semantic
+    semantics: Int[np.ndarray, "q columns"]  # columns: Semantic
     colliders: Colliders
     bodies: Bodies
     planes: Planes

@@ -25,7 +25,7 @@ def agent_model() -> Model:
 
 
 def agent_materials() -> MaterialTable:
-    """Rows of the agent's two slots."""
+    """Rows of the agent's two material slots."""
     return material_table(
         [SurfaceMaterial((0.15, 0.35, 0.75), kind="textile"), SurfaceMaterial((0.95, 0.75, 0.1), kind="plastic")]
     )
