@@ -265,10 +265,13 @@ def as_bank(
     from home_mjx.core.paths import dataset_root
     from home_mjx.datasets.procedural.default_houses import generated_houses
     from home_mjx.datasets.suncg.dataset import Dataset
+    from home_mjx.scene_compile.cache.house_set import HouseSet
     from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS
 
     if isinstance(houses, HouseBank):
         return houses
+    if isinstance(houses, HouseSet):
+        return HouseBank.from_dataset(houses, progress=progress)
     options = compile_options or DEFAULT_OPTIONS
     check_number("num_houses", num_houses, 1, whole=True)
     houses = houses or dataset_root()
