@@ -271,7 +271,10 @@ def as_bank(
     if isinstance(houses, HouseBank):
         return houses
     if isinstance(houses, HouseSet):
-        return HouseBank.from_dataset(houses, progress=progress)
+        chosen = HouseSet.of(houses, split=split, where=where)
+        if compile_options is not None and chosen.options == DEFAULT_OPTIONS:
+            chosen = dataclasses.replace(chosen, options=compile_options)
+        return HouseBank.from_dataset(chosen, progress=progress)
     options = compile_options or DEFAULT_OPTIONS
     check_number("num_houses", num_houses, 1, whole=True)
     houses = houses or dataset_root()

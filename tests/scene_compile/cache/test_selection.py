@@ -105,7 +105,7 @@ def test_environments_of_a_split(root):
     env = home_mjx.make("PointNav-v0", root, num_houses=2, split="train", sensors=("goal",))
     assert ids_of(env.bank) == select_ids(ids_of(HouseBank.from_dataset(root)), "train")[:2]
     with pytest.raises(ConfigError, match="not of a bank"):
-        as_bank(env.bank, split="train")
+        home_mjx.make("PointNav-v0", env.params.bank, split="train")
     with pytest.raises(ConfigError, match="home-mjx generate"):
         as_bank(None, where=HouseFilter())
 
