@@ -90,5 +90,5 @@ def test_make_refuses_before_it_compiles(monkeypatch):
 
 
 def test_a_bank_takes_no_choice_of_houses(generated_bank):
-    with pytest.raises(ConfigError, match="`num_houses` chooses houses of a dataset, not of HouseBank"):
+    with pytest.raises(ConfigError, match="`num_houses` chooses houses of a dataset"):
         home_mjx.make("PointNav-v0", generated_bank, num_houses=2)
