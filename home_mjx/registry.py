@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from home_mjx.scene_compile.pipeline.compile import CompileOptions
     from home_mjx.tasks.environment.bound import BoundEnv
     from home_mjx.tasks.environment.household import HouseholdEnv
+    from home_mjx.tasks.environment.memory import MemoryEstimate
 
 _ID = re.compile(r"^[A-Z][A-Za-z0-9]*-v\d+$")
 NUM_HOUSES = 8
@@ -79,6 +80,15 @@ class EnvSpec:
         if not isinstance(spec, cls):
             raise ConfigError(f"expected the JSON of an EnvSpec, got {type(spec).__name__}")
         return spec
+
+    def memory_estimate(self, num_envs: int, progress: bool | None = None) -> "MemoryEstimate":
+        """What `num_envs` of this environment take of a device; its houses are packed on the host to tell."""
+        import jax
+
+        from home_mjx.tasks.environment.memory import estimate_memory
+
+        with jax.default_device(jax.devices("cpu")[0]):
+            return estimate_memory(self.make(progress), num_envs)
 
     def make(self, progress: bool | None = None) -> "BoundEnv[HouseholdEnv]":
         """The environment."""

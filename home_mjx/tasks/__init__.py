@@ -13,6 +13,7 @@ from home_mjx.tasks.environment.autoreset import AutoReset
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.episodes import load_episodes, sample_episodes, save_episodes
 from home_mjx.tasks.environment.household import HouseholdEnv
+from home_mjx.tasks.environment.memory import MemoryEstimate, estimate_memory
 from home_mjx.tasks.environment.saved import load_states, save_states
 from home_mjx.tasks.suite.point_nav import PointNav, PointNavState
 
@@ -28,6 +29,7 @@ __all__ = [
     "EnvParams",
     "Episodes",
     "HouseholdEnv",
+    "MemoryEstimate",
     "PointNav",
     "PointNavState",
     "Sensor",
@@ -38,6 +40,7 @@ __all__ = [
     "Task",
     "World",
     "check_status",
+    "estimate_memory",
     "load_episodes",
     "load_states",
     "make_config",

@@ -139,7 +139,7 @@ class EnvConfig:
         for name in ("width", "height", "samples", "episode_length"):
             check_number(name, getattr(self, name), 1, whole=True)
         limits = {
-            "fovy": (1, 179.9),  # [degrees]
+            "fovy": (4, 179.9),  # [degrees]; less is an angle in radians
             "source_height": (0, 10),
             "depth_max": (0.01, math.inf),
             "look_rate": (0, math.inf),

@@ -1,10 +1,13 @@
 """An environment with its parameters."""
 
+import warnings
 from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
 
+import jax
 from jaxtyping import Array, Float
 
 from home_mjx.bank.bank import HouseBank
+from home_mjx.bank.usage import bank_bytes
 from home_mjx.physics import Template
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.specs import ArraySpec, Specs
@@ -54,6 +57,7 @@ class Core(Protocol):
         ...
 
 
+LARGE = 2**30  # [bytes]: a program with a larger constant compiles slowly and takes the memory twice
 C = TypeVar("C", bound=Core)
 
 
@@ -79,13 +83,16 @@ class BoundEnv(Generic[C]):
         check_bank(core.config, params.bank)
         # Now, not in the first trace: arrays made inside `pmap` or `shard_map` belong to that mesh for ever.
         core.template(params.bank)
+        self._is_large = bank_bytes(params.bank) > LARGE
 
     def reset(self, key: Array, house: Any = None, episode: Any = None) -> State:
         """A new episode, see `HouseholdEnv.reset`."""
+        self._warn_of_baking(key)
         return self.core.reset(self.params, key, house, episode)
 
     def step(self, state: State, action: Float[Array, "..."]) -> State:
         """One control step, see `HouseholdEnv.step`."""
+        self._warn_of_baking(action)
         return self.core.step(self.params, state, action)
 
     def observe(self, state: State) -> State:
@@ -95,6 +102,17 @@ class BoundEnv(Generic[C]):
     def with_tasks(self, episodes: Episodes | None) -> "BoundEnv[C]":
         """The same environment whose resets take their rows from episodes drawn beforehand; None: draw afresh."""
         return BoundEnv(self.core, self.params.replace(tasks=episodes), self.spec)
+
+    def _warn_of_baking(self, argument: Any) -> None:
+        """A traced argument means that a program is being made, whose constant the bank becomes."""
+        if self._is_large and isinstance(argument, jax.core.Tracer):  # pyright: ignore[reportAttributeAccessIssue]
+            self._is_large = False  # said once
+            size = bank_bytes(self.params.bank) / 2**30
+            warnings.warn(
+                f"the bank's {size:.1f} GiB become part of the compiled program; pass them as an argument instead: "
+                "jax.jit(env.core.step)(env.params, state, action)",
+                stacklevel=3,
+            )
 
     @property
     def bank(self) -> HouseBank:

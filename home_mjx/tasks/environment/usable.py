@@ -36,8 +36,8 @@ def check_bank(config: EnvConfig, bank: HouseBank) -> None:
     Raises:
         ConfigError: Agents would start inside walls, or be seen smaller than they are.
     """
-    compiled = {name: getattr(bank.spec, f"agent_{name}", None) for name in ("radius", "height")}
-    wrong = {name: x for name, x in compiled.items() if x is not None and abs(x - getattr(config.body, name)) > 1e-6}
+    compiled = {name: getattr(bank.spec, f"agent_{name}") for name in ("radius", "height")}
+    wrong = {name: x for name, x in compiled.items() if abs(x - getattr(config.body, name)) > 1e-6}
     if wrong:
         ours = ", ".join(f"body.{name} {getattr(config.body, name)} m" for name in wrong)
         theirs = ", ".join(f"{name} {x} m" for name, x in wrong.items())
