@@ -1,6 +1,6 @@
 """Which houses of which dataset, and how they are compiled: said once, taken by bank, stream, job and command line."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import islice
@@ -43,7 +43,7 @@ class HouseSet:
     """
 
     dataset: Dataset | str | Path | None = None
-    ids: tuple[str, ...] | None = None
+    ids: Sequence[str] | None = None
     split: str | None = None
     where: HouseFilter | None = None
     num_houses: int | None = None

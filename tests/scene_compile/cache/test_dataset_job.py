@@ -98,7 +98,7 @@ def test_what_is_unknown_is_refused(houses, monkeypatch):
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "nowhere", "xyz://a"])
 def test_a_scheduler_that_does_not_answer_is_told_of_and_the_report_stays(houses, monkeypatch, address):
     pytest.importorskip("distributed")
-    monkeypatch.setattr(dataset_job, "CONNECT_SECONDS", 1)
+    monkeypatch.setattr(executors, "CONNECT_SECONDS", 1)
     report = compile_dataset(houses[0]).report
     before = report.read_bytes()
     with pytest.raises(ConfigError, match="no Dask scheduler answers"):
