@@ -91,7 +91,7 @@ class Colliders:
 
 @dataclass(frozen=True)
 class Bodies:
-    """Movable objects, one box each, the lightest first."""
+    """Movable objects, one box each, in the order of priority."""
 
     instance: Int[np.ndarray, " k"]
     pos: Float[np.ndarray, "k 3"]  # [m], centre of the box = centre of mass

@@ -90,7 +90,7 @@ def test_unusable_output_folder_is_one_message(tmp_path, capsys: pytest.CaptureF
 
 @pytest.mark.parametrize("command", ["demo", "render", "listen"])
 def test_unusable_output_folder_is_found_before_the_work(command: str, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("home_mjx.cli.viewpoint.compile_named_house", None)  # nothing is compiled,
+    monkeypatch.setattr("home_mjx.cli.viewpoint.load_compiled_house", None)  # nothing is compiled,
     monkeypatch.setattr("home_mjx.demo.run.run_demo", None)  # nobody walks
     (tmp_path / "file").write_text("not a folder")
     for out in (tmp_path / "file", tmp_path / "file" / "below"):

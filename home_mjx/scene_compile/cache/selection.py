@@ -72,7 +72,7 @@ class HouseContents:
     categories: frozenset[str]
 
 
-def contents_of(report: Mapping[str, int], rooms: Rooms, semantics: Int[np.ndarray, "q 23"]) -> HouseContents:
+def contents_of(report: Mapping[str, int], rooms: Rooms, semantics: Int[np.ndarray, "q columns"]) -> HouseContents:
     """What a filter asks about a compiled house; its models are not needed.
 
     Args:
@@ -90,7 +90,7 @@ def _is_range(limits: object) -> bool:
     return limits[0] <= limits[1]
 
 
-def _categories(semantics: Int[np.ndarray, "q 23"]) -> frozenset[str]:
+def _categories(semantics: Int[np.ndarray, "q columns"]) -> frozenset[str]:
     rows = semantics[semantics[:, Semantic.OBJECT] >= 0]
     fine, coarse = rows[:, Semantic.FINE].tolist(), rows[:, Semantic.COARSE].tolist()
     return frozenset({FINE[i] for i in fine if i >= 0} | {COARSE[i] for i in coarse if i >= 0})

@@ -23,7 +23,7 @@ def assemble(
     navigation: Navigation,
     surfaces: Surfaces,
     lights: LightTable,
-    semantics: Int[np.ndarray, "q 23"],
+    semantics: Int[np.ndarray, "q columns"],
 ) -> CompiledHouse:
     """The house as rays see it, bodies feel it, and agents find their way in it.
 

@@ -15,7 +15,7 @@ from home_mjx.schema.semantic import Semantic, semantic_row
 
 def semantic_rows(
     shell: Shell, objects: Sequence[PlacedObject], bodies: Bodies, meaning: HouseSemantics
-) -> Int[np.ndarray, "q 23"]:
+) -> Int[np.ndarray, "q columns"]:
     """The semantic rows of a house: one per part of its shell, then one per object. Columns: `Semantic`.
 
     Args:
@@ -29,7 +29,7 @@ def semantic_rows(
     return with_meaning(np.concatenate(rows), meaning)
 
 
-def _object_row(item: PlacedObject, body: int) -> Int[np.ndarray, "23"]:
+def _object_row(item: PlacedObject, body: int) -> Int[np.ndarray, " columns"]:
     """What the file says of an object."""
     info = item.info
     return semantic_row(
