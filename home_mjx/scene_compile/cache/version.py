@@ -20,7 +20,6 @@ COMPILER = (
     "core/color.py",
     "core/files.py",
     "core/images.py",
-    "core/rotations.py",
     "datasets/options.py",
     "datasets/shapes",
     "datasets/suncg/dataset.py",

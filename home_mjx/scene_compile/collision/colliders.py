@@ -7,12 +7,12 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Bool, Float
 
-from home_mjx.core.rotations import yaw_matrix
 from home_mjx.scene_compile.architecture.shell import Shell, Wall
 from home_mjx.scene_compile.architecture.slabs import wall_boxes
 from home_mjx.scene_compile.geometry.box_fit import components, fit_boxes, narrowest_box
 from home_mjx.scene_compile.geometry.boxes import BoxSet, box_of, footprint, join, no_boxes
 from home_mjx.scene_compile.geometry.mesh import bounds
+from home_mjx.scene_compile.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.compiled import Rooms
 

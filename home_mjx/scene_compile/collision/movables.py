@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.core.rotations import yaw_matrix, yaw_quat
 from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, footprint, join
 from home_mjx.scene_compile.geometry.mesh import bounds, compose, invert
+from home_mjx.scene_compile.geometry.rotations import yaw_matrix, yaw_quat
 from home_mjx.scene_compile.objects.masses import object_mass
 from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.compiled import Bodies

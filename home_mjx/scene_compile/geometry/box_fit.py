@@ -7,8 +7,8 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError
 
-from home_mjx.core.rotations import yaw_matrix
 from home_mjx.scene_compile.geometry.boxes import BoxSet, box_of, box_set, no_boxes
+from home_mjx.scene_compile.geometry.rotations import yaw_matrix
 
 CELLS = 16  # along the longest side of an object
 SMALLEST_CELL = 0.03  # [m]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
-from home_mjx.core.rotations import yaw_matrix, yaw_quat
+from home_mjx.scene_compile.geometry.rotations import yaw_matrix, yaw_quat
 from home_mjx.schema.compiled import Colliders
 
 

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Bool, Float
 
-from home_mjx.core.rotations import yaw_quat
 from home_mjx.scene_compile.geometry.box_fit import components, narrowest_box
 from home_mjx.scene_compile.geometry.boxes import BoxSet, join
 from home_mjx.scene_compile.geometry.mesh import make_model, transform
+from home_mjx.scene_compile.geometry.rotations import yaw_quat
 from home_mjx.scene_compile.objects.hinges import find_hinges
 from home_mjx.schema.compiled import Doors, Model
 

@@ -12,6 +12,7 @@ from home_mjx.datasets.procedural.dataset import generate_dataset
 from home_mjx.datasets.splits import select_ids
 from home_mjx.datasets.suncg.dataset import open_dataset
 from home_mjx.errors import ConfigError, DatasetError
+from home_mjx.registry import as_bank
 from home_mjx.scene_compile.cache import house_cache
 from home_mjx.scene_compile.cache.house_cache import HouseCache
 from home_mjx.scene_compile.cache.house_set import HouseSet, default_houses
@@ -85,6 +86,7 @@ def test_all_that_need_houses_take_a_set(root):
     with HouseStream(houses, num_slots=2, headroom=2.0) as stream:
         assert set(ids_of(stream.bank)) <= set(houses.house_ids)
         assert not np.asarray(stream.bank.physics.body_valid).any()
+    assert tuple(ids_of(as_bank(houses))) == houses.house_ids
     summary = compile_dataset(houses)
     assert (summary.compiled, summary.cached) == (0, 3)
 

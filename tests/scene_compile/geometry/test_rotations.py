@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from home_mjx.core.rotations import plane_matrix, yaw_matrix, yaw_quat
+from home_mjx.scene_compile.geometry.rotations import plane_matrix, yaw_matrix, yaw_quat
 
 YAW = np.linspace(-7, 7, 41)
 

@@ -1,4 +1,4 @@
-"""Rotations on the host, in NumPy; `transforms` has those of the device. Angles in radians, quaternions wxyz."""
+"""Rotations on the host, in NumPy; `core.transforms` has those of the device. Angles in radians, quaternions wxyz."""
 
 import numpy as np
 from jaxtyping import Float
