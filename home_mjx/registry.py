@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import gymnasium
 
 from home_mjx.core.jsonable import from_json, to_json
-from home_mjx.errors import ConfigError, did_you_mean
+from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 
 if TYPE_CHECKING:
     from home_mjx.bank.bank import HouseBank
@@ -139,7 +139,7 @@ def find_spec(env_id: str) -> EnvSpec:
         ConfigError: There is no such id, with the closest known one.
     """
     if env_id not in _REGISTRY:
-        raise ConfigError(f"unknown environment `{env_id}`", hint=did_you_mean(env_id, _REGISTRY))
+        raise UnknownNameError(f"unknown environment `{env_id}`", hint=did_you_mean(env_id, _REGISTRY))
     return _REGISTRY[env_id]
 
 

@@ -4,15 +4,15 @@ import math
 import numbers
 from collections.abc import Iterable
 
-from home_mjx.errors import ConfigError, did_you_mean
+from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 
 
 def check_known(kind: str, names: Iterable[str], known: Iterable[str]) -> None:
-    """Raises `ConfigError` for the first of `names` that is not in `known`."""
+    """Raises `UnknownNameError`, a `ConfigError`, for the first of `names` that is not in `known`."""
     known = list(known)
     for name in names:
         if name not in known:
-            raise ConfigError(f"unknown {kind} `{name}`", hint=did_you_mean(name, known))
+            raise UnknownNameError(f"unknown {kind} `{name}`", hint=did_you_mean(name, known))
 
 
 def check_names(kind: str, names: object, known: Iterable[str]) -> None:

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import IO
 
-from home_mjx.errors import DatasetError
+from home_mjx.errors import DatasetError, MissingFileError
 
 # The largest SUNCG file is a few MB and has 130,000 lines; what is beyond these can only be a mistake or an attack.
 MAX_BYTES = 1 << 25
@@ -27,7 +27,8 @@ def read_text(path: Path, hint: str | None = None, most: int | None = None) -> s
         most: Bytes that are read at most; `MAX_BYTES` by default.
 
     Raises:
-        DatasetError: The file is missing, unreadable, too large or not UTF-8.
+        MissingFileError: The file is missing.
+        DatasetError: The file is unreadable, too large or not UTF-8.
     """
     text = _decode(read_bytes(path, hint, most), path)
     if text.count("\n") > MAX_LINES:
@@ -41,8 +42,10 @@ def read_bytes(path: Path, hint: str | None = None, most: int | None = None) -> 
     try:
         _check(path, most or MAX_BYTES)
         return path.read_bytes()
+    except DatasetError:  # from `_check`: it is a ValueError as well
+        raise
     except FileNotFoundError:
-        raise DatasetError("file is missing", file=path, hint=hint or "Fetch or write it again.") from None
+        raise MissingFileError("file is missing", file=path, hint=hint or "Fetch or write it again.") from None
     except (OSError, ValueError) as error:  # ValueError: a name with a null byte
         reason = f"file cannot be read: {getattr(error, 'strerror', error)}"
         raise DatasetError(reason, file=path, hint="Check its name and who may read it.") from None

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from home_mjx.errors import ConfigError
+from home_mjx.errors import UnknownNameError
 from home_mjx.scene_compile.semantics.looks.appearance import Appearance
 from home_mjx.scene_compile.semantics.types import HouseSemantics, ObjectSemantics
 
@@ -38,14 +38,14 @@ def describe_object(house: HouseSemantics, object_id: int) -> str:
         object_id: One of `house.by_id`.
 
     Raises:
-        ConfigError: There is no such object.
+        UnknownNameError: There is no such object.
 
     Example:
         >>> describe_object(meaning, 46)  # doctest: +SKIP
         'A gray sofa made of leather, 1.31 m wide, 1.01 m deep and 0.80 m high. It stands on the floor in the bedroom …'
     """
     if object_id not in house.by_id:
-        raise ConfigError(f"house has no object {object_id}", hint="`by_id` has all.")
+        raise UnknownNameError(f"house has no object {object_id}", hint="`by_id` has all.")
     item = house.by_id[object_id]
     width, depth, height = (2 * item.box.half[0]).tolist()
     x, y, z = item.position

@@ -6,6 +6,7 @@ from home_mjx.core.files import is_file, is_folder
 from home_mjx.datasets.suncg.formats.element import Place
 from home_mjx.datasets.suncg.formats.obj import read_obj
 from home_mjx.datasets.suncg.formats.texture_paths import Textures
+from home_mjx.errors import MissingFileError
 from home_mjx.schema.house import Mesh, base_model
 
 
@@ -36,7 +37,8 @@ class AssetLibrary:
             place: Who asks, for the error.
 
         Raises:
-            DatasetError: The OBJ is missing or broken.
+            MissingFileError: The OBJ is missing.
+            DatasetError: It is broken.
         """
         if key not in self._models:
             self._models[key] = self.mesh(self.find_model(model_id, key, place))
@@ -46,12 +48,12 @@ class AssetLibrary:
         """Where the OBJ of a model lies; arguments as of `model`.
 
         Raises:
-            DatasetError: There is none.
+            MissingFileError: There is none.
         """
         path = self.model_path(model_id, key)
         if not is_file(path):
             hint = f"Expected {path}: fetch the `object` archive of the dataset or remove the node."
-            raise place.error(f"model `{key}` has no OBJ file", hint)
+            raise place.error(f"model `{key}` has no OBJ file", hint, MissingFileError)
         return path
 
     def mesh(self, path: Path) -> Mesh:

@@ -38,9 +38,9 @@ class Place:
     file: Path
     element: str = ""
 
-    def error(self, message: str, hint: str | None = None) -> DatasetError:
+    def error(self, message: str, hint: str | None = None, kind: type[DatasetError] = DatasetError) -> DatasetError:
         """The error that says what is wrong here and what to do, by default about any line or value."""
-        return DatasetError(
+        return kind(
             printable(message),
             file=self.file,
             element=printable(self.element) or None,

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from home_mjx.core.files import below, is_file
 from home_mjx.datasets.suncg.formats.element import Place
+from home_mjx.errors import MissingFileError
 
 EXTENSIONS = (".png", ".jpg")
 
@@ -38,7 +39,7 @@ class Textures:
         path = self._known[name]
         if path is None:
             hint = f"Put {name}.png or {name}.jpg into {self.folder} or name another texture."
-            raise place.error(f"texture `{name}` is missing", hint)
+            raise place.error(f"texture `{name}` is missing", hint, MissingFileError)
         return path
 
     def mapped(self, relative: str, folder: Path, place: Place) -> Path:
