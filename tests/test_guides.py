@@ -42,7 +42,7 @@ class Block:
 def blocks(page: Path) -> list[Block]:
     text = page.read_text(encoding="utf-8")
     found = FENCE.finditer(text)
-    return [Block(m["code"], text.count("\n", 0, m.start("code")) + 1, m["reason"]) for m in found]
+    return [Block(m[2], text.count("\n", 0, m.start(2)) + 1, m[1]) for m in found]
 
 
 def name(page: Path) -> str:
