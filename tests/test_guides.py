@@ -27,7 +27,6 @@ SMALLER = (
     (r"num_timesteps=\d+", "num_timesteps=8"),
     (r"episode_length=100", "episode_length=4"),
 )
-QUICK = {"docs/concepts.md", "docs/sound.md"}  # the others take more than ten seconds
 
 
 @dataclass(frozen=True)
@@ -66,10 +65,8 @@ def houses(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.parametrize(
-    "page",
-    [pytest.param(page, id=name(page), marks=[] if name(page) in QUICK else pytest.mark.slow) for page in WITH_BLOCKS],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("page", WITH_BLOCKS, ids=name)
 def test_blocks_run_page_by_page(page: Path, houses: Path, monkeypatch: pytest.MonkeyPatch):
     if name(page) == "docs/adapters.md":
         pytest.importorskip("brax")
@@ -95,7 +92,3 @@ def test_most_blocks_run():
     every = [block for page in PAGES for block in blocks(page)]
     assert len(every) >= 14
     assert sum(block.reason is not None for block in every) <= len(every) // 5
-
-
-def test_quick_pages_exist():
-    assert {name(page) for page in WITH_BLOCKS} >= QUICK
