@@ -29,7 +29,7 @@ def check_flag(name: str, value: object) -> None:
 
 
 def check_type(name: str, value: object, kind: type) -> None:
-    """Raises `ConfigError` unless an option is of a class."""
+    """Raises `ConfigError` unless an option is an instance of `kind`."""
     if not isinstance(value, kind):
         raise ConfigError(f"`{name}` must be of type {kind.__name__}, got {value!r}")
 
@@ -40,10 +40,10 @@ def check_number(
     """Raises `ConfigError` unless an option is a finite number within limits.
 
     Args:
-        name: Of the option, for the message.
-        value: Of the option.
-        least: The least value that is allowed.
-        most: The greatest value that is allowed.
+        name: Name of the option, for the message.
+        value: Its value.
+        least: Least allowed value.
+        most: Greatest allowed value.
         whole: It must be an integer.
 
     Example:

@@ -12,7 +12,7 @@ from typing import IO
 
 from home_mjx.errors import DatasetError, MissingFileError
 
-# The largest SUNCG file is a few MB and has 130,000 lines; what is beyond these can only be a mistake or an attack.
+# The largest SUNCG file is a few MB and has 130,000 lines; anything larger is a mistake or an attack.
 MAX_BYTES = 1 << 25
 MAX_LINES = 1 << 20
 TEMPORARY = ".tmp"  # how names of files end that are not yet whole; they begin with a dot
@@ -24,7 +24,7 @@ def read_text(path: Path, hint: str | None = None, most: int | None = None) -> s
     Args:
         path: The file.
         hint: What to do if it is missing.
-        most: Bytes that are read at most; `MAX_BYTES` by default.
+        most: Largest accepted size [bytes]; `MAX_BYTES` by default.
 
     Raises:
         MissingFileError: The file is missing.
@@ -38,7 +38,7 @@ def read_text(path: Path, hint: str | None = None, most: int | None = None) -> s
 
 
 def read_bytes(path: Path, hint: str | None = None, most: int | None = None) -> bytes:
-    """The content of a file; arguments and errors as of `read_text`."""
+    """The content of a file; arguments and errors as in `read_text`."""
     try:
         _check(path, most or MAX_BYTES)
         return path.read_bytes()
@@ -52,12 +52,12 @@ def read_bytes(path: Path, hint: str | None = None, most: int | None = None) -> 
 
 
 def is_file(path: Path) -> bool:
-    """Whether there is such a file; no name can make this fail, however long or odd it is."""
+    """Whether the file exists; never fails, however long or odd the name is."""
     return os.path.isfile(path)
 
 
 def is_folder(path: Path) -> bool:
-    """Whether there is such a folder; cannot fail either."""
+    """Whether the folder exists; never fails either."""
     return os.path.isdir(path)
 
 
@@ -81,7 +81,7 @@ def _decode(data: bytes, path: Path) -> str:
 
 
 def below(root: Path, folder: Path, relative: str) -> Path | None:
-    """`relative`, seen from `folder`, or None if it leads out of `root`.
+    """The path `relative` to `folder`; None if it leads out of `root`.
 
     Only the text of the path counts, so that folders of a dataset may be symbolic links to another disk.
 

@@ -69,7 +69,7 @@ def slab(box, index, ray):
 @compiled
 @no_type_check
 def prepare(rays, alive, any_hit):
-    """A packet as it was read, of which only some lanes count."""
+    """A packet as it was read, with a mask of the lanes that count."""
     origin, direction = (rays.ox, rays.oy, rays.oz), (rays.dx, rays.dy, rays.dz)
     return _ray(origin, direction, where(alive, rays.t_min, INF), rays.mask, any_hit)
 
