@@ -16,8 +16,8 @@ from home_mjx.schema.compiled import Model, Rooms
 from home_mjx.schema.house import House, Mesh
 from home_mjx.schema.semantic import semantic_row
 
-PROBE = 0.15  # [m] beyond a wall, where it is asked whether there is a room
-SKIN = 0.01  # [m]: surfaces deeper than this inside a wall are not seen
+PROBE = 0.15  # [m] beyond a wall: where rooms are looked for
+SKIN = 0.01  # [m]: surfaces deeper than this inside a wall are hidden
 LAYER_GAP = 0.12  # [m]: slabs nearer than this above one another are one, such as a ceiling and the floor upon it
 
 

@@ -1,4 +1,4 @@
-"""What everything in a house is, looks like and stands next to: categories, colours, sizes, relations, text."""
+"""Semantics of a house: categories, colours, materials, sizes, supports, relations, texts."""
 
 from typing import TYPE_CHECKING
 

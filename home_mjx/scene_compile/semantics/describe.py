@@ -1,4 +1,4 @@
-"""Text about objects, from what the records say."""
+"""Texts about objects, from their records."""
 
 from collections.abc import Sequence
 
@@ -6,13 +6,13 @@ from home_mjx.errors import UnknownNameError
 from home_mjx.scene_compile.semantics.looks.appearance import Appearance
 from home_mjx.scene_compile.semantics.types import HouseSemantics, ObjectSemantics
 
-NAMELESS = ("empty", "unknown")  # fine categories that are no word for a thing
+NAMELESS = ("empty", "unknown")  # fine categories that are not nouns for objects
 MOST_NEIGHBOURS = 3
 HOLDS = {"floor": "stands on the floor", "wall": "is on the wall", "ceiling": "hangs from the ceiling", "": "is"}
 
 
 def short_text(size: str, look: Appearance, category: str) -> str:
-    """Size unless normal, CSS colours, fine category and materials that textures tell, as HoME put it.
+    """Size unless normal, CSS colours, fine category and materials known from textures, in HoME's wording.
 
     Args:
         size: One of `SIZES`, or "".
@@ -31,7 +31,7 @@ def short_text(size: str, look: Appearance, category: str) -> str:
 
 
 def describe_object(house: HouseSemantics, object_id: int) -> str:
-    """Two or three sentences: what an object is and how large, where it is, what is near.
+    """Two or three sentences: category, size, place and neighbours of an object.
 
     Args:
         house: Where the object is.
