@@ -1,4 +1,4 @@
-"""A SUNCG dataset on disk, v1 or v2: its houses and the tables beside them."""
+"""A SUNCG dataset on disk, v1 or v2: its houses and its metadata tables."""
 
 import os
 from collections.abc import Callable
@@ -66,7 +66,7 @@ class Dataset:
         """Reads one library model, such as `122` or its variants `122_0` (closed) and, in v2, `122_2` (frame only).
 
         Raises:
-            DatasetError: It has no OBJ file, or that is broken.
+            DatasetError: Its OBJ file is missing or broken.
         """
         place = Value(self.root / "object", "", key)
         return self.assets.model(place.name(), key, place)

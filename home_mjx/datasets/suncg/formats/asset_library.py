@@ -23,7 +23,7 @@ class AssetLibrary:
         self._models: dict[str, Mesh] = {}
 
     def model_path(self, model_id: str, key: str) -> Path:
-        """Where the OBJ of a model lies; variants share the folder of their base."""
+        """Path of the OBJ of a model; variants share the folder of their base."""
         objects = self.root / "object"
         folder = base_model(model_id, lambda name: name not in ("", ".", "..") and is_folder(objects / name))
         return objects / folder / f"{key}.obj"
@@ -45,7 +45,7 @@ class AssetLibrary:
         return self._models[key]
 
     def find_model(self, model_id: str, key: str, place: Place) -> Path:
-        """Where the OBJ of a model lies; arguments as of `model`.
+        """Path of the OBJ of a model; arguments as in `model`.
 
         Raises:
             MissingFileError: There is none.
@@ -57,9 +57,9 @@ class AssetLibrary:
         return path
 
     def mesh(self, path: Path) -> Mesh:
-        """A mesh that is not kept; raises `DatasetError` as `model`."""
+        """A mesh that is not cached; raises `DatasetError` like `model`."""
         return read_obj(path, self.textures)
 
     def room_path(self, house_id: str, stem: str) -> Path:
-        """Where a mesh of a room or a ground lies."""
+        """Path of the mesh of a room or a ground."""
         return self.root / "room" / house_id / f"{stem}.obj"

@@ -26,11 +26,12 @@ class Textures:
         """The image of a texture named without extension, as in house.json.
 
         Args:
-            name: Such as `wood_8`; users' pictures have digits only and lie in `texture/s/`.
+            name: Such as `wood_8`; pictures of users have digits only and are in `texture/s/`.
             place: Who asks, for the error.
 
         Raises:
-            DatasetError: There is no such image, or the name leads out of the dataset.
+            MissingFileError: There is no such image.
+            DatasetError: The name leads out of the dataset.
         """
         if below(self.root, self.folder, name) is None:
             raise escape(name, place)
@@ -51,7 +52,7 @@ class Textures:
             place: The line of the MTL, for the error.
 
         Raises:
-            DatasetError: As `named`.
+            MissingFileError, DatasetError: As in `named`.
         """
         path = below(self.root, folder, relative)
         if path is None:

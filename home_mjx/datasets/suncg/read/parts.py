@@ -19,7 +19,7 @@ def read_part(node: Value, kind: str, node_id: str, reading: Reading) -> Mesh | 
     Args:
         node: The node.
         kind: `Floor`, `Ceiling`, `Wall` or `Ground`.
-        node_id: Its id, by which the architecture file knows it.
+        node_id: Its id in the architecture file.
         reading: The state of reading the house.
 
     Raises:
