@@ -20,7 +20,7 @@ NUM_BANDS = 7  # octaves 125 .. 8000 Hz
 
 
 class Ray(IntFlag):
-    """What kinds of ray a material stops."""
+    """Kinds of ray, as bits of the mask of what a material stops."""
 
     CAMERA = 1
     LIGHT = 2

@@ -1,4 +1,4 @@
-"""What a surface is made of: from the name of its texture, else from its transparency and the object's category."""
+"""Kinds of material: from the name of the texture, else from transparency and the object's category."""
 
 from home_mjx.schema.categories import texture_family
 from home_mjx.schema.house import Material

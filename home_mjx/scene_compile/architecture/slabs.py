@@ -29,7 +29,7 @@ class Slab:
 
     @property
     def middle(self) -> float:
-        """Where the middle plane lies across the slab [m], local."""
+        """Coordinate of the middle plane across the slab [m], local."""
         return float((self.low[1] + self.high[1]) / 2)
 
     def to_world(self, local: Float[np.ndarray, "*p 3"]) -> Float[np.ndarray, "*p 3"]:

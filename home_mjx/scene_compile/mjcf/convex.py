@@ -28,7 +28,7 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class ConvexOptions:
-    """How models are decomposed.
+    """Options of the decomposition.
 
     Attributes:
         threshold: Remaining concavity, as a share of the model's size (see CoACD).

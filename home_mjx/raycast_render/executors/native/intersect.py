@@ -56,7 +56,7 @@ class Best(NamedTuple):
 @compiled
 @no_type_check
 def slab(box, index, ray):
-    """Where the rays enter a box, at least t_min; infinity if they do not."""
+    """t at which the rays enter a box, at least t_min; infinity on a miss."""
     at = 6 * index
     x0, x1 = (box[at] - ray.ox) * ray.ix, (box[at + 3] - ray.ox) * ray.ix
     y0, y1 = (box[at + 1] - ray.oy) * ray.iy, (box[at + 4] - ray.oy) * ray.iy
@@ -117,7 +117,7 @@ class Shear(NamedTuple):
 @compiled
 @no_type_check
 def shear_of(ray):
-    """What testing triangles needs of rays in this frame."""
+    """Values of the rays in this frame that triangle tests need."""
     x, y, z = magnitude(ray.dx), magnitude(ray.dy), magnitude(ray.dz)
     along_x = (x >= y) & (x >= z)
     along_y = ~along_x & (y >= z)
