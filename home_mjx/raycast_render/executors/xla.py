@@ -224,7 +224,7 @@ def _children(world: _World, state: _State, node: Int[Array, " n"]) -> tuple[Int
 def _slab(
     box: Float[Array, "n 6"], origin: Float[Array, "n 3"], direction: Float[Array, "n 3"], t_min: Float[Array, " n"]
 ) -> Float[Array, " n"]:
-    """t at which rays enter boxes, at least t_min; infinity on a miss."""
+    """Distance t at which rays enter boxes, at least t_min; infinity on a miss."""
     safe = jnp.where(jnp.abs(direction) < TINY, jnp.where(direction < 0, -TINY, TINY), direction)
     low, high = (box[:, :3] - origin) / safe, (box[:, 3:] - origin) / safe
     near = jnp.maximum(jnp.max(jnp.minimum(low, high), axis=1), t_min)

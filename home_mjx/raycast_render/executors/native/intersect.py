@@ -56,7 +56,7 @@ class Best(NamedTuple):
 @compiled
 @no_type_check
 def slab(box, index, ray):
-    """t at which the rays enter a box, at least t_min; infinity on a miss."""
+    """Distance t at which the rays enter a box, at least t_min; infinity on a miss."""
     at = 6 * index
     x0, x1 = (box[at] - ray.ox) * ray.ix, (box[at + 3] - ray.ox) * ray.ix
     y0, y1 = (box[at + 1] - ray.oy) * ray.iy, (box[at + 4] - ray.oy) * ray.iy
