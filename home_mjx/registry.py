@@ -238,6 +238,8 @@ def _load(entry_point: str) -> Callable[..., Any]:
         found: Any = importlib.import_module(module)
         for part in name.split("."):
             found = getattr(found, part)
+    except ConfigError:  # of the imported module itself; it is a ValueError as well
+        raise
     except (ImportError, AttributeError, ValueError) as error:
         raise ConfigError(f"entry point `{entry_point}` cannot be imported: {error}") from error
     return found

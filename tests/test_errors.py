@@ -13,7 +13,9 @@ from tiny_dataset import HOUSE_ID, TABLE, write_tiny_dataset
 import home_mjx
 from home_mjx import errors
 from home_mjx.core.files import MAX_BYTES, read_bytes
+from home_mjx.core.jsonable import from_json
 from home_mjx.datasets import open_dataset
+from home_mjx.registry import EnvSpec
 from home_mjx.scene_compile import HouseCache
 
 BUILT_IN = {
@@ -120,3 +122,20 @@ def test_a_missing_model_is_not_taken_for_a_missing_cache_entry(tmp_path: Path, 
     with pytest.raises(errors.UnknownIdError, match="unknown house `none`"):
         cache.load("none")
     assert cache.compiled == 0
+
+
+def test_a_wrong_value_in_json_keeps_its_own_message():
+    """Refused inside the block that refuses broken JSON."""
+    text = '{"__type__": "home_mjx.physics.config:PhysicsConfig", "num_agents": 0}'
+    with pytest.raises(errors.ConfigError, match=r"^expected a whole number of at least 1, got 0"):
+        from_json(text)
+    with pytest.raises(errors.ConfigError, match=r"^cannot be read as options: "):
+        from_json("{")
+
+
+def test_an_entry_point_that_is_refused_keeps_its_own_message(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Refused while its module is imported."""
+    (tmp_path / "task_of_a_user.py").write_text("import home_mjx\nhome_mjx.register('PointNav-v0', print)\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(errors.ConfigError, match=r"^environment id `PointNav-v0` is taken"):
+        EnvSpec("Other-v0", "task_of_a_user:Task").make()
