@@ -13,7 +13,7 @@ from home_mjx.core.transforms import quat_matrix
 from home_mjx.errors import ConfigError
 from home_mjx.schema.choices import CAMERA_MODELS
 
-MAX_PIXELS = 2**26  # of one image: more is a slip, and kernels count rays in 32 bits
+MAX_PIXELS = 2**26  # of one image: more is a mistake, and kernels count rays in 32 bits
 MAX_SAMPLES = 1 << 16  # rays per pixel
 CENTER = (0.5, 0.5)  # of a pixel, right and down
 # Right, up and forward of the faces of a cube map in the camera's frame: front, right, back, left, up, down.
@@ -60,7 +60,7 @@ class Lens:
         width: Columns.
         height: Rows.
         model: One of `schema.choices.CAMERA_MODELS`.
-        samples: Rays per pixel of the colour images, spread over the pixel; all else is seen through its middle.
+        samples: Rays per pixel of the colour images, spread over the pixel; other images use its middle.
         elevation: Lowest and highest beam of a lidar [degrees].
 
     Raises:

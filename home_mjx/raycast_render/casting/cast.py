@@ -37,10 +37,10 @@ def cast(
         scene: The environment.
         origin: [m], world; one for all rays is read once, which is quicker.
         direction: World; t counts in units of its length.
-        t_min: Of the part of the ray that counts, >= 0; one value or one per ray.
-        t_max: The other end; rays with t_max < t_min hit nothing at no cost.
-        exclude: Object id, or I + a for agent a, that the ray passes through; -1 none.
-        mask: `Ray` bits; materials that stop none of them are passed through.
+        t_min: Start of the part of the ray that counts, >= 0; one value or one per ray.
+        t_max: Its end; rays with t_max < t_min hit nothing and cost nothing.
+        exclude: Object id that the ray ignores, or I + a for agent a; -1 none.
+        mask: `Ray` bits; materials that stop none of them are ignored.
         executor: "xla", "cpu" or "cuda". None takes the scene's; if that is None too, the best one of the platform for
             which the program is compiled.
 

@@ -142,7 +142,7 @@ def _unite(leader: list[int], i: int, j: int) -> None:
 
 
 def _categories(parts: Sequence[ShellPart], partition: Int[np.ndarray, " q"], rooms: Rooms) -> list[str]:
-    """What each part is to sound; all copies of a wall are alike, so that both sides let through the same."""
+    """Acoustic category of each part; copies of one wall have the same, so both sides transmit alike."""
     numbered = zip(parts, partition, strict=True)
     inner = {int(p) for part, p in numbered if isinstance(part, Wall) and _is_inner(part, rooms)}
     walls = ["wall" if p in inner else "outer_wall" for p in partition]

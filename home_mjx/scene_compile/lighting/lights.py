@@ -92,7 +92,7 @@ _COLUMNS = ("pos", "axis_u", "axis_v", "direction", "intensity", "exponent", "cu
 
 
 def lamp_sources(item: PlacedObject, metadata: Metadata) -> Iterator[Source]:
-    """The lights of a lamp, in its model's frame; those close together are one, so that a chandelier counts once."""
+    """The lights of a lamp, in its model's frame; those close together are merged, so that a chandelier counts once."""
     if isinstance(item.node, Box):
         return
     known = metadata.lights

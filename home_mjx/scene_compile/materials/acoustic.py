@@ -170,7 +170,7 @@ def absorption_name(texture_family: str, category: str, slot_name: str = "") -> 
 def acoustic_row(
     texture_family: str, category: str, slot_name: str = ""
 ) -> tuple[Float[np.ndarray, " bands"], Float[np.ndarray, " bands"], Float[np.ndarray, " bands"]]:
-    """What a surface does to sound, per octave 125 .. 8000 Hz.
+    """Acoustic properties of a surface, per octave 125 .. 8000 Hz.
 
     Args:
         texture_family: Texture name without numbers, such as "wallp" or "prkt", or a material kind such as

@@ -16,7 +16,7 @@ LEAST_AREA = 1e-12  # [m^2]: smaller triangles are dropped; MuJoCo refuses meshe
 
 
 class MjcfAssets:
-    """Collects what the geoms of a house refer to; everything is stored once.
+    """Collects the meshes, textures and materials of a house's geoms; each is stored once.
 
     Attributes:
         files: Content by path relative to the MJCF file.

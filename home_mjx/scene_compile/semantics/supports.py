@@ -104,7 +104,7 @@ def _outline_points(rooms: Rooms, level: int) -> Float[np.ndarray, "p 2"]:
 
 
 def _bearer(index: int, objects: Sequence[PlacedObject], limits: Float[np.ndarray, "o 2 3"]) -> int:
-    """The object whose upper sides lie under most of the lowest points of another; -1 if none bears enough."""
+    """The object whose upper sides lie under most of the lowest points of another; -1 if none carries enough."""
     low, high = limits[index]
     near = ((limits[:, 0, :2] < high[:2]) & (limits[:, 1, :2] > low[:2])).all(axis=1)
     near &= (limits[:, 0, 2] < low[2] + TOUCH) & (limits[:, 1, 2] > low[2] - TOUCH)
