@@ -6,6 +6,7 @@ Names are imported on first use, so that `import home_mjx` is quick and starts n
 import importlib
 from typing import Any
 
+from home_mjx import moved
 from home_mjx import registry as _registry  # noqa: F401, which makes the ids known to Gymnasium
 
 __version__ = "0.1.0"
@@ -43,3 +44,6 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return sorted(__all__)
+
+
+moved.install()

@@ -1,8 +1,21 @@
-"""Typed, located errors: what was expected, what came, where, and what to do."""
+"""Typed, located errors: what was expected, what came, where, and what to do.
+
+Each class also derives from the built-in class that other code catches in such a case:
+
+| Class | Also a |
+| --- | --- |
+| `DatasetError`, `ConfigError`, `CapacityError` | `ValueError` |
+| `MissingFileError` | `DatasetError`, `FileNotFoundError` |
+| `UnknownIdError` | `DatasetError`, `KeyError` |
+| `UnknownNameError` | `ConfigError`, `KeyError` |
+| `ExecutorError` | `RuntimeError` |
+"""
 
 import difflib
+import errno
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 MAX_LISTED = 20  # names in a hint: a dataset may have 45,000 houses
 MAX_COMPARED = 100  # characters of a name
@@ -53,19 +66,43 @@ def _rebuild(
     return cls(message, file=file, element=element, hint=hint)
 
 
-class DatasetError(HomeMjxError):
+class DatasetError(HomeMjxError, ValueError):
     """A dataset folder or a file in it is missing, broken or out of its format."""
 
 
-class ConfigError(HomeMjxError):
+class MissingFileError(DatasetError, FileNotFoundError):
+    """A file or folder is missing. `filename` is that file, or the one that refers to it.
+
+    Example:
+        >>> try:
+        ...     raise MissingFileError("file is missing", file="room.obj")
+        ... except FileNotFoundError as error:
+        ...     print(error.filename, "|", error)
+        room.obj | file is missing (in room.obj)
+    """
+
+    def __init__(self, message: str, **details: Any) -> None:
+        super().__init__(message, **details)
+        self.errno, self.filename = errno.ENOENT, self.file
+
+
+class UnknownIdError(DatasetError, KeyError):
+    """A dataset or a bank has no house of this id."""
+
+
+class ConfigError(HomeMjxError, ValueError):
     """An option is unknown or has a value that cannot be used."""
 
 
-class CapacityError(HomeMjxError):
+class UnknownNameError(ConfigError, KeyError):
+    """A name is none of the known ones: an environment, an option, a sensor, a command."""
+
+
+class CapacityError(HomeMjxError, ValueError):
     """Something does not fit the fixed capacity that was asked for."""
 
 
-class ExecutorError(HomeMjxError):
+class ExecutorError(HomeMjxError, RuntimeError):
     """A ray-cast executor cannot run here."""
 
 

@@ -12,7 +12,7 @@ import gymnasium
 
 from home_mjx.core.checks import check_number
 from home_mjx.core.jsonable import from_json, to_json
-from home_mjx.errors import ConfigError, did_you_mean
+from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 
 if TYPE_CHECKING:
     from home_mjx.bank.bank import HouseBank
@@ -150,7 +150,7 @@ def find_spec(env_id: str) -> EnvSpec:
         ConfigError: There is no such id, with the closest known one.
     """
     if env_id not in _REGISTRY:
-        raise ConfigError(f"unknown environment `{env_id}`", hint=did_you_mean(env_id, _REGISTRY))
+        raise UnknownNameError(f"unknown environment `{env_id}`", hint=did_you_mean(env_id, _REGISTRY))
     return _REGISTRY[env_id]
 
 
@@ -249,6 +249,8 @@ def _load(entry_point: str) -> Callable[..., Any]:
         found: Any = importlib.import_module(module)
         for part in name.split("."):
             found = getattr(found, part)
+    except ConfigError:  # of the imported module itself; it is a ValueError as well
+        raise
     except (ImportError, AttributeError, ValueError) as error:
         raise ConfigError(f"entry point `{entry_point}` cannot be imported: {error}") from error
     return found

@@ -5,7 +5,7 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
-from home_mjx.errors import ConfigError, did_you_mean
+from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 
 
 class Parser(argparse.ArgumentParser):
@@ -32,7 +32,7 @@ class Parser(argparse.ArgumentParser):
         name = argument.split("=")[0]
         shown = [action for action in self._actions if action.help != argparse.SUPPRESS]
         known = [option for action in shown for option in action.option_strings if option.startswith("--")]
-        raise ConfigError(f"unknown option `{name}`", hint=did_you_mean(name, known))
+        raise UnknownNameError(f"unknown option `{name}`", hint=did_you_mean(name, known))
 
 
 def seed_range(text: str) -> range:

@@ -1,1 +1,1 @@
-"""What knows no domain: checks of options, pytrees, transforms, colour, files, images, folders, worker processes."""
+"""Helpers without a domain: checks of options, pytrees, transforms, colour, files, images, folders, workers."""

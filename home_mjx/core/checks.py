@@ -4,15 +4,15 @@ import math
 import numbers
 from collections.abc import Iterable
 
-from home_mjx.errors import ConfigError, did_you_mean
+from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 
 
 def check_known(kind: str, names: Iterable[str], known: Iterable[str]) -> None:
-    """Raises `ConfigError` for the first of `names` that is not in `known`."""
+    """Raises `UnknownNameError`, a `ConfigError`, for the first of `names` that is not in `known`."""
     known = list(known)
     for name in names:
         if name not in known:
-            raise ConfigError(f"unknown {kind} `{name}`", hint=did_you_mean(name, known))
+            raise UnknownNameError(f"unknown {kind} `{name}`", hint=did_you_mean(name, known))
 
 
 def check_names(kind: str, names: object, known: Iterable[str]) -> None:
@@ -29,7 +29,7 @@ def check_flag(name: str, value: object) -> None:
 
 
 def check_type(name: str, value: object, kind: type) -> None:
-    """Raises `ConfigError` unless an option is of a class."""
+    """Raises `ConfigError` unless an option is an instance of `kind`."""
     if not isinstance(value, kind):
         raise ConfigError(f"`{name}` must be of type {kind.__name__}, got {value!r}")
 
@@ -40,10 +40,10 @@ def check_number(
     """Raises `ConfigError` unless an option is a finite number within limits.
 
     Args:
-        name: Of the option, for the message.
-        value: Of the option.
-        least: The least value that is allowed.
-        most: The greatest value that is allowed.
+        name: Name of the option, for the message.
+        value: Its value.
+        least: Least allowed value.
+        most: Greatest allowed value.
         whole: It must be an integer.
 
     Example:

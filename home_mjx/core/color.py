@@ -1,4 +1,4 @@
-"""Colour spaces: sRGB, linear light, CIELAB, and how different two colours look."""
+"""Colour spaces: sRGB, linear light, CIELAB, and the perceived difference of two colours."""
 
 import numpy as np
 from jaxtyping import Float
@@ -41,7 +41,7 @@ def srgb_to_lab(color: Float[np.ndarray, "*n 3"]) -> Float[np.ndarray, "*n 3"]:
 
 
 def ciede2000(a: Float[np.ndarray, "*n 3"], b: Float[np.ndarray, "*m 3"]) -> Float[np.ndarray, "..."]:
-    """Perceived difference of CIELAB colours, broadcast over leading axes, of which there must be one.
+    """Perceived difference of CIELAB colours, broadcast over leading axes; at least one is needed.
 
     Formula and names: Sharma, Wu, Dalal, "The CIEDE2000 Color-Difference Formula", Color Research & Application 30
     (2005), equations 2 to 22, with all three parametric factors 1.

@@ -10,9 +10,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import IO
 
-from home_mjx.errors import DatasetError
+from home_mjx.errors import DatasetError, MissingFileError
 
-# The largest SUNCG file is a few MB and has 130,000 lines; what is beyond these can only be a mistake or an attack.
+# The largest SUNCG file is a few MB and has 130,000 lines; anything larger is a mistake or an attack.
 MAX_BYTES = 1 << 25
 MAX_LINES = 1 << 20
 TEMPORARY = ".tmp"  # how names of files end that are not yet whole; they begin with a dot
@@ -24,10 +24,11 @@ def read_text(path: Path, hint: str | None = None, most: int | None = None) -> s
     Args:
         path: The file.
         hint: What to do if it is missing.
-        most: Bytes that are read at most; `MAX_BYTES` by default.
+        most: Largest accepted size [bytes]; `MAX_BYTES` by default.
 
     Raises:
-        DatasetError: The file is missing, unreadable, too large or not UTF-8.
+        MissingFileError: The file is missing.
+        DatasetError: The file is unreadable, too large or not UTF-8.
     """
     text = _decode(read_bytes(path, hint, most), path)
     if text.count("\n") > MAX_LINES:
@@ -37,24 +38,26 @@ def read_text(path: Path, hint: str | None = None, most: int | None = None) -> s
 
 
 def read_bytes(path: Path, hint: str | None = None, most: int | None = None) -> bytes:
-    """The content of a file; arguments and errors as of `read_text`."""
+    """The content of a file; arguments and errors as in `read_text`."""
     try:
         _check(path, most or MAX_BYTES)
         return path.read_bytes()
+    except DatasetError:  # from `_check`: it is a ValueError as well
+        raise
     except FileNotFoundError:
-        raise DatasetError("file is missing", file=path, hint=hint or "Fetch or write it again.") from None
+        raise MissingFileError("file is missing", file=path, hint=hint or "Fetch or write it again.") from None
     except (OSError, ValueError) as error:  # ValueError: a name with a null byte
         reason = f"file cannot be read: {getattr(error, 'strerror', error)}"
         raise DatasetError(reason, file=path, hint="Check its name and who may read it.") from None
 
 
 def is_file(path: Path) -> bool:
-    """Whether there is such a file; no name can make this fail, however long or odd it is."""
+    """Whether the file exists; never fails, however long or odd the name is."""
     return os.path.isfile(path)
 
 
 def is_folder(path: Path) -> bool:
-    """Whether there is such a folder; cannot fail either."""
+    """Whether the folder exists; never fails either."""
     return os.path.isdir(path)
 
 
@@ -78,7 +81,7 @@ def _decode(data: bytes, path: Path) -> str:
 
 
 def below(root: Path, folder: Path, relative: str) -> Path | None:
-    """`relative`, seen from `folder`, or None if it leads out of `root`.
+    """The path `relative` to `folder`; None if it leads out of `root`.
 
     Only the text of the path counts, so that folders of a dataset may be symbolic links to another disk.
 

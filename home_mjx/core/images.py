@@ -18,8 +18,9 @@ def open_texture(path: Path) -> Image.Image:
         path: A PNG or JPEG file.
 
     Raises:
-        DatasetError: The file is missing, truncated or broken, is of another kind, or has more than `MAX_PIXELS`:
-            a few kilobytes can claim gigabytes, so that is checked before anything is decoded.
+        MissingFileError: The file is missing.
+        DatasetError: The file is truncated, broken, of another kind, or has more than `MAX_PIXELS` pixels. A few
+            kilobytes can claim gigabytes, so the size is checked before anything is decoded.
     """
     try:
         image = Image.open(io.BytesIO(read_bytes(path)), formats=("PNG", "JPEG"))
@@ -28,8 +29,8 @@ def open_texture(path: Path) -> Image.Image:
         reason = f"it has {image.width} x {image.height} pixels, at most {MAX_PIXELS} are decoded"
     except DatasetError:
         raise
-    except UnidentifiedImageError:  # whose text names an object in memory
+    except UnidentifiedImageError:  # its text names an object in memory
         reason = "it cannot be identified as PNG or JPEG"
-    except Exception as error:  # Pillow raises whatever a broken file makes its decoders stumble over
+    except Exception as error:  # a broken file can make Pillow raise anything
         reason = str(error) if isinstance(error, OSError) else f"{type(error).__name__}: {error}"
     raise DatasetError(f"cannot read texture: {reason}", file=path, hint="Restore the file, as 8-bit PNG or JPEG.")

@@ -32,6 +32,8 @@ def from_json(text: str) -> Any:
     """
     try:
         return _rebuilt(json.loads(text))
+    except ConfigError:  # it is a ValueError as well
+        raise
     except (ValueError, TypeError, KeyError, RecursionError) as error:
         raise ConfigError(f"cannot be read as options: {error}") from error
 

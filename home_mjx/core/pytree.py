@@ -36,7 +36,7 @@ class Pytree:
     """Base of the device-side records: subclasses become frozen dataclasses registered with JAX.
 
     Under pytest the constructor checks the shapes of one environment. JAX's own rebuilding and `replace` do not, since
-    both also meet batched trees; hence not `register_dataclass`, which calls the constructor.
+    both also handle batched trees. So this does not use `register_dataclass`, which calls the constructor.
 
     Example:
         >>> class Point(Pytree):

@@ -25,7 +25,7 @@ def camera_quat(yaw: Float[Array, ""], pitch: Float[Array, ""]) -> Float[Array, 
 
 
 def quat_multiply(a: Float[Array, "4"], b: Float[Array, "4"]) -> Float[Array, "4"]:
-    """The rotation `b`, then `a`; both wxyz."""
+    """The product a b: the rotation `b`, then `a`; both wxyz."""
     w = a[0] * b[0] - jnp.dot(a[1:], b[1:])
     xyz = a[0] * b[1:] + b[0] * a[1:] + jnp.cross(a[1:], b[1:])
     return jnp.concatenate([w[None], xyz])
@@ -49,7 +49,7 @@ def quat_matrix(quat: Float[Array, "4"]) -> Float[Array, "3 3"]:
 
 
 def rigid(pos: Float[Array, "3"], quat: Float[Array, "4"]) -> Float[Array, "3 4"]:
-    """The map of a body frame into the world."""
+    """The map from a body frame to the world."""
     return jnp.concatenate([quat_matrix(quat), pos[:, None]], axis=1)
 
 
@@ -60,7 +60,7 @@ def compose(outer: Float[Array, "3 4"], inner: Float[Array, "3 4"]) -> Float[Arr
 
 
 def invert(pose: Float[Array, "3 4"]) -> Float[Array, "3 4"]:
-    """The inverse map, by cofactors; the linear part may scale, mirror and shear, but not be singular."""
+    """The inverse map, by cofactors. The linear part may scale, mirror and shear, but must not be singular."""
     a, b, c = pose[:, 0], pose[:, 1], pose[:, 2]
     rows = jnp.stack([jnp.cross(b, c), jnp.cross(c, a), jnp.cross(a, b)])
     linear = rows / jnp.sum(a * rows[0])

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def worker_pool(workers: int) -> Iterator[ProcessPoolExecutor]:
-    """A pool of freshly started processes; what has not begun when the block is left is dropped.
+    """A pool of freshly started processes. Work that has not begun when the block ends is dropped.
 
     Args:
         workers: How many.

@@ -1,4 +1,4 @@
-"""What of a dataset's houses is read."""
+"""Options of reading houses."""
 
 from dataclasses import dataclass
 
@@ -7,12 +7,12 @@ from home_mjx.core.checks import check_flag
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """What of a house is read.
+    """Which parts of a house are read.
 
     Args:
-        people: Keep models of the coarse category `person`: dense meshes that stand still.
+        people: Keep models of the coarse category `person`: dense, static meshes.
         plants: Keep models of the coarse category `plant`: foliage of many thousand triangles.
-        backdrops: Keep boxes of 20 m and more whole. By default what they show outside of the house is cut off.
+        backdrops: Keep boxes of 20 m and more whole. By default they are cut to the extent of the level.
 
     Example:
         >>> ReadOptions(people=False).categories_left_out
@@ -29,5 +29,5 @@ class ReadOptions:
 
     @property
     def categories_left_out(self) -> tuple[str, ...]:
-        """Coarse categories of which no object is read."""
+        """Coarse categories whose objects are left out."""
         return ("person",) * (not self.people) + ("plant",) * (not self.plants)

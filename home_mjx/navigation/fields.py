@@ -1,4 +1,4 @@
-"""Geodesic distance fields on the device, to goals that are only known while environments run."""
+"""Geodesic distance fields on the device, to goals that are known only at run time."""
 
 import jax
 import jax.numpy as jnp
@@ -12,15 +12,15 @@ def distance_field(free: Bool[Array, "ny nx"], source: Bool[Array, "ny nx"], cel
 
     Sweeps down and up over the rows until nothing changes (Zhao, "A fast sweeping method for Eikonal equations", 2005),
     here for the metric of the grid graph, in which a row is relaxed at once by a parallel scan (Blelloch 1990). The
-    number of rounds is that of the turns from upwards to downwards of the most winding path, not its length.
+    number of rounds is the number of up-down turns of the most winding path, not its length.
 
     Args:
-        free: Cells that may be crossed.
-        source: Where the distance is 0; those that are not free do not count.
+        free: Cells that a path may cross.
+        source: Cells with distance 0; cells that are not free are ignored.
         cell: Edge of a cell [m].
 
     Returns:
-        [m]; inf where there is no path. The same as `scene_compile.geodesic.distance_fields`, but for rounding.
+        [m]; inf where there is no path. Equals `scene_compile.navigation.geodesic.distance_fields` up to rounding.
 
     Example:
         >>> fields = jax.vmap(distance_field, (None, 0, None))(free, sources, 0.1)  # doctest: +SKIP
@@ -70,7 +70,7 @@ def _shift(values: Array, step: int, fill: float | bool) -> Array:
 
 
 def _along(open_: Bool[Array, " nx"], distance: Float[Array, " nx"], cell: Float[Array, ""]) -> Float[Array, " nx"]:
-    """Least distance over ways along a row, in both directions, that no blocked cell cuts."""
+    """Least distance along a row in both directions, without crossing a blocked cell."""
 
     def join(a: tuple[Array, Array], b: tuple[Array, Array]) -> tuple[Array, Array]:
         # (length of the stretch or inf if it is cut, least distance at its end)

@@ -8,9 +8,9 @@ from jaxtyping import Array, Float, Int
 from home_mjx.bank.bank import HouseBank
 from home_mjx.schema.compiled import FIELD_FAR, FIELD_UNIT
 
-# The agent's axis may stand a little inside a cell that is not free, so the neighbours count as well.
+# The agent's axis may stand a little inside a cell that is not free, so its neighbours count as well.
 _OFFSETS = [(dy, dx) for dy in (-1, 0, 1) for dx in (-1, 0, 1)]
-_BELOW = 0.3  # [m]: a point so far below a floor still counts as on it
+_BELOW = 0.3  # [m]: a point this far below a floor still counts as on it
 
 
 def cell_of(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "3"]) -> Int[Array, "3"]:
@@ -60,7 +60,7 @@ def geodesic_distance(
 
 
 def stored_distance(bank: HouseBank, cell: Int[Array, " n"], goal: Int[Array, ""] | None) -> Float[Array, "n ..."]:
-    """Geodesic distance of cells, given by number, to a goal of their house or to all [m]; inf of cell -1."""
+    """Geodesic distance from numbered cells to a goal of their house, or to all [m]; inf for cell -1."""
     rows = jnp.maximum(cell, 0)
     stored = bank.navigation.field[rows] if goal is None else bank.navigation.field[rows, goal]
     none = (cell < 0).reshape(cell.shape + (1,) * (stored.ndim - 1))
@@ -76,7 +76,7 @@ def ground_fields(bank: HouseBank, house: int) -> Float[np.ndarray, "g ny nx"]:
 
 
 def random_position(bank: HouseBank, house: Int[Array, ""], key: Array, margin: float = 0.05) -> Float[Array, "3"]:
-    """A point on the floor where an agent can stand, every place as likely as any other.
+    """A random point on the floor where an agent can stand, uniform over the free area.
 
     Args:
         bank: The houses.
@@ -96,7 +96,7 @@ def random_position(bank: HouseBank, house: Int[Array, ""], key: Array, margin: 
 
 
 def cell_position(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, ""]) -> Float[Array, "3"]:
-    """Middle of a cell, given by number, on its level's floor [m]."""
+    """Middle of a numbered cell on its level's floor [m]."""
     return place_position(bank, house, bank.navigation.place[cell].astype(jnp.int32))
 
 

@@ -1,4 +1,4 @@
-"""A scripted walk: from goal to goal down the geodesic distance fields, on the host."""
+"""A scripted walk on the host: from goal to goal along the geodesic distance fields."""
 
 from dataclasses import dataclass, field
 
@@ -20,7 +20,7 @@ class Walker:
         origin: Corner of cell (0, 0) [m].
         cell: Cell size [m].
         targets: Goals in the order of the visit.
-        turn_per_step: Fastest turn [rad] of one step.
+        turn_per_step: Largest turn in one step [rad].
     """
 
     fields: Float[np.ndarray, "g ny nx"]
@@ -69,7 +69,7 @@ class Walker:
 
 
 def make_walker(bank: HouseBank, house: int, pos: Float[np.ndarray, " 3"], turn_per_step: float) -> Walker:
-    """A walker that visits other rooms first, the nearest before the farther, and no room twice before all once."""
+    """A walker that visits other rooms first, nearest first, and all rooms once before any room twice."""
     navigation = bank.navigation
     fields = ground_fields(bank, house)
     walker = Walker(fields, np.asarray(navigation.origin[house]), bank.spec.cell, [0], turn_per_step)

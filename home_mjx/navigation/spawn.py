@@ -1,4 +1,4 @@
-"""Where agents, goal and sound begin in a house."""
+"""Start positions of agents and sound in a house."""
 
 import jax
 import jax.numpy as jnp

@@ -1,4 +1,4 @@
-"""What can be chosen about the physics."""
+"""Options of the physics."""
 
 import math
 from dataclasses import dataclass, field
@@ -26,13 +26,13 @@ class PhysicsConfig:
         forward_speed: [m/s] at action 1.
         strafe_speed: [m/s] at action 1.
         turn_rate: [rad/s] at action 1.
-        push_force: [N], the most that an agent's legs can give, in any direction.
-        response_time: [s], time constant with which an agent takes up its target velocity.
-        friction: Sliding friction of everything but agents, which slide along what they touch; 0.4 is wood on wood.
+        push_force: [N], largest force of an agent's motors, in any horizontal direction.
+        response_time: [s], time constant with which an agent approaches its target velocity.
+        friction: Sliding friction of everything except agents, whose contacts are frictionless; 0.4 is wood on wood.
         max_body_speed: [m/s], limit of movable bodies; a fall of 1.8 m reaches 6 m/s.
         max_body_spin: [rad/s], limit of movable bodies.
         iterations: Newton iterations per physics step.
-        ls_iterations: Line-search iterations; all of them are always paid.
+        ls_iterations: Line-search iterations; all of them always run.
         agent_slots: Static boxes that an agent can touch at once.
         body_slots: Static boxes that a movable body can touch at once.
         max_geom_pairs: Pairs of one kind (box and box, capsule and box) that are tested at once, those nearest by

@@ -16,7 +16,7 @@ def motor_forces(
     """Forces that drive an agent towards its target velocity.
 
     A velocity controller, `f = m (v_target - v) / response_time`, whose horizontal force is cut to `push_force` in
-    whatever direction it points: that force, against friction, decides which objects an agent can push.
+    any direction. This force, against friction, decides which objects an agent can push.
 
     Args:
         config: Options.

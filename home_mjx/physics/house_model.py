@@ -14,7 +14,7 @@ from home_mjx.physics.template_mjcf import CORNER_RADIUS, CORNERS, PARKED_HEIGHT
 
 
 class MovableBodies(Pytree):
-    """Movable bodies of one house; those that it does not use are parked."""
+    """Movable bodies of one house; unused ones are parked."""
 
     valid: Bool[Array, " k"]
     pos: Float[Array, "k 3"]  # [m]
@@ -51,7 +51,7 @@ def house_model(model: mjx.Model, layout: Layout, bodies: MovableBodies, floor: 
     """The template with a house's floor and bodies, and every field that MuJoCo's compiler derives from them.
 
     For a free body whose inertial frame is its own, `mj_setConst` gives `body_invweight0` = (1/m, mean of 1/I),
-    `dof_invweight0` = the same repeated thrice each, and `dof_M0` = (m, m, m, I).
+    `dof_invweight0` = each of these three times, and `dof_M0` = (m, m, m, I).
     """
     model = model.replace(geom_pos=model.geom_pos.at[0, 2].set(floor))
     if not layout.num_bodies:

@@ -1,4 +1,4 @@
-"""Where agents, bodies and slots lie in the template's arrays."""
+"""Indices of agents, bodies and contact slots in the template's arrays."""
 
 from dataclasses import dataclass
 
@@ -19,7 +19,7 @@ class Layout:
 
     @property
     def num_slots(self) -> int:
-        """Slots of all owners."""
+        """Contact slots of all owners."""
         return self.num_agents * self.agent_slots + self.num_bodies * self.body_slots
 
     @property

@@ -1,4 +1,4 @@
-"""Imports MJX before the rest of this package does: where warp is missing, MJX says so on stdout, amid our output."""
+"""Imports MJX before the rest of this package: without warp, MJX prints a message on stdout, into our output."""
 
 import contextlib
 import io

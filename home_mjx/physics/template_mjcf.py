@@ -9,7 +9,7 @@ from home_mjx.physics.config import PhysicsConfig
 from home_mjx.physics.layout import Layout
 from home_mjx.scene_compile.mjcf.agent import AGENT_SOLREF, BODY_SOLREF, add_agent, add_motors
 
-PARKED_HEIGHT = 500.0  # [m]: bodies that a house does not use wait above it, slots as far below
+PARKED_HEIGHT = 500.0  # [m]: unused bodies are parked this far above the house, unused slots this far below
 PARKED_SIZE = 0.1  # [m], half extent
 PARKED_MASS = 1.0  # [kg]
 CORNER_RADIUS = 1e-3  # [m]
@@ -22,13 +22,13 @@ def template_mjcf(config: PhysicsConfig, layout: Layout, jacobian: str) -> str:
     All contacts are explicit pairs, so that a slot meets only its owner and each kind of contact has its own
     dimension: those of agents are frictionless (1 row per point instead of 4), hence agents slide along walls.
 
-    Bodies meet the floor with tiny spheres at their corners: MJX's own contact of plane and box drops all corners that
-    are 1 mm higher than the lowest, which keeps a tilted box rocking for ever.
+    Bodies touch the floor with tiny spheres at their corners: MJX's own contact of plane and box ignores all corners
+    more than 1 mm above the lowest one, so that a tilted box rocks for ever.
     """
     root = ET.Element("mujoco", model="home_mjx")
     _add_options(root, config, layout, jacobian)
     world = ET.SubElement(root, "worldbody")
-    # Neither at the origin nor upright, so that the compiler does not mark them for short cuts (`geom_sameframe`).
+    # Neither at the origin nor upright, or the compiler would mark them for shortcuts (`geom_sameframe`).
     plane, pos = _no_mask("floor"), f"0 0 {-PARKED_HEIGHT}"
     ET.SubElement(world, "geom", plane, type="plane", size="0 0 1", pos=pos, material="default")
     for name in slot_names(layout):
@@ -52,7 +52,7 @@ def slot_names(layout: Layout) -> list[str]:
 
 
 def _add_agent(world: ET.Element, config: PhysicsConfig, a: int) -> None:
-    """An agent whose foot alone meets the floor, so that the contact sensor of its capsule counts all but the floor."""
+    """An agent of which only the foot touches the floor: the contact sensor of its capsule counts everything else."""
     shape = config.body
     body = add_agent(world, shape, f"agent{a}", contype="0", conaffinity="0")
     foot, pos = _no_mask(f"agent{a}_foot"), f"0 0 {-shape.half_length}"

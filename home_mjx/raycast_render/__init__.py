@@ -1,5 +1,8 @@
 """Rays in houses: `cast` and `occluded`, scenes of placed objects and agents, cameras and images."""
 
+from typing import TYPE_CHECKING
+
+from home_mjx import moved
 from home_mjx.raycast_render.cameras.camera import (
     Camera,
     Lens,
@@ -39,3 +42,6 @@ __all__ = [
     "sensor_rgb",
     "world_from_camera",
 ]
+
+if not TYPE_CHECKING:  # type checkers report missing names by themselves
+    __getattr__ = moved.attributes_of(__name__)

@@ -3,6 +3,9 @@
 Host only: nothing here loads JAX.
 """
 
+from typing import TYPE_CHECKING
+
+from home_mjx import moved
 from home_mjx.datasets.splits import SPLITS, select_ids, split_of
 from home_mjx.scene_compile.cache.house_cache import HouseCache, load_compiled
 from home_mjx.scene_compile.cache.house_set import HouseSet
@@ -64,3 +67,6 @@ __all__ = [
     "to_mjcf",
     "vocabularies",
 ]
+
+if not TYPE_CHECKING:  # type checkers report missing names by themselves
+    __getattr__ = moved.attributes_of(__name__)

@@ -1,4 +1,4 @@
-"""What crosses packages: the house as a dataset gives it, the house as it is compiled, and their vocabularies.
+"""Records that cross packages: the house of a dataset, the compiled house, and their vocabularies.
 
 Host only: nothing here loads JAX.
 """

@@ -1,6 +1,7 @@
-"""The fixed vocabularies of SUNCG, and where a name stands in them.
+"""The fixed vocabularies of SUNCG, and the position of a name in them.
 
-Ids on the device are positions in these tuples. Names that only v2 has follow those of v1, whose ids they leave alone.
+Ids on the device are positions in these tuples. Names that only v2 has come last, so
+that the ids of v1 stay the same.
 """
 
 import json
@@ -52,7 +53,7 @@ def room_type_index(name: str) -> int:
 def texture_family(texture: str) -> str:
     """The family that SUNCG's texture names start with.
 
-    Digits and trailing underscores go; any name with `textile` or `wood` in it belongs there (HoME's rule).
+    Digits and trailing underscores are removed; any name with `textile` or `wood` in it belongs there (HoME's rule).
 
     Args:
         texture: Name without folder and extension.

@@ -20,7 +20,7 @@ NUM_BANDS = 7  # octaves 125 .. 8000 Hz
 
 
 class Ray(IntFlag):
-    """What kinds of ray a material stops."""
+    """Kinds of ray, as bits of the mask of what a material stops."""
 
     CAMERA = 1
     LIGHT = 2
@@ -86,7 +86,7 @@ class Colliders:
     pos: Float[np.ndarray, "c 3"]  # [m], centre
     quat: Float[np.ndarray, "c 4"]  # wxyz
     size: Float[np.ndarray, "c 3"]  # [m], half extents
-    object_id: Int[np.ndarray, " c"]  # Semantic.OBJECT of what the box stands for; -1 for the architecture
+    object_id: Int[np.ndarray, " c"]  # Semantic.OBJECT of the box's object; -1 for the architecture
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,7 @@ class Bodies:
 
 @dataclass(frozen=True)
 class Doors:
-    """Leaves of doors, each an instance of its own on a vertical hinge; at angle 0 a leaf stands as placed."""
+    """Leaves of doors, each its own instance on a vertical hinge; at angle 0 a leaf is as placed."""
 
     instance: Int[np.ndarray, " h"]
     pivot: Float[np.ndarray, "h 2"]  # [m], where the hinge meets the plan
@@ -113,7 +113,7 @@ class Doors:
     quat: Float[np.ndarray, "h 4"]  # wxyz
     size: Float[np.ndarray, "h 3"]  # [m], half extents
     mass: Float[np.ndarray, " h"]  # [kg]
-    collider: Int[np.ndarray, " h"]  # row of Colliders that stands for the leaf; -1 if it is not felt
+    collider: Int[np.ndarray, " h"]  # row of Colliders with the leaf; -1 if it does not collide
 
     @staticmethod
     def none() -> "Doors":
@@ -147,7 +147,7 @@ class Rooms:
 
 
 class PortalKind(IntEnum):
-    """What joins two rooms."""
+    """The kinds of connection between two rooms."""
 
     OPENING = 0
     DOOR = 1
@@ -156,7 +156,7 @@ class PortalKind(IntEnum):
 
 @dataclass(frozen=True)
 class Portals:
-    """Where rooms meet."""
+    """Connections between rooms."""
 
     room: Int[np.ndarray, "p 2"]  # room indices, the lower first; -1 outdoors
     pos: Float[np.ndarray, "p 3"]  # [m], middle, on the floor
@@ -189,7 +189,7 @@ class Navigation:
     goal: Float[np.ndarray, "g 3"]
     field: UInt16[np.ndarray, "c g"]  # [FIELD_UNIT], geodesic distance of each home cell to each goal; FIELD_FAR
     portals: Portals
-    room_hops: Int[np.ndarray, "r r"]  # least number of portals on the way between two rooms; -1 no way
+    room_hops: Int[np.ndarray, "r r"]  # least number of portals between two rooms; -1 no way
 
     @property
     def free(self) -> Bool[np.ndarray, "l ny nx"]:

@@ -1,4 +1,4 @@
-"""What a dataset says, as plain frozen dataclasses of NumPy arrays, in the file's own frame (Y up, metres).
+"""The content of a dataset as frozen dataclasses of NumPy arrays, in the file's own frame (Y up, metres).
 
 Nothing here needs JAX or MuJoCo. The compiler turns these into the world frame (Z up).
 """
@@ -41,13 +41,13 @@ class Mesh:
 
 @dataclass(frozen=True)
 class Node:
-    """What all nodes of a level have in common."""
+    """The fields that all nodes of a level have."""
 
     id: str  # "<level>_<index>" as in the file
     index: int  # position in the level's node list
     path: str  # element path for messages: levels[0].nodes[17]
-    bbox: Float[np.ndarray, "2 3"] | None  # [m], min and max as the file says
-    extra: Mapping[str, Any] = field(default_factory=dict, kw_only=True)  # fields that the format does not have, as is
+    bbox: Float[np.ndarray, "2 3"] | None  # [m], min and max as in the file
+    extra: Mapping[str, Any] = field(default_factory=dict, kw_only=True)  # unknown fields, unchanged
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class Object(Node):
 
     @property
     def mirrored(self) -> bool:
-        """Whether the transform turns the model inside out."""
+        """Whether the transform mirrors the model."""
         return bool(np.linalg.det(self.transform[:3, :3]) < 0)
 
 
@@ -106,7 +106,7 @@ class Ground(Node):
 
 @dataclass(frozen=True)
 class Unknown(Node):
-    """A node of a type that the format does not have: not shown, but kept as it is in the file, and written again."""
+    """A node of an unknown type: not shown, but kept as in the file and written again."""
 
     data: Mapping[str, Any]
 
@@ -127,7 +127,7 @@ class Level:
 
 @dataclass(frozen=True)
 class Problem:
-    """Something odd in the input that was tolerated: kept and reported, never dropped in silence."""
+    """An oddity in the input that was tolerated: kept and reported, never dropped silently."""
 
     element: str
     message: str
@@ -143,19 +143,19 @@ class House:
     path: Path  # house.json
     levels: tuple[Level, ...]
     models: Mapping[str, Mesh]  # by Object.model_key
-    others: Mapping[str, Mesh] = field(default_factory=dict)  # by Object.other_key, where there is another state
+    others: Mapping[str, Mesh] = field(default_factory=dict)  # by Object.other_key, for objects with another state
     problems: tuple[Problem, ...] = ()
     extra: Mapping[str, Any] = field(default_factory=dict)  # as of a node
 
 
 def base_model(model_id: str, known: Callable[[str], bool]) -> str:
-    """The model whose variant this is (`122_0` of `122`, `s__12_2` of `s__12`), or the model itself.
+    """The base model of a variant (`122` of `122_0`, `s__12` of `s__12_2`), or the model itself.
 
-    Ids have underscores and digits of their own, so what models there are decides, not what an id looks like.
+    Ids contain underscores and digits themselves, so the existing models decide, not the form of the id.
 
     Args:
         model_id: The id of a model or of a variant.
-        known: Whether there is a model of that id.
+        known: Says whether a model of an id exists.
 
     Example:
         >>> models = {"122", "s__12", "s__1296", "table_1"}
@@ -195,7 +195,7 @@ class Light:
 
 @dataclass(frozen=True)
 class Metadata:
-    """The tables beside the houses."""
+    """The metadata tables of a dataset."""
 
     models: Mapping[str, ModelInfo]
     lights: Mapping[str, tuple[Light, ...]] = field(default_factory=dict)

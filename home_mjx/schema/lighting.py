@@ -1,4 +1,4 @@
-"""What gives light and how surfaces gloss, as arrays of one house; `lights` and `gloss` make them."""
+"""Lights and glossy surfaces of one house as arrays; `scene_compile.lighting` makes them."""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,7 @@ SOURCES = ("lamps", "daylight")  # of the ambient light
 
 @dataclass(frozen=True)
 class LightTable:
-    """Lights in the frames of the instances that carry them, so that a lamp that is moved takes its light along.
+    """Lights in the frames of the instances that carry them, so that a light moves with its lamp.
 
     A light is a point, a line (`axis_u` alone) or a rectangle, and shines with `intensity * max(cos, 0)**exponent`
     around `direction` as far as `cos >= cutoff`: a point light has exponent 0 and cutoff -2, a window exponent 1.
@@ -28,8 +28,8 @@ class LightTable:
     cutoff: Float[np.ndarray, " n"]  # cosine
     area: Float[np.ndarray, " n"]  # [m^2], of rectangles
     daylight: Bool[np.ndarray, " n"]
-    instance: Int[np.ndarray, " n"]  # that carries it and casts no shadow from it
-    room: Int[np.ndarray, " n"]  # that it lights; -1 none
+    instance: Int[np.ndarray, " n"]  # instance that carries it and does not shadow it
+    room: Int[np.ndarray, " n"]  # room that it lights; -1 none
     ambient: Float[np.ndarray, "r 2 3"]  # irradiance [W/m^2] by room + 1 (0: in none) and source (`SOURCES`)
 
     @staticmethod
@@ -44,7 +44,7 @@ class LightTable:
 
 @dataclass(frozen=True)
 class Gloss:
-    """How the material rows of a house reflect besides their diffuse colour."""
+    """Specular reflection of the material rows of a house."""
 
     specular: Float[np.ndarray, "r 3"]  # linear light, `Ks` of the MTL
     shininess: Float[np.ndarray, " r"]  # Blinn-Phong exponent, `Ns`

@@ -1,9 +1,9 @@
-"""What a surface is made of: from the name of its texture, else from its transparency and the object's category."""
+"""Kinds of material: from the name of the texture, else from transparency and the object's category."""
 
 from home_mjx.schema.categories import texture_family
 from home_mjx.schema.house import Material
 
-# The 20 families of Planner 5D's textures that HoME's paper speaks of, with the names that its code gave them.
+# The 20 families of Planner 5D's textures in HoME's paper, with the names in its code.
 HOME_TEXTURE_KINDS = {
     "beam": "wood",
     "bricks": "bricks",
@@ -27,7 +27,7 @@ HOME_TEXTURE_KINDS = {
     "wood": "wood",
 }
 
-# Families that HoME left without a name.
+# Families without a name in HoME.
 TEXTURE_KINDS = HOME_TEXTURE_KINDS | {
     "concrete": "concrete",
     "flower": "plant",
@@ -119,7 +119,7 @@ MATERIAL_KINDS = tuple(sorted({*TEXTURE_KINDS.values(), *CATEGORY_KINDS.values()
 
 
 def material_kind(material: Material, coarse: str) -> str:
-    """Kind of one resolved material slot, one of `MATERIAL_KINDS`; "" if nothing tells.
+    """Kind of one resolved material slot, one of `MATERIAL_KINDS`; "" if it cannot be told.
 
     Args:
         material: The slot, after overrides.

@@ -1,4 +1,4 @@
-"""Rows of the semantic table: what a hit means."""
+"""Rows of the semantic table: the meaning of a hit."""
 
 from enum import IntEnum
 
@@ -22,13 +22,13 @@ class Semantic(IntEnum):
     ROOM_TYPE = 8  # index into ROOM_TYPES
     MATERIAL = 9  # index into MATERIAL_KINDS
     SIZE = 10  # within the category, index into SIZES
-    BASIC = 11  # colour of most area, index into the palette of 16; two more that cover enough follow
+    BASIC = 11  # main colour, index into the palette of 16; up to two more follow
     BASIC_2 = 12
     BASIC_3 = 13
-    CSS = 14  # the same of the palette of 139
+    CSS = 14  # the same for the palette of 139
     CSS_2 = 15
     CSS_3 = 16
-    XKCD = 17  # and of 949
+    XKCD = 17  # the same for the palette of 949
     XKCD_2 = 18
     XKCD_3 = 19
     SUPPORT = 20  # index into SUPPORTS
@@ -47,7 +47,7 @@ def semantic_row(
     partition: int = -1,
     movable: int = -1,
 ) -> Int[np.ndarray, " c"]:
-    """One row; columns are those of `Semantic`. Those that the semantic engine fills are -1.
+    """One row; columns are those of `Semantic`. Columns that the semantic engine fills are -1.
 
     Args:
         fine: Fine v1 category; `unknown` for names that v1 lacks.

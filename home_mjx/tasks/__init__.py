@@ -1,5 +1,8 @@
 """Environments: tasks on houses, with observations, rewards and resets; and the seams for further tasks and sensors."""
 
+from typing import TYPE_CHECKING
+
+from home_mjx import moved
 from home_mjx.tasks.base.config import DEFAULT_SENSORS, SENSORS, AgentCamera, EnvConfig
 from home_mjx.tasks.base.options import make_config
 from home_mjx.tasks.base.pose import AgentPose
@@ -49,3 +52,6 @@ __all__ = [
     "save_episodes",
     "save_states",
 ]
+
+if not TYPE_CHECKING:  # type checkers report missing names by themselves
+    __getattr__ = moved.attributes_of(__name__)

@@ -1,4 +1,4 @@
-"""Pictures, videos and sounds for people."""
+"""Pictures, videos and sound files to look at and listen to."""
 
 from home_mjx.viz.media import write_mp4, write_wav
 from home_mjx.viz.pictures import captioned, depth_colours, enlarge, id_colours, sheet, waveform

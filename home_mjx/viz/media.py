@@ -31,7 +31,7 @@ def write_mp4(path: Path, frames: UInt8[np.ndarray, "t h w 3"], fps: float, wav:
     """Writes a film, with the sound of `wav` if given.
 
     Raises:
-        HomeMjxError: If ffmpeg fails, with its own words.
+        HomeMjxError: ffmpeg failed; the message quotes it.
     """
     _, height, width, _ = frames.shape
     video = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", str(fps), "-i", "-"]

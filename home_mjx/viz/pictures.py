@@ -1,4 +1,4 @@
-"""Panels: depth and ids as colours, text, and sheets of them."""
+"""Panels: depth and ids as colours, captions, and contact sheets."""
 
 import colorsys
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""A house from straight above, its ceilings cut off, with paths drawn on it."""
+"""A house from above, without ceilings, with paths drawn on it."""
 
 from typing import Any
 
@@ -22,7 +22,7 @@ PATH, HERE, RADIO = (40, 90, 255), (20, 200, 90), (235, 40, 40)
 
 
 class TopView:
-    """A picture of one environment's house as it is now.
+    """A picture of one environment's house in its current state.
 
     Args:
         bank: The houses.
@@ -43,7 +43,7 @@ class TopView:
     def with_path(
         self, path: Float[np.ndarray, "t 3"], source: Float[np.ndarray, " 3"], size: int
     ) -> UInt8[np.ndarray, "s s 3"]:
-        """The picture with a path [m], where it ends, and where the sound comes from."""
+        """The picture with a path [m], its end, and the sound source."""
         canvas = Image.fromarray(self.image)
         draw = ImageDraw.Draw(canvas)
         points = [self._pixel(p) for p in path]
@@ -73,7 +73,7 @@ def _extent(bank: HouseBank, house: int) -> tuple[np.ndarray, float]:
 def _from_above(scene: Scene, origin: Float[Array, "h w 3"]) -> UInt8[Array, "h w 3"]:
     down = jnp.broadcast_to(jnp.array([0.0, 0.0, -1.0], jnp.float32), origin.shape)
     hit = cast(scene, origin, down)
-    # What lies lower is darker, so that furniture stands out from the floor.
+    # Lower surfaces are darker, so that furniture stands out from the floor.
     light = 1 - 0.5 * jnp.clip(hit.t / CUT, 0, 1)
     color = albedo(scene, hit) * light
     return select(_in_wall(scene, origin), Vec(WALL, WALL, WALL), color).map(encode).packed()

@@ -24,7 +24,7 @@ from home_mjx.datasets.suncg.write.metadata import LibraryModel
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.schema.house import ModelInfo
 
-VERSION = 1  # of what a seed gives; raise it whenever any file of a dataset would change
+VERSION = 1  # raise it whenever the same seed would give another file
 MARKER = "generated.json"
 REMOVE = "Remove that folder: it is made again."
 POOL_FROM = 24  # houses; fewer are made faster than worker processes start
@@ -35,8 +35,8 @@ log = logging.getLogger(__name__)
 def generate_dataset(root: str | Path, seeds: Sequence[int], progress: bool = False) -> tuple[str, ...]:
     """Writes one house per seed, and the shared library, in SUNCG's on-disk format.
 
-    A seed always gives the same files, byte for byte. What is there already is kept, so an interrupted call can be
-    repeated and a dataset can grow; only a house whose `house.json` is no JSON is written anew. Many houses are
+    A seed always gives the same files, byte for byte. Existing files are kept, so an interrupted call can be
+    repeated and a dataset can grow; only a house whose `house.json` is not JSON is written again. Many houses are
     written by worker processes: a script that asks for them needs the usual `if __name__ == "__main__":`.
 
     Args:
@@ -95,7 +95,7 @@ def _claim(root: Path) -> None:
 
 
 def _is_whole(folder: Path) -> bool:
-    """Whether a house is there; one whose file was cut or emptied is removed, since writing keeps what is there."""
+    """Whether a house exists. One with a truncated file is removed, because writing keeps existing houses."""
     try:
         json.loads((folder / "house.json").read_bytes())
     except FileNotFoundError:

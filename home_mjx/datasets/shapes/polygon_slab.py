@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 MERGE = 1e-6  # [m]: corners nearer than this, or nearer to the line between their neighbours, are dropped
-SHARP = 4.0  # by how many outsets a pointed corner may grow at most
+SHARP = 4.0  # largest growth of a pointed corner, in outsets
 MAX_ROUNDS = 100  # of dropping corners: each may make others straight
 
 Polygon = Float[np.ndarray, "n 2"]  # (x, z) [m]
@@ -22,7 +22,7 @@ def slab(
         polygons: Corners (x, z) [m]; each polygon becomes a slab of its own.
         low: Height of the underside [m].
         high: Height of the upper side [m].
-        outset: By how much the sides stand out beyond the polygon [m].
+        outset: How far the sides extend beyond the polygon [m].
 
     Returns:
         Vertices [m], Y up; triangles; texture coordinates in metres from the polygon's corner of least x and z.
@@ -52,7 +52,7 @@ def _piece(
 
 
 def _outline(polygon: Polygon, outset: float) -> tuple[Polygon, Int[np.ndarray, "t 3"]]:
-    """The polygon with its outset, and its triangles; without, where narrow notches would close up."""
+    """The polygon with its outset, and its triangles; without the outset where narrow notches would close."""
     grown = grow(polygon, outset)
     try:
         return grown, triangulate(grown)

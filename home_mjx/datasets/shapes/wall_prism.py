@@ -87,7 +87,7 @@ def _panel(
 
 
 def merge_holes(holes: Sequence[Hole]) -> list[Hole]:
-    """Holes, those that meet replaced by the rectangle around them, until none meet.
+    """Holes; those that touch are replaced by the rectangle around them, until none touch.
 
     Example:
         >>> merge_holes([(0, 1, 0, 1), (3, 4, 0, 1), (0.5, 2, 0.5, 2)])

@@ -1,4 +1,4 @@
-"""A SUNCG dataset on disk, v1 or v2: its houses and the tables beside them."""
+"""A SUNCG dataset on disk, v1 or v2: its houses and its metadata tables."""
 
 import os
 from collections.abc import Callable
@@ -11,7 +11,7 @@ from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
 from home_mjx.datasets.suncg.formats.element import Value
 from home_mjx.datasets.suncg.read.house_json import read_house
 from home_mjx.datasets.suncg.read.metadata import read_metadata
-from home_mjx.errors import DatasetError, did_you_mean
+from home_mjx.errors import DatasetError, MissingFileError, UnknownIdError, did_you_mean
 from home_mjx.schema.house import House, Mesh, Metadata
 
 DEFAULT_OPTIONS = ReadOptions()
@@ -66,16 +66,17 @@ class Dataset:
         """Reads one library model, such as `122` or its variants `122_0` (closed) and, in v2, `122_2` (frame only).
 
         Raises:
-            DatasetError: It has no OBJ file, or that is broken.
+            DatasetError: Its OBJ file is missing or broken.
         """
         place = Value(self.root / "object", "", key)
         return self.assets.model(place.name(), key, place)
 
     def check_known(self, house_id: str) -> None:
-        """Raises `DatasetError` if there is no such house."""
+        """Raises `UnknownIdError`, a `DatasetError`, if there is no such house."""
         if house_id not in self._known:
             where = self.root / "house"
-            raise DatasetError(f"unknown house `{house_id}`", file=where, hint=did_you_mean(house_id, self.house_ids))
+            hint = did_you_mean(house_id, self.house_ids)
+            raise UnknownIdError(f"unknown house `{house_id}`", file=where, hint=hint)
 
     def _left_out(self, options: ReadOptions) -> Callable[[str], bool]:
         unwanted = options.categories_left_out
@@ -93,7 +94,8 @@ def open_dataset(root: str | Path | None = None) -> Dataset:
         root: Its folder; by default the one that the environment variable `SUNCG_DATA_DIR` names.
 
     Raises:
-        DatasetError: No folder was given, it does not exist, or it holds no house.
+        MissingFileError: The folder does not exist or holds no house.
+        DatasetError: No folder was given, or it is a file.
     """
     named = dataset_root() if root is None else root
     if named is None or not str(named):
@@ -101,10 +103,11 @@ def open_dataset(root: str | Path | None = None) -> Dataset:
     path = Path(os.path.abspath(Path(named).expanduser()))
     if not path.is_dir():
         hint = f"Correct the path or {ROOT_VARIABLE}. {LAYOUT}"
-        raise DatasetError("dataset root is not a folder", file=path, hint=hint)
+        kind = DatasetError if os.path.exists(path) else MissingFileError
+        raise kind("dataset root is not a folder", file=path, hint=hint)
     dataset = Dataset(path)
     if not dataset.house_ids:
-        raise DatasetError("folder holds no house/<id>/house.json", file=path, hint=_root_hint(path))
+        raise MissingFileError("folder holds no house/<id>/house.json", file=path, hint=_root_hint(path))
     return dataset
 
 

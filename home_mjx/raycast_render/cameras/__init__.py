@@ -1,1 +1,1 @@
-"""Cameras: their rays, how they sample, their noise, when they look."""
+"""Cameras: rays, sampling, noise, and rendering on some steps only."""

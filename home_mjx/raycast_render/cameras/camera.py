@@ -1,4 +1,4 @@
-"""Cameras in MuJoCo's convention: looking along -z, +y up. Where they are is arrays, how they image is static."""
+"""Cameras in MuJoCo's convention: looking along -z, +y up. Poses are arrays, lenses are static."""
 
 import math
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from home_mjx.core.transforms import quat_matrix
 from home_mjx.errors import ConfigError
 from home_mjx.schema.choices import CAMERA_MODELS
 
-MAX_PIXELS = 2**26  # of one image: more is a slip, and kernels count rays in 32 bits
+MAX_PIXELS = 2**26  # of one image: more is a mistake, and kernels count rays in 32 bits
 MAX_SAMPLES = 1 << 16  # rays per pixel
 CENTER = (0.5, 0.5)  # of a pixel, right and down
 # Right, up and forward of the faces of a cube map in the camera's frame: front, right, back, left, up, down.
@@ -50,21 +50,21 @@ class Lens:
     Models:
 
     * pinhole: `fovy` is the vertical field of view; pixels are square.
-    * panorama: equirectangular, all around; the middle looks ahead, the left edge backwards over the left shoulder.
+    * panorama: equirectangular, 360 degrees; the middle looks ahead, the left and right edges backwards.
     * cube: six pinholes of 90 degrees, images get a leading axis: front, right, back, left, up, down.
     * orthographic: parallel rays through an image that is `fovy` metres high.
-    * lidar: `width` azimuths all around as in a panorama, `height` elevations evenly spaced over `elevation`, both ends
-      included, the highest first.
+    * lidar: `width` azimuths over 360 degrees as in a panorama, `height` elevations evenly spaced over `elevation`,
+      both ends included, the highest first.
 
     Attributes:
         width: Columns.
         height: Rows.
         model: One of `schema.choices.CAMERA_MODELS`.
-        samples: Rays per pixel of the colour images, spread over the pixel; all else is seen through its middle.
+        samples: Rays per pixel of the colour images, spread over the pixel; other images use its middle.
         elevation: Lowest and highest beam of a lidar [degrees].
 
     Raises:
-        ConfigError: An unknown model, or a number that makes no image.
+        ConfigError: The model is unknown, or a number cannot be used.
 
     Example:
         >>> Lens(360, 16, "lidar", elevation=(-15, 15)).shape
@@ -97,7 +97,7 @@ class Lens:
 
 
 def has_intrinsics(lens: Lens) -> bool:
-    """Whether the lens projects as a matrix does."""
+    """Whether a matrix of intrinsics describes the lens."""
     return lens.model in ("pinhole", "cube")
 
 
@@ -106,12 +106,12 @@ def camera_rays(
 ) -> tuple[Float[Array, "*image 3"], Float[Array, "*image 3"]]:
     """World origins and directions of one ray per pixel, row 0 at the top.
 
-    Directions of pinholes are of such a length that t is the depth along the optical axis; all others are unit.
+    Directions of pinholes are scaled so that t is the depth along the optical axis; all others are unit vectors.
 
     Args:
-        camera: Where it is.
-        lens: How it images.
-        at: Where in each pixel, right and down of its top left corner [px].
+        camera: Its pose and field of view.
+        lens: Its model and size.
+        at: Point in each pixel, right and down from its top left corner [px].
     """
     column, row = (jnp.arange(n, dtype=jnp.float32) + at[i] for i, n in enumerate((lens.width, lens.height)))
     column, row = jnp.meshgrid(column, row)

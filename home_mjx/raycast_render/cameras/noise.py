@@ -1,4 +1,4 @@
-"""Sensor noise as pure functions of images, for whoever wants cameras less perfect than rays."""
+"""Noise of real sensors, as pure functions of a key and an image."""
 
 import jax
 import jax.numpy as jnp
@@ -29,8 +29,8 @@ def kinect_depth(
     Args:
         key: Random key.
         depth: [m], not clipped; made for 640 x 480, but any size will do.
-        near: Below it there is no reading [m].
-        far: Beyond it there is none.
+        near: Below this distance there is no reading [m].
+        far: Beyond this distance there is no reading [m].
 
     Returns:
         Depth [m]; inf where there is no reading.

@@ -1,4 +1,4 @@
-"""Well spread points for the rays of a pixel: the same in every run, image and batch."""
+"""Evenly spread points for the rays of a pixel: the same in every run, image and batch."""
 
 import jax.numpy as jnp
 import numpy as np
@@ -16,7 +16,7 @@ def point(sample: Int[Array, ""] | int) -> Float[Array, "2"]:
 
 
 def points(sample: Int[Array, ""] | int, shape: tuple[int, ...], seed: int) -> Float[Array, "*image 2"]:
-    """The sample's point for each pixel, moved by a random number of its own, so that errors look like grain."""
+    """The sample's point for each pixel, shifted by a number of each pixel, so that errors look like grain."""
     own = np.random.default_rng(seed).random((*shape, 2), np.float32)
     moved = jnp.broadcast_to(point(sample), own.shape) + own
     return moved - jnp.floor(moved)

@@ -1,4 +1,4 @@
-"""Rendering less often, or not for everybody: images that are not drawn keep their last value."""
+"""Rendering at some steps or for some environments only; the other images keep their last value."""
 
 from collections.abc import Callable
 from typing import TypeVar
@@ -15,13 +15,13 @@ T = TypeVar("T")
 def render_every(interval: int, step: Int[Array, ""], draw: Callable[[], T], last: T) -> T:
     """`draw()` on every `interval`-th step, else the last images; the others cost nothing.
 
-    Call it outside of `vmap`, with a step that all environments share: mapped over, JAX computes both branches.
+    Call it outside of `vmap`, with a step that all environments share: under `vmap` JAX computes both branches.
 
     Args:
         interval: Steps between images, at least 1.
-        step: Counts the steps from 0.
+        step: Number of the step, from 0.
         draw: Makes the images.
-        last: Those of the last step.
+        last: The images of the last step.
 
     Raises:
         ConfigError: `interval` is less than 1.
@@ -40,9 +40,9 @@ def render_some(chosen: Int[Array, " n"], draw: Callable[..., T], last: T, *batc
     """Images of some environments of a batch; the others keep theirs and cost nothing.
 
     Args:
-        chosen: Indices of the environments; out of range ones are ignored, so that the list can be padded.
+        chosen: Indices of the environments; indices out of range are ignored, so that the list can be padded.
         draw: Makes the images of one environment.
-        last: Images of all, with a leading axis of environments.
+        last: Images of all environments, with a leading axis.
         batched: Arguments of `draw`, with the same leading axis.
 
     Example:

@@ -37,10 +37,10 @@ def cast(
         scene: The environment.
         origin: [m], world; one for all rays is read once, which is quicker.
         direction: World; t counts in units of its length.
-        t_min: Of the part of the ray that counts, >= 0; one value or one per ray.
-        t_max: The other end; rays with t_max < t_min hit nothing at no cost.
-        exclude: Object id, or I + a for agent a, that the ray passes through; -1 none.
-        mask: `Ray` bits; materials that stop none of them are passed through.
+        t_min: Start of the part of the ray that counts, >= 0; one value or one per ray.
+        t_max: Its end; rays with t_max < t_min hit nothing and cost nothing.
+        exclude: Object id that the ray ignores, or I + a for agent a; -1 none.
+        mask: `Ray` bits; materials that stop none of them are ignored.
         executor: "xla", "cpu" or "cuda". None takes the scene's; if that is None too, the best one of the platform for
             which the program is compiled.
 
@@ -105,16 +105,16 @@ def _rays(origin: Array, direction: Array, t_min: Distance, t_max: Distance, exc
 
 
 def _shared(origin: Array, t_min: Distance, t_max: Distance, exclude: Id, mask: Id) -> tuple[str, ...]:
-    """Names of the fields for which one value was given for all rays.
+    """Names of the fields with one value for all rays.
 
-    In a fixed order: a set of strings has another one in every process, and JAX's compile cache would never hit.
+    In a fixed order: that of a set of strings differs between processes, and JAX's compile cache would never hit.
     """
     given = {"t_min": t_min, "t_max": t_max, "exclude": exclude, "mask": mask}
     return (*(name for name, x in given.items() if jnp.ndim(x) == 0), *(("origin",) if origin.ndim == 1 else ()))
 
 
 def _run(scene: Scene, rays: Rays, shared: tuple[str, ...], executor: str | None, any_hit: bool) -> tuple[Array, ...]:
-    """Hits of shape (rays,); of `shared` fields the executor gets one value, which saves the memory's time."""
+    """Hits of shape (rays,); the executor gets one value of each `shared` field, which saves memory bandwidth."""
     refuse_forked()
     count = rays.t_min.size
     flat = jax.tree.map(lambda x: x.reshape(1, count, *x.shape[rays.t_min.ndim :]), rays)

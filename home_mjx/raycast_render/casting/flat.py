@@ -1,4 +1,4 @@
-"""The primitive beneath `cast`: rays as (environments, rays per environment), any nesting of `vmap` folded in."""
+"""The primitive beneath `cast`: rays as (environments, rays per environment), with any nesting of `vmap` folded in."""
 
 import functools
 from collections.abc import Callable
@@ -50,13 +50,13 @@ def flat_cast(executor: str | None, any_hit: bool) -> Flat:
 
 
 def _no_hits(cast: Flat, batched: Any, args: Any) -> RawHit:
-    """Of a batch of none: executors are not asked."""
+    """The hits of an empty batch, without an executor."""
     one = jax.tree.map(lambda x, b: jax.ShapeDtypeStruct(x.shape[1:] if b else x.shape, x.dtype), args, batched)
     return jax.tree.map(lambda x: jnp.zeros((0, *x.shape), x.dtype), jax.eval_shape(cast, *one))
 
 
 def _one_by_one(run: Executor, any_hit: bool, size: int, batched: Any, args: Any) -> RawHit:
-    """Geometries of their own cannot share a cast."""
+    """Environments with different geometries: they cannot share a cast."""
 
     def one(args: tuple[Geometry, Array, Moving, Rays]) -> RawHit:
         geometry, house, moving, rays = args
@@ -66,7 +66,7 @@ def _one_by_one(run: Executor, any_hit: bool, size: int, batched: Any, args: Any
 
 
 def _more_rays(size: int, rays: Rays, batched: Any) -> Rays:
-    """Rays (e r ...), or of batched fields (size e r ...), as (e size*r ...); fields that all rays share stay so."""
+    """Rays (e r ...), or of batched fields (size e r ...), as (e size*r ...); shared fields stay shared."""
     count = max(x.shape[2 if b else 1] for x, b in zip(jax.tree.leaves(rays), jax.tree.leaves(batched), strict=True))
 
     def merge(x: Array, is_batched: bool) -> Array:

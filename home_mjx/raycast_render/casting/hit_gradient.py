@@ -18,7 +18,7 @@ def differentiable(
     u: Float[Array, " n"],
     v: Float[Array, " n"],
 ) -> Coordinates:
-    """t, u and v as they came, made differentiable with respect to the rays and `scene.moving.pose`."""
+    """t, u and v unchanged, but differentiable with respect to the rays and `scene.moving.pose`."""
     pose = _pose(scene, instance)
     corners = scene.geometry.triangle[jnp.maximum(triangle, 0)]
     origin, direction = rays.origin.reshape(-1, 3), rays.direction.reshape(-1, 3)
@@ -42,7 +42,7 @@ def _attach(pose: Array, origin: Array, direction: Array, corners: Array, valid:
 
 @_attach.defjvp
 def _attach_jvp(primals: tuple, tangents: tuple) -> tuple[Coordinates, Coordinates]:
-    """Differentiates origin + t direction = corner_0 + u edge_1 + v edge_2, whose solution the hit is."""
+    """Differentiates origin + t direction = corner_0 + u edge_1 + v edge_2, of which the hit is the solution."""
     pose, _, direction, corners, valid, _ = primals
     d_pose, d_origin, d_direction, d_corners, _, _ = tangents
     t, u, v = _attach(*primals)

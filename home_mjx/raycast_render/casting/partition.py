@@ -1,4 +1,4 @@
-"""How a compiler that spreads a program over devices may cut a cast: by environments and rays, never the geometry."""
+"""How a cast may be partitioned over devices: by environments and by rays, never the geometry."""
 
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -37,7 +37,7 @@ def partitioned(run: Callable[..., RawHit]) -> Callable[..., RawHit]:
 
 
 def _sharding_rule(mesh: Any, operands: Sequence[ir.Type], results: Sequence[ir.Type]) -> str:
-    """An einsum-like rule: `e` environments, `r` rays; all other axes stand for themselves."""
+    """An einsum-like rule: `e` environments, `r` rays; all other axes are their own."""
     alone = len(operands) - NUM_PLACES - NUM_RAYS
     shared = [()] * alone + [("e",)] * NUM_PLACES
     shared += [("e", "r") if _shape(rays)[1] == _shape(results[0])[1] else ("e",) for rays in operands[-NUM_RAYS:]]

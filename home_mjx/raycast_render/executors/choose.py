@@ -1,4 +1,4 @@
-"""The ways to cast rays, all with one signature over the same arrays, and the choice among them."""
+"""The executors, all with one signature over the same arrays, and the choice among them."""
 
 import functools
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""The `cpu` executor: a loop compiled by Numba that XLA calls directly. Compiled, registered and tried on first use."""
+"""The `cpu` executor: a loop compiled by Numba that XLA calls directly. Compiled and tested on first use."""
 
 import functools
 import os
@@ -36,7 +36,7 @@ def cast_cpu(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: 
 
 @functools.cache
 def cpu_available() -> bool:
-    """Whether the `cpu` executor works here; if there is a CPU backend and it does not, says so once."""
+    """Whether the `cpu` executor works here; warns once if there is a CPU backend and it does not."""
     problem = cpu_problem()
     if problem and "cpu" in {device.platform for device in _cpu_devices()}:
         warnings.warn(f"rays are cast by the slower `xla` executor: {problem}", RuntimeWarning, stacklevel=2)
@@ -45,11 +45,11 @@ def cpu_available() -> bool:
 
 @functools.cache
 def cpu_problem() -> str | None:
-    """Why the executor cannot be used; None if it works. The first call compiles, registers and tries it."""
+    """Why the executor cannot be used; None if it works. The first call compiles, registers and tests it."""
     if not _cpu_devices():
         return "JAX has no CPU backend here"
     answer: list[str | None] = []
-    # In a thread of its own: the caller may be in the middle of a trace, or under a mesh.
+    # In its own thread: the caller may be in the middle of a trace, or under a mesh.
     thread = threading.Thread(target=lambda: answer.append(_start()))
     thread.start()
     thread.join()
@@ -57,7 +57,7 @@ def cpu_problem() -> str | None:
 
 
 def refuse_forked() -> None:
-    """Raises ExecutorError in a child that was forked off after the first cast: XLA's threads are not in it."""
+    """Raises `ExecutorError` in a child that was forked after the first cast: it lacks XLA's threads."""
     if _started_in and _started_in[0] != os.getpid():
         raise ExecutorError(
             "rays cannot be cast in a forked child of a process that has cast rays",
@@ -74,7 +74,7 @@ def _cpu_devices() -> list:
 
 def _start() -> str | None:
     _started_in.append(os.getpid())
-    # A wrong guess about this machine must not end a program that the `xla` executor can serve.
+    # A failure here must not end a program that the `xla` executor can run.
     try:
         from home_mjx.raycast_render.executors.native.ffi_handler import build_handler
 

@@ -1,4 +1,4 @@
-"""The `cuda` executor: `cast.cu`, compiled for the GPU at hand and called by XLA. Compiled and tried on first use."""
+"""The `cuda` executor: `cast.cu`, compiled for this GPU and called by XLA. Compiled and tested on first use."""
 
 import functools
 import threading
@@ -42,7 +42,7 @@ def cast_cuda(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays:
 
 @functools.cache
 def cuda_available() -> bool:
-    """Whether the `cuda` executor works here; if there is an NVIDIA GPU and it does not, says so once."""
+    """Whether the `cuda` executor works here; warns once if there is an NVIDIA GPU and it does not."""
     problem = cuda_problem()
     if problem and cuda_devices():
         warnings.warn(f"rays are cast by the slower `xla` executor: {problem}", RuntimeWarning, stacklevel=2)
@@ -51,11 +51,11 @@ def cuda_available() -> bool:
 
 @functools.cache
 def cuda_problem() -> str | None:
-    """Why the executor cannot be used; None if it works. The first call compiles and tries it."""
+    """Why the executor cannot be used; None if it works. The first call compiles and tests it."""
     if not cuda_devices():
         return "JAX has no NVIDIA GPU here"
     answer: list[str | None] = []
-    # In a thread of its own: the caller may be in the middle of a trace, or under a mesh.
+    # In its own thread: the caller may be in the middle of a trace, or under a mesh.
     thread = threading.Thread(target=lambda: answer.append(_start()))
     thread.start()
     thread.join()
@@ -78,7 +78,7 @@ def kernels() -> str:
 
 
 def _start() -> str | None:
-    # Whatever is wrong with this machine's CUDA must not end a program that the `xla` executor can serve.
+    # A failure here must not end a program that the `xla` executor can run.
     try:
         with jax.default_device(cuda_devices()[0]):
             return probe(_call)
@@ -101,13 +101,13 @@ def _call(geometry: Geometry, house: Array, moving: Moving, rays: Rays, any_hit:
 
 
 def _any(instance: Int[Array, "e r"]) -> RawHit:
-    """What casting for any hit tells: only whether there is an instance."""
+    """The result of a cast for any hit: only whether there is one."""
     zero = jnp.zeros_like(instance, jnp.float32)
     return RawHit(jnp.where(instance < 0, MISS, zero), instance, jnp.minimum(instance, 0), zero, zero, zero > 0)
 
 
 def operands(geometry: Geometry, house: Array, moving: Moving, rays: Rays) -> tuple[Array, ...]:
-    """What the kernels read, in their order."""
+    """The arrays that the kernels read, in their order."""
     gpu = gpu_geometry(geometry) if geometry.gpu is None else geometry.gpu
     low, high = (moving.box[..., i, :].astype(jnp.float32) for i in range(2))
     low = jnp.where((moving.instance >= 0)[..., None], low, jnp.inf)
@@ -132,7 +132,7 @@ def operands(geometry: Geometry, house: Array, moving: Moving, rays: Rays) -> tu
 
 
 def _constants(values: tuple, dtype: Any) -> Array:
-    """An array made within the program: what is partitioned may not bring arrays along."""
+    """An array made inside the program: a partitioned function may not capture arrays."""
     return jnp.concatenate([jnp.full(1, value, dtype) for value in values])
 
 

@@ -20,10 +20,10 @@ log = logging.getLogger(__name__)
 
 
 def compile_ptx(source: Path, capability: int) -> str:
-    """PTX of a CUDA C file, from the cache if source, target and compiler are as they were.
+    """PTX of a CUDA C file, from the cache if source, target and compiler have not changed.
 
     Args:
-        source: The file; what its functions are called is left alone if they are `extern "C"`.
+        source: The file; names of `extern "C"` functions stay as they are.
         capability: Compute capability of the device, 90 for 9.0. An NVRTC that does not know it yet compiles for the
             newest one that it does know, which runs there too.
 
@@ -51,7 +51,7 @@ def find_library() -> ctypes.CDLL:
     """NVRTC, from NVIDIA's Python packages or wherever the system's loader finds it.
 
     Raises:
-        ExecutorError: It is nowhere.
+        ExecutorError: It was not found.
     """
     for name in (*_installed(), *NAMES):
         try:
@@ -122,7 +122,7 @@ def _check(library: ctypes.CDLL, status: int) -> None:
 
 
 def _read(entry: Path) -> str | None:
-    """What the cache holds; None if it holds nothing, or something broken."""
+    """The cached PTX; None if there is none, or a broken entry."""
     try:
         head, _, ptx = entry.read_text().partition("\n")
     except FileNotFoundError:

@@ -1,4 +1,4 @@
-"""A scene of two triangles, one of them moving, on which an executor shows that it works."""
+"""A scene of two triangles, one of them moving, on which executors are tested."""
 
 from collections.abc import Callable
 from typing import TypeVar
@@ -14,7 +14,7 @@ T = TypeVar("T")
 
 
 def probe(executor: Callable) -> str | None:
-    """What is wrong with what an executor returns; None if nothing is.
+    """The fault in the result of an executor; None if it is right.
 
     Four rays run along +z: through the static triangle at z = 1, through the moving one at z = 2, past both, and
     towards the static one, ending before it.

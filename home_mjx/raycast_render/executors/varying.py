@@ -6,6 +6,6 @@ from jaxtyping import Array, Bool
 
 
 def varying_false(*inputs: object) -> Bool[Array, ""]:
-    """False, of a type that varies over all mesh axes over which any of the inputs does. It costs nothing."""
+    """False, with a type that varies over all mesh axes over which any input varies. It costs nothing."""
     zeros = (jnp.zeros_like(x, jnp.int32, shape=()) for x in jax.tree.leaves(inputs))
     return sum(zeros, jnp.int32(0)) > 0

@@ -1,8 +1,8 @@
 """The reference executor: two-level traversal in plain JAX, on any platform.
 
-All rays of a chunk step together: they walk down nodes until none is at a node any more, then all test triangles and
-enter or leave instances. A ray keeps a stack of tree codes; while it is inside an instance it holds that instance's
-frame, and leaves it when its stack has shrunk to where it was on entering.
+All rays of a chunk step together: they descend until no ray is at a node, then all test triangles and enter or leave
+instances. A ray keeps a stack of tree codes; while it is inside an instance it holds that instance's
+frame, and leaves it when the stack is back to its size on entering.
 
 Sources: S. Woop, C. Benthin, I. Wald, "Watertight ray/triangle intersection", JCGT 2(1), 2013; T. Ize, "Robust BVH ray
 traversal", JCGT 2(2), 2013.
@@ -36,7 +36,7 @@ class _Best(NamedTuple):
 
 
 class _State(NamedTuple):
-    code: Int[Array, " n"]  # what the ray is at, EMPTY once it is through
+    code: Int[Array, " n"]  # tree code at which the ray is, EMPTY when it is done
     stack: Int[Array, "n s"]
     size: Int[Array, " n"]
     base: Int[Array, " n"]  # size of the stack on entering the current instance
@@ -48,7 +48,7 @@ class _State(NamedTuple):
 
 
 class _World(NamedTuple):
-    """What does not change on the way."""
+    """What does not change during the traversal."""
 
     geometry: Geometry
     house: Int[Array, " e"]
@@ -70,7 +70,7 @@ def cast_xla(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: 
         widths = [(0, count * chunk - total)] + [(0, 0)] * (flat.ndim - 1)
         return jnp.pad(flat, widths, constant_values=fill).reshape(count, chunk, *flat.shape[1:])
 
-    # All that the loops carry is made from this.
+    # Everything that the loops carry is made from this.
     zero = varying_false(house, moving, rays).astype(jnp.int32)
     env = lax.broadcasted_iota(jnp.int32, shape, 0) + zero
     # Padding rays end before they begin: t_min 1, t_max 0.
@@ -89,7 +89,7 @@ def _cast_chunk(world: _World) -> RawHit:
 
 
 def _start(world: _World) -> _State:
-    """Rays are at their house's top tree; on the stack lies every moving instance whose box they meet."""
+    """Rays are at their house's top tree; the stack holds every moving instance whose box they meet."""
     n, slots, rays = world.env.shape[0], world.moving.instance.shape[1], world.rays
     zero = jnp.zeros_like(world.env)
     none, weight = zero - 1, zero.astype(jnp.float32)
@@ -110,7 +110,7 @@ def _start(world: _World) -> _State:
 
 
 def _walk_down(world: _World, state: _State) -> _State:
-    """Until no ray is at a node: on to the nearer child that it meets, or to what it put off last."""
+    """Until no ray is at a node: each moves on to the nearer child that it meets, or pops its stack."""
 
     def step(state: _State) -> _State:
         is_node = state.code >= 0
@@ -123,7 +123,7 @@ def _walk_down(world: _World, state: _State) -> _State:
 
 
 def _visit_leaves(world: _World, state: _State) -> _State:
-    """Rays at triangles test up to four; those through with an instance leave it; those at another one enter it."""
+    """Rays at triangles test up to four; those done with an instance leave it; those at another one enter it."""
     first, count = ~state.code >> 4, ~state.code & 15
     at_triangles = (state.instance >= 0) & (state.code != EMPTY)
     best = _test_triangles(world, state, jnp.where(at_triangles, first, 0), jnp.where(at_triangles, count, 0))
@@ -149,7 +149,7 @@ def _push(
 
 
 def _pop(state: _State, wanted: Bool[Array, " n"]) -> _State:
-    """Moves rays on to what they put off last in their frame, or to EMPTY."""
+    """Pops the stack of rays within their frame; EMPTY if nothing is left."""
     there = wanted & (state.size > state.base)
     size = jnp.where(there, state.size - 1, state.size)
     code = jnp.where(there, jnp.take_along_axis(state.stack, size[:, None], axis=1)[:, 0], EMPTY)
@@ -157,7 +157,7 @@ def _pop(state: _State, wanted: Bool[Array, " n"]) -> _State:
 
 
 def _leave(world: _World, state: _State) -> _State:
-    """Rays that are through with their instance return to the world frame and move on there."""
+    """Rays that are done with their instance return to the world frame and continue there."""
     done = (state.instance >= 0) & (state.code == EMPTY)
     state = state._replace(
         instance=jnp.where(done, -1, state.instance),
@@ -171,7 +171,7 @@ def _leave(world: _World, state: _State) -> _State:
 def _enter(world: _World, state: _State) -> _State:
     """Takes rays that are at instances into the frame of the first, unless it is excluded.
 
-    Codes of top trees count a house's instances, then the moving slots.
+    Codes of top trees count a house's instances, then the moving ones.
     """
     geometry, moving, house = world.geometry, world.moving, world.house[world.env]
     index, count = ~state.code >> 4, ~state.code & 15
@@ -224,7 +224,7 @@ def _children(world: _World, state: _State, node: Int[Array, " n"]) -> tuple[Int
 def _slab(
     box: Float[Array, "n 6"], origin: Float[Array, "n 3"], direction: Float[Array, "n 3"], t_min: Float[Array, " n"]
 ) -> Float[Array, " n"]:
-    """Where rays enter boxes, at least t_min; infinity if they do not."""
+    """Distance t at which rays enter boxes, at least t_min; infinity on a miss."""
     safe = jnp.where(jnp.abs(direction) < TINY, jnp.where(direction < 0, -TINY, TINY), direction)
     low, high = (box[:, :3] - origin) / safe, (box[:, 3:] - origin) / safe
     near = jnp.maximum(jnp.max(jnp.minimum(low, high), axis=1), t_min)

@@ -1,4 +1,4 @@
-"""Rectangles that mirror sound: walls, floors and ceilings as their rooms see them, each once."""
+"""Rectangles that mirror sound: walls, floors and ceilings as seen from their rooms, each once."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from home_mjx.scene_compile.geometry.rotations import yaw_matrix
 from home_mjx.schema.compiled import Planes, Rooms
 
 SNAP = 0.06  # [m]: corners of neighbouring rooms that differ by less are one
-SAME_PLANE = 0.06  # [m]: walls may be drawn a little askew
+SAME_PLANE = 0.06  # [m]: walls may be slightly oblique
 LEAST = 0.2  # [m], edge of a rectangle worth a reflection
 
 

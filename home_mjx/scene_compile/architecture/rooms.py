@@ -30,7 +30,7 @@ def house_rooms(house: House) -> list[tuple[int, Room]]:
 
 
 def ground_offset(house: House) -> Float[np.ndarray, "3"]:
-    """What to add to Z-up file coordinates: the middle of the ground floor's rooms goes to x = y = 0.
+    """Offset of Z-up file coordinates that puts the middle of the ground floor's rooms at x = y = 0.
 
     Raises:
         DatasetError: The house has no room with a mesh.
@@ -68,7 +68,7 @@ def extract_rooms(house: House, offset: Float[np.ndarray, "3"]) -> Rooms:
 
 
 def _measure(room: Room, offset: Float[np.ndarray, "3"]) -> tuple[Float[np.ndarray, "n 2"], tuple[float, float]]:
-    """Outline and heights; parts that are hidden are stood in for by those that are not."""
+    """Outline and heights; visible parts replace hidden ones."""
     meshes = (room.floor, room.ceiling, room.walls)
     floor, ceiling, walls = (None if m is None else triangles_of(m, offset) for m in meshes)
     parts = [p for p in (floor, ceiling, walls) if p is not None]
@@ -101,7 +101,7 @@ def outline(slab: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "n 2"]:
     polygons = [_straighten(corners[loop] * MERGE) for loop in loops]
     largest = max(polygons, key=polygon_area, default=np.zeros((0, 2)))
     area = np.linalg.norm(normal[upper], axis=1).sum() / 2
-    # Triangles that do not meet corner to corner give several loops, none of which is the outline.
+    # Triangles that do not share corners give several loops; none of them is the outline.
     return largest if polygon_area(largest) > 0.9 * area else _bounding_outline(slab)
 
 

@@ -16,8 +16,8 @@ from home_mjx.schema.compiled import Model, Rooms
 from home_mjx.schema.house import House, Mesh
 from home_mjx.schema.semantic import semantic_row
 
-PROBE = 0.15  # [m] beyond a wall, where it is asked whether there is a room
-SKIN = 0.01  # [m]: surfaces deeper than this inside a wall are not seen
+PROBE = 0.15  # [m] beyond a wall: where rooms are looked for
+SKIN = 0.01  # [m]: surfaces deeper than this inside a wall are hidden
 LAYER_GAP = 0.12  # [m]: slabs nearer than this above one another are one, such as a ceiling and the floor upon it
 
 
@@ -142,7 +142,7 @@ def _unite(leader: list[int], i: int, j: int) -> None:
 
 
 def _categories(parts: Sequence[ShellPart], partition: Int[np.ndarray, " q"], rooms: Rooms) -> list[str]:
-    """What each part is to sound; all copies of a wall are alike, so that both sides let through the same."""
+    """Acoustic category of each part; copies of one wall have the same, so both sides transmit alike."""
     numbered = zip(parts, partition, strict=True)
     inner = {int(p) for part, p in numbered if isinstance(part, Wall) and _is_inner(part, rooms)}
     walls = ["wall" if p in inner else "outer_wall" for p in partition]

@@ -1,4 +1,4 @@
-"""Walls as upright slabs: their frame, their extents and where they are solid."""
+"""Walls as upright slabs: their frame, extents and solid parts."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ class Slab:
     yaw: float  # [rad], of the axis along it
     low: Float[np.ndarray, "3"]  # [m], local
     high: Float[np.ndarray, "3"]
-    faces: Float[np.ndarray, "f 3 3"]  # [m], local: triangles of its two large sides
+    faces: Float[np.ndarray, "f 3 3"]  # [m], local: triangles of the two large sides
 
     @property
     def length(self) -> float:
@@ -29,7 +29,7 @@ class Slab:
 
     @property
     def middle(self) -> float:
-        """Where the middle plane lies across the slab [m], local."""
+        """Coordinate of the middle plane across the slab [m], local."""
         return float((self.low[1] + self.high[1]) / 2)
 
     def to_world(self, local: Float[np.ndarray, "*p 3"]) -> Float[np.ndarray, "*p 3"]:
@@ -56,12 +56,12 @@ def slab_along(yaw: float, triangles: Float[np.ndarray, "t 3 3"], normal: Float[
 
 
 def same_wall(a: Slab, b: Slab, gap: float = 0.08, overlap: float = 0.2) -> bool:
-    """Whether two slabs are copies or continuations-with-overlap of one physical wall.
+    """Whether two slabs are copies of one physical wall, or overlap as its continuation.
 
     Args:
         a: A slab.
         b: Another.
-        gap: Most distance between their middle planes [m].
+        gap: Largest distance between their middle planes [m].
         overlap: Least common length [m], more than what walls run into one another at corners.
     """
     if abs(np.sin(a.yaw - b.yaw)) > 0.03 or min(a.high[2], b.high[2]) - max(a.low[2], b.low[2]) < 0.5:
@@ -77,7 +77,7 @@ def wall_boxes(slabs: Sequence[Slab], longest: float) -> BoxSet:
 
     Args:
         slabs: Its prisms: copies of neighbouring rooms, inner and outer layers.
-        longest: Most length of a box [m].
+        longest: Largest length of a box [m].
     """
     main = max(slabs, key=lambda s: s.length)
     turn = yaw_matrix(main.yaw)

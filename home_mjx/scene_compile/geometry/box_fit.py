@@ -1,4 +1,4 @@
-"""A few boxes in place of a mesh: what objects are to the physics."""
+"""A few boxes in place of a mesh: the shape of objects in the physics."""
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -12,13 +12,13 @@ from home_mjx.scene_compile.geometry.rotations import yaw_matrix
 
 CELLS = 16  # along the longest side of an object
 SMALLEST_CELL = 0.03  # [m]
-SPACING = 0.7  # of a cell, between samples, so that no cell that a face crosses is missed
+SPACING = 0.7  # of a cell, between samples: a face cannot cross a cell without a sample in it
 WASTE = 0.02  # of the object's bounding box: most empty volume that a merge may add while it is free to choose
 WELD = 1e-4  # [m]
 
 
 def fit_boxes(triangles: Float[np.ndarray, "t 3 3"], yaw: float, most: int) -> BoxSet:
-    """At most `most` boxes of one yaw that together hold the surface and the inside of a mesh.
+    """At most `most` boxes of one yaw that together contain the surface and the inside of a mesh.
 
     The surface is sampled into cells, what it encloses is filled (the floor closes it from below), the cells become
     disjoint boxes, and boxes are merged, each time the pair that adds the least empty space.
@@ -130,11 +130,11 @@ def _block(start: np.ndarray, stop: np.ndarray) -> tuple[slice, ...]:
 
 
 def merge_boxes(boxes: Int[np.ndarray, "n 2 3"], most: int, waste: float) -> Int[np.ndarray, "m 2 3"]:
-    """Merges pairs of boxes into their hull, the least empty hull first, down to `most` and on while it adds little.
+    """Merges pairs of boxes into their hull, the least empty one first, to `most` and further while that adds little.
 
     Args:
         boxes: Minimum and maximum corners.
-        most: Number of boxes that must be reached.
+        most: Largest number of boxes in the result.
         waste: Empty volume that one further merge may add.
     """
     boxes = boxes.copy()

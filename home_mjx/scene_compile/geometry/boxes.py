@@ -1,4 +1,4 @@
-"""Sets of upright boxes: what colliders and movable bodies are made of."""
+"""Sets of upright boxes, the shapes of colliders and movable bodies."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ def box_inertia(mass: Float[np.ndarray, "*b"], size: Float[np.ndarray, "*b 3"]) 
 
 @dataclass(frozen=True)
 class BoxSet:
-    """Boxes that are turned about the vertical only."""
+    """Boxes rotated about the vertical axis only."""
 
     center: Float[np.ndarray, "n 3"]  # [m]
     half: Float[np.ndarray, "n 3"]  # [m], half extents
@@ -69,7 +69,7 @@ def join(sets: Iterable[BoxSet]) -> BoxSet:
 
 
 def box_of(points: Float[np.ndarray, "n 3"], yaw: float = 0.0) -> BoxSet:
-    """The box around points whose sides have the given yaw."""
+    """The smallest box around points with the given yaw."""
     turn = yaw_matrix(yaw)
     local = points @ turn
     low, high = local.min(axis=0), local.max(axis=0)

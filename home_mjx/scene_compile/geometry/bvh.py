@@ -1,6 +1,6 @@
 """Bounding-volume trees over boxes and triangles, built on the host by a compiled surface-area heuristic.
 
-Every place between two primitives, in the order of their centres along each axis, is tried. They are sorted once; the
+Every split between two primitives, in the order of their centres along each axis, is tried. They are sorted once; the
 parts of a range keep the order. Source: I. Wald, S. Boulos, P. Shirley, "Ray tracing deformable scenes using dynamic
 bounding volume hierarchies", ACM Transactions on Graphics 26(1), 2007, section 4.
 """
@@ -15,7 +15,7 @@ from numba import njit
 from home_mjx.errors import CapacityError, ConfigError, DatasetError
 from home_mjx.schema.compiled import Tree
 
-NODE_COST = 2.0  # of visiting a node, where testing a primitive costs 1
+NODE_COST = 2.0  # cost of visiting a node; testing a primitive costs 1
 MAX_DEPTH = 32  # levels of child links; the ray casters size their stacks by it
 MAX_LEAF = 15  # a leaf code has four bits for the count
 MAX_PRIMITIVES = 1 << 27
@@ -34,7 +34,7 @@ def build_tree(boxes: Float[np.ndarray, "n 2 3"], leaf_size: int = 4) -> tuple[T
         The tree, whose leaves count primitives in tree order, and `order`: `boxes[order]` is tree order.
 
     Raises:
-        DatasetError: A box is not finite or inside out.
+        DatasetError: A box is not finite, or its minimum exceeds its maximum.
         ConfigError: `leaf_size` is out of range.
         CapacityError: More boxes than a leaf code can number.
 
@@ -121,7 +121,7 @@ def _bound(bounds, rows, out):
 @njit(cache=True)
 @no_type_check
 def _split(bounds, order, cost, is_left, leaf_size, depth):
-    """Parts the primitives of a range in all three orders; returns how many come first, or -1 if they are a leaf."""
+    """Splits the primitives of a range in all three orders; returns the size of the first part, -1 for a leaf."""
     n = order.shape[1]
     leaves = (n + leaf_size - 1) // leaf_size
     balanced_depth = int(np.ceil(np.log2(max(leaves, 1))))
@@ -143,14 +143,14 @@ def _split(bounds, order, cost, is_left, leaf_size, depth):
 def _cheapest(bounds, order, cost):
     """The axis, count of primitives on the left and cost of the best split, and the range's own half area.
 
-    The cost is the sum of count times half area over both parts. Of equal ones the most even is taken.
+    The cost is the sum of count times half area over both parts. Of equal costs the most even split is taken.
     """
     n = order.shape[1]
     best, best_axis, best_count, area = np.inf, 0, n // 2, 0.0
     for axis in range(3):
         rows = order[axis]
         if axis < 2 and _center(bounds, rows[0], axis) == _center(bounds, rows[-1], axis):
-            continue  # this axis separates nothing
+            continue  # no split along this axis
         _sweep(bounds, rows[::-1], cost[1:n][::-1], False)
         area = _sweep(bounds, rows, cost[1:n], True)
         for count in range(1, n):

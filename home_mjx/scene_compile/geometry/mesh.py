@@ -82,7 +82,7 @@ def make_model(
         normal: Unit normals of the corners; if none, those of `crease_normals`.
     """
     count = len(triangles)
-    # Rounded before the tree is built, so that its boxes hold the very numbers that the rays meet.
+    # Rounded before the tree is built, so that its boxes contain exactly the numbers that rays test.
     triangle = triangles.astype(np.float32)
     uv = np.zeros((count, 3, 2), np.float32) if uv is None else uv.astype(np.float32)
     slot = np.zeros(count, np.int32) if slot is None else slot.astype(np.int32)

@@ -1,11 +1,11 @@
-"""Normals of the corners of triangles, smooth across edges that are meant to be round."""
+"""Normals of the corners of triangles, smooth across edges of round surfaces."""
 
 import numpy as np
 from jaxtyping import Float, Int
 
 CREASE = np.cos(np.deg2rad(40.0))  # sharper edges stay edges
 WELD = 1e-4  # [m]: corners nearer than this are one
-MANY = 64  # faces around a corner, from which on it is a knot of leaves rather than a surface
+MANY = 64  # faces around a corner; with more it is a tangle of leaves, not a surface
 
 
 def crease_normals(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "t 3 3"]:

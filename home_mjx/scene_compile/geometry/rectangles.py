@@ -1,4 +1,4 @@
-"""Plane figures with straight sides as few rectangles."""
+"""Plane figures with straight sides, covered by few rectangles."""
 
 from itertools import pairwise
 
@@ -7,7 +7,7 @@ from jaxtyping import Bool, Float
 
 
 def cluster(values: Float[np.ndarray, "*n"], tolerance: float) -> Float[np.ndarray, " k"]:
-    """Sorted values in which those nearer than `tolerance` to their neighbour are one, their mean.
+    """Sorted values; neighbours closer than `tolerance` are merged into their mean.
 
     Example:
         >>> cluster(np.array([2.0, 0.0, 1.0, 1.02]), 0.05)
@@ -69,7 +69,7 @@ def _grow(left: Bool[np.ndarray, "_ _"], row: int, column: int) -> tuple[int, in
     while top < left.shape[0] and left[top, column]:
         top += 1
     right = column + 1
-    # A run joins only if it is as tall as the first one, else it is better off on its own.
+    # A run joins only if it is as tall as the first one; otherwise it becomes its own rectangle.
     while right < left.shape[1] and left[row:top, right].all() and not _taller(left[:, right], row, top):
         right += 1
     return top, right

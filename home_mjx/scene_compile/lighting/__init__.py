@@ -1,1 +1,1 @@
-"""Lights of a house, and how its surfaces shine."""
+"""Lights and glossy surfaces of a house."""

@@ -1,4 +1,4 @@
-"""How surfaces gloss: from the MTL, else from what they are made of; and which of them are mirrors."""
+"""Gloss of surfaces: from the MTL, else from the kind of material; and which of them are mirrors."""
 
 from collections.abc import Mapping, Sequence
 
@@ -9,8 +9,8 @@ from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.house import Box, Material, Mesh
 from home_mjx.schema.lighting import Gloss
 
-SPECULAR_MAX = 0.2  # MTL files have up to 1 beside a full diffuse colour, as if surfaces gave more light than they get
-# Specular reflectance and Blinn-Phong exponent of kinds of material, where no MTL tells.
+SPECULAR_MAX = 0.2  # MTL files have up to 1 beside a full diffuse colour: more light than arrives
+# Specular reflectance and Blinn-Phong exponent by kind of material, for slots without them in the MTL.
 KIND_GLOSS: Mapping[str, tuple[float, float]] = {
     "ceramic": (0.12, 120.0),
     "facing stone": (0.04, 30.0),

@@ -1,4 +1,4 @@
-"""The lights of a house: of its lamps, from the dataset's light table; of the sky, through its windows."""
+"""The lights of a house: lamps from the dataset's light table, and the sky through windows."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -15,8 +15,8 @@ from home_mjx.schema.house import Box, Light, Metadata, base_model
 from home_mjx.schema.lighting import REFLECTANCE, LightTable
 
 OPENINGS = ("window", "door", "garage_door")  # coarse and fine categories whose glass lets daylight in
-NEAR = 0.6  # [m]: lights of one lamp nearer than this are one
-ALIKE = 0.9  # cosine between the directions of lights that are one
+NEAR = 0.6  # [m]: lights of one lamp closer than this are merged
+ALIKE = 0.9  # cosine between the directions of merged lights
 PROBE = 0.5  # [m] from a window, where it is asked whether there is a room
 DROP = 0.05  # [m] of a room's own light below its ceiling
 PANEL = 0.5  # [m], its edges
@@ -92,7 +92,7 @@ _COLUMNS = ("pos", "axis_u", "axis_v", "direction", "intensity", "exponent", "cu
 
 
 def lamp_sources(item: PlacedObject, metadata: Metadata) -> Iterator[Source]:
-    """The lights of a lamp, in its model's frame; those close together are one, so that a chandelier counts once."""
+    """The lights of a lamp, in its model's frame; those close together are merged, so that a chandelier counts once."""
     if isinstance(item.node, Box):
         return
     known = metadata.lights

@@ -1,4 +1,4 @@
-"""What surfaces do to sound: absorption, scattering and transmission per octave from tables, by texture and category.
+"""Acoustic properties of surfaces: absorption, scattering and transmission per octave, by texture and category.
 
 Absorption coefficients are those of Vorländer, Auralization, 2008 (source V in the table, through Pyroomacoustics'
 copy; the rows of HoME are among them) and of Resonance Audio (source R); transmission losses are handbook values of
@@ -80,7 +80,7 @@ CATEGORY_ROWS = {
 
 # Cloth on these is upholstery or a hanging, not a picture of cloth.
 UPHOLSTERED = ("sofa", "armchair", "chaisse_lounge", "ottoman", "pillow", "bed", "baby_bed", "single_bed", "double_bed")
-# Painted or papered surfaces sound like what is beneath: the category's own row.
+# Paint and wallpaper change little: the row of the category counts.
 FACINGS = ("", "default", "wallp", "wallpaper", "paint")
 CLOTH = ("linen", "textile", "leather")
 # What textures mean only where people walk.
@@ -170,7 +170,7 @@ def absorption_name(texture_family: str, category: str, slot_name: str = "") -> 
 def acoustic_row(
     texture_family: str, category: str, slot_name: str = ""
 ) -> tuple[Float[np.ndarray, " bands"], Float[np.ndarray, " bands"], Float[np.ndarray, " bands"]]:
-    """What a surface does to sound, per octave 125 .. 8000 Hz.
+    """Acoustic properties of a surface, per octave 125 .. 8000 Hz.
 
     Args:
         texture_family: Texture name without numbers, such as "wallp" or "prkt", or a material kind such as
@@ -180,8 +180,8 @@ def acoustic_row(
 
     Returns:
         Absorption, scattering and transmission, energy fractions 0..1. Absorption includes what is transmitted and is
-        never below it. Partitions transmit what their table row says. Anything else lets pass what would find its way
-        around it, see `detour_transmission`.
+        never below it. Partitions transmit as in their table row; everything else transmits the
+        energy that passes around it, see `detour_transmission`.
     """
     absorption = absorption_table()[absorption_name(texture_family, category, slot_name)]
     depth = STRUCTURE_DEPTH.get(category, UNEVEN)

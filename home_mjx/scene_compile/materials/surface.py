@@ -1,4 +1,4 @@
-"""Material rows of a house: for light from MTL and overrides, for sound from what the surface is made of."""
+"""Material rows of a house: for light from MTL and overrides, for sound from the kind of material."""
 
 import os
 from collections.abc import Sequence
@@ -13,7 +13,7 @@ from home_mjx.schema.house import Material
 from home_mjx.schema.material_kinds import material_kind
 
 WHITE = (1.0, 1.0, 1.0)
-CLEAR = 0.05  # below this opacity a surface is not seen
+CLEAR = 0.05  # below this opacity a surface is invisible
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class SurfaceMaterial:
 
 
 def override(base: Material, change: Material | None) -> Material:
-    """A slot of an MTL with what house.json says about it on top."""
+    """A slot of an MTL with the overrides of house.json."""
     if change is None:
         return base
     return Material(
@@ -86,7 +86,7 @@ def material_table(surfaces: Sequence[SurfaceMaterial]) -> MaterialTable:
 
 @dataclass
 class SurfaceRows:
-    """Rows of a house as they are collected; instances with equal slots share theirs."""
+    """Rows of a house while they are collected; instances with equal slots share rows."""
 
     surfaces: list[SurfaceMaterial] = field(default_factory=list)
     _first: dict[tuple[SurfaceMaterial, ...], int] = field(default_factory=dict)

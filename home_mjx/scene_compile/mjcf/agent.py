@@ -5,8 +5,8 @@ import xml.etree.ElementTree as ET
 from home_mjx.schema.agent import Body
 
 AGENT_SOLREF = "0.02 1"
-# Softer than MuJoCo's 0.02 s: what slides over a friction pyramid is lifted, the more so the shorter the time constant,
-# and a light box that is pushed at 1 m/s hops (7 mm with 0.05 s, 12 mm with 0.02 s, at friction 0.4).
+# Softer than MuJoCo's 0.02 s: a friction pyramid lifts what slides, more so with a shorter time constant, and a light
+# box that is pushed at 1 m/s hops (7 mm with 0.05 s, 12 mm with 0.02 s, at friction 0.4).
 BODY_SOLREF = "0.05 1"
 
 
@@ -16,7 +16,7 @@ def add_agent(world: ET.Element, shape: Body, name: str, **capsule: str) -> ET.E
     Args:
         world: The `worldbody` element.
         shape: Its size and mass.
-        name: Of body and capsule; joints are `<name>_x`, `_y`, `_z` and `_yaw`.
+        name: Name of body and capsule; joints are `<name>_x`, `_y`, `_z` and `_yaw`.
         **capsule: More attributes of the capsule.
 
     Returns:

@@ -12,11 +12,11 @@ from home_mjx.core.images import open_texture
 from home_mjx.scene_compile.mjcf.convex import convex_pieces
 from home_mjx.schema.compiled import CompiledHouse, Model
 
-LEAST_AREA = 1e-12  # [m^2]: smaller triangles are dropped, MuJoCo refuses meshes of nothing else
+LEAST_AREA = 1e-12  # [m^2]: smaller triangles are dropped; MuJoCo refuses meshes made of such triangles
 
 
 class MjcfAssets:
-    """Collects what the geoms of a house refer to; everything is stored once.
+    """Collects the meshes, textures and materials of a house's geoms; each is stored once.
 
     Attributes:
         files: Content by path relative to the MJCF file.
@@ -114,10 +114,10 @@ def obj_bytes(triangle: Float[np.ndarray, "t 3 3"], uv: Float[np.ndarray, "t 3 2
 
 
 def png_bytes(path: Path) -> bytes:
-    """An image file as PNG, whatever it was.
+    """An image file, converted to PNG.
 
     Raises:
-        DatasetError: As `open_texture`.
+        DatasetError: As in `open_texture`.
     """
     image = open_texture(path)
     opaque = image.getchannel("A").getextrema() == (255, 255)
@@ -127,7 +127,7 @@ def png_bytes(path: Path) -> bytes:
 
 
 def safe_name(text: str) -> str:
-    """The text with everything replaced that could not be part of a file name."""
+    """The text with all characters replaced that a file name cannot have."""
     return re.sub(r"[^A-Za-z0-9_-]", "_", text)
 
 

@@ -10,8 +10,8 @@ from home_mjx.scene_compile.mjcf.assets import numbers
 from home_mjx.schema.compiled import Doors
 
 COLLIDER = "3"  # group, hidden by the viewer at first
-# Leaves touch agents and movable objects, but neither their frames, walls and floor nor furniture that stays: SUNCG's
-# half-open leaves often reach into it.
+# Leaves touch agents and movable objects, but not frames, walls, floor or fixed furniture: SUNCG's half-open leaves
+# often reach into it.
 MEETS_LEAVES = {"contype": "3", "conaffinity": "3"}
 ONLY_MOVING = {"contype": "2", "conaffinity": "2"}
 HINGE = {"damping": "2", "frictionloss": "1"}  # [N m s/rad], [N m]: a leaf that is let go stands still

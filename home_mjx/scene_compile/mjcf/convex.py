@@ -1,4 +1,4 @@
-"""Models as convex pieces, for collision that follows their shape; needs the extra `exact`.
+"""Models as convex pieces, for collision with their shape; needs the extra `exact`.
 
 CoACD (Wei et al., 2022, "Approximate convex decomposition for 3D meshes with collision-aware concavity and tree
 search") does the work. It takes seconds per model, so pieces are kept in the cache folder.
@@ -20,18 +20,18 @@ from home_mjx.scene_compile.geometry.mesh import bounds
 from home_mjx.schema.compiled import Model
 
 Piece = Float[np.ndarray, "f 3 3"]
-VERSION = 1  # of what options give; raise it whenever pieces would change
-THINNEST = 1e-3  # [m]: thinner pieces have no hull that MuJoCo takes
+VERSION = 1  # raise it whenever the same options would give other pieces
+THINNEST = 1e-3  # [m]: MuJoCo refuses hulls of thinner pieces
 
 log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
 class ConvexOptions:
-    """How models are decomposed.
+    """Options of the decomposition.
 
     Attributes:
-        threshold: Concavity that is left, as a share of the model's size (see CoACD).
+        threshold: Remaining concavity, as a share of the model's size (see CoACD).
         max_pieces: Most pieces of a model.
         seed: Of CoACD's tree search.
     """
@@ -73,7 +73,7 @@ def _entry(model: Model, options: ConvexOptions) -> Path:
 
 
 def _decompose(model: Model, options: ConvexOptions) -> list[Float[np.ndarray, "_ 3"]]:
-    """Corners of the pieces; the whole model is one where CoACD cannot make sense of it."""
+    """Corners of the pieces; the whole model is one piece if CoACD fails."""
     try:
         import coacd
     except ImportError as error:
@@ -88,7 +88,7 @@ def _decompose(model: Model, options: ConvexOptions) -> list[Float[np.ndarray, "
             coacd.Mesh(vertices, corner.reshape(-1, 3).astype(np.int32)),
             threshold=options.threshold,
             max_convex_hull=options.max_pieces,
-            # Half of CoACD's own defaults or less: as many pieces, in 5 s per model in place of 30 s.
+            # Half of CoACD's defaults or less: as many pieces, in 5 s per model instead of 30 s.
             resolution=1000,
             mcts_iterations=60,
             mcts_nodes=10,

@@ -1,4 +1,4 @@
-"""A compiled house as a full MJCF model: what MuJoCo's viewer shows, and what the batched physics is held to."""
+"""A compiled house as a full MJCF model: for MuJoCo's viewer, and as the reference of the batched physics."""
 
 import json
 import xml.etree.ElementTree as ET
@@ -89,7 +89,7 @@ def to_mjcf(
 
 
 def export_mjcf(house: CompiledHouse, folder: Path, agent: Body | None = None, collision: str = "box") -> Path:
-    """Writes a house to `<folder>/<house id>/house.xml`, meshes and textures beside it: all of it or nothing.
+    """Writes a house to `<folder>/<house id>/house.xml`, with meshes and textures: everything or nothing.
 
     Args:
         house: A compiled house.
@@ -101,7 +101,7 @@ def export_mjcf(house: CompiledHouse, folder: Path, agent: Body | None = None, c
         Path of the MJCF file.
 
     Raises:
-        ConfigError: There is something else than an export at that place, or it cannot be written to.
+        ConfigError: Something other than an export is at that place, or it cannot be written.
     """
     xml, files = to_mjcf(house, agent=agent, collision=collision)
     target = Path(folder) / safe_name(house.id)

@@ -19,7 +19,7 @@ def add_lamps(world: ET.Element, house: CompiledHouse) -> None:
 
     Args:
         world: The `worldbody` element.
-        house: The house; daylight and lights of movable lamps stay where they are at load.
+        house: The house; daylight and lights of movable lamps do not move.
     """
     lights = house.lights
     scale = BRIGHTEST / max(float(lights.intensity[~lights.daylight].max(initial=0)), 1e-9)

@@ -1,4 +1,4 @@
-"""Movable objects that stand in something when a house is loaded: moved a little, or left out of contact with it."""
+"""Movable objects that overlap something when a house is loaded: moved a little, or their contact is disabled."""
 
 # MuJoCo names its types lazily, where pyright does not find them.
 # pyright: reportAttributeAccessIssue=false
@@ -14,16 +14,16 @@ from jaxtyping import Float
 from home_mjx.scene_compile.mjcf.assets import numbers
 
 FARTHEST = 0.05  # [m], that an object is moved
-DEPTH = 1e-3  # [m], of a contact from which on it is an overlap
+DEPTH = 1e-3  # [m]: deeper contacts are overlaps
 ROUNDS = 20
 
 
 def part_overlaps(root: ET.Element, files: Mapping[str, bytes]) -> list[dict[str, Any]]:
-    """Puts every free body of a model onto the floor and out of what it stands in, as far as 5 cm do.
+    """Puts every free body of a model onto the floor and out of overlaps, by at most 5 cm.
 
     Args:
         root: The `mujoco` element; positions of bodies are changed and pairs that stay in touch excluded.
-        files: What it refers to.
+        files: The files that it refers to.
 
     Returns:
         Per body that was moved or has exclusions: `object`, `shift` [m] and `excluded`, the other bodies' names.

@@ -1,4 +1,4 @@
-"""Whether a house stands still: how far its movable objects drift when nobody touches them."""
+"""Whether a house is at rest: how far its movable objects drift untouched."""
 
 # MuJoCo names its types lazily, where pyright does not find them.
 # pyright: reportAttributeAccessIssue=false
@@ -10,7 +10,7 @@ import numpy as np
 
 
 def rest_drift(xml: str, files: Mapping[str, bytes], seconds: float = 10.0) -> dict[str, float]:
-    """Steps a model in MuJoCo and measures how far its free bodies get.
+    """Steps a model in MuJoCo and measures how far its free bodies move.
 
     Args:
         xml: As from `to_mjcf`.

@@ -99,4 +99,4 @@ def blaming(house: House) -> Iterator[None]:
     except DatasetError as error:
         if error.file is not None:
             raise
-        raise DatasetError(error.message, file=house.path, element=error.element, hint=error.hint) from error
+        raise type(error)(error.message, file=house.path, element=error.element, hint=error.hint) from error

@@ -1,5 +1,8 @@
-"""What everything in a house is, looks like and stands next to: categories, colours, sizes, relations, text."""
+"""Semantics of a house: categories, colours, materials, sizes, supports, relations, texts."""
 
+from typing import TYPE_CHECKING
+
+from home_mjx import moved
 from home_mjx.scene_compile.semantics.describe import describe_object
 from home_mjx.scene_compile.semantics.engine import house_semantics
 from home_mjx.scene_compile.semantics.looks.options import HOME, SemanticOptions
@@ -22,3 +25,6 @@ __all__ = [
     "number_of",
     "vocabularies",
 ]
+
+if not TYPE_CHECKING:  # type checkers report missing names by themselves
+    __getattr__ = moved.attributes_of(__name__)

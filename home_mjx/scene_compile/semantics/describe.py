@@ -1,18 +1,18 @@
-"""Text about objects, from what the records say."""
+"""Texts about objects, from their records."""
 
 from collections.abc import Sequence
 
-from home_mjx.errors import ConfigError
+from home_mjx.errors import UnknownNameError
 from home_mjx.scene_compile.semantics.looks.appearance import Appearance
 from home_mjx.scene_compile.semantics.types import HouseSemantics, ObjectSemantics
 
-NAMELESS = ("empty", "unknown")  # fine categories that are no word for a thing
+NAMELESS = ("empty", "unknown")  # fine categories that are not nouns for objects
 MOST_NEIGHBOURS = 3
 HOLDS = {"floor": "stands on the floor", "wall": "is on the wall", "ceiling": "hangs from the ceiling", "": "is"}
 
 
 def short_text(size: str, look: Appearance, category: str) -> str:
-    """Size unless normal, CSS colours, fine category and materials that textures tell, as HoME put it.
+    """Size unless normal, CSS colours, fine category and materials known from textures, in HoME's wording.
 
     Args:
         size: One of `SIZES`, or "".
@@ -31,21 +31,21 @@ def short_text(size: str, look: Appearance, category: str) -> str:
 
 
 def describe_object(house: HouseSemantics, object_id: int) -> str:
-    """Two or three sentences: what an object is and how large, where it is, what is near.
+    """Two or three sentences: category, size, place and neighbours of an object.
 
     Args:
         house: Where the object is.
         object_id: One of `house.by_id`.
 
     Raises:
-        ConfigError: There is no such object.
+        UnknownNameError: There is no such object.
 
     Example:
         >>> describe_object(meaning, 46)  # doctest: +SKIP
         'A gray sofa made of leather, 1.31 m wide, 1.01 m deep and 0.80 m high. It stands on the floor in the bedroom …'
     """
     if object_id not in house.by_id:
-        raise ConfigError(f"house has no object {object_id}", hint="`by_id` has all.")
+        raise UnknownNameError(f"house has no object {object_id}", hint="`by_id` has all.")
     item = house.by_id[object_id]
     width, depth, height = (2 * item.box.half[0]).tolist()
     x, y, z = item.position

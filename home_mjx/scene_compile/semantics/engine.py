@@ -1,4 +1,4 @@
-"""The semantic engine: from a house as the dataset says it to what everything in it is."""
+"""The semantic engine: describes everything in a house."""
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field, replace
@@ -34,7 +34,7 @@ DEFAULT_OPTIONS = SemanticOptions()
 
 
 def house_semantics(house: House, metadata: Metadata, options: SemanticOptions = DEFAULT_OPTIONS) -> HouseSemantics:
-    """What everything in a house is, where, of which colours and materials, how large, and next to what.
+    """Categories, rooms, colours, materials, sizes, supports and relations of everything in a house.
 
     Args:
         house: What the dataset says.
@@ -87,13 +87,13 @@ def describe_house(
 
 @dataclass(frozen=True)
 class _Looks:
-    """Appearances of a house, each found once: chairs come in fours, and a room's walls are of one paper."""
+    """Appearances of a house, each computed once: chairs come in fours, and the walls of a room share their paper."""
 
     options: SemanticOptions
     found: dict[Hashable, Appearance] = field(default_factory=dict)
 
     def of(self, key: Hashable, skin: Skin) -> Appearance:
-        """The appearance of a skin; equal keys are for like skins."""
+        """The appearance of a skin; equal keys mean equal skins."""
         if key not in self.found:
             self.found[key] = _look(skin, self.options)
         return self.found[key]

@@ -1,4 +1,4 @@
-"""What the engine says as plain dictionaries, which JSON can hold."""
+"""Semantics as plain dictionaries for JSON."""
 
 from typing import Any
 
@@ -13,7 +13,7 @@ def house_record(house: HouseSemantics) -> Record:
     """Rooms, parts, objects and the relations that hold from everywhere.
 
     Args:
-        house: What the engine says.
+        house: Its semantics.
     """
     return {
         "id": house.id,

@@ -1,4 +1,4 @@
-"""Where objects are to one another: on, in, next to; and left of, right of, in front of and behind for an observer."""
+"""Spatial relations of objects: on, in, next to; for an observer left of, right of, in front of, behind."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,8 +10,8 @@ from home_mjx.scene_compile.geometry.boxes import BoxSet, footprint, footprint_d
 from home_mjx.scene_compile.semantics.supports import Support
 
 NEXT_TO = 0.5  # [m] between the footprints of neighbours
-APART = 0.1  # [m]: objects nearer to one line of sight than this are neither left nor right of one another
-WIDEST = np.deg2rad(135)  # between two objects; no look takes in what is farther around
+APART = 0.1  # [m]: objects closer to one line of sight are neither left nor right of each other
+WIDEST = np.deg2rad(135)  # between two objects; no view contains a greater angle
 OPPOSITE = {"left of": "right of", "in front of": "behind"}
 
 
@@ -26,7 +26,7 @@ class Relation:
 
 @dataclass(frozen=True)
 class Viewpoint:
-    """Where an observer is.
+    """Position of an observer.
 
     Attributes:
         x: In the world [m].
@@ -42,7 +42,7 @@ class Viewpoint:
         """On which side of the observer a point is: `ahead`, `left`, `behind` or `right`, a quarter of the circle each.
 
         Args:
-            point: World x and y, and what follows, which does not count [m].
+            point: World x and y [m]; further numbers are ignored.
 
         Example:
             >>> Viewpoint(0.0, 0.0, heading=np.pi / 2).side((-2.0, 0.5))
@@ -104,7 +104,7 @@ def relations_seen(
 
     Of the two distances between their middles, across the line of sight (mean range times difference of bearings) and
     along it (difference of ranges), the greater decides: left of or right of, else in front of (nearer) or behind. Of
-    objects on opposite sides of the observer, or where it stands, nothing is said.
+    objects on opposite sides of the observer, or at its own place, nothing is said.
 
     Args:
         ids: Object ids.

@@ -1,4 +1,4 @@
-"""Whether an object is small or large for what it is, against the models of its category in the dataset's tables."""
+"""Whether an object is small or large for its category, compared with the models in the dataset's tables."""
 
 import math
 from collections import defaultdict
@@ -13,8 +13,8 @@ from home_mjx.schema.house import Metadata, ModelInfo
 SIZES = ("tiny", "small", "normal", "large", "huge")
 LIMITS = (-2.0, -1.0, 1.0, 2.0)  # standard deviations between them, HoME's
 NORMAL = SIZES.index("normal")
-MIN_PEERS = 5  # models of a category that say what is usual
-MIN_SPREAD = 0.1  # of log volume: less than 10 % is no difference
+MIN_PEERS = 5  # models of a category that a comparison needs
+MIN_SPREAD = 0.1  # of log volume: less than 10 % does not count as a difference
 HOME_FRONT = (0.0, 0.0, 1.0)
 
 
@@ -56,7 +56,7 @@ class SizeTable:
 
 
 def size_table(metadata: Metadata) -> SizeTable:
-    """What sizes there are.
+    """The volumes of all models.
 
     Args:
         metadata: The dataset's tables; models without a box, or with a flat one, are no peers.

@@ -1,4 +1,4 @@
-"""What holds an object where it is: the floor, a wall, the ceiling, or another object that it stands on or lies in."""
+"""Supports of objects: the floor, a wall, the ceiling, or another object that it stands on or is in."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,8 +14,8 @@ from home_mjx.schema.compiled import Rooms
 
 SUPPORTS = ("floor", "wall", "ceiling", "object")
 TOUCH = 0.05  # [m]: SUNCG's furniture hovers or sinks by as much
-SOLE = 0.02  # [m]: what of an object lies this low touches what it stands on
-RESTING = 0.5  # least part of those points that another object bears
+SOLE = 0.02  # [m]: points this close to the lowest one touch the support
+RESTING = 0.5  # least share of these points that another object carries
 MAX_POINTS = 64
 MAX_BEARERS = 32  # that are looked at: those below the most of an object
 WALL_REACH = 0.12  # [m] from a room's outline, which runs inside the wall, to what touches the wall
@@ -24,7 +24,7 @@ OUTLINE_STEP = 0.1  # [m] between points of a room's outline …
 MAX_STEPS = 1_000  # … of which an edge has no more
 INSIDE = 0.9  # least part of an object's box that lies in that of what it is in
 
-# What is in the wall or hangs before it, even where it reaches the floor; on the wall, even where something is below.
+# In or in front of the wall, even if they reach the floor; on the wall, even if something is below.
 OPENINGS = {"arch", "curtain", "door", "garage_door", "window"}
 WALL_HUNG = {"air_conditioner", "hanging_kitchen_cabinet", "mirror", "picture_frame", "whiteboard"}
 CEILING_HUNG = {"ceiling_fan", "chandelier"}
@@ -37,11 +37,11 @@ CONTAINERS = {
 
 @dataclass(frozen=True)
 class Support:
-    """What holds an object."""
+    """The support of one object."""
 
     kind: str = ""  # one of SUPPORTS; "" if nothing near does
-    supporter: int = -1  # object id of what it stands or lies on
-    container: int = -1  # object id of what it is in
+    supporter: int = -1  # object id of the object that it is on
+    container: int = -1  # object id of the container that it is in
 
 
 def find_supports(objects: Sequence[PlacedObject], rooms: Rooms) -> list[Support]:
@@ -104,7 +104,7 @@ def _outline_points(rooms: Rooms, level: int) -> Float[np.ndarray, "p 2"]:
 
 
 def _bearer(index: int, objects: Sequence[PlacedObject], limits: Float[np.ndarray, "o 2 3"]) -> int:
-    """The object whose upper sides lie under most of the lowest points of another; -1 if none bears enough."""
+    """The object whose upper sides lie under most of the lowest points of another; -1 if none carries enough."""
     low, high = limits[index]
     near = ((limits[:, 0, :2] < high[:2]) & (limits[:, 1, :2] > low[:2])).all(axis=1)
     near &= (limits[:, 0, 2] < low[2] + TOUCH) & (limits[:, 1, 2] > low[2] - TOUCH)

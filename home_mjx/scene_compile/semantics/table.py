@@ -1,4 +1,4 @@
-"""What the semantic engine says, as numbers for the device: see `vocabulary` for what they stand for."""
+"""Semantics as numbers for the device; `vocabulary` has their names."""
 
 from collections.abc import Sequence
 

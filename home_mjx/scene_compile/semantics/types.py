@@ -1,4 +1,4 @@
-"""What the engine says about a house, as plain frozen records."""
+"""Semantics of a house as frozen records."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ class RoomSemantics:
         index: Position in the house.
         types: Labels as in the file, such as ("Bedroom",); empty if unknown.
         level: Level index.
-        area: Of its floor [m^2].
+        area: Area of its floor [m^2].
     """
 
     index: int
@@ -103,7 +103,7 @@ class ObjectSemantics:
 
 @dataclass(frozen=True)
 class HouseSemantics:
-    """Everything that is said about one house.
+    """Semantics of one house.
 
     Attributes:
         id: The house.
@@ -129,7 +129,7 @@ class HouseSemantics:
 
     @cached_property
     def relations(self) -> tuple[Relation, ...]:
-        """Which objects are on, in and next to which: true from everywhere."""
+        """Relations on, in and next to: the same for every observer."""
         return relations_at_rest(self._ids, self._boxes, self._places, [item.support for item in self.objects])
 
     def relations_seen_from(self, viewpoint: Viewpoint) -> tuple[Relation, ...]:

@@ -1,4 +1,4 @@
-"""What the numbers in the semantic table stand for."""
+"""Names of the numbers in the semantic table."""
 
 from collections.abc import Mapping
 from functools import cache
@@ -65,7 +65,7 @@ def number_of(column: Semantic, name: str) -> int:
 
 
 def names_of(row: Int[np.ndarray, " c"]) -> dict[str, str | int]:
-    """A row of the semantic table by name of the column, with names for numbers; what is -1 is left out.
+    """A row of the semantic table by name of the column, with names for numbers; entries of -1 are left out.
 
     Args:
         row: One entry per `Semantic`.

@@ -5,7 +5,7 @@ import functools
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, NoReturn
 
-from home_mjx.errors import ConfigError, did_you_mean
+from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 from home_mjx.tasks.base.config import EnvConfig
 
 # Names of 0.1.0, and what they are now.
@@ -106,7 +106,7 @@ def _refuse(name: str, known: Iterable[str]) -> NoReturn:
     if name in RENAMED:
         raise ConfigError(f"the option `{name}` is now `{RENAMED[name]}`")
     everything = {*known, *(path.rpartition(".")[2] for path in known)}
-    raise ConfigError(f"unknown option `{name}`", hint=FIELD_WORDS.get(name) or did_you_mean(name, everything))
+    raise UnknownNameError(f"unknown option `{name}`", hint=FIELD_WORDS.get(name) or did_you_mean(name, everything))
 
 
 def _replaced(record: Any, changes: Mapping[str, Any], full: str) -> Any:

@@ -13,7 +13,7 @@ from jaxtyping import Array, Bool
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_number
 from home_mjx.core.files import read_text
-from home_mjx.errors import ConfigError, DatasetError
+from home_mjx.errors import ConfigError, DatasetError, UnknownIdError
 from home_mjx.tasks.base.state import Episodes
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.suite.goals import OTHER_BANK
@@ -117,7 +117,7 @@ def _rows(path: Path, bank: HouseBank, index: dict[str, int], task: Task) -> Ite
         try:
             yield _row(json.loads(line), bank, index, task)
         except DatasetError as error:
-            raise DatasetError(error.message, file=path, element=f"line {number}", hint=error.hint) from None
+            raise type(error)(error.message, file=path, element=f"line {number}", hint=error.hint) from None
         except (ValueError, KeyError, TypeError, RecursionError) as error:
             what = f"`{error.args[0]}` is missing" if isinstance(error, KeyError) else str(error)
             raise DatasetError(f"no episode: {what}", file=path, element=f"line {number}") from None
@@ -125,7 +125,7 @@ def _rows(path: Path, bank: HouseBank, index: dict[str, int], task: Task) -> Ite
 
 def _row(line: dict[str, Any], bank: HouseBank, index: dict[str, int], task: Task) -> dict[str, Any]:
     if line["house"] not in index:
-        raise DatasetError(f"the bank has no house {line['house']}", hint=OTHER_BANK)
+        raise UnknownIdError(f"the bank has no house {line['house']}", hint=OTHER_BANK)
     house, start, yaw = index[line["house"]], np.array(line["start"], float), float(line["yaw"])
     if start.shape != (3,) or not np.isfinite([*start, yaw]).all():
         raise ValueError("`start` must be three finite numbers and `yaw` one")

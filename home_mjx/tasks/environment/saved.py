@@ -7,7 +7,7 @@ from typing import Any
 import jax
 import numpy as np
 
-from home_mjx.errors import ConfigError, DatasetError
+from home_mjx.errors import ConfigError, DatasetError, MissingFileError
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.environment.bound import BoundEnv
 
@@ -51,6 +51,7 @@ def load_states(path: str | Path, env: BoundEnv) -> State:
         env: An environment of the same options and capacities.
 
     Raises:
+        MissingFileError: There is no such file.
         DatasetError: The file is broken, or its states are of another environment.
     """
     key = jax.ShapeDtypeStruct((2,), np.uint32)
@@ -59,6 +60,8 @@ def load_states(path: str | Path, env: BoundEnv) -> State:
     try:
         with np.load(path, allow_pickle=False) as file:
             arrays = [file[jax.tree_util.keystr(place)] for place, _ in leaves]
+    except FileNotFoundError:
+        raise MissingFileError("there is no file of states", file=path) from None
     except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
         raise DatasetError(f"states cannot be read: {error}", file=path) from None
     for (place, leaf), array in zip(leaves, arrays, strict=True):

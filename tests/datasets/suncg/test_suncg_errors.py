@@ -7,7 +7,7 @@ import pytest
 from tiny_dataset import DOOR, HOUSE_ID, TABLE, edit_house, write_tiny_dataset
 
 from home_mjx.datasets.suncg.dataset import open_dataset
-from home_mjx.errors import DatasetError
+from home_mjx.errors import DatasetError, UnknownIdError
 from home_mjx.schema.house import House
 
 NODES = "levels[0].nodes"
@@ -99,7 +99,7 @@ def test_hint_stays_short_with_many_houses(root):
 def test_errors_survive_worker_processes(root):
     error = refused(open_dataset(root).load_house, "zzz")
     copy = pickle.loads(pickle.dumps(error))
-    assert (type(copy), str(copy)) == (DatasetError, str(error))
+    assert (type(copy), str(copy)) == (UnknownIdError, str(error))
 
 
 def test_truncated_json(root):

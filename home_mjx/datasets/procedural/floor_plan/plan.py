@@ -17,7 +17,7 @@ MIN_JOINT = 1.3  # [m], narrowest passage inside an L-shaped room
 
 
 class Want(NamedTuple):
-    """What a type of room asks for."""
+    """The size and shape that a type of room needs."""
 
     low: float  # [m^2]
     high: float
@@ -49,7 +49,7 @@ _ROOMY = ("Living_Room", "Kitchen", "Bedroom", "Hallway", "Dining_Room")  # may 
 def draw_rooms(
     rng: np.random.Generator, types: Sequence[str], origin: tuple[float, float]
 ) -> tuple[RoomPlan, ...] | None:
-    """One attempt at a floor plan; None if it did not work out.
+    """One attempt at a floor plan; None if it fails.
 
     Args:
         rng: Source of randomness.

@@ -116,7 +116,7 @@ def outline(rects: Sequence[Rect]) -> Float[np.ndarray, "n 2"]:
 
 
 def shared_span(wall: Wall, other: Wall) -> tuple[float, float] | None:
-    """Where two walls of different rooms are one: their common span, or None."""
+    """The common span of two walls of different rooms that coincide, or None."""
     if wall.axis != other.axis or abs(wall.line - other.line) > TOUCH:
         return None
     low, high = max(wall.span[0], other.span[0]), min(wall.span[1], other.span[1])

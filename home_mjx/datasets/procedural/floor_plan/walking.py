@@ -1,4 +1,4 @@
-"""The floor of one room as a grid: where an agent still gets through."""
+"""The floor of one room as a grid: where an agent can still pass."""
 
 from collections.abc import Sequence
 
@@ -11,10 +11,10 @@ from home_mjx.datasets.procedural.floor_plan.rooms import RoomPlan
 from home_mjx.datasets.procedural.floor_plan.walls import FLOOR_TOP
 
 CELL = 0.1  # [m]
-REACH = 0.28  # [m], radius that must get through, so that 0.2 m does with a margin
+REACH = 0.28  # [m], radius that must be able to pass: 0.2 m and a margin
 HEAD = 1.7  # [m], above this nothing is in the way
 FLAT = 0.05  # [m], an agent walks over what is lower
-CONNECTED = 0.85  # least share of the free floor that hangs together with the doors
+CONNECTED = 0.85  # least share of the free floor that is connected to the doors
 
 
 class WalkingGrid:
@@ -42,11 +42,11 @@ class WalkingGrid:
         return (i, j) if 0 <= i < len(self.x) and 0 <= j < len(self.z) else None
 
     def block(self, boxes: Sequence[Box]) -> None:
-        """Takes away for good the cells from which an agent would touch one of the boxes."""
+        """Removes the cells from which an agent would touch one of the boxes."""
         self._free = self._without(boxes)
 
     def stays_connected(self, boxes: Sequence[Box]) -> bool:
-        """Whether, with the boxes, one still gets from every door to every other and to nearly all free floor."""
+        """Whether the doors stay connected with each other and with nearly all free floor if the boxes are added."""
         free = self._without(boxes)
         label = np.empty(free.shape, np.int32)
         ndimage.label(free, output=label)

@@ -28,7 +28,7 @@ CEILING_LOW = 0.01  # of a ceiling's underside below the nominal height
 
 @dataclass(frozen=True)
 class Surfaces:
-    """What a room is clad with."""
+    """The materials of a room's floor, ceiling and walls."""
 
     floor: Material
     ceiling: Material

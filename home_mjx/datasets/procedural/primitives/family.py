@@ -1,4 +1,4 @@
-"""What a furniture family is, and how its variants become library models."""
+"""Furniture families, whose variants become library models."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace

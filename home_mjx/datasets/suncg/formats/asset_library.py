@@ -6,6 +6,7 @@ from home_mjx.core.files import is_file, is_folder
 from home_mjx.datasets.suncg.formats.element import Place
 from home_mjx.datasets.suncg.formats.obj import read_obj
 from home_mjx.datasets.suncg.formats.texture_paths import Textures
+from home_mjx.errors import MissingFileError
 from home_mjx.schema.house import Mesh, base_model
 
 
@@ -22,7 +23,7 @@ class AssetLibrary:
         self._models: dict[str, Mesh] = {}
 
     def model_path(self, model_id: str, key: str) -> Path:
-        """Where the OBJ of a model lies; variants share the folder of their base."""
+        """Path of the OBJ of a model; variants share the folder of their base."""
         objects = self.root / "object"
         folder = base_model(model_id, lambda name: name not in ("", ".", "..") and is_folder(objects / name))
         return objects / folder / f"{key}.obj"
@@ -36,28 +37,29 @@ class AssetLibrary:
             place: Who asks, for the error.
 
         Raises:
-            DatasetError: The OBJ is missing or broken.
+            MissingFileError: The OBJ is missing.
+            DatasetError: It is broken.
         """
         if key not in self._models:
             self._models[key] = self.mesh(self.find_model(model_id, key, place))
         return self._models[key]
 
     def find_model(self, model_id: str, key: str, place: Place) -> Path:
-        """Where the OBJ of a model lies; arguments as of `model`.
+        """Path of the OBJ of a model; arguments as in `model`.
 
         Raises:
-            DatasetError: There is none.
+            MissingFileError: There is none.
         """
         path = self.model_path(model_id, key)
         if not is_file(path):
             hint = f"Expected {path}: fetch the `object` archive of the dataset or remove the node."
-            raise place.error(f"model `{key}` has no OBJ file", hint)
+            raise place.error(f"model `{key}` has no OBJ file", hint, MissingFileError)
         return path
 
     def mesh(self, path: Path) -> Mesh:
-        """A mesh that is not kept; raises `DatasetError` as `model`."""
+        """A mesh that is not cached; raises `DatasetError` like `model`."""
         return read_obj(path, self.textures)
 
     def room_path(self, house_id: str, stem: str) -> Path:
-        """Where a mesh of a room or a ground lies."""
+        """Path of the mesh of a room or a ground."""
         return self.root / "room" / house_id / f"{stem}.obj"

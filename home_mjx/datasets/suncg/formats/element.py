@@ -1,4 +1,4 @@
-"""Where in a dataset something stands, and JSON values that know it."""
+"""Places in a dataset, and JSON values that know their place."""
 
 import json
 import math
@@ -21,7 +21,7 @@ MAX_NAME = 200  # bytes of a file name, with room for an extension
 
 
 def printable(text: str) -> str:
-    """`text` without what no terminal can print, and not longer than a few lines."""
+    """`text` with unprintable characters escaped, cut to a few lines."""
     text = text if len(text) <= MAX_SHOWN else f"{text[:MAX_SHOWN]}…"
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
@@ -38,9 +38,9 @@ class Place:
     file: Path
     element: str = ""
 
-    def error(self, message: str, hint: str | None = None) -> DatasetError:
-        """The error that says what is wrong here and what to do, by default about any line or value."""
-        return DatasetError(
+    def error(self, message: str, hint: str | None = None, kind: type[DatasetError] = DatasetError) -> DatasetError:
+        """An error at this place; the default hint suits any line or value."""
+        return kind(
             printable(message),
             file=self.file,
             element=printable(self.element) or None,
@@ -62,7 +62,7 @@ class Value(Place):
     """
 
     data: Any = None
-    given: bool = True  # whether the file has the key, be it with `null`
+    given: bool = True  # whether the file has the key, even with `null`
 
     @property
     def present(self) -> bool:
@@ -161,7 +161,7 @@ class Value(Place):
     def _shown(self) -> str:
         try:
             return json.dumps(self.data, default=str) if self.given else "nothing"
-        except RecursionError:  # nested as deep as a file can just be read
+        except RecursionError:  # nested so deeply that it could only just be read
             return type(self.data).__name__
 
 

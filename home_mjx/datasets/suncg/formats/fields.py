@@ -1,4 +1,4 @@
-"""The fields that house.json has in the format, of the house, its levels and its nodes by type."""
+"""The known fields of house.json: of the house, its levels, and its nodes by type."""
 
 from typing import Any
 
@@ -16,5 +16,5 @@ NODES = {
 
 
 def unknown_fields(value: Value, known: set[str]) -> dict[str, Any]:
-    """Fields of an object in JSON that the format does not have, as they are."""
+    """Unknown fields of a JSON object, unchanged."""
     return {key: data for key, data in value.data.items() if key not in known} if isinstance(value.data, dict) else {}

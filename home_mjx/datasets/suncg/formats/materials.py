@@ -1,4 +1,4 @@
-"""Reads the material overrides of house.json, which are those of arch.json as well."""
+"""Reads the material overrides of house.json and of arch.json."""
 
 from home_mjx.datasets.suncg.formats.element import Value
 from home_mjx.datasets.suncg.formats.texture_paths import Textures
@@ -29,7 +29,7 @@ def read_materials(node: Value, shared: Value | None, textures: Textures) -> tup
 
 
 def read_material(value: Value, textures: Textures) -> Material:
-    """One override; raises `DatasetError` as `read_materials`."""
+    """One override; raises `DatasetError` like `read_materials`."""
     if not value.present:
         return Material("")
     name, texture, diffuse = (value.member(key) for key in ("name", "texture", "diffuse"))

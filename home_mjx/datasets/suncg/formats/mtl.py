@@ -8,13 +8,13 @@ from home_mjx.datasets.suncg.formats.element import Place
 from home_mjx.datasets.suncg.formats.texture_paths import Textures
 from home_mjx.schema.house import Material
 
-MAX_SHININESS = 1000.0  # as the MTL format has it
+MAX_SHININESS = 1000.0  # the limit of the MTL format
 
 
 def read_mtl(path: Path, textures: Textures, hint: str | None = None) -> tuple[Material, ...]:
     """The materials of an MTL in file order, which is the order of SUNCG's material slots.
 
-    What a material does not state is white and opaque.
+    By default a material is white and opaque.
 
     Args:
         path: The MTL file.

@@ -1,6 +1,6 @@
 """Reads Wavefront OBJ files into `Mesh`: positions, texture coordinates, materials and groups of triangles.
 
-Lines are sorted by keyword first; what holds at a face then follows from line numbers alone.
+Lines are first grouped by keyword; the material and group of a face then follow from line numbers.
 """
 
 from collections import defaultdict
@@ -86,7 +86,7 @@ def _numeric(text: str, width: int) -> bool:
 
 
 def _current(rows: Rows, faces: Rows) -> Int[np.ndarray, " f"]:
-    """Which of `rows` is the last above each face; -1 for none."""
+    """Index of the last of `rows` above each face; -1 for none."""
     return np.searchsorted(line_numbers(rows), line_numbers(faces)) - 1
 
 

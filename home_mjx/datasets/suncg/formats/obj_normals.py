@@ -5,13 +5,13 @@ from jaxtyping import Float, Int
 
 from home_mjx.datasets.suncg.formats.polygons import Rows
 
-FLAT = 1e-3  # normals that differ less from those of their faces say nothing new
+FLAT = 1e-3  # normals that differ less from those of their faces add nothing
 
 
 def smooth_normals(
     rows: Rows, index: Int[np.ndarray, "f 3"], triangles: Float[np.ndarray, "f 3 3"]
 ) -> Float[np.ndarray, "f 3 3"] | None:
-    """Unit normals of the corners; None if some have none, if one is no number, or if all are those of their faces.
+    """Unit normals of the corners; None if one is missing or not finite, or if all equal the normals of their faces.
 
     Broken normals are no reason to refuse a model: exporters write them for faces without area.
 

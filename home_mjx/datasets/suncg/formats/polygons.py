@@ -7,13 +7,13 @@ from jaxtyping import Int
 
 from home_mjx.datasets.suncg.formats.element import Place
 
-Rows = list[tuple[int, str]]  # line number and what follows the keyword
+Rows = list[tuple[int, str]]  # line number and the text after the keyword
 MAX_CORNERS = 1 << 22
 _KINDS = ("v", "vt", "vn")
 
 
 def line_numbers(rows: Rows) -> Int[np.ndarray, " n"]:
-    """Where the rows stand in the file, ascending."""
+    """Line numbers of the rows, ascending."""
     return np.array([number for number, _ in rows], np.int64)
 
 

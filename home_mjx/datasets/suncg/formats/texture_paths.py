@@ -5,6 +5,7 @@ from pathlib import Path
 
 from home_mjx.core.files import below, is_file
 from home_mjx.datasets.suncg.formats.element import Place
+from home_mjx.errors import MissingFileError
 
 EXTENSIONS = (".png", ".jpg")
 
@@ -25,11 +26,12 @@ class Textures:
         """The image of a texture named without extension, as in house.json.
 
         Args:
-            name: Such as `wood_8`; users' pictures have digits only and lie in `texture/s/`.
+            name: Such as `wood_8`; pictures of users have digits only and are in `texture/s/`.
             place: Who asks, for the error.
 
         Raises:
-            DatasetError: There is no such image, or the name leads out of the dataset.
+            MissingFileError: There is no such image.
+            DatasetError: The name leads out of the dataset.
         """
         if below(self.root, self.folder, name) is None:
             raise escape(name, place)
@@ -38,7 +40,7 @@ class Textures:
         path = self._known[name]
         if path is None:
             hint = f"Put {name}.png or {name}.jpg into {self.folder} or name another texture."
-            raise place.error(f"texture `{name}` is missing", hint)
+            raise place.error(f"texture `{name}` is missing", hint, MissingFileError)
         return path
 
     def mapped(self, relative: str, folder: Path, place: Place) -> Path:
@@ -50,7 +52,7 @@ class Textures:
             place: The line of the MTL, for the error.
 
         Raises:
-            DatasetError: As `named`.
+            MissingFileError, DatasetError: As in `named`.
         """
         path = below(self.root, folder, relative)
         if path is None:

@@ -105,7 +105,7 @@ class Architecture:
         return [Piece(f"{kind}#{node_id}", vertices, faces, uv, np.zeros(len(faces), int))], self._materials(value, 1)
 
     def _measure(self, value: Value, kind: str, key: str, default: float, least: float = 1e-3) -> float:
-        """A length of an element, or what `defaults` says, or SUNCG's own; in units of the file."""
+        """A length of an element, else from `defaults`, else SUNCG's own; in units of the file."""
         own = value.member(key)
         return self._length(own if own.present else self._default(kind, key), default, least)
 
@@ -132,7 +132,7 @@ def read_architecture(path: Path, textures: Textures, note: Note) -> Architectur
     Args:
         path: The file.
         textures: Where textures are looked up.
-        note: Takes oddities that are tolerated: place, rule, message.
+        note: Called with tolerated oddities: place, rule, message.
 
     Raises:
         DatasetError: The file is missing, is not JSON, or does not list elements.

@@ -1,4 +1,4 @@
-"""Boxes of a hundred metres that houses have for a landscape behind the windows."""
+"""Boxes of a hundred metres that show a landscape behind the windows."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -11,11 +11,11 @@ from home_mjx.datasets.suncg.read.reading import Reading
 from home_mjx.schema.house import Box, Ground, Node, Object, Room
 
 LONG = 20.0  # [m]: boxes with a longer edge may be backdrops; rooms, partitions and steps are smaller
-AXIS = 1e-3  # most sine of the angle between a box and the axes for it to be cut
+AXIS = 1e-3  # largest sine of the angle between the axes and a box that is cut
 
 
 def cut_backdrops(nodes: Sequence[Node], place: Place, reading: Reading) -> list[Node]:
-    """The nodes of a level, with long boxes cut to where anything else is, and left out where nothing is.
+    """The nodes of a level, with long boxes cut to the extent of everything else; boxes outside of it are left out.
 
     Args:
         nodes: The nodes of a level.
@@ -31,7 +31,7 @@ def cut_backdrops(nodes: Sequence[Node], place: Place, reading: Reading) -> list
 def level_extent(nodes: Sequence[Node]) -> Float[np.ndarray, "2 3"] | None:
     """The box around rooms, grounds and objects [m]; None if there are none.
 
-    The boxes that the file states are of no use for rooms: they enclose the members, backdrops among them.
+    The boxes in the file cannot be used for rooms: they enclose the members, including backdrops.
     """
     rooms = [part for node in nodes if isinstance(node, Room) for part in (node.floor, node.ceiling, node.walls)]
     meshes = [*rooms, *(node.mesh for node in nodes if isinstance(node, Ground))]

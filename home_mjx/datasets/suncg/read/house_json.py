@@ -41,7 +41,7 @@ def read_house(house_id: str, assets: AssetLibrary, options: ReadOptions, left_o
 
 
 def house_path(house_id: str, assets: AssetLibrary) -> Path:
-    """Where the house.json of a house lies."""
+    """Path of the house.json of a house."""
     return assets.root / "house" / house_id / "house.json"
 
 

@@ -1,4 +1,4 @@
-"""Reads the tables beside the houses: categories, sizes and lights of the models."""
+"""Reads the metadata tables: categories, sizes and lights of the models."""
 
 import csv
 import math

@@ -1,6 +1,6 @@
 """Reads the nodes of house.json: objects, boxes, rooms and grounds.
 
-What real houses are known to lack is tolerated and noted as a `Problem`; what makes a node meaningless is an error.
+Known gaps of real houses are tolerated and noted as a `Problem`; a node without meaning is an error.
 """
 
 from collections.abc import Callable
@@ -46,7 +46,7 @@ def read_object(node: Value, common: dict[str, Any], reading: Reading) -> Object
 
 
 def _read_other(item: Object, node: Value, reading: Reading) -> None:
-    """The object's other state, if there is one; since nobody sees it, a broken one is only noted."""
+    """The object's other state, if there is one; it is not shown, so a broken one is only noted."""
     key = item.other_key
     if key not in reading.others and is_file(reading.assets.model_path(item.model_id, key)):
         try:
@@ -96,7 +96,7 @@ READERS: dict[str, Callable[[Value, dict[str, Any], Reading], Node | None]] = {
 
 
 def read_bbox(node: Value, reading: Reading) -> Float[np.ndarray, "2 3"] | None:
-    """The box that the file states, in metres; None, and a problem, if there is none or it is inside out."""
+    """The box in the file, in metres; None, and a problem, if it is missing or its minimum exceeds its maximum."""
     bbox = node.member("bbox")
     if not bbox.present:
         reading.note(bbox, "missing-bbox", "no bounding box")

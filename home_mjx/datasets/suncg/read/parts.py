@@ -6,6 +6,7 @@ from pathlib import Path
 from home_mjx.core.files import is_file, is_folder
 from home_mjx.datasets.suncg.formats.element import Value
 from home_mjx.datasets.suncg.read.reading import Reading
+from home_mjx.errors import MissingFileError
 from home_mjx.schema.house import Mesh
 
 SUFFIX = {"Floor": "f", "Ceiling": "c", "Wall": "w", "Ground": "f"}
@@ -18,7 +19,7 @@ def read_part(node: Value, kind: str, node_id: str, reading: Reading) -> Mesh | 
     Args:
         node: The node.
         kind: `Floor`, `Ceiling`, `Wall` or `Ground`.
-        node_id: Its id, by which the architecture file knows it.
+        node_id: Its id in the architecture file.
         reading: The state of reading the house.
 
     Raises:
@@ -46,7 +47,7 @@ def _built(node: Value, kind: str, node_id: str, stem: str, reading: Reading) ->
             f"SUNCG v2 comes without room meshes: fetch them with `download_suncg.py -v v1 -t room`, "
             f"or put wall/{reading.house_id}/{reading.house_id}.arch.json into the dataset."
         )
-        raise node.error(f"house has no folder of room meshes {folder}", hint)
+        raise node.error(f"house has no folder of room meshes {folder}", hint, MissingFileError)
     if mesh is None:
         reading.note(node.member("modelId"), "missing-part", f"mesh {stem}.obj is missing: not shown")
     return mesh

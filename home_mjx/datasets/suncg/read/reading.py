@@ -1,4 +1,4 @@
-"""What reading one house needs, and what it gathers."""
+"""The state of reading one house."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -33,11 +33,11 @@ class Reading:
     kept: dict[str, Any] = field(default_factory=dict)  # see `once`
 
     def note(self, place: Place, rule: str, message: str) -> None:
-        """Keeps an oddity that was tolerated, under the name of the rule that it breaks."""
+        """Records a tolerated oddity under the name of the rule that it breaks."""
         self.notes.append((place, Problem(printable(place.element), printable(message), rule)))
 
     def attempt(self, read: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T | None:
-        """What `read` returns; None if it raises a `DatasetError` and errors are gathered."""
+        """The result of `read`; None if it raises a `DatasetError` and errors are collected."""
         try:
             return read(*args, **kwargs)
         except DatasetError as error:
@@ -47,7 +47,7 @@ class Reading:
             return None
 
     def once(self, key: str, read: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
-        """What `read` returned or raised at the first call with this key: thousands of nodes may ask for one file."""
+        """The result or error of the first call with this key: thousands of nodes may need one file."""
         if key not in self.kept:
             try:
                 self.kept[key] = read(*args, **kwargs)

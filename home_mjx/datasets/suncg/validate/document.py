@@ -47,7 +47,7 @@ def _check_members(subject: Subject, nodes: list[Value]) -> None:
 
 
 def _members(node: Value, count: int) -> list[int]:
-    """Members that are in range; the reader reports the others, and what is no list of numbers."""
+    """Members that are in range; the reader reports the others, and values that are not lists of numbers."""
     listed = node.data.get("nodeIndices") if _shown(node) else None
     return [int(i) for i in listed if isinstance(i, int | float) and 0 <= i < count] if isinstance(listed, list) else []
 

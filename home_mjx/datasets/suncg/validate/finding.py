@@ -1,4 +1,4 @@
-"""What the validator says: findings, and the rules that they break."""
+"""Findings of the validator, and the rules that they break."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ Severity = Literal["error", "warning"]
 
 
 class Rule(NamedTuple):
-    """One thing that is checked."""
+    """One rule of the validator."""
 
     severity: Severity  # error: something is lost or contradicts itself; warning: odd, but usable
     meaning: str
@@ -69,7 +69,7 @@ RULES: Mapping[str, Rule] = {
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that is wrong with a house.
+    """One fault of a house.
 
     Example:
         >>> finding = Finding("house.json", "levels[0].nodes[3].bbox", "bbox-mismatch", "0.57 m off")
@@ -84,7 +84,7 @@ class Finding:
 
     @property
     def severity(self) -> Severity:
-        """How bad it is."""
+        """Error or warning."""
         return RULES[self.rule].severity
 
     def __str__(self) -> str:

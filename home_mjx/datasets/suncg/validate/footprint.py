@@ -1,4 +1,4 @@
-"""What meshes cover seen from above, on a grid."""
+"""Areas that meshes cover, seen from above, on a grid."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -53,6 +53,6 @@ class Raster:
         return found
 
     def at(self, mask: Bool[np.ndarray, "c r"], point: Float[np.ndarray, "2"]) -> bool:
-        """What a mask says about a point; false outside of the grid."""
+        """The value of a mask at a point; false outside of the grid."""
         cell = np.floor((point - self.low) / self.step).astype(int)
         return bool((cell >= 0).all() and (cell < self.shape).all() and mask[tuple(cell)])

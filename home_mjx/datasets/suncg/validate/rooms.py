@@ -1,4 +1,4 @@
-"""Rules about where things stand: rooms that overlap, objects outside of rooms, doors outside of walls."""
+"""Rules about positions: rooms that overlap, objects outside of rooms, doors outside of walls."""
 
 from collections.abc import Sequence
 

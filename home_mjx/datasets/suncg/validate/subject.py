@@ -1,4 +1,4 @@
-"""What the rules look at, and where they put what they find."""
+"""The input of the rules, and the list of their findings."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -29,7 +29,7 @@ class Subject:
 
     document: Value  # house.json
     reading: Reading
-    house: House  # what of it could be read
+    house: House  # the parts that could be read
     metadata: Metadata | None  # None if it cannot be read
     findings: list[Finding] = field(default_factory=list)
     _bounds: dict[str, Bounds | None] = field(default_factory=dict)
@@ -55,7 +55,7 @@ class Subject:
                 yield index, value, value.member("nodes").entries() if usable else []
 
     def bounds(self, node: Node) -> Bounds | None:
-        """The box around what a node shows, an object being its base model whatever its state [m]."""
+        """The box around a node, for an object around its base model, whatever its state [m]."""
         if node.path not in self._bounds:
             self._bounds[node.path] = box_bounds(node) if isinstance(node, Box) else self._mesh_bounds(node)
         return self._bounds[node.path]

@@ -1,4 +1,4 @@
-"""Reports everything that is wrong with a house, as linters do, and not only what keeps it from being read."""
+"""Reports all faults of a house, like a linter, not only those that prevent reading it."""
 
 from home_mjx.datasets.options import ReadOptions
 from home_mjx.datasets.suncg.dataset import Dataset
@@ -18,12 +18,12 @@ __all__ = ["RULES", "Finding", "validate_house"]
 
 
 def validate_house(dataset: Dataset, house_id: str) -> tuple[Finding, ...]:
-    """Everything that is wrong with a house and the files that it uses, errors first; empty if nothing is.
+    """All faults of a house and the files that it uses, errors first; empty if there are none.
 
     Nodes that cannot be read are reported and left out of further checks, so correct them and validate again.
 
     Args:
-        dataset: Where the house lies.
+        dataset: Dataset of the house.
         house_id: One of `dataset.house_ids`.
 
     Raises:

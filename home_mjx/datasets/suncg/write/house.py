@@ -1,6 +1,6 @@
 """Writes houses and libraries of models in SUNCG v1's on-disk format, each folder whole or not at all.
 
-The writer takes the same records as the reader gives, so whatever makes a `House` can write it.
+The writer takes the records that the reader returns, so any `House` can be written.
 """
 
 import json
@@ -25,10 +25,10 @@ _BOX_CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for
 
 
 def write_house(root: Path, house: House) -> None:
-    """Writes `house/<id>/` and `room/<id>/` below a dataset root; a house that is there already is kept.
+    """Writes `house/<id>/` and `room/<id>/` below a dataset root; an existing house is kept.
 
-    Bounding boxes are computed from the geometry, by SUNCG's rules: an object's from its base model whatever its
-    state, a room's from its architecture and its members.
+    Bounding boxes are computed from the geometry, by SUNCG's rules: an object's from its base model, whatever its
+    state; a room's from its architecture and its members.
 
     Args:
         root: Dataset root; its library must hold the models and textures that the house names.
@@ -78,7 +78,7 @@ def write_library(
 
 
 def _write_folder(root: Path, folder: Path, files: Mapping[str, str | UInt8[np.ndarray, "h w 3"]]) -> None:
-    """Fills a temporary folder and renames it, so that `folder` appears complete; one that is there is kept."""
+    """Fills a temporary folder and renames it, so that `folder` appears complete; an existing one is kept."""
     target = root / folder
     if target.is_dir():
         return

@@ -1,4 +1,4 @@
-"""The tables beside the houses, as text: categories, sizes and lights of library models."""
+"""The metadata tables as text: categories, sizes and lights of library models."""
 
 import csv
 import io

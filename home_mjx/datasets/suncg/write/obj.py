@@ -35,7 +35,7 @@ def _groups(mesh: Mesh) -> Iterator[tuple[str, Int[np.ndarray, " n"]]]:
 def _block(
     mesh: Mesh, faces: Int[np.ndarray, " n"], first: Int[np.ndarray, " 3"]
 ) -> tuple[list[str], Int[np.ndarray, " 3"]]:
-    """Lines of some faces, and how many v, vt and vn they brought."""
+    """Lines of some faces, and the number of v, vt and vn in them."""
     used, corner = np.unique(mesh.faces[faces], return_inverse=True)
     positions = _rounded(mesh.vertices[used])
     uvs, uv = _unique(mesh.uv[faces].reshape(-1, 2))
@@ -67,7 +67,7 @@ def _unique(rows: Float[np.ndarray, "n d"]) -> tuple[Float[np.ndarray, "m d"], I
 
 
 def mtl_text(materials: tuple[Material, ...]) -> str:
-    """The material slots as MTL text; textures lie in `texture/`, two folders up and down."""
+    """The material slots as MTL text; textures are in `../../texture/`."""
     return "\n".join(_newmtl(material) for material in materials)
 
 

@@ -1,11 +1,11 @@
-"""The compiled loop as a handler that XLA calls by itself: no Python, no interpreter lock, no copies.
+"""The compiled loop as a handler that XLA calls directly: no Python, no interpreter lock, no copies.
 
 XLA hands over the address of an `XLA_FFI_CallFrame`. The word offsets below follow `xla/ffi/api/c_api.h`, which jaxlib
 ships (`jax.ffi.include_dir()`); they are the same from its version 0.3 (jax 0.9 and 0.10) to 0.5 (jax 0.12).
 
-Rays are cast in chunks. The calling thread takes chunks until none is left; tasks on XLA's own thread pool do the same
-beside it. It waits only for chunks that others are at work on, never for a task to begin, so a busy, tiny or dead pool
-costs speed but cannot hang. A task that begins late finds no chunk left and touches nothing but the job.
+Rays are cast in chunks. The calling thread takes chunks until none is left; tasks on XLA's own thread pool do the
+same. It waits only for chunks that are being computed, never for a task to start, so a busy, tiny or dead pool costs
+speed but cannot hang. A task that starts late finds no chunk left and touches nothing except the job.
 """
 # ruff: noqa: ANN001, ANN202  (Numba infers the types)
 
@@ -196,7 +196,7 @@ def _num_threads(frame):
 @compiled
 @no_type_check
 def _schedule(frame, job):
-    """Puts a task on XLA's pool; whether that went well."""
+    """Puts a task on XLA's pool; returns whether that worked."""
     ask = argument_words()  # struct_size, extension, context, task, its argument
     ask[0], ask[1], ask[2], ask[3], ask[4] = 5 * WORD, 0, words(frame)[FRAME_CONTEXT], task_address(), job
     return _call_api(frame, API_SCHEDULE, address_of(ask))
@@ -205,7 +205,7 @@ def _schedule(frame, job):
 @compiled
 @no_type_check
 def _call_api(frame, function, arguments):
-    """Calls a function of XLA's interface; an error is thrown away and answered with False."""
+    """Calls a function of XLA's interface; an error is discarded and gives False."""
     api = words(frame)[FRAME_API]
     error = call(words(api)[function], arguments)
     if error == 0:

@@ -56,7 +56,7 @@ class Best(NamedTuple):
 @compiled
 @no_type_check
 def slab(box, index, ray):
-    """Where the rays enter a box, at least t_min; infinity if they do not."""
+    """Distance t at which the rays enter a box, at least t_min; infinity on a miss."""
     at = 6 * index
     x0, x1 = (box[at] - ray.ox) * ray.ix, (box[at + 3] - ray.ox) * ray.ix
     y0, y1 = (box[at + 1] - ray.oy) * ray.iy, (box[at + 4] - ray.oy) * ray.iy
@@ -69,7 +69,7 @@ def slab(box, index, ray):
 @compiled
 @no_type_check
 def prepare(rays, alive, any_hit):
-    """A packet as it was read, of which only some lanes count."""
+    """A packet as it was read, with a mask of the lanes that count."""
     origin, direction = (rays.ox, rays.oy, rays.oz), (rays.dx, rays.dy, rays.dz)
     return _ray(origin, direction, where(alive, rays.t_min, INF), rays.mask, any_hit)
 
@@ -117,7 +117,7 @@ class Shear(NamedTuple):
 @compiled
 @no_type_check
 def shear_of(ray):
-    """What testing triangles needs of rays in this frame."""
+    """Values of the rays in this frame that triangle tests need."""
     x, y, z = magnitude(ray.dx), magnitude(ray.dy), magnitude(ray.dz)
     along_x = (x >= y) & (x >= z)
     along_y = ~along_x & (y >= z)

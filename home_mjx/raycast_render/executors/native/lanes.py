@@ -1,7 +1,7 @@
-"""Vectors of a fixed number of lanes for Numba, so that compiled code reads like that for one ray and does sixteen.
+"""Vectors of a fixed number of lanes for Numba, so that compiled code reads like code for one ray and casts sixteen.
 
-Numba leaves it to LLVM to find vectors in loops, which a traversal does not let it; here they are types of their own:
-`+ - * /`, comparisons and `& | ~` work lane by lane, with numbers spread over all lanes. LLVM maps them to whatever
+Numba relies on LLVM to find vectors in loops, which fails for a traversal. Here vectors are types:
+`+ - * /`, comparisons and `& | ~` work lane by lane, and numbers are broadcast to all lanes. LLVM maps them to whatever
 the processor has: one AVX-512 register, two of AVX, four of SSE or NEON.
 """
 # ruff: noqa: ANN001, ANN202  (Numba's extension interface)
@@ -107,7 +107,7 @@ infer_global(operator.invert)(_Invert)  # pyright: ignore[reportOptionalCall]
 @intrinsic
 @no_type_check
 def where(typing_context, mask, a, b) -> Any:
-    """Lanes of `a` where the mask is set, else of `b`; of which one may be a scalar."""
+    """Lanes of `a` where the mask is set, else of `b`; one of them may be a scalar."""
     kind = a if isinstance(a, Lanes) else b
 
     @no_type_check
@@ -132,7 +132,7 @@ def _extreme(sign: str) -> Any:
     return extreme
 
 
-# As Python's: the first of the two where they cannot be compared.
+# As in Python: the first of the two if they cannot be compared (NaN).
 least, greatest = _extreme("<"), _extreme(">")
 
 

@@ -1,4 +1,4 @@
-"""What Numba has no word for: pointers from addresses, small arrays on the stack, atomics, calls of C functions."""
+"""What Numba lacks: pointers from addresses, small arrays on the stack, atomics, calls of C functions."""
 # ruff: noqa: ANN001, ANN202  (Numba's extension interface)
 
 from typing import Any, no_type_check

@@ -1,4 +1,4 @@
-"""How rays fall into packets, and how a packet is read and its hits are written."""
+"""How rays are grouped into packets, and how packets are read and hits written."""
 # ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
 
 from typing import NamedTuple, no_type_check
@@ -22,17 +22,17 @@ compiled = njit(error_model="numpy", forceinline=True)
 
 
 class Tiling(NamedTuple):
-    """How an environment's rays fall into packets: tiles of an image, or so many in a row."""
+    """How an environment's rays are grouped into packets: tiles of an image, or consecutive rays."""
 
     count: np.int64  # rays
     width: np.int64  # of the image; all rays if there is none
     tile_width: np.int64
-    across: np.int64  # packets beside one another
+    across: np.int64  # packets side by side
     packets: np.int64
 
 
 class Packet(NamedTuple):
-    """Rays as they are given."""
+    """Rays as the caller gave them."""
 
     ox: Lane
     oy: Lane
@@ -60,7 +60,7 @@ def tiling(rays, width):
 @compiled
 @no_type_check
 def place(tiles, packet, rows):
-    """Tells which of its environment's rays each lane casts; -1 none."""
+    """Writes which of its environment's rays each lane casts; -1 none."""
     x0, y0 = packet % tiles.across * tiles.tile_width, packet // tiles.across * (LANES // tiles.tile_width)
     for lane in range(LANES):
         x, start = x0 + lane % tiles.tile_width, (y0 + lane // tiles.tile_width) * tiles.width
@@ -101,7 +101,7 @@ def read(operands, counts, env, rows):
 @compiled
 @no_type_check
 def _index(counts, field, env, row):
-    """Where a field of a ray lies; of some fields there is one for all rays of an environment."""
+    """Index of a field of a ray; some fields have one value for all rays of an environment."""
     return env * counts[field] + (row if counts[field] > 1 else 0)
 
 

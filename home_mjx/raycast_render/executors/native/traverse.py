@@ -1,8 +1,8 @@
 """Two-level traversal as a compiled loop over packets of rays: the inner part of the `cpu` executor.
 
-It does what `xla` does and names the same sources there. The rays of a packet, a tile of the image, walk down the trees
-together, one in each lane of a vector: a node is opened if any of them meets it, and on the stack lies where each of
-them enters it. So each ray tests the triangles that it would test alone. All memory is reached through bare pointers:
+The algorithm is that of `xla`, which names its sources. The rays of a packet, a tile of the image, traverse the trees
+together, one in each lane of a vector. A node is opened if any ray meets it; the stack keeps where each ray enters it.
+So each ray tests the triangles that it would test alone. All memory is reached through bare pointers:
 Numba counts references to arrays at every step, which costs several times the work itself.
 
 Source: I. Wald, P. Slusallek, C. Benthin, M. Wagner, "Interactive rendering with coherent ray tracing",
@@ -39,7 +39,7 @@ compiled = njit(error_model="numpy", forceinline=True)
 
 
 class World(NamedTuple):
-    """What rays need of `bank.Geometry`, then the environments' houses and what they need of `types.Moving`."""
+    """The arrays of `Geometry` that rays need, then the houses of the environments and arrays of `Moving`."""
 
     node_box: Pointer  # (n, 2, 6) float32
     node_child: Pointer  # (n, 2) int32
@@ -70,13 +70,13 @@ def cast_packet(operands, counts, results, num_instances, num_moving, tiles, any
 
     Args:
         operands: Addresses of the arrays of `World` in its order, then of `types.Rays`.
-        counts: How many values per environment each of the latter has: as many as rays, or one.
+        counts: Number of values per environment of each field of the rays: the number of rays, or one.
         results: Addresses of t, instance, triangle, u, v and front.
         num_instances: Instances per house.
-        num_moving: Moving slots per environment.
+        num_moving: Moving instances per environment.
         tiles: Each environment's packets.
         any_hit: Whether a ray may stop at the first triangle that it meets.
-        packet: Which one, counted through all environments.
+        packet: Its number, counted over all environments.
     """
     world = _world(operands, num_instances, num_moving)
     env = packet // tiles.packets
@@ -120,7 +120,7 @@ def _world(at, num_instances, num_moving):
 @compiled
 @no_type_check
 def _cast(world, env, ray, exclude, best, codes, enters):
-    """Static instances through the house's top tree, then the moving ones in turn."""
+    """Static instances through the house's top tree, then the moving ones one by one."""
     first = np.int64(world.house[env]) * world.num_instances
     code, enter, size = world.house_root[world.house[env]], ray.t_min, 0
     while code != EMPTY:
@@ -153,10 +153,10 @@ def _sees(object_id, exclude):
     return (exclude < np.int32(0)) | ~(exclude == object_id)
 
 
-@njit(error_model="numpy")  # called from two places, too large to be put in both
+@njit(error_model="numpy")  # called from two places, too large to inline
 @no_type_check
 def _cast_model(world, instance, ray, best, codes, enters):
-    """The best hits after one instance, whose frame the rays are in."""
+    """The best hits after one instance; the rays are in its frame."""
     shear = shear_of(ray)
     code, enter, size = world.model_root[instance.model], ray.t_min, MAX_DEPTH
     while code != EMPTY:
@@ -176,7 +176,7 @@ def _cast_model(world, instance, ray, best, codes, enters):
 def _open(world, node, ray, limit, codes, enters, size):
     """Puts the child of a node that most rays enter later on the stack; returns the other one, and where they enter it.
 
-    Of a child that no ray meets before its best hit the code is EMPTY.
+    The code of a child that no ray meets before its best hit is EMPTY.
     """
     at = 2 * np.int64(node)
     near, far = world.node_child[at], world.node_child[at + 1]

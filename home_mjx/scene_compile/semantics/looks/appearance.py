@@ -1,4 +1,4 @@
-"""What a surface looks like and what it is made of: dominant colours and materials by area."""
+"""Appearance of a surface: dominant colours and materials by area."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -18,14 +18,14 @@ from home_mjx.schema.categories import texture_family
 from home_mjx.schema.material_kinds import TEXTURE_KINDS
 
 SAMPLES = 256  # points of each textured slot
-IMAGE_SIDE = 32  # [px]: textures are seen from afar, so wood is brown and not a pattern of browns
-LIKENESS = 20.0  # CIELAB units: colours nearer than this are shades of one
-FAINTEST = 1e-9  # weight below which nothing is seen
+IMAGE_SIDE = 32  # [px]: textures are seen from a distance: wood is brown, not a pattern of browns
+LIKENESS = 20.0  # CIELAB units: closer colours are shades of one
+FAINTEST = 1e-9  # surfaces of less weight are invisible
 
 
 @dataclass(frozen=True)
 class Skin:
-    """Triangles with what covers them."""
+    """Triangles and the surfaces that cover them."""
 
     area: Float[np.ndarray, " t"]  # [m^2], in the world
     uv: Float[np.ndarray, "t 3 2"]
@@ -39,7 +39,7 @@ class Appearance:
 
     colors: Mapping[str, tuple[str, ...]]  # by level of `LEVELS`
     materials: tuple[str, ...]  # of MATERIAL_KINDS
-    textured: bool  # whether textures tell the materials; else they are those usual for the category
+    textured: bool  # materials are known from textures; else they are the usual ones of the category
 
 
 def appearance(skin: Skin, options: SemanticOptions) -> Appearance:
@@ -101,7 +101,7 @@ def _texels(path: str, uv: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 4"]
 
 @lru_cache(maxsize=1 << 12)
 def _image(path: str, changed: int) -> np.ndarray:
-    """A small copy; `changed` only makes a file that was written anew be read anew."""
+    """A small copy; `changed` makes the cache read a changed file again."""
     image = open_texture(Path(path)).resize((IMAGE_SIDE, IMAGE_SIDE), Image.Resampling.BOX)
     return np.asarray(image)
 
@@ -111,8 +111,8 @@ def dominant_colors(
 ) -> tuple[Float[np.ndarray, "c 3"], Float[np.ndarray, " c"]]:
     """Means of groups of like colours and their shares of all weight, largest first.
 
-    Around the colour with most weight within `LIKENESS`, all that is so near makes a group; then the same with what is
-    left. A pattern of red and white gives red and white, not pink; a grain gives one colour.
+    The colour with most weight within `LIKENESS` and everything that near make a group; the rest follows in the same
+    way. A pattern of red and white gives red and white, not pink; wood grain gives one colour.
 
     Args:
         lab: CIELAB colours.
@@ -135,15 +135,15 @@ def dominant_colors(
 def _names(
     colors: Float[np.ndarray, "c 3"], weights: Float[np.ndarray, " c"], level: str, least: float
 ) -> tuple[str, ...]:
-    """Names of the colours that cover enough, or else of the foremost; colours of one name add up."""
+    """Names of the colours that cover enough, else of the main one; colours of one name add up."""
     share = shares(names_by_look(colors, level), weights)
     return at_least(share, least) or at_least(share, 0)[:1]
 
 
 def surface_materials(skin: Skin, options: SemanticOptions) -> tuple[tuple[str, ...], bool]:
-    """Kinds by area, and whether textures tell them.
+    """Kinds by area, and whether they are known from textures.
 
-    Kinds of textures count before those that only the category suggests: HoME knew no others.
+    Kinds known from textures come before those that only the category suggests.
     """
     area = np.bincount(skin.slot, skin.area, minlength=len(skin.surfaces))
     shown = shares([s.texture for s in skin.surfaces], area)
@@ -158,12 +158,12 @@ def surface_materials(skin: Skin, options: SemanticOptions) -> tuple[tuple[str, 
 
 
 def texture_kind(texture: str) -> str:
-    """Kind of a texture by its name, one of `MATERIAL_KINDS`; "" if that tells nothing."""
+    """Kind of a texture by its name, one of `MATERIAL_KINDS`; "" if it has none."""
     return TEXTURE_KINDS.get(texture_family(Path(texture).stem), "")
 
 
 def shares(names: Sequence[str], area: Float[np.ndarray, " n"]) -> dict[str, float]:
-    """Share of all area by name; what has no name or no area counts only in the whole."""
+    """Share of the area by name; surfaces without a name count only in the total."""
     covered: dict[str, float] = {}
     for name, part in zip(names, (area / area.sum()).tolist(), strict=True):
         if name and part > 0:

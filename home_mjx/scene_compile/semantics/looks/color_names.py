@@ -50,7 +50,7 @@ def _palette(rows: list[dict[str, str]]) -> Palette:
 
 
 def names_by_look(lab: Float[np.ndarray, "n 3"], level: str) -> list[str]:
-    """Names of the palette's colours that look most alike.
+    """Names of the most similar colours of a palette.
 
     Args:
         lab: CIELAB colours.
@@ -65,7 +65,7 @@ def names_by_look(lab: Float[np.ndarray, "n 3"], level: str) -> list[str]:
 
 @lru_cache(maxsize=1 << 14)
 def _name_by_look(lab: tuple[float, float, float], level: str) -> str:
-    """One name; the same few colours come again in house after house."""
+    """One name, cached: the same few colours occur in all houses."""
     palette = palettes()[level]
     return palette.names[int(ciede2000(np.array(lab), palette.lab).argmin())]
 

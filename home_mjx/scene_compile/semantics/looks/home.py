@@ -1,4 +1,4 @@
-"""Colours and materials by the rules of HoME's code (2017), so that its published descriptions can be had again."""
+"""Colours and materials by the rules of HoME's code (2017), to reproduce its published descriptions."""
 
 from collections.abc import Hashable
 from functools import lru_cache

@@ -1,4 +1,4 @@
-"""How the semantic engine decides."""
+"""Rules of the semantic engine."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ SIZE_RULES = ("log", "home")
 
 @dataclass(frozen=True)
 class SemanticOptions:
-    """What counts as a colour, a material and a size; part of the cache's key.
+    """Rules for colours, materials and sizes; part of the cache's key.
 
     Attributes:
         color: `look`: dominant colours of the surface as it is drawn (texture times diffuse colour, by area and
