@@ -287,7 +287,8 @@ def as_bank(
     if houses is None:
         chosen = default_houses(num_houses, split=split, where=where, options=options, progress=progress)
     elif isinstance(houses, HouseSet):
-        chosen = dataclasses.replace(houses, options=options) if houses.options == DEFAULT_OPTIONS else houses
+        chosen = HouseSet.of(houses, split=split, where=where)
+        chosen = dataclasses.replace(chosen, options=options) if chosen.options == DEFAULT_OPTIONS else chosen
     else:
         chosen = HouseSet(houses, split=split, where=where, num_houses=num_houses, options=options)
     return HouseBank.from_dataset(chosen, progress=progress)
