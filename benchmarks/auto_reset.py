@@ -1,8 +1,9 @@
-"""What automatic resets cost: milliseconds per step of a batch in which nobody, some or all end.
+"""What automatic resets cost: milliseconds per step of a batch in which nobody, a few or all environments end.
 
-    python benchmarks/auto_reset.py --num-envs 4096 [--houses ROOT]
+    python benchmarks/auto_reset.py [--num-envs 4096] [--houses ROOT]
 
-One JSON object a line. Each case is timed in turn, several times over; medians.
+One JSON object a line. A program is called with the same states again and again, so that only the number of those that
+end differs; cases take turns; medians.
 """
 
 import argparse
@@ -15,10 +16,10 @@ import jax.numpy as jnp
 
 import home_mjx
 from home_mjx.bench.timing import device_name
-from home_mjx.tasks import PointNav
+from home_mjx.tasks import BoundEnv, PointNav
 
-CASES = ("plain", "nobody", "some", "all", "some, final images", "all, final images")
-PER_STEP = 8  # environments that end in each step of the case `some`
+LENGTH = 500  # steps of an episode
+FEW = 8  # environments that end
 
 
 def main() -> None:
@@ -26,14 +27,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--num-envs", type=int, default=4096)
     parser.add_argument("--houses")
-    parser.add_argument("--steps", type=int, default=20)
-    parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--calls", type=int, default=10)
+    parser.add_argument("--rounds", type=int, default=7)
     args = parser.parse_args()
-    cases = {name: prepare(name, args) for name in CASES}
+    # Nobody arrives by chance: the goal's radius is zero.
+    env = home_mjx.make("PointNav-v0", args.houses, episode_length=LENGTH, task=PointNav(success_radius=0.0))
+    cases = prepare(env, args.num_envs)
     times: dict[str, list[float]] = {name: [] for name in cases}
     for _ in range(args.rounds):
-        for name, case in cases.items():
-            times[name].append(run(case, args.steps))
+        for name, (step, states, actions) in cases.items():
+            times[name].append(milliseconds(lambda: step(env.params, states, actions), args.calls))  # noqa: B023
     base = statistics.median(times["nobody"])
     for name, found in times.items():
         value = statistics.median(found)
@@ -42,37 +45,33 @@ def main() -> None:
         print(json.dumps(record), flush=True)
 
 
-def prepare(name: str, args: argparse.Namespace) -> dict:
-    """A compiled step and its states, those of `some` spread over their episodes so that `PER_STEP` end in each."""
-    lengths = {"some": args.num_envs // PER_STEP, "all": 1}
-    length = lengths.get(name.partition(",")[0], 10**6)
-    # Nobody may end early: the goal is out of reach.
-    env = home_mjx.make("PointNav-v0", args.houses, episode_length=length, task=PointNav(success_radius=0.0))
-    keys = jax.random.split(jax.random.key(0), args.num_envs)
-    actions = jax.random.uniform(jax.random.key(1), (args.num_envs, 4), jnp.float32, -1, 1)
-    if name == "plain":
-        reset, step = jax.vmap(env.core.reset, (None, 0)), jax.vmap(env.core.step, (None, 0, 0))
-    else:
-        auto = home_mjx.AutoReset(env.core, "all" if "images" in name else "cheap")
-        reset, step = auto.reset, auto.step
-    states = jax.jit(reset)(env.params, keys)
-    if length > 1:
-        age = jnp.arange(args.num_envs, dtype=jnp.int32) // PER_STEP % length
-        states = states.replace(world=states.world.replace(step=age * (length < 10**6)))
-    step = jax.jit(step)
-    states = jax.block_until_ready(step(env.params, states, actions))
-    return {"env": env, "step": step, "states": states, "actions": actions}
+def prepare(env: BoundEnv, num_envs: int) -> dict:
+    """Compiled steps with the states that each case begins from."""
+    keys = jax.random.split(jax.random.key(0), num_envs)
+    actions = jax.random.uniform(jax.random.key(1), (num_envs, 4), jnp.float32, -1, 1)
+    cheap, full = home_mjx.AutoReset(env.core), home_mjx.AutoReset(env.core, "all")
+    states = jax.jit(full.reset)(env.params, keys)
+    plain, step, rendered = jax.jit(jax.vmap(env.core.step, (None, 0, 0))), jax.jit(cheap.step), jax.jit(full.step)
+    states = jax.block_until_ready(plain(env.params, states.replace(info={}), actions))
+    programs = {"": step, ", last images": rendered}
+    ended = {"nobody": 0, "a few": FEW, "all": num_envs}
+    cases = {"plain": (plain, states, actions)}
+    for suffix, program in programs.items():
+        for name, count in ended.items():
+            age = jnp.where(jnp.arange(num_envs) < count, LENGTH - 1, 0).astype(jnp.int32)
+            cases[name + suffix] = program, states.replace(world=states.world.replace(step=age)), actions
+    for program, begin, _ in cases.values():
+        jax.block_until_ready(program(env.params, begin, actions))
+    return cases
 
 
-def run(case: dict, steps: int) -> float:
-    """Milliseconds per step."""
-    states = case["states"]
+def milliseconds(call: object, count: int) -> float:
+    """Of one call."""
     start = time.perf_counter()
-    for _ in range(steps):
-        states = case["step"](case["env"].params, states, case["actions"])
-    jax.block_until_ready(states)
-    case["states"] = states
-    return 1e3 * (time.perf_counter() - start) / steps
+    for _ in range(count):
+        result = call()  # type: ignore[operator]
+    jax.block_until_ready(result)
+    return 1e3 * (time.perf_counter() - start) / count
 
 
 if __name__ == "__main__":

@@ -19,6 +19,7 @@ from home_mjx.physics.dynamics import (
     reset,
     step,
     step_checked,
+    undo_where,
 )
 from home_mjx.physics.lost import Lost
 
@@ -34,4 +35,5 @@ __all__ = [
     "reset",
     "step",
     "step_checked",
+    "undo_where",
 ]

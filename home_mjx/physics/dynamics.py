@@ -15,9 +15,12 @@ from home_mjx.physics.config import PhysicsConfig
 from home_mjx.physics.control import motor_forces
 from home_mjx.physics.house_model import MovableBodies, house_model, movable_bodies, with_slots
 from home_mjx.physics.layout import Layout
-from home_mjx.physics.lost import Lost, Pairs, are_points_full, limit
+from home_mjx.physics.lost import Lost, Pairs, Sizes, are_points_full, limit
 from home_mjx.physics.slots import FLAT, Boxes, fill, parked
 from home_mjx.physics.template_mjcf import template_mjcf
+
+# What a step of MuJoCo starts from; all else in `mjx.Data` is derived.
+STATE = ("time", "qpos", "qvel", "qacc", "qacc_warmstart", "ctrl", "sensordata")
 
 
 class Template:
@@ -91,26 +94,38 @@ def step(
 def step_checked(
     template: Template, bank: HouseBank, house: Int[Array, ""], data: mjx.Data, action: Float[Array, "a 3"]
 ) -> tuple[mjx.Data, Lost]:
-    """`step`, and what it left out because it did not fit."""
+    """`step`, and what it left out because it did not fit: of contacts, in the last physics step."""
     bodies = movable_bodies(bank.physics, house)
     static = static_boxes(template, bank.physics, house)
     model = house_model(template.model, template.layout, bodies, bank.physics.floor[house])
 
-    def substep(data: mjx.Data, _: None) -> tuple[mjx.Data, tuple[Array, Lost]]:
+    def substep(carry: tuple[mjx.Data, Sizes], _: None) -> tuple[tuple[mjx.Data, Sizes], tuple[Array, Array]]:
+        data = carry[0]
         data = data.replace(ctrl=_control(template, data, action))
         slots, crowded = nearest_boxes(template, static, bodies.size, data)
         filled = with_slots(model, template.layout, slots)
         with _as_mjx_needs():
             data = mjx.step(filled, data)
-        lost = Lost(
-            static_boxes=crowded,
-            contact_pairs=template.pairs.lost(filled, data),
-            contact_points=are_points_full(data, template.max_points),
-        )
-        return _settle_bodies(template, bodies, data), (data.sensordata, lost)
+        sizes = Sizes(size=filled.geom_size, rbound=filled.geom_rbound)
+        return (_settle_bodies(template, bodies, data), sizes), (data.sensordata, crowded)
 
-    data, (contacts, lost) = jax.lax.scan(substep, data, None, length=template.config.timing.substeps)
-    return data.replace(sensordata=contacts.max(axis=0)), jax.tree.map(jnp.any, lost)
+    first = data, Sizes(size=model.geom_size, rbound=model.geom_rbound)
+    (data, sizes), (contacts, crowded) = jax.lax.scan(substep, first, None, length=template.config.timing.substeps)
+    lost = Lost(
+        static_boxes=jnp.any(crowded),
+        contact_pairs=template.pairs.lost(sizes, data),
+        contact_points=are_points_full(data, template.max_points),
+    )
+    return data.replace(sensordata=contacts.max(axis=0)), lost
+
+
+def undo_where(broken: Bool[Array, ""], data: mjx.Data, before: mjx.Data) -> mjx.Data:
+    """The state before a step where the step has broken it.
+
+    What MuJoCo derives from poses and speeds stays as it is: the next step computes it anew.
+    """
+    fields = {name: (getattr(data, name), getattr(before, name)) for name in STATE}
+    return data.replace(**{name: jnp.where(broken, old, new) for name, (new, old) in fields.items()})
 
 
 def is_broken(data: mjx.Data) -> Bool[Array, ""]:

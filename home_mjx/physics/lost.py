@@ -4,6 +4,7 @@ MJX tests only so many pairs of geoms of a kind, those nearest by bounding spher
 points to the solver, the deepest. Both limits are in the template's MJCF (`max_geom_pairs`, `max_contact_points`).
 """
 
+import functools
 from collections import defaultdict
 from dataclasses import dataclass
 from typing import Any
@@ -18,6 +19,13 @@ from mujoco import mjx
 from home_mjx.core.pytree import Pytree
 
 BOX, CAPSULE = int(mujoco.mjtGeom.mjGEOM_BOX), int(mujoco.mjtGeom.mjGEOM_CAPSULE)  # pyright: ignore[reportAttributeAccessIssue]
+
+
+class Sizes(Pytree):
+    """Of every geom of the model as it is stepped, its slots filled."""
+
+    size: Float[Array, "g 3"]  # [m], MuJoCo's `geom_size`
+    rbound: Float[Array, " g"]  # [m], radius of the bounding sphere
 
 
 class Lost(Pytree):
@@ -39,6 +47,9 @@ def are_points_full(data: mjx.Data, most: int) -> Bool[Array, ""]:
     dims = np.asarray(contact.dim)
     full = [contact.dist[dims == dim] for dim in np.unique(dims) if (dims == dim).sum() >= most]
     return jnp.any(jnp.stack([jnp.all(dist < 0) for dist in full])) if full else jnp.zeros((), bool)
+
+
+_sum = functools.partial(jnp.einsum, precision="highest")
 
 
 @dataclass(frozen=True)
@@ -66,31 +77,31 @@ class Pairs:
         groups = tuple(np.array(pairs) for pairs in kinds.values() if len(pairs) > most)
         return cls(groups, most, np.flatnonzero(model.geom_type == CAPSULE))
 
-    def lost(self, model: mjx.Model, data: mjx.Data) -> Bool[Array, ""]:
-        """Whether a pair touches that was not tested."""
-        missed = [jnp.any(self._touch(model, data, self._untested(model, data, pairs))) for pairs in self.groups]
+    def lost(self, sizes: Sizes, data: mjx.Data) -> Bool[Array, ""]:
+        """Whether a pair touches that the last physics step did not test; poses are those that it began from."""
+        missed = [jnp.any(self._touch(sizes, data, self._untested(sizes, data, pairs))) for pairs in self.groups]
         return jnp.any(jnp.stack(missed)) if missed else jnp.zeros((), bool)
 
-    def _untested(self, model: mjx.Model, data: mjx.Data, pairs: Int[np.ndarray, "p 2"]) -> Int[Array, "q 2"]:
+    def _untested(self, sizes: Sizes, data: mjx.Data, pairs: Int[np.ndarray, "p 2"]) -> Int[Array, "q 2"]:
         """The pairs that are farther apart by bounding spheres than those that are tested: MJX's own ranking."""
         first, second = data.geom_xpos[pairs[:, 0]], data.geom_xpos[pairs[:, 1]]
-        apart = jnp.linalg.norm(second - first, axis=-1) - model.geom_rbound[pairs].sum(axis=-1)
+        apart = jnp.linalg.norm(second - first, axis=-1) - sizes.rbound[pairs].sum(axis=-1)
         _, order = jax.lax.top_k(-apart, len(pairs))
         return jnp.asarray(pairs)[order[self.most :]]
 
-    def _touch(self, model: mjx.Model, data: mjx.Data, pairs: Int[Array, "q 2"]) -> Bool[Array, " q"]:
+    def _touch(self, sizes: Sizes, data: mjx.Data, pairs: Int[Array, "q 2"]) -> Bool[Array, " q"]:
         """Whether boxes overlap along all of their six face axes; a capsule counts as the box around it."""
-        boxes = self._boxes(model)
+        boxes = self._boxes(sizes)
         between = data.geom_xpos[pairs[:, 1]] - data.geom_xpos[pairs[:, 0]]
         a, b = data.geom_xmat[pairs[:, 0]], data.geom_xmat[pairs[:, 1]]
         half_a, half_b = boxes[pairs[:, 0]], boxes[pairs[:, 1]]
-        cosine = jnp.abs(jnp.einsum("qki,qkj->qij", a, b))
-        along_a = jnp.abs(jnp.einsum("qk,qki->qi", between, a)) - half_a - jnp.einsum("qij,qj->qi", cosine, half_b)
-        along_b = jnp.abs(jnp.einsum("qk,qkj->qj", between, b)) - half_b - jnp.einsum("qij,qi->qj", cosine, half_a)
+        cosine = jnp.abs(_sum("qki,qkj->qij", a, b))
+        along_a = jnp.abs(_sum("qk,qki->qi", between, a)) - half_a - _sum("qij,qj->qi", cosine, half_b)
+        along_b = jnp.abs(_sum("qk,qkj->qj", between, b)) - half_b - _sum("qij,qi->qj", cosine, half_a)
         return jnp.maximum(along_a.max(axis=-1), along_b.max(axis=-1)) < 0
 
-    def _boxes(self, model: mjx.Model) -> Float[Array, "g 3"]:
+    def _boxes(self, sizes: Sizes) -> Float[Array, "g 3"]:
         """Half extents of every geom's box [m]."""
-        size, capsules = model.geom_size, self.capsules
+        size, capsules = sizes.size, self.capsules
         around = jnp.stack([size[capsules, 0], size[capsules, 0], size[capsules, 0] + size[capsules, 1]], axis=-1)
         return size.at[capsules].set(around)

@@ -4,7 +4,8 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float, Int
+from jax.typing import ArrayLike
+from jaxtyping import Array, Bool, Int
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_known
@@ -16,7 +17,7 @@ from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.household import HouseholdEnv
 
 FINAL_OBS = ("cheap", "all", "none")
-CHUNK = 32  # environments whose last images are rendered at once
+FEW = 32  # ended environments whose last images are rendered alone
 
 
 class AutoReset:
@@ -34,7 +35,7 @@ class AutoReset:
         core: The environment.
         final_obs: What `info["final_obs"]` holds: "cheap", observations that cast no rays (pose, goal); "all", for
             learners that bootstrap from pixels when time runs out: those of ended environments are rendered besides,
-            `CHUNK` at a time; "none".
+            of up to `FEW` alone, of more for the whole batch; "none".
 
     Example:
         >>> batch = AutoReset(env.core).bind(env.params)  # doctest: +SKIP
@@ -77,7 +78,7 @@ class AutoReset:
         state = self._perceive(params, begin(params, key, house, episode))
         return self._with_final(state, self._kept(state.obs))
 
-    def step(self, params: EnvParams, state: State, action: Float[Array, "n ..."]) -> State:
+    def step(self, params: EnvParams, state: State, action: ArrayLike) -> State:
         """One step of all environments."""
         stepped = jax.vmap(self.core.advance, (None, 0, 0))(params, state, action)
         done = stepped.done
@@ -135,21 +136,25 @@ class AutoReset:
     def _render_final(
         self, params: EnvParams, stepped: State, kept: dict[str, Array], done: Bool[Array, " n"]
     ) -> dict[str, Array]:
-        """What ended environments saw and heard last, a chunk of them at a time."""
-        num = done.shape[0]
-        size = min(CHUNK, num)
-        order = jnp.argsort(~done, stable=True)  # those that ended come first
+        """What ended environments saw and heard last: of a few, rendered alone, or of the whole batch."""
+        few = min(FEW, done.shape[0])
         count = jnp.sum(done.astype(jnp.int32))
 
-        def chunk(carry: tuple[Array, dict[str, Array]]) -> tuple[Array, dict[str, Array]]:
-            first, out = carry
-            place = first + jnp.arange(size, dtype=jnp.int32)
-            rows = jnp.where(place < count, order[jnp.minimum(place, num - 1)], num)
-            some = jax.tree.map(lambda x: x[jnp.minimum(rows, num - 1)], stepped)
-            seen = self._perceive(params, some).obs
-            return first + size, {name: out[name].at[rows].set(seen[name], mode="drop") for name in out}
+        def nobody(_: State) -> dict[str, Array]:
+            return kept
 
-        return jax.lax.while_loop(lambda carry: carry[0] < count, chunk, (jnp.int32(0), kept))[1]
+        def some(stepped: State) -> dict[str, Array]:
+            rows = jnp.argsort(~done, stable=True)[:few]  # those that ended come first
+            seen = self._perceive(params, jax.tree.map(lambda x: x[rows], stepped)).obs
+            rows = jnp.where(done[rows], rows, done.shape[0])
+            return {name: value.at[rows].set(seen[name], mode="drop") for name, value in kept.items()}
+
+        def many(stepped: State) -> dict[str, Array]:
+            seen = self._perceive(params, stepped).obs
+            return {name: _where(done, seen[name], value) for name, value in kept.items()}
+
+        case = (count > 0).astype(jnp.int32) + (count > few).astype(jnp.int32)
+        return jax.lax.switch(case, [nobody, some, many], stepped)
 
     def _with_final(self, state: State, final: dict[str, Array]) -> State:
         return state.replace(info={**state.info, **({"final_obs": final} if self.final_obs != "none" else {})})

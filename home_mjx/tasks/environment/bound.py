@@ -4,7 +4,8 @@ import warnings
 from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
 
 import jax
-from jaxtyping import Array, Float
+from jax.typing import ArrayLike
+from jaxtyping import Array
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.usage import bank_bytes
@@ -44,7 +45,7 @@ class Core(Protocol):
         """A new episode."""
         ...
 
-    def step(self, params: EnvParams, state: State, action: Float[Array, "..."]) -> State:
+    def step(self, params: EnvParams, state: State, action: ArrayLike) -> State:
         """One control step."""
         ...
 
@@ -90,7 +91,7 @@ class BoundEnv(Generic[C]):
         self._warn_of_baking(key)
         return self.core.reset(self.params, key, house, episode)
 
-    def step(self, state: State, action: Float[Array, "..."]) -> State:
+    def step(self, state: State, action: ArrayLike) -> State:
         """One control step, see `HouseholdEnv.step`."""
         self._warn_of_baking(action)
         return self.core.step(self.params, state, action)

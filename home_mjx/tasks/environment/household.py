@@ -5,7 +5,8 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Int
+from jax.typing import ArrayLike
+from jaxtyping import Array, Int
 
 from home_mjx import physics
 from home_mjx.bank.bank import HouseBank
@@ -109,7 +110,7 @@ class HouseholdEnv:
         """
         return self.perceive(params, self.begin(params, key, house, episode))
 
-    def step(self, params: EnvParams, state: State, action: Float[Array, "..."]) -> State:
+    def step(self, params: EnvParams, state: State, action: ArrayLike) -> State:
         """One control step of `dt` seconds, then reward and observation.
 
         Args:
@@ -197,7 +198,7 @@ class HouseholdEnv:
             info={},
         )
 
-    def advance(self, params: EnvParams, state: State, action: Float[Array, "..."]) -> State:
+    def advance(self, params: EnvParams, state: State, action: ArrayLike) -> State:
         """`step` without sensors: physics, task, reward. For wrappers.
 
         A step that gives poses that are no numbers is undone and ends the episode: the state stays finite, `status`
@@ -207,7 +208,7 @@ class HouseholdEnv:
         action = usable_action(action, self.num_agents, self.action_size)
         data, lost = physics.step_checked(template, bank, state.world.house, state.physics, action[:, :3])
         broken = physics.is_broken(data)
-        data = jax.tree.map(lambda new, old: jnp.where(broken, old, new), data, state.physics)
+        data = physics.undo_where(broken, data, state.physics)
         look = action[:, 3] * jnp.float32(self.config.look_rate * self.dt)
         limit = self.config.pitch_max
         world = state.world.replace(

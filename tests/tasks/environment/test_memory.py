@@ -19,7 +19,7 @@ def env():
 
 
 def test_the_estimate_is_what_arrays_take(env):
-    states = jax.vmap(env.reset)(jax.random.split(jax.random.key(0), 3))
+    states = jax.jit(jax.vmap(env.reset))(jax.random.split(jax.random.key(0), 3))
     found = estimate_memory(env, 3)
     assert found.states == sum(x.nbytes for x in jax.tree.leaves(states))
     assert found.observations == sum(x.nbytes for x in jax.tree.leaves(states.obs)) == 3 * 4 * (64 + 10)
@@ -31,7 +31,7 @@ def test_the_estimate_is_what_arrays_take(env):
 def test_large_banks_in_a_program_are_warned_of_once(env, monkeypatch):
     monkeypatch.setattr(bound, "LARGE", 1000)
     large = env.core.bind(env.params)
-    state = large.reset(jax.random.key(0))  # not traced: nothing is baked in
+    state = jax.eval_shape(env.core.reset, env.params, jax.random.key(0))
     with pytest.warns(UserWarning, match=r"env\.core\.step"):
         jax.make_jaxpr(large.step)(state, jnp.zeros(4))
     with warnings.catch_warnings():

@@ -1,18 +1,20 @@
 """What goes wrong inside a jitted step is told outside of it."""
 
-import dataclasses
-
 import jax
 import jax.numpy as jnp
+import mujoco
 import numpy as np
 import pytest
 from handmade import Furniture, shoebox
+from mujoco import mjx
 
 from home_mjx import AutoReset, HouseBank, HouseholdEnv
 from home_mjx.errors import DatasetError
+from home_mjx.physics.lost import Pairs, Sizes, are_points_full, limit
 from home_mjx.tasks import Status, StatusError, check_status, load_states, make_config, save_states
+from home_mjx.tasks.sensors.hearing import is_cut
 
-STILL = jnp.zeros(4)
+NUM = 4
 
 
 @pytest.fixture(scope="module")
@@ -21,112 +23,116 @@ def bank() -> HouseBank:
     return HouseBank.from_compiled([shoebox(furniture=crates)])
 
 
-def make_env(bank, **options):
-    return HouseholdEnv(make_config(**{"sensors": ("state",)} | options)).bind(bank)
+@pytest.fixture(scope="module")
+def batch(bank):
+    """Environments whose agents have one slot for static boxes."""
+    return AutoReset(HouseholdEnv(make_config(sensors=("state",), agent_slots=1))).bind(bank)
 
 
-def placed(env, x, y):
-    """A state with the agent's axis at (x, y)."""
-    state = env.reset(jax.random.key(0))
-    return state.replace(physics=state.physics.replace(qpos=state.physics.qpos.at[:2].set(jnp.array([x, y]))))
+@pytest.fixture(scope="module")
+def step(batch):
+    return jax.jit(batch.step)
 
 
-def status_of(env, state):
-    return Status(int(jax.jit(env.step)(state, STILL).status))
+@pytest.fixture(scope="module")
+def begun(batch):
+    return jax.jit(batch.reset)(jax.random.split(jax.random.key(0), NUM))
 
 
-def test_nothing_is_lost_in_an_ordinary_walk(generated_bank):
-    env = make_env(generated_bank)
-    states = jax.vmap(env.reset)(jax.random.split(jax.random.key(1), 8))
-    step = jax.jit(jax.vmap(env.step))
-    for i in range(20):
-        states = step(states, jax.random.uniform(jax.random.key(i), (8, 4), minval=-1.0, maxval=1.0))
-        check_status(states, ignore=Status.STATIC_BOXES)
-    assert states.status.shape == (8,)
-
-
-def test_a_broken_pose_ends_its_environment_alone(bank):
-    """Speeds of 1e38 m/s overflow: that step is undone, its neighbours do not notice."""
-    env = make_env(bank)
-    states = jax.vmap(env.reset)(jax.random.split(jax.random.key(0), 4))
-    fast = states.physics.qvel.at[2].set(1e38)
-    step = jax.jit(jax.vmap(env.step))
-    calm, wild = (
-        step(s, jnp.zeros((4, 4))) for s in (states, states.replace(physics=states.physics.replace(qvel=fast)))
-    )
+def test_a_broken_pose_ends_its_environment_alone(begun, step):
+    """Speeds of 1e38 m/s overflow: that step is undone, the fault counted, the neighbours do not notice."""
+    fast = begun.physics.replace(qvel=begun.physics.qvel.at[2].set(1e38))
+    calm, wild = (step(states, jnp.zeros((NUM, 4))) for states in (begun, begun.replace(physics=fast)))
     assert [Status(int(s)) for s in wild.status] == [0, 0, Status.NOT_A_NUMBER, 0]
     assert wild.terminated.tolist() == [False, False, True, False]
     assert not wild.truncated.any()
     assert float(wild.reward[2]) == 0.0
-    assert np.isfinite(np.concatenate([np.ravel(x) for x in jax.tree.leaves(wild.obs)])).all()
-    np.testing.assert_array_equal(wild.physics.qpos[2], states.physics.qpos[2])
+    assert wild.world.faults.tolist() == [0, 0, 1, 0]
+    assert wild.world.step.tolist() == [1, 1, 0, 1]
     others = np.array([0, 1, 3])
     jax.tree.map(lambda a, b: np.testing.assert_array_equal(a[others], b[others]), calm, wild)
+    np.testing.assert_allclose(wild.info["final_obs"]["state"][2, :2], begun.obs["state"][2, :2])
     with pytest.raises(StatusError, match=r"1 of 4 environments.*environment 2: NOT_A_NUMBER"):
         check_status(wild)
+    after = step(wild, jnp.zeros((NUM, 4)))
+    check_status(after)
+    assert after.world.faults.tolist() == [0, 0, 1, 0]
+    assert all(np.isfinite(x).all() for x in jax.tree.leaves((after.obs, after.reward, after.physics.qpos)))
 
 
-def test_a_fault_is_counted_and_reset(bank):
-    auto = AutoReset(make_env(bank).core).bind(bank)
-    states = auto.reset(jax.random.split(jax.random.key(0), 2))
-    states = states.replace(physics=states.physics.replace(qvel=states.physics.qvel.at[0].set(1e38)))
-    states = jax.jit(auto.step)(states, jnp.zeros((2, 4)))
-    assert states.world.faults.tolist() == [1, 0]
-    assert states.world.step.tolist() == [0, 1]
-    assert Status(int(states.status[0])) == Status.NOT_A_NUMBER
-    states = jax.jit(auto.step)(states, jnp.zeros((2, 4)))
-    assert states.world.faults.tolist() == [1, 0]
-    assert not states.status.any()
+def test_static_boxes_beyond_the_slots_are_told(begun, step):
+    """In a corner of a room of 6 m x 5 m two walls are touched; in the open nothing is."""
+    places = jnp.array([[-2.95, -2.45], [0.0, -1.5], [2.95, 2.45], [0.0, 1.5]])
+    placed = begun.physics.replace(qpos=begun.physics.qpos.at[:, :2].set(places))
+    status = step(begun.replace(physics=placed), jnp.zeros((NUM, 4))).status
+    assert [Status.STATIC_BOXES in Status(int(s)) for s in status] == [True, False, True, False]
 
 
-def test_static_boxes_beyond_the_slots_are_told(bank):
-    corner = (-2.95, -2.45)  # of a room of 6 m x 5 m: two walls are touched
-    assert Status.STATIC_BOXES in status_of(
-        make_env(bank, agent_slots=1), placed(make_env(bank, agent_slots=1), *corner)
-    )
-    assert Status.STATIC_BOXES not in status_of(make_env(bank), placed(make_env(bank), *corner))
+MODEL = """
+<mujoco>
+  <custom>
+    <numeric name="max_geom_pairs" data="1"/>
+    <numeric name="max_contact_points" data="2"/>
+  </custom>
+  <worldbody>
+    <geom name="big" type="box" size="9 .1 9" contype="0" conaffinity="0"/>
+    <body name="a" pos="0 {first} 0"><freejoint/>
+      <geom name="a" type="box" size=".1 .1 .1" contype="0" conaffinity="0"/></body>
+    <body name="b" pos="0 {second} 0"><freejoint/>
+      <geom name="b" type="box" size=".1 .1 .1" contype="0" conaffinity="0"/></body>
+  </worldbody>
+  <contact><pair geom1="a" geom2="big" condim="3"/><pair geom1="a" geom2="b" condim="3"/></contact>
+</mujoco>
+"""
 
 
-def test_pairs_that_the_broad_phase_leaves_out_are_told(bank):
-    few = make_env(bank, max_geom_pairs=1)
-    assert Status.CONTACT_PAIRS in status_of(few, placed(few, -2.95, -2.45))
-    plenty = make_env(bank)
-    assert Status.CONTACT_PAIRS not in status_of(plenty, placed(plenty, -2.95, -2.45))
+@pytest.mark.parametrize(
+    ("first", "second", "pairs", "points"),
+    # MJX tests the one pair that is nearest by bounding spheres: always `a` and the big box.
+    [(0.15, 0.3, True, True), (0.15, 0.5, False, True), (0.5, 1.0, False, False)],
+)
+def test_contacts_that_do_not_fit_are_told(first, second, pairs, points):
+    """Against MuJoCo in C, which has no such limits: how many pairs touch."""
+    model = mujoco.MjModel.from_xml_string(MODEL.format(first=first, second=second))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    touching = {frozenset(data.contact.geom[i].tolist()) for i in range(data.ncon)}
+    device = mjx.put_model(model)
+    with jax.numpy_dtype_promotion("standard"), jax.numpy_rank_promotion("allow"):
+        moved = jax.jit(mjx.collision)(device, jax.jit(mjx.kinematics)(device, mjx.make_data(model)))
+    sizes = Sizes(size=device.geom_size, rbound=device.geom_rbound)
+    found = bool(jax.jit(Pairs.of(model).lost)(sizes, moved))
+    assert found == pairs == (len(touching) > 1)
+    assert bool(are_points_full(moved, limit(model, "max_contact_points"))) == points == (data.ncon > 1)
 
 
-def test_too_few_contact_points_are_told(bank):
-    few = make_env(bank, max_contact_points=1)
-    assert Status.CONTACT_POINTS in status_of(few, placed(few, 0.0, -2.0))
-    plenty = make_env(bank)
-    assert Status.CONTACT_POINTS not in status_of(plenty, placed(plenty, 0.0, -2.0))
+def test_responses_that_end_too_early_are_told():
+    """Exponential decays of a known time: 60 dB in one second fall by 30 dB in half a second."""
+    config = make_config(response_seconds=0.5).audio
+    time = np.arange(config.response_length) / config.sample_rate
+    for seconds, cut in ((0.9, False), (1.2, True)):
+        response = jnp.asarray(np.tile(10 ** (-3 * time / seconds), (2, 1)), jnp.float32)
+        assert bool(is_cut(response, config)) == cut
 
 
-def test_responses_that_end_too_early_are_told(bank):
-    options = {"sensors": ("audio",), "num_rays": 64, "num_bounces": 8}
-    short, long = (make_env(bank, response_seconds=s, **options) for s in (0.04, 2.0))
-    for env, cut in ((short, True), (long, False)):
-        state = jax.jit(env.reset)(jax.random.key(0))
-        assert (Status.RESPONSE_CUT in Status(int(state.status))) == cut
-
-
-def test_states_are_kept_and_go_on(bank, tmp_path):
-    env = make_env(bank)
-    states = jax.vmap(env.reset)(jax.random.split(jax.random.key(0), 3))
-    states = states.replace(status=jnp.array([0, 1, 0], jnp.int32))
-    assert save_states(tmp_path / "all.npz", states) == 3
+def test_states_are_kept_and_go_on(begun, step, batch, tmp_path):
+    env = batch.core.core.bind(batch.params)
+    states = begun.replace(status=jnp.array([0, 1, 0, 0], jnp.int32))
+    assert save_states(tmp_path / "all.npz", states) == NUM
     assert save_states(tmp_path / "wrong.npz", states, faulty_only=True) == 1
-    back = load_states(tmp_path / "wrong.npz", env)
-    jax.tree.map(lambda a, b: np.testing.assert_array_equal(a[0], b[1]), back, states)
-    step = jax.jit(jax.vmap(env.step))
-    again, first = step(back, jnp.zeros((1, 4))), step(states, jnp.zeros((3, 4)))
-    np.testing.assert_allclose(again.obs["state"][0], first.obs["state"][1], atol=1e-5)
-    with pytest.raises(DatasetError, match="cannot be read"):
+    back = load_states(tmp_path / "all.npz", env)
+    jax.tree.map(np.testing.assert_array_equal, back, states.replace(info={}))
+    wrong = load_states(tmp_path / "wrong.npz", env)
+    jax.tree.map(lambda a, b: np.testing.assert_array_equal(a[0], b[1]), wrong, states.replace(info={}))
+    again = step(jax.tree.map(jnp.asarray, back).replace(info=states.info), jnp.zeros((NUM, 4)))
+    jax.tree.map(np.testing.assert_array_equal, again, step(states, jnp.zeros((NUM, 4))))
+    with pytest.raises(DatasetError):
         load_states(tmp_path / "none.npz", env)
-    with pytest.raises(DatasetError, match=r"qpos|pitch"):
-        load_states(tmp_path / "all.npz", make_env(bank, num_agents=2))
+    two = HouseholdEnv(make_config(sensors=("state",), num_agents=2)).bind(batch.bank)
+    with pytest.raises(DatasetError, match=r"qpos|qvel|physics"):
+        load_states(tmp_path / "all.npz", two)
 
 
 def test_flags_have_names():
     assert Status.names(Status.CONTACT_PAIRS | Status.RESPONSE_CUT) == ["CONTACT_PAIRS", "RESPONSE_CUT"]
     assert len({int(flag) for flag in Status}) == len(Status)
-    assert dataclasses.is_dataclass(make_config())
