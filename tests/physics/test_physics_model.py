@@ -56,7 +56,7 @@ def models():
     def build(bank, house):
         data = reset(template, bank, house, jnp.array([[0.0, 0.0, 0.4]]), jnp.zeros(1))
         bodies = movable_bodies(bank.physics, house)
-        slots = nearest_boxes(template, static_boxes(template, bank.physics, house), bodies.size, data)
+        slots, _ = nearest_boxes(template, static_boxes(template, bank.physics, house), bodies.size, data)
         model = house_model(template.model, template.layout, bodies, bank.physics.floor[house])
         return with_slots(model, template.layout, slots), slots
 

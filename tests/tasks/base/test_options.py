@@ -35,7 +35,7 @@ def test_paths_and_whole_records_say_the_same():
 def test_fields_that_only_fit_together_are_changed_together():
     config = make_config(ctrl_dt=0.03, sim_dt=0.03, sample_rate=8000)
     assert (config.timing.substeps, config.timing.frame) == (1, 240)
-    tall = override({"": config}, {"radius": 0.9, "height": 2.5, "ctrl_dt": 0.06})[""]
+    tall = override({"": config}, {"radius": 0.9, "body.height": 2.5, "ctrl_dt": 0.06})[""]
     assert (tall.physics.body.radius, tall.physics.timing.ctrl_dt, tall.audio.timing.frame) == (0.9, 0.06, 480)
 
 
