@@ -173,6 +173,11 @@ class EnvConfig:
                     )
             self._set(**{part: dataclasses.replace(given, **{name: getattr(self, name) for name in records})})
 
+    @property
+    def num_agents(self) -> int:
+        """Agents per environment."""
+        return self.physics.num_agents
+
     def replace(self, **changes: Any) -> "EnvConfig":
         """A copy with some fields changed; physics and sound follow a new body or clock."""
         bare: dict[str, Any] = {

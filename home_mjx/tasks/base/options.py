@@ -41,12 +41,12 @@ def override(records: Records, given: Mapping[str, Any]) -> dict[str, Any]:
     """Records with some of their fields replaced.
 
     Args:
-        records: By prefix; earlier ones win where a flat name is in several.
+        records: By prefix; "" is the environment's, whose own fields need no prefix.
         given: Values by name: `width`, `physics.friction`, or a whole record as in `physics=PhysicsConfig()`. A flat
-            name finds a field at any depth.
+            name finds a field at any depth, if there is only one of that name.
 
     Raises:
-        ConfigError: A name is unknown, with the closest known one, or means several fields.
+        ConfigError: A name is unknown, with the closest known one, or could mean several fields.
 
     Example:
         >>> override({"": EnvConfig()}, {"width": 32, "physics.num_agents": 2, "friction": 0.5})[""].physics.friction
@@ -91,14 +91,13 @@ def _fields(record: Any, prefix: str, shared: frozenset[str] = frozenset()) -> I
 
 def _path(name: str, known: Mapping[str, str]) -> str:
     """The full path that a name means."""
-    if name in known:
-        return name
     found = [path for path in known if path.rpartition(".")[2] == name]
+    if name in known and not any(known[path] == "task" for path in found if path != name):
+        return name
     if not found:
         _refuse(name, known)
-    rivals = [path for path in found if known[path] == known[found[0]]]
-    if len(rivals) > 1:
-        raise ConfigError(f"the option `{name}` could be any of {', '.join(rivals)}", hint="Write one of them in full.")
+    if len(found) > 1:  # a task's option that is named like another must not be lost in silence
+        raise ConfigError(f"the option `{name}` could be any of {', '.join(found)}", hint="Write one of them in full.")
     return found[0]
 
 

@@ -1,15 +1,13 @@
 """The seam of sensors: what agents observe."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jaxtyping import Array, Int
 
 from home_mjx.errors import ConfigError
+from home_mjx.tasks.base.config import VIEW_KINDS, EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import Specs
-
-if TYPE_CHECKING:
-    from home_mjx.tasks.base.config import EnvConfig
 
 
 class Sensor:
@@ -37,23 +35,23 @@ class Sensor:
     name: str = ""
     costly: bool = False
 
-    def spec(self, config: "EnvConfig") -> Specs:
+    def spec(self, config: EnvConfig) -> Specs:
         """Observations by name, each as one agent has it."""
         raise NotImplementedError
 
-    def init(self, config: "EnvConfig") -> Any:
+    def init(self, config: EnvConfig) -> Any:
         """What the sensor remembers, before the first `update`; the same structure as `update` returns."""
         return ()
 
-    def update(self, config: "EnvConfig", snapshot: Snapshot, state: Any) -> Any:
+    def update(self, config: EnvConfig, snapshot: Snapshot, state: Any) -> Any:
         """What the sensor remembers after a reset (`snapshot.step` is 0) or a step. Called once for each."""
         return state
 
-    def observe(self, config: "EnvConfig", snapshot: Snapshot, state: Any) -> dict[str, Array]:
+    def observe(self, config: EnvConfig, snapshot: Snapshot, state: Any) -> dict[str, Array]:
         """What `spec` promises, with a leading agent axis. Called any number of times; changes nothing."""
         raise NotImplementedError
 
-    def status(self, config: "EnvConfig", snapshot: Snapshot, state: Any) -> Int[Array, ""] | int:
+    def status(self, config: EnvConfig, snapshot: Snapshot, state: Any) -> Int[Array, ""] | int:
         """Flags of `Status`: what the sensor has lost."""
         return 0
 
@@ -65,8 +63,12 @@ def register_sensor(sensor: Sensor) -> None:
     """Makes a sensor known by its name, for `sensors=` of every environment made from now on.
 
     Raises:
-        ConfigError: It has no name, or the name is taken.
+        ConfigError: It is no `Sensor`, has no name, or the name is taken.
     """
+    if not isinstance(sensor, Sensor):
+        raise ConfigError(f"expected a sensor, got {sensor!r}", hint="Write register_sensor(MySensor()), an instance.")
+    if sensor.name in VIEW_KINDS:
+        raise ConfigError(f"the name `{sensor.name}` of a sensor is taken by a kind of image")
     if not sensor.name:
         raise ConfigError(f"sensor {type(sensor).__name__} has no name", hint="Set the attribute `name`.")
     if sensor.name in _REGISTRY and type(_REGISTRY[sensor.name]) is not type(sensor):

@@ -24,7 +24,7 @@ from home_mjx.tasks.base.state import EnvParams, Episodes, State, World
 from home_mjx.tasks.base.status import flags
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.environment.bound import BoundEnv
-from home_mjx.tasks.environment.usable import usable_action
+from home_mjx.tasks.environment.usable import check_observations, check_task, checked_metrics, usable_action
 from home_mjx.tasks.sensors.choose import choose_sensors, sensor_names
 from home_mjx.tasks.suite.point_nav import PointNav
 
@@ -144,9 +144,12 @@ class HouseholdEnv:
         obs: dict[str, Array] = {}
         for sensor in self.sensors:
             if sensor.costly == costly:
-                obs |= sensor.observe(self.config, snapshot, state.world.sensors[sensor.name])
+                seen = sensor.observe(self.config, snapshot, state.world.sensors[sensor.name])
+                check_observations(sensor, sensor.spec(self.config), seen, self.num_agents)
+                obs |= seen
         if not costly:
             seen = self.task.observe(snapshot, state.task)
+            check_observations(self.task, self.task.observation_spec, seen, self.num_agents)
             obs |= {name: value for name, value in seen.items() if name in self.observation_spec}
         return self._squeeze(obs)
 
@@ -193,7 +196,7 @@ class HouseholdEnv:
             reward=self._squeeze(jnp.zeros(agents, jnp.float32)),
             terminated=no,
             truncated=no,
-            metrics=self.task.metrics(snapshot, task),
+            metrics=checked_metrics(self.task, self.task.metrics(snapshot, task)),
             status=jnp.zeros((), jnp.int32),
             info={},
         )
@@ -218,8 +221,10 @@ class HouseholdEnv:
         )
         snapshot = self._snapshot(params, data, world)
         task = self.task.update(snapshot, state.task)
-        reward = jnp.where(broken, 0.0, self.task.reward(snapshot, state.task, task))
-        terminated = self.task.terminated(snapshot, task) | broken
+        reward, terminated = self.task.reward(snapshot, state.task, task), self.task.terminated(snapshot, task)
+        metrics = checked_metrics(self.task, self.task.metrics(snapshot, task))
+        check_task(self.task, state.task, task, reward, terminated, self.num_agents)
+        reward, terminated = jnp.where(broken, 0.0, reward), terminated | broken
         return state.replace(
             physics=data,
             world=world,
@@ -227,7 +232,7 @@ class HouseholdEnv:
             reward=self._squeeze(reward),
             terminated=terminated,
             truncated=(world.step >= self.config.episode_length) & ~terminated,
-            metrics={**state.metrics, **self.task.metrics(snapshot, task)},  # keep what wrappers added
+            metrics={**state.metrics, **metrics},  # keep what wrappers added
             status=flags(
                 NOT_A_NUMBER=broken,
                 STATIC_BOXES=lost.static_boxes,

@@ -2,12 +2,14 @@
 
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.config import EnvConfig
+from home_mjx.tasks.base.specs import Specs
 
 
 def usable_action(action: Any, num_agents: int, size: int) -> Float[Array, "a n"]:
@@ -46,3 +48,52 @@ def check_bank(config: EnvConfig, bank: HouseBank) -> None:
             hint="Give `make` a dataset instead of a bank: it compiles for the body. "
             "Or compile the bank with NavigationOptions(agent_radius=..., agent_height=...).",
         )
+
+
+def check_observations(owner: object, spec: Specs, values: dict[str, Any], num_agents: int) -> None:
+    """Holds what a sensor or a task observes against what it promises; when a program is traced, at no cost later.
+
+    Raises:
+        ConfigError: Names, shapes or types differ.
+    """
+    who = f"{type(owner).__name__}.observe"
+    if set(values) != set(spec):
+        raise ConfigError(f"{who} gives {sorted(values)}, but its spec promises {sorted(spec)}")
+    for name, value in values.items():
+        expected = (num_agents, *spec[name].shape)
+        if jnp.shape(value) != expected or jnp.result_type(value) != jnp.dtype(spec[name].dtype):
+            raise ConfigError(
+                f"{who} gives `{name}` as {jnp.result_type(value)} {jnp.shape(value)}, "
+                f"but its spec promises {spec[name].dtype} {expected}",
+                hint="The first axis is that of agents, also for one agent.",
+            )
+
+
+def check_task(task: object, before: Any, after: Any, reward: Any, terminated: Any, num_agents: int) -> None:
+    """Holds what a task gives after a step against what `Task` asks for.
+
+    Raises:
+        ConfigError: A shape, or the structure of its state, differs.
+    """
+    _check_shape(task, "reward", reward, (num_agents,))
+    _check_shape(task, "terminated", terminated, ())
+    shapes = [jax.tree.map(lambda x: (jnp.shape(x), jnp.result_type(x)), tree) for tree in (before, after)]
+    if jax.tree.structure(before) != jax.tree.structure(after) or shapes[0] != shapes[1]:
+        name = type(task).__name__
+        raise ConfigError(f"{name}.update changes the structure of the task's state", hint="Keep that of `init`.")
+
+
+def checked_metrics(task: object, metrics: dict[str, Any]) -> dict[str, Array]:
+    """A task's metrics, if they are scalars.
+
+    Raises:
+        ConfigError: One is not.
+    """
+    for name, value in metrics.items():
+        _check_shape(task, f"metrics, `{name}`", value, ())
+    return metrics
+
+
+def _check_shape(task: object, what: str, value: Any, shape: tuple[int, ...]) -> None:
+    if jnp.shape(value) != shape:
+        raise ConfigError(f"{type(task).__name__}.{what}: expected the shape {shape}, got {jnp.shape(value)}")

@@ -1,5 +1,7 @@
 """Options by name: nested, dotted, flat; and what helps who got one wrong."""
 
+import dataclasses
+
 import pytest
 
 import home_mjx
@@ -7,7 +9,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.physics import PhysicsConfig
 from home_mjx.scene_compile import CompileOptions
 from home_mjx.schema import Body, Timing
-from home_mjx.tasks import EnvConfig, PointNav, make_config
+from home_mjx.tasks import EnvConfig, PointNav, Task, make_config
 from home_mjx.tasks.base.options import override
 
 RECORDS = {"": EnvConfig(), "task": PointNav(), "compile": CompileOptions()}
@@ -92,3 +94,20 @@ def test_make_refuses_before_it_compiles(monkeypatch):
 def test_a_bank_takes_no_choice_of_houses(generated_bank):
     with pytest.raises(ConfigError, match="`num_houses` chooses houses of a dataset"):
         home_mjx.make("PointNav-v0", generated_bank, num_houses=2)
+
+
+def test_an_option_of_a_task_is_never_lost():
+    """A task's field may be named like another option; then only the full name will do."""
+
+    @dataclasses.dataclass(frozen=True)
+    class Sledge(Task):
+        friction: float = 3.0
+        width: int = 2
+
+    records = {"": EnvConfig(), "task": Sledge(), "compile": CompileOptions()}
+    for name in ("friction", "width"):
+        with pytest.raises(ConfigError, match=rf"`{name}` could be any of .*task\.{name}"):
+            override(records, {name: 1})
+    chosen = override(records, {"task.friction": 1.0, "task.width": 5, "physics.friction": 0.5})
+    assert chosen["task"] == Sledge(1.0, 5)
+    assert (chosen[""].physics.friction, chosen[""].width) == (0.5, 64)

@@ -14,7 +14,7 @@ import home_mjx
 from home_mjx import EnvSpec, HouseBank, HouseFilter
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render import Lens, Lit
-from home_mjx.tasks import AgentCamera, PointNav
+from home_mjx.tasks import AgentCamera, PointNav, make_config
 
 OWN = '''
 """A user's own file: a task that counts rooms, and a sensor that remembers the last action's turn."""
@@ -204,3 +204,41 @@ def test_entry_points_that_do_not_exist_are_named():
     finally:
         home_mjx.registry._REGISTRY.pop("Nowhere-v0")
         gymnasium.registry.pop("home_mjx/Nowhere-v0")
+
+
+def changed(own, **methods):
+    """The user's task with some of its methods replaced."""
+    return type("Changed", (own.SpinAround,), methods)()
+
+
+@pytest.mark.parametrize(
+    ("methods", "words"),
+    [
+        (
+            {"reward": lambda self, snapshot, before, state: 1.0},
+            r"Changed\.reward: .* \(1,\), got \(\)",
+        ),
+        ({"terminated": lambda self, snapshot, state: jnp.ones(1, bool)}, r"Changed\.terminated: .* \(\), got \(1,\)"),
+        ({"metrics": lambda self, snapshot, state: {"turned": jnp.ones(1)}}, r"Changed\.metrics, `turned`"),
+        ({"observe": lambda self, snapshot, state: {"tuned": jnp.ones((1, 1))}}, r"\['tuned'\].*\['turned'\]"),
+        ({"observe": lambda self, snapshot, state: {"turned": jnp.ones(1)}}, r"\(1,\).*promises float32 \(1, 1\)"),
+        ({"observe": lambda self, snapshot, state: {"turned": jnp.ones((1, 1), int)}}, "int32.*promises float32"),
+    ],
+)
+def test_tasks_that_break_their_promise_are_told_which(own, bank, methods, words):
+    core = home_mjx.HouseholdEnv(make_config(sensors=("turned",)), changed(own, **methods))
+    env = core.bind(bank)
+
+    def once(key):
+        return env.step(env.reset(key), jnp.zeros(4))
+
+    with pytest.raises((ConfigError, KeyError), match=words):
+        jax.eval_shape(once, jax.random.key(0))
+
+
+def test_sensors_that_cannot_be_registered(own):
+    class Picture(home_mjx.Sensor):
+        name = "rgb"
+
+    with pytest.raises(ConfigError, match="`rgb` of a sensor is taken by a kind of image"):
+        home_mjx.register_sensor(Picture())
