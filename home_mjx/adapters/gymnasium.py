@@ -6,7 +6,6 @@ from typing import Any
 
 import gymnasium
 import jax
-import jax.numpy as jnp
 import numpy as np
 from gymnasium.utils import EzPickle
 from gymnasium.vector import AutoresetMode
@@ -16,7 +15,7 @@ from home_mjx.adapters.spaces import action_space, observation_space
 from home_mjx.core.checks import check_number
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.state import Episodes, State
-from home_mjx.tasks.environment.autoreset import AutoReset
+from home_mjx.tasks.environment.autoreset import AutoReset, where_envs
 
 
 class GymEnv(gymnasium.Env, EzPickle):
@@ -136,7 +135,7 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         auto = AutoReset(self.env.core, final_obs="all")
         self._reset: Callable[..., State] = jax.jit(auto.reset)
         self._step: Callable[..., State] = jax.jit(auto.step)
-        self._merge: Callable[..., State] = jax.jit(_merge)
+        self._merge: Callable[..., State] = jax.jit(where_envs)
         self._state: State | None = None
 
     def reset(
@@ -198,10 +197,6 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         if self._state is None and not np.all(mask):
             raise ConfigError("`reset_mask` leaves environments out that were never reset")
         return np.asarray(mask)
-
-
-def _merge(mask: jax.Array, new: State, old: State) -> State:
-    return jax.tree.map(lambda a, b: jnp.where(mask.reshape(-1, *[1] * (a.ndim - 1)), a, b), new, old)
 
 
 def _scalars(state: State) -> dict[str, Any]:

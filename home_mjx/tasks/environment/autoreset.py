@@ -130,7 +130,7 @@ class AutoReset:
             return self.core.sense(self.core.snapshot(params, state), state, costly=False)
 
         last = jax.vmap(cheap)(stepped)
-        kept |= {name: _where(done, value, obs[name]) for name, value in last.items() if name in kept}
+        kept |= {name: where_envs(done, value, obs[name]) for name, value in last.items() if name in kept}
         return kept if self.final_obs == "cheap" else self._render_final(params, stepped, kept, done)
 
     def _render_final(
@@ -151,7 +151,7 @@ class AutoReset:
 
         def many(stepped: State) -> dict[str, Array]:
             seen = self._perceive(params, stepped).obs
-            return {name: _where(done, seen[name], value) for name, value in kept.items()}
+            return {name: where_envs(done, seen[name], value) for name, value in kept.items()}
 
         case = (count > 0).astype(jnp.int32) + (count > few).astype(jnp.int32)
         return jax.lax.switch(case, [nobody, some, many], stepped)
@@ -168,5 +168,6 @@ def _count(key: Any) -> int:
     return key.shape[0]
 
 
-def _where(done: Bool[Array, " n"], new: Array, old: Array) -> Array:
-    return jnp.where(done.reshape(-1, *[1] * (new.ndim - 1)), new, old)
+def where_envs(mask: Bool[Array, " n"], new: Any, old: Any) -> Any:
+    """Of two batches of the same tree, the rows of `new` where the mask holds."""
+    return jax.tree.map(lambda a, b: jnp.where(mask.reshape(-1, *[1] * (a.ndim - 1)), a, b), new, old)

@@ -69,7 +69,7 @@ class HouseholdEnv:
     @property
     def num_agents(self) -> int:
         """Agents per environment."""
-        return self.config.physics.num_agents
+        return self.config.num_agents
 
     @property
     def dt(self) -> float:

@@ -65,7 +65,7 @@ def agent_ids(bank: HouseBank, num_agents: int) -> Array:
 
 def observe_images(config: EnvConfig, scene: Scene, pose: AgentPose) -> dict[str, Array]:
     """The images of every agent's cameras."""
-    own = agent_ids(scene.bank, config.physics.num_agents)
+    own = agent_ids(scene.bank, config.num_agents)
     obs: dict[str, Array] = {}
     for view in config.views:
 

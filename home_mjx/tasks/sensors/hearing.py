@@ -45,7 +45,7 @@ class Hearing(Sensor):
 
     def init(self, config: EnvConfig) -> Heard:
         """Silence."""
-        agents, audio = config.physics.num_agents, config.audio
+        agents, audio = config.num_agents, config.audio
         return Heard(
             phase=jnp.zeros((), jnp.int32),
             response=jnp.zeros((agents, 2, audio.response_length), jnp.float32),
@@ -73,7 +73,7 @@ class Hearing(Sensor):
 
 def hear(config: EnvConfig, snapshot: Snapshot) -> Float[Array, "a 2 l"]:
     """Impulse response from the source to both ears of every agent."""
-    pose, num_agents = snapshot.pose, config.physics.num_agents
+    pose, num_agents = snapshot.pose, config.num_agents
     # One key per episode, not per step: successive responses stay coherent, so the tail does not flutter.
     keys = jax.random.split(fold(snapshot.key, SOUND), num_agents)
 

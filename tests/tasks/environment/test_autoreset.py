@@ -31,18 +31,14 @@ def plain(core):
 
 
 @pytest.fixture(scope="module")
-def auto(core):
+def auto(core, params):
     """Last images of up to two environments are rendered alone, of more for the whole batch."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("home_mjx.tasks.environment.autoreset.FEW", 2)
         batch = AutoReset(core, "all")
-        shapes = jax.eval_shape(batch.reset, _params(core), keys())
-        step = jax.jit(batch.step).lower(_params(core), shapes, jnp.zeros((NUM, 4))).compile()
+        shapes = jax.eval_shape(batch.reset, params, keys())
+        step = jax.jit(batch.step).lower(params, shapes, jnp.zeros((NUM, 4))).compile()
     return batch, step
-
-
-def _params(core):
-    return core.bind(HouseBank.from_compiled([shoebox()])).params
 
 
 def keys():
