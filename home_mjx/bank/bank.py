@@ -113,7 +113,8 @@ class HouseBank(BankArrays):
 
 def to_bank(packed: Packed) -> HouseBank:
     """Packed houses on the device."""
-    tables = by_record({key: jnp.asarray(values) for key, values in packed.arrays.items()})
+    # One transfer: `jnp.asarray` of each array would compile a program for each.
+    tables = by_record(jax.device_put(packed.arrays, may_alias=False))
     if jax.default_backend() == "gpu":
         tables["geometry"]["gpu"] = gpu_geometry(Geometry(**tables["geometry"]))
     own = tables.pop("")
