@@ -52,7 +52,7 @@ def slot_names(layout: Layout) -> list[str]:
 
 
 def _add_agent(world: ET.Element, config: PhysicsConfig, a: int) -> None:
-    """An agent of which only the foot touches the floor: the contact sensor of its capsule counts everything else."""
+    """An agent. Only its foot touches the floor, so the contact sensor of its capsule counts everything else."""
     shape = config.body
     body = add_agent(world, shape, f"agent{a}", contype="0", conaffinity="0")
     foot, pos = _no_mask(f"agent{a}_foot"), f"0 0 {-shape.half_length}"

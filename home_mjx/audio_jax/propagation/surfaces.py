@@ -11,7 +11,7 @@ from home_mjx.schema.semantic import Semantic
 OBJECT_BARRIER = 1 << 20  # added to object ids, so that they differ from partitions
 
 
-class Surface(Pytree):
+class AcousticSurface(Pytree):
     """The surfaces that n rays have hit; whatever stands here for a miss is meaningless."""
 
     normal: Float[Array, "n 3"]  # unit, towards the ray's origin
@@ -22,7 +22,7 @@ class Surface(Pytree):
     barrier: Int[Array, " n"]  # the same number for all faces of one partition or object; -1 none
 
 
-def surface_at(scene: Scene, direction: Float[Array, "n 3"], hit: Hit) -> Surface:
+def surface_at(scene: Scene, direction: Float[Array, "n 3"], hit: Hit) -> AcousticSurface:
     """Looks up the acoustic properties where rays have hit.
 
     Args:
@@ -35,7 +35,7 @@ def surface_at(scene: Scene, direction: Float[Array, "n 3"], hit: Hit) -> Surfac
     object_id = object_ids(scene, hit)
     partition = semantics(scene, hit, Semantic.PARTITION)
     own = jnp.where(object_id >= 0, object_id + OBJECT_BARRIER, -1)
-    return Surface(
+    return AcousticSurface(
         normal=normals(scene, direction, hit),
         absorption=materials.absorption[row],
         scattering=materials.scattering[row],

@@ -10,7 +10,7 @@ from jaxtyping import Array, Float, Int
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.propagation.paths import SKIN, air_energy
-from home_mjx.audio_jax.propagation.surfaces import Surface, surface_at
+from home_mjx.audio_jax.propagation.surfaces import AcousticSurface, surface_at
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import quat_matrix
 from home_mjx.raycast_render.casting.cast import cast, occluded
@@ -151,7 +151,7 @@ class _Walk(NamedTuple):
 
 
 def _reflect(
-    direction: Float[Array, "n 3"], met: Surface, choice: Float[Array, " n"], scattered: Float[Array, "n 3"]
+    direction: Float[Array, "n 3"], met: AcousticSurface, choice: Float[Array, " n"], scattered: Float[Array, "n 3"]
 ) -> tuple[Float[Array, "n 3"], Float[Array, "n bands"]]:
     """New directions, and the weight of the specular energy per octave (0 after scattering).
 

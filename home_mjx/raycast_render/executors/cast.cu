@@ -52,7 +52,7 @@ INLINE unsigned warp_ballot(bool x) { return __ballot_sync(ALL_LANES, x); }
 #endif
 
 // The arrays of gpu_geometry.py, and one environment's part of those that cuda.py makes
-struct World {
+struct Operands {
   const float4* __restrict__ node;      // 4 a node: centre and half size of each child's box, then the children's codes
   const float4* __restrict__ triangle;  // 3 a triangle: its corners, the slot in the first one's fourth place
   const int* __restrict__ material_mask;
@@ -122,7 +122,7 @@ INLINE int pop(int2*& top, float limit) {
 }
 
 // From a node on to the nearer child that the ray meets, or to what it put off last
-INLINE int descend(const World& world, int node, const Slopes& s, float t_min, float limit, int2*& top) {
+INLINE int descend(const Operands& world, int node, const Slopes& s, float t_min, float limit, int2*& top) {
   const float4* at = world.node + 4ll * node;
   float4 p = __ldg(at), q = __ldg(at + 1), r = __ldg(at + 2);
   int2 child = __ldg(reinterpret_cast<const int2*>(at + 3));
@@ -168,7 +168,7 @@ INLINE bool comes_first(float t, int instance, int triangle, const Best& best) {
   return instance == best.instance ? triangle < best.triangle : instance < best.instance;
 }
 
-INLINE void test(const World& world, int triangle, int instance, int material, const Ray& ray, const Shear& s,
+INLINE void test(const Operands& world, int triangle, int instance, int material, const Ray& ray, const Shear& s,
                  Best& best) {
   const float4* at = world.triangle + 3ll * triangle;
   float4 first = __ldg(at);
@@ -210,7 +210,7 @@ INLINE void enter(const float4* instance, const Ray& ray, Slopes& slopes, Shear&
 // from `moving`, whose bits are set in `pending`. One loop serves both levels, so that rays of a warp that are in
 // different instances, or in none, walk down nodes together.
 template <bool ANY_HIT>
-INLINE void traverse(const World& world, const Ray& ray, int code, const float4* moving, unsigned pending, Best& best) {
+INLINE void traverse(const Operands& world, const Ray& ray, int code, const float4* moving, unsigned pending, Best& best) {
   int2 stack[2 * MAX_DEPTH + 4];
   int2* top = stack;
   push_bottom(top);
@@ -330,7 +330,7 @@ INLINE unsigned find_moving(const float2* boxes, int count, const Beam& beam, co
 
 // The static instances first: walls hide most of what moves.
 template <bool ANY_HIT>
-INLINE Best cast(const World& world, bool alive, const Ray& ray, float t_max) {
+INLINE Best cast(const Operands& world, bool alive, const Ray& ray, float t_max) {
   Best best{fminf(t_max, MISS), -1, -1, 0, 0, 1, false};
   if (alive) traverse<ANY_HIT>(world, ray, world.root, world.moving, 0, best);
   Slopes slopes = slopes_of(ray);
@@ -388,7 +388,7 @@ INLINE bool is_finite(const Ray& ray) { return (ray.ox + ray.oy + ray.oz + ray.d
 // environments, rays per environment, static and moving instances per environment, pixels in a row, and for each field
 // of the rays whether it has a value for each of them.
 template <bool ANY_HIT>
-INLINE bool run(World world, const int* __restrict__ house_root, const int* __restrict__ house, const Rays& rays,
+INLINE bool run(Operands world, const int* __restrict__ house_root, const int* __restrict__ house, const Rays& rays,
                 const int* __restrict__ size, long long& row, Best& best) {
   int env = blockIdx.y + gridDim.y * blockIdx.z;
   if (env >= __ldg(size)) return false;
@@ -411,7 +411,7 @@ INLINE bool run(World world, const int* __restrict__ house_root, const int* __re
       const float2 *box, const int *house_root, const int *house, const float *origin, const float *direction,       \
       const float *t_min, const float *t_max, const int *exclude, const int *mask, const int *size
 #define WORLD \
-  World { node, corner, material_mask, fixed, moving, box, 0, 0 }
+  Operands { node, corner, material_mask, fixed, moving, box, 0, 0 }
 #define RAYS \
   Rays { origin, direction, t_min, t_max, exclude, mask }
 

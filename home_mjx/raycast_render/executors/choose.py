@@ -28,7 +28,7 @@ def cast_auto(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays:
     return jax.lax.platform_dependent(geometry, house, moving, rays, default=default, **branches)
 
 
-def _special() -> dict[str, Executor]:
+def _special() -> dict[str, Callable[..., RawHit]]:
     cpu = {"cpu": cast_cpu} if cpu_available() else {}
     return cpu | ({"cuda": cast_cuda} if cuda_available() else {})
 

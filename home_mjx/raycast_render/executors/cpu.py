@@ -91,7 +91,7 @@ def _call(geometry: Geometry, house: Array, moving: Moving, rays: Rays, any_hit:
     shape = rays.shape
     float_, int_ = jax.ShapeDtypeStruct(shape, jnp.float32), jax.ShapeDtypeStruct(shape, jnp.int32)
     results = (float_, int_, int_, float_, float_, jax.ShapeDtypeStruct(shape, jnp.bool_))
-    # In the order of native.World, then of Rays.
+    # In the order of native.Operands, then of Rays.
     operands = (
         geometry.node_box,
         geometry.node_child,

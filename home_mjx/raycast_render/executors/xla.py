@@ -47,7 +47,7 @@ class _State(NamedTuple):
     best: _Best
 
 
-class _World(NamedTuple):
+class _Operands(NamedTuple):
     """What does not change during the traversal."""
 
     geometry: Geometry
@@ -75,11 +75,11 @@ def cast_xla(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: 
     env = lax.broadcasted_iota(jnp.int32, shape, 0) + zero
     # Padding rays end before they begin: t_min 1, t_max 0.
     chunks = jax.tree.map(split, rays).replace(t_min=split(rays.t_min, 1))
-    hits = lax.map(lambda c: _cast_chunk(_World(geometry, house, moving, any_hit, *c)), (split(env), chunks))
+    hits = lax.map(lambda c: _cast_chunk(_Operands(geometry, house, moving, any_hit, *c)), (split(env), chunks))
     return RawHit(*(x.reshape(count * chunk)[:total].reshape(shape) for x in hits))
 
 
-def _cast_chunk(world: _World) -> RawHit:
+def _cast_chunk(world: _Operands) -> RawHit:
     state = lax.while_loop(
         lambda s: jnp.any(s.code != EMPTY), lambda s: _visit_leaves(world, _walk_down(world, s)), _start(world)
     )
@@ -88,7 +88,7 @@ def _cast_chunk(world: _World) -> RawHit:
     return RawHit(jnp.where(missed, MISS, best.t), *best[1:])
 
 
-def _start(world: _World) -> _State:
+def _start(world: _Operands) -> _State:
     """Rays are at their house's top tree; the stack holds every moving instance whose box they meet."""
     n, slots, rays = world.env.shape[0], world.moving.instance.shape[1], world.rays
     zero = jnp.zeros_like(world.env)
@@ -109,7 +109,7 @@ def _start(world: _World) -> _State:
     return _State(code, stack, size, zero, none, zero, *frame, best)
 
 
-def _walk_down(world: _World, state: _State) -> _State:
+def _walk_down(world: _Operands, state: _State) -> _State:
     """Until no ray is at a node: each moves on to the nearer child that it meets, or pops its stack."""
 
     def step(state: _State) -> _State:
@@ -122,7 +122,7 @@ def _walk_down(world: _World, state: _State) -> _State:
     return lax.while_loop(lambda s: jnp.any(s.code >= 0), step, state)
 
 
-def _visit_leaves(world: _World, state: _State) -> _State:
+def _visit_leaves(world: _Operands, state: _State) -> _State:
     """Rays at triangles test up to four; those done with an instance leave it; those at another one enter it."""
     first, count = ~state.code >> 4, ~state.code & 15
     at_triangles = (state.instance >= 0) & (state.code != EMPTY)
@@ -156,7 +156,7 @@ def _pop(state: _State, wanted: Bool[Array, " n"]) -> _State:
     return state._replace(size=size, code=jnp.where(wanted, code, state.code))
 
 
-def _leave(world: _World, state: _State) -> _State:
+def _leave(world: _Operands, state: _State) -> _State:
     """Rays that are done with their instance return to the world frame and continue there."""
     done = (state.instance >= 0) & (state.code == EMPTY)
     state = state._replace(
@@ -168,7 +168,7 @@ def _leave(world: _World, state: _State) -> _State:
     return _pop(state, done)
 
 
-def _enter(world: _World, state: _State) -> _State:
+def _enter(world: _Operands, state: _State) -> _State:
     """Takes rays that are at instances into the frame of the first, unless it is excluded.
 
     Codes of top trees count a house's instances, then the moving ones.
@@ -211,7 +211,7 @@ def _apply(matrix: Float[Array, "n 3 4"], vector: Float[Array, "n 3"]) -> Float[
     return jnp.sum(matrix[:, :, :3] * vector[:, None, :], axis=2)
 
 
-def _children(world: _World, state: _State, node: Int[Array, " n"]) -> tuple[Int[Array, " n"], Int[Array, " n"]]:
+def _children(world: _Operands, state: _State, node: Int[Array, " n"]) -> tuple[Int[Array, " n"], Int[Array, " n"]]:
     """Codes of a node's children that the ray meets before its best hit, the nearer and the farther; else `EMPTY`."""
     box, child = world.geometry.node_box[node], world.geometry.node_child[node]
     limits = world.rays.t_min, state.best.t
@@ -232,7 +232,7 @@ def _slab(
     return jnp.where(near <= far, near, jnp.inf)
 
 
-def _test_triangles(world: _World, state: _State, first: Int[Array, " n"], count: Int[Array, " n"]) -> _Best:
+def _test_triangles(world: _Operands, state: _State, first: Int[Array, " n"], count: Int[Array, " n"]) -> _Best:
     """The best hits, the first `LEAF` triangles of a leaf considered."""
     geometry, rays, best = world.geometry, world.rays, state.best
     step = jnp.arange(LEAF, dtype=jnp.int32)[None]

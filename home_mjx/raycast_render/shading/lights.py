@@ -28,7 +28,7 @@ UNROLLED = 4  # lights that are compared in one kernel: 16 are no quicker and ta
 Spread = Float[Array, "*rays 2"] | None
 
 
-class Placed(Pytree):
+class PlacedLights(Pytree):
     """Lights in the world: those of one environment, or one light for each point."""
 
     pos: Vec  # [m]
@@ -64,7 +64,7 @@ class Received(Pytree):
     specular: Vec  # radiance of the gloss, for a specular reflectance of 1 [W/m^2/sr]
 
 
-def place_lights(scene: Scene, options: Lit) -> Placed:
+def place_lights(scene: Scene, options: Lit) -> PlacedLights:
     """The lights of the environment's house; those of lamps that were moved stand where the lamps are."""
     lights, house, geometry = scene.bank.lights, scene.house, scene.geometry
     instance = lights.instance[house]
@@ -79,7 +79,7 @@ def place_lights(scene: Scene, options: Lit) -> Placed:
     daylight = lights.daylight[house]
     intensity = Vec.of(lights.intensity[house])
     intensity = select(daylight, intensity * Vec(*DAYLIGHT) * options.sky, intensity)
-    placed = Placed(
+    placed = PlacedLights(
         pos=turned(lights.pos[house]) + columns[3],
         axis_u=turned(lights.axis_u[house]),
         axis_v=turned(lights.axis_v[house]),
@@ -97,7 +97,7 @@ def place_lights(scene: Scene, options: Lit) -> Placed:
     return jax.lax.optimization_barrier(placed)
 
 
-def lamp_light(scene: Scene, lights: Placed, point: Point, spread: Spread, count: int) -> Received:
+def lamp_light(scene: Scene, lights: PlacedLights, point: Point, spread: Spread, count: int) -> Received:
     """Light of the most important lights of each point, as far as nothing stands between.
 
     Args:
@@ -134,7 +134,7 @@ def lamp_light(scene: Scene, lights: Placed, point: Point, spread: Spread, count
     return Received(arriving(strength), arriving(gloss))
 
 
-def choose(lights: Placed, point: Point, count: int) -> Int[Array, "k *rays"]:
+def choose(lights: PlacedLights, point: Point, count: int) -> Int[Array, "k *rays"]:
     """The lights that would give a point the most light, the brightest first.
 
     Returns:
@@ -147,7 +147,7 @@ def choose(lights: Placed, point: Point, count: int) -> Int[Array, "k *rays"]:
         padding = lines * UNROLLED - total
         return jnp.pad(column, (0, padding), constant_values=-1).reshape(lines, UNROLLED)
 
-    def compare(best: list[Array], line: tuple[Placed, Array]) -> tuple[list[Array], None]:
+    def compare(best: list[Array], line: tuple[PlacedLights, Array]) -> tuple[list[Array], None]:
         for i in range(UNROLLED):
             light, number = jax.tree.map(lambda column, i=i: column[i], line)
             key = _key(light, number, point)
@@ -190,7 +190,7 @@ def blinn_phong(point: Point, toward: Vec) -> Float[Array, "*rays"]:
     return (point.shininess + 8) / (8 * math.pi) * jnp.exp(point.shininess * jnp.log(cosine))
 
 
-def _key(light: Placed, number: Int[Array, ""], point: Point) -> Int[Array, "*rays"]:
+def _key(light: PlacedLights, number: Int[Array, ""], point: Point) -> Int[Array, "*rays"]:
     """The upper bits of the light that one light may give, as a number that sorts like it, then the light's number.
 
     A power of a cosine is as C. Schlick's approximation has it, which is exact for exponents 0 and 1: "A fast
@@ -212,12 +212,14 @@ def _key(light: Placed, number: Int[Array, ""], point: Point) -> Int[Array, "*ra
     return (bits & -(2**INDEX_BITS)) | number
 
 
-def _is_own(light: Placed, instance: Int[Array, "*rays"]) -> Bool[Array, "*rays"]:
+def _is_own(light: PlacedLights, instance: Int[Array, "*rays"]) -> Bool[Array, "*rays"]:
     """Whether the surface is part of the lamp whose light it is; the frame of a window is not."""
     return (light.instance == instance) & (light.instance != ARCHITECTURE) & (light.area == 0)
 
 
-def _unshadowed(light: Placed, offset: Vec, at: Point, own: Bool[Array, "*rays"]) -> tuple[Float[Array, "*rays"], Vec]:
+def _unshadowed(
+    light: PlacedLights, offset: Vec, at: Point, own: Bool[Array, "*rays"]
+) -> tuple[Float[Array, "*rays"], Vec]:
     """Irradiance [1/m^2] per intensity if nothing stands between, and the unit direction to the light.
 
     Rectangles count as discs of their area around the point that light comes from: J. R. Wallace et al., "A ray tracing

@@ -38,7 +38,7 @@ code_stack, enter_stack = stack_of(types.int32, 2 * MAX_DEPTH), stack_of(FLOATS,
 compiled = njit(error_model="numpy", forceinline=True)
 
 
-class World(NamedTuple):
+class Operands(NamedTuple):
     """The arrays of `Geometry` that rays need, then the houses of the environments and arrays of `Moving`."""
 
     node_box: Pointer  # (n, 2, 6) float32
@@ -69,7 +69,7 @@ def cast_packet(operands, counts, results, num_instances, num_moving, tiles, any
     """Casts one packet.
 
     Args:
-        operands: Addresses of the arrays of `World` in its order, then of `types.Rays`.
+        operands: Addresses of the arrays of `Operands` in its order, then of `types.Rays`.
         counts: Number of values per environment of each field of the rays: the number of rays, or one.
         results: Addresses of t, instance, triangle, u, v and front.
         num_instances: Instances per house.
@@ -93,7 +93,7 @@ def cast_packet(operands, counts, results, num_instances, num_moving, tiles, any
 @compiled
 @no_type_check
 def _world(at, num_instances, num_moving):
-    return World(
+    return Operands(
         float_pointer(at[0]),
         int_pointer(at[1]),
         float_pointer(at[2]),
