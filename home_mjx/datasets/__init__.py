@@ -4,7 +4,8 @@ Host only: nothing here loads JAX.
 """
 
 from home_mjx.datasets.options import ReadOptions
-from home_mjx.datasets.procedural import build_house, generate_dataset, house_id
+from home_mjx.datasets.procedural import build_house, generate_dataset
+from home_mjx.datasets.seeds import house_id
 from home_mjx.datasets.suncg import Dataset, LibraryModel, open_dataset, write_house, write_library
 from home_mjx.datasets.suncg.validate.finding import RULES, Finding
 from home_mjx.datasets.suncg.validate.validate import validate_house

@@ -2,8 +2,9 @@
 
 from functools import cache
 
-from home_mjx.datasets.procedural.build import house_id, to_house
+from home_mjx.datasets.procedural.build import to_house
 from home_mjx.datasets.procedural.design import draw_design
+from home_mjx.datasets.seeds import house_id
 from home_mjx.schema.house import House
 
 designed = cache(draw_design)

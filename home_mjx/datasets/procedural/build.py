@@ -1,6 +1,5 @@
 """Turns the design of a house into the record that the writer and the compiler take."""
 
-import hashlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -9,20 +8,8 @@ import numpy as np
 from home_mjx.datasets.procedural.design import Design, draw_design
 from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
 from home_mjx.datasets.procedural.floor_plan.walls import room_meshes
+from home_mjx.datasets.seeds import house_id
 from home_mjx.schema.house import House, Level, Mesh, Object, Room
-
-# "home" in hexadecimal: SUNCG's ids are hashes, so one of its 45,622 begins so with probability 1e-5.
-ID_PREFIX = "686f6d65"
-
-
-def house_id(seed: int) -> str:
-    """The id of a seed's house: 32 hexadecimal digits.
-
-    Example:
-        >>> house_id(0)
-        '686f6d6574c24b12dede1f713a5bbb04'
-    """
-    return ID_PREFIX + hashlib.sha256(f"home_mjx house {seed}".encode()).hexdigest()[:24]
 
 
 def build_house(seed: int) -> House:

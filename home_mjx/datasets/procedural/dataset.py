@@ -14,11 +14,12 @@ from tqdm import tqdm
 
 from home_mjx.core.paths import CACHE_VARIABLE, cache_folder
 from home_mjx.core.workers import worker_pool
-from home_mjx.datasets.procedural.build import build_house, house_id
+from home_mjx.datasets.procedural.build import build_house
 from home_mjx.datasets.procedural.categories import CATEGORIES
 from home_mjx.datasets.procedural.furniture import library
 from home_mjx.datasets.procedural.primitives.family import Furniture
 from home_mjx.datasets.procedural.primitives.textures import RECIPES, texture
+from home_mjx.datasets.seeds import house_id
 from home_mjx.datasets.suncg.write.house import write_house, write_library
 from home_mjx.datasets.suncg.write.metadata import LibraryModel
 from home_mjx.errors import ConfigError, DatasetError

@@ -4,8 +4,8 @@ import itertools
 from pathlib import Path
 
 from home_mjx.core.paths import cache_folder
-from home_mjx.datasets.procedural.build import house_id
 from home_mjx.datasets.procedural.dataset import VERSION, generate_dataset
+from home_mjx.datasets.seeds import house_id
 from home_mjx.datasets.splits import select_ids
 
 

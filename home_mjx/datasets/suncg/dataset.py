@@ -7,6 +7,7 @@ from pathlib import Path
 
 from home_mjx.core.paths import ROOT_VARIABLE, dataset_root
 from home_mjx.datasets.options import ReadOptions
+from home_mjx.datasets.seeds import in_order
 from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
 from home_mjx.datasets.suncg.formats.element import Value
 from home_mjx.datasets.suncg.read.house_json import read_house
@@ -37,8 +38,8 @@ class Dataset:
 
     @cached_property
     def house_ids(self) -> tuple[str, ...]:
-        """Sorted names of the folders that hold a house.json."""
-        return tuple(sorted(path.parent.name for path in (self.root / "house").glob("*/house.json")))
+        """Names of the folders that hold a house.json: generated houses by their seeds, then all others, sorted."""
+        return in_order(path.parent.name for path in (self.root / "house").glob("*/house.json"))
 
     @cached_property
     def metadata(self) -> Metadata:

@@ -27,7 +27,7 @@ class HouseSet:
 
     Attributes:
         dataset: Root folder, or an open dataset; None: the one that `SUNCG_DATA_DIR` names.
-        ids: Which houses, in this order; None: all, sorted.
+        ids: Which houses, in this order; None: all, in the order of the dataset.
         split: Only houses of `train`, `val` or `test`; None: of all.
         where: Only houses that have all this.
         num_houses: The first so many of what is left; None: all.

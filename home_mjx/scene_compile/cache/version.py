@@ -21,6 +21,7 @@ COMPILER = (
     "core/files.py",
     "core/images.py",
     "datasets/options.py",
+    "datasets/seeds.py",
     "datasets/shapes",
     "datasets/suncg/dataset.py",
     "datasets/suncg/formats",

@@ -17,9 +17,9 @@ from PIL import Image
 from processes import processes_of, wait_for
 
 from home_mjx.datasets.procedural import dataset
-from home_mjx.datasets.procedural.build import house_id
 from home_mjx.datasets.procedural.dataset import generate_dataset
 from home_mjx.datasets.procedural.furniture import library
+from home_mjx.datasets.seeds import MAX_KNOWN, house_id, in_order
 from home_mjx.datasets.suncg.dataset import open_dataset
 from home_mjx.datasets.suncg.write import house as writer
 from home_mjx.errors import ConfigError, DatasetError
@@ -182,6 +182,22 @@ def test_textures_are_images(root):
         with Image.open(path) as image:
             assert image.size == (128, 128)
             assert image.mode == "RGB"
+
+
+def test_the_first_houses_stay_the_first_when_others_are_added(tmp_path):
+    """Ids are hashes: in their own order house 1 would stand before house 0."""
+    assert sorted(house_id(seed) for seed in range(3)) != [house_id(seed) for seed in range(3)]
+    generate_dataset(tmp_path, range(2))
+    before = open_dataset(tmp_path).house_ids
+    generate_dataset(tmp_path, [7, 2])
+    assert before == (house_id(0), house_id(1))
+    assert open_dataset(tmp_path).house_ids == (*before, house_id(2), house_id(7))
+
+
+def test_seeds_beyond_those_looked_for_come_last_and_sorted():
+    far = [house_id(seed) for seed in range(2**62, 2**62 + 5)]
+    near = house_id(MAX_KNOWN - 1)
+    assert in_order([*far, "0" * 32, near]) == (near, "0" * 32, *sorted(far))
 
 
 def test_the_reader_gets_back_what_was_made(root):

@@ -7,8 +7,8 @@ import pytest
 from generated import built
 from scipy import ndimage
 
-from home_mjx.datasets.procedural.build import house_id
 from home_mjx.datasets.procedural.furniture import library
+from home_mjx.datasets.seeds import house_id
 from home_mjx.schema.house import House, Object
 
 SEEDS = range(10)
