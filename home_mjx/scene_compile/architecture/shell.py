@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from home_mjx.datasets.shapes.wall_groups import wall_faces
 from home_mjx.scene_compile.architecture.frame import Frame
 from home_mjx.scene_compile.architecture.rooms import house_rooms, triangles_of
 from home_mjx.scene_compile.architecture.slabs import Slab, fit_slab, same_wall
@@ -85,7 +86,7 @@ def _parts(house: House, offset: Float[np.ndarray, "3"]) -> Iterator[ShellPart]:
             if mesh is not None:
                 yield _part(kind, index, level, mesh, np.arange(len(mesh.faces)), offset)
         if room.walls is not None:
-            for faces in _wall_faces(room.walls):
+            for faces in wall_faces(room.walls):
                 yield _part("wall", index, level, room.walls, faces, offset)
     for level in house.levels:
         for ground in level.grounds:
@@ -98,15 +99,6 @@ def _part(kind: str, room: int, level: int, mesh: Mesh, faces: np.ndarray, offse
     if kind == "wall":
         return Wall(kind, room, level, mesh, faces, triangles, fit_slab(triangles))
     return ShellPart(kind, room, level, mesh, faces, triangles)
-
-
-def _wall_faces(walls: Mesh) -> list[Int[np.ndarray, " _"]]:
-    """Faces of each wall: the inner and the outer layer, WallInside#0_1_3 and WallOutside#0_1_3, are one."""
-    numbers = [name.rpartition("#")[2] for name in walls.groups]
-    order = {number: i for i, number in enumerate(dict.fromkeys(numbers))}
-    wall_of_group = np.array([*(order[n] for n in numbers), -1])
-    wall = wall_of_group[walls.group]
-    return [np.flatnonzero(wall == w) for w in np.unique(wall)]
 
 
 def partitions(parts: Sequence[ShellPart]) -> Int[np.ndarray, " q"]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from home_mjx.datasets.shapes.wall_groups import direction_across
 from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, join, no_boxes
 from home_mjx.scene_compile.geometry.rectangles import cell_centers, cluster, cover, in_triangles, split
 from home_mjx.scene_compile.geometry.rotations import yaw_matrix
@@ -41,8 +42,7 @@ def fit_slab(triangles: Float[np.ndarray, "t 3 3"]) -> Slab:
     """The frame of a wall: across it is where its area faces."""
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]) / 2
     area = np.linalg.norm(normal, axis=1)
-    flat = normal[:, :2] / np.sqrt(np.maximum(area, 1e-12))[:, None]
-    across = np.linalg.eigh(flat.T @ flat)[1][:, -1]
+    across = direction_across(normal[:, :2], area)
     return slab_along(float(np.arctan2(-across[0], across[1])), triangles, normal)
 
 

@@ -2,13 +2,16 @@
 
 import json
 import shutil
+from pathlib import Path
 
 import pytest
 from PIL import Image
 from tiny_arch import edit_arch, write_tiny_v2
 from tiny_dataset import (
+    DEPTH,
     DOOR,
     HOUSE_ID,
+    ROOM_PARTS,
     TABLE,
     edit_house,
     room_node,
@@ -126,6 +129,20 @@ def save_as(kind):
     return lambda path: Image.new("RGB", (2, 2)).save(path, kind)
 
 
+def in_one_group(path):
+    """Every wall of the room in the group of the first."""
+    lines = path.read_text().split("\n")
+    first = next(line for line in lines if line.startswith("o "))
+    path.write_text("\n".join(first if line.startswith("o ") else line for line in lines))
+
+
+def upside_down(path):
+    """The corners of every face in reverse."""
+    lines = [line.split() for line in path.read_text().split("\n")]
+    turned = [[line[0], *line[:0:-1]] if line[:1] == ["f"] else line for line in lines]
+    path.write_text("\n".join(" ".join(line) for line in turned))
+
+
 FILE_CHANGES = {  # file, what is done to it, element
     "missing-part": (f"room/{HOUSE_ID}/fr_0rm_0c.obj", lambda path: path.unlink(), f"{NODES}[0].modelId"),
     "unknown-model": (
@@ -144,6 +161,8 @@ FILE_CHANGES = {  # file, what is done to it, element
         "spare",
     ),
     "missing-slot": (f"object/{TABLE}/{TABLE}.obj", lambda path: edit_text(path, "usemtl material_0\n", ""), ""),
+    "thick-wall": (f"room/{HOUSE_ID}/fr_0rm_0w.obj", in_one_group, "WallInside#0_0_0"),
+    "floor-down": (f"room/{HOUSE_ID}/fr_0rm_0f.obj", upside_down, "Floor#0_0"),
     "texture-broken": ("texture/wood_1.png", lambda path: path.write_bytes(path.read_bytes()[:40]), ""),
     "texture-type": ("texture/wood_1.png", save_as("JPEG"), ""),
 }
@@ -178,6 +197,26 @@ def test_faults_of_other_files(root, rule):
     name, change, element = FILE_CHANGES[rule]
     change(root / name)
     assert (rule, element) in rules(root)
+
+
+def test_all_walls_of_a_room_in_one_group_are_as_thick_as_the_room(root):
+    in_one_group(root / "room" / HOUSE_ID / "fr_0rm_0w.obj")
+    (found,) = [finding for finding in findings(root) if finding.rule == "thick-wall"]
+    assert (found.severity, Path(found.file).name) == ("error", "fr_0rm_0w.obj")
+    assert found.message.startswith(f"{DEPTH:.1f} m thick")  # the long walls face across it
+
+
+def test_a_flat_floor_that_looks_down_is_reported_and_one_that_looks_up_is_not(root):
+    folder = root / "room" / HOUSE_ID
+    path = folder / "fr_0rm_0f.obj"
+    write_mesh(folder, "fr_0rm_0f", ROOM_PARTS["f"], [("1 1 1", "")])
+    lines = path.read_text().split("\n")
+    faces = [line for line in lines if line.startswith("f")]
+    top = [line for line in lines if line not in faces or line == faces[1]]
+    path.write_text("\n".join(top))
+    assert "floor-down" not in {finding.rule for finding in findings(root)}
+    upside_down(path)
+    assert "floor-down" in {finding.rule for finding in findings(root)}
 
 
 @pytest.mark.parametrize("rule", ARCH_CHANGES)

@@ -56,6 +56,8 @@ RULES: Mapping[str, Rule] = {
     "room-overlap": Rule("warning", "two rooms of a level that overlap or nest"),
     "outside-rooms": Rule("warning", "an object or box outside of every room and ground"),
     "door-off-wall": Rule("warning", "a door, window or arch that stands in no wall"),
+    "thick-wall": Rule("error", "a wall of more than 1 m: several walls in one mesh group become one block"),
+    "floor-down": Rule("warning", "a floor whose upper side looks down"),
     "flat-wall": Rule("warning", "a wall without length"),
     "element-type": Rule("warning", "an architectural element of an unknown type"),
     # materials

@@ -9,6 +9,7 @@ from home_mjx.datasets.suncg.validate.boxes import check_boxes
 from home_mjx.datasets.suncg.validate.document import check_document
 from home_mjx.datasets.suncg.validate.finding import RULES, Finding
 from home_mjx.datasets.suncg.validate.materials import check_materials
+from home_mjx.datasets.suncg.validate.meshes import check_meshes
 from home_mjx.datasets.suncg.validate.rooms import check_rooms
 from home_mjx.datasets.suncg.validate.subject import Subject
 from home_mjx.errors import DatasetError
@@ -47,7 +48,7 @@ def validate_house(dataset: Dataset, house_id: str) -> tuple[Finding, ...]:
         subject.report("nothing-shown", "levels", "house shows nothing")
     elif not any(mesh for level in subject.house.levels for room in level.rooms for mesh in _meshes(room)):
         subject.report("no-room", "levels", "no room has a floor, ceiling or wall mesh")
-    for check in (check_document, check_boxes, check_rooms, check_materials):
+    for check in (check_document, check_boxes, check_rooms, check_meshes, check_materials):
         check(subject)
     return _sorted(subject, str(path))
 

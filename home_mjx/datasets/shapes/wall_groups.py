@@ -1,0 +1,32 @@
+"""Which faces of a room's walls are one wall, and where a wall faces."""
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from home_mjx.schema.house import Mesh
+
+
+def wall_faces(walls: Mesh) -> list[Int[np.ndarray, " _"]]:
+    """Faces of each wall: the inner and the outer layer, WallInside#0_1_3 and WallOutside#0_1_3, are one.
+
+    Args:
+        walls: The walls of one room. Faces without a group are one wall.
+    """
+    numbers = [name.rpartition("#")[2] for name in walls.groups]
+    order = {number: i for i, number in enumerate(dict.fromkeys(numbers))}
+    wall_of_group = np.array([*(order[n] for n in numbers), -1])
+    wall = wall_of_group[walls.group]
+    return [np.flatnonzero(wall == w) for w in np.unique(wall)]
+
+
+def direction_across(normal: Float[np.ndarray, "t 2"], area: Float[np.ndarray, " t"]) -> Float[np.ndarray, "2"]:
+    """The horizontal direction in which most of a wall's area faces, either way.
+
+    The first principal axis of the normals, weighted by area.
+
+    Args:
+        normal: Horizontal part of each triangle's normal, as long as the triangle is large [m^2].
+        area: Of each triangle [m^2].
+    """
+    flat = normal / np.sqrt(np.maximum(area, 1e-12))[:, None]
+    return np.linalg.eigh(flat.T @ flat)[1][:, -1]
