@@ -48,7 +48,7 @@ WHOLE_FILE = (  # errors that have no place inside of their file
     "file is missing",
     "file cannot be read",
     "file has ",
-    "house 0000",  # of the whole house: there is no place to stand
+    "house has no place",  # to stand: of the whole house
     "the house has no room",
     "mesh has no faces",
     "faces have about",

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Bool, Float, Int, UInt16
 
-from home_mjx.errors import DatasetError
 from home_mjx.scene_compile.navigation.free_space import FreeSpace, NavigationOptions
 from home_mjx.scene_compile.navigation.geodesic import distance_fields
 from home_mjx.scene_compile.navigation.portals import find_portals, room_hops
@@ -31,21 +30,13 @@ def build_navigation(
     Args:
         house_id: Seeds the draw of starts and goals.
         rooms: For the heights of their floors.
-        spaces: Where an agent can stand on each level that has rooms, the lowest first.
+        spaces: Where an agent can stand on each level that has rooms, the lowest first; there it can stand somewhere.
         options: Counts.
         doorways: Footprints of the doors of each level [m]; none by default.
         stairs: Flights between the levels.
-
-    Raises:
-        DatasetError: An agent can stand nowhere on the ground floor.
     """
     ground = spaces[0]
     standable, room = np.stack([s.standable for s in spaces]), np.stack([s.room for s in spaces])
-    if not ground.standable.any():
-        raise DatasetError(
-            f"house {house_id} has no place where an agent of radius {options.agent_radius} m can stand",
-            hint="Leave this house out, or use a smaller agent.",
-        )
     centres = ground.x, ground.y
     links = stair_links(stairs, standable, centres)
     region, area = label_regions(standable, links if options.climb else (), options.cell)

@@ -23,6 +23,7 @@ from home_mjx.scene_compile.collision.level import (
 from home_mjx.scene_compile.collision.movables import Candidate, MovableOptions, choose_movables, make_bodies
 from home_mjx.scene_compile.geometry.boxes import BoxSet, join
 from home_mjx.scene_compile.navigation.free_space import FreeSpace, NavigationOptions, free_space
+from home_mjx.scene_compile.navigation.nowhere import nowhere_to_stand
 from home_mjx.scene_compile.navigation.stairs import Stairs, find_stairs
 from home_mjx.scene_compile.objects.doors import make_doors
 from home_mjx.scene_compile.objects.place import PlacedObject
@@ -110,7 +111,7 @@ def build_levels(
         navigation: Size of an agent and of a cell.
 
     Raises:
-        DatasetError: The house is too large, see `limits`.
+        DatasetError: The house is too large, see `limits`, or an agent can stand nowhere on its ground floor.
     """
     check_levels(frame, shell, navigation.cell)
     numbers = np.unique(frame.rooms.level).tolist()
@@ -166,7 +167,10 @@ def _level(
         return free_space(rooms, join([around, site.holes]), gaps, navigation, site.number)
 
     obstacles = find_obstacles(boxes, moving, lambda around: space(around).free.sum() * navigation.cell**2)
-    return Level(obstacles, space(obstacles.all), stuck)
+    left = space(obstacles.all)
+    if site.is_ground and not left.standable.any():
+        raise nowhere_to_stand(space(boxes.walls), navigation)
+    return Level(obstacles, left, stuck)
 
 
 def _moving(site: Site, boxes: LevelBoxes, options: MovableOptions) -> tuple[list[Candidate], list[int]]:

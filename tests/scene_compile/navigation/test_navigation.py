@@ -7,12 +7,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
-from home_mjx.errors import DatasetError
 from home_mjx.scene_compile.geometry.boxes import box_set, no_boxes
 from home_mjx.scene_compile.geometry.polygons import inside_polygon, polygon_area, smallest_room
 from home_mjx.scene_compile.navigation.build import build_navigation
 from home_mjx.scene_compile.navigation.free_space import NavigationOptions, free_space
 from home_mjx.scene_compile.navigation.geodesic import distance_fields
+from home_mjx.scene_compile.navigation.nowhere import HINTS, nowhere_to_stand
 from home_mjx.schema.compiled import FIELD_UNIT, Rooms
 
 
@@ -166,7 +166,14 @@ def test_navigation_names_the_agent_that_it_is_for():
     assert isinstance(n.agent_height, float)
 
 
-def test_a_house_without_a_place_is_refused():
-    rooms = rooms_of(square(0, 1))
-    with pytest.raises(DatasetError, match="no place"):
-        build_navigation("full", rooms, [free_space(rooms, box_set((0.5, 0.5, 1), (1, 1, 1)))])
+def test_an_error_tells_which_of_floor_walls_and_furniture_took_the_space():
+    rooms, options = rooms_of(square(0, 3)), NavigationOptions(agent_radius=0.1, margin=0.05)
+    wall = box_set((0.45, 1.5, 1), (0.5, 2, 1))  # up to x = 0.95 m, and 0.15 m for the agent: 11 of 30 columns
+    error = nowhere_to_stand(free_space(rooms, wall, options=options), options)
+    assert "of 9.0 m² of floor, walls take 3.3 m², furniture and doors 5.7 m²" in error.message
+    assert error.hint == HINTS["furniture"]
+    block = free_space(rooms, box_set((1.5, 1.5, 1), (2, 2, 1)), options=options)
+    assert "walls take 9.0 m², furniture and doors 0.0 m²" in nowhere_to_stand(block, options).message
+    assert nowhere_to_stand(block, options).hint == HINTS["walls"]
+    outside = replace(block, room=np.full_like(block.room, -1), standable=np.zeros_like(block.standable))
+    assert nowhere_to_stand(outside, options).hint == HINTS["floor"]

@@ -1,13 +1,14 @@
 """Houses that can be read but are too large to be compiled: a typed error with file and element, soon."""
 
 import json
+import re
 import time
 import tracemalloc
 
 import numpy as np
 import pytest
 from tiny_arch import arch_path, write_tiny_v2
-from tiny_dataset import HOUSE_ID, edit_house, write_tiny_dataset
+from tiny_dataset import DEPTH, HOUSE_ID, WIDTH, edit_house, write_tiny_dataset
 
 from home_mjx.datasets.options import ReadOptions
 from home_mjx.datasets.suncg.dataset import open_dataset
@@ -112,6 +113,18 @@ def test_a_house_without_a_free_place_names_its_file(root):
     with pytest.raises(DatasetError, match="no place") as caught:
         compiled(root)
     assert caught.value.file == str(root / HOUSE_JSON)
+    assert "furniture" in caught.value.hint
+
+
+def test_walls_in_one_mesh_group_take_the_whole_room(root):
+    """A user's own house: the validator had nothing against it, and the error did not say why."""
+    path = root / "room" / HOUSE_ID / "fr_0rm_0w.obj"
+    path.write_text(re.sub("^o .*$", "o WallInside#0_0_0", path.read_text(), flags=re.MULTILINE))
+    with pytest.raises(DatasetError, match="no place") as caught:
+        compiled(root)
+    area = WIDTH * DEPTH
+    assert f"of {area:.1f} m² of floor, walls take {area:.1f} m², furniture and doors 0.0 m²" in caught.value.message
+    assert "mesh group of its own" in caught.value.hint
 
 
 def test_things_in_a_heap_take_seconds(root):
