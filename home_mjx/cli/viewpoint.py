@@ -13,6 +13,7 @@ from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.agent import Body
 
 EYE_HEIGHT = Body().eye_height  # [m]
+BELOW_CEILING = 0.05  # [m], of a camera that looks down
 
 
 @dataclass(frozen=True)
@@ -45,26 +46,66 @@ def add_viewpoint_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--yaw", type=number(), help="direction of view [degrees] from +x (default: the longest view)")
 
 
-def stand(args: argparse.Namespace) -> Viewpoint:
+def stand(args: argparse.Namespace, pitch: float = 0.0) -> Viewpoint:
     """Puts the named house on the device and a head in it.
+
+    Args:
+        args: The parsed options.
+        pitch: How far the head looks up [degrees].
 
     Raises:
         ConfigError: The head would be outside of the house.
     """
-    import jax.numpy as jnp
-
-    from home_mjx.core.transforms import camera_quat
-    from home_mjx.raycast_render.scene.scene import make_scene
-
     bank = HouseBank.from_compiled([load_compiled_house(args)])
     start = np.asarray(bank.navigation.start[0, 0])
     feet = start if args.at is None else np.array([*args.at, start[2]], np.float32)
     check_inside(bank, feet, "--at")
-    house, nobody = jnp.zeros((), jnp.int32), (jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32))
-    scene = make_scene(bank, house, bank.physics.body_pos[0], bank.physics.body_quat[0], *nobody)
     yaw = longest_view(bank, feet) if args.yaw is None else np.deg2rad(args.yaw)
-    quat = camera_quat(jnp.float32(yaw), jnp.zeros((), jnp.float32))
-    return Viewpoint(bank, scene, feet + np.array([0, 0, EYE_HEIGHT], np.float32), np.asarray(quat))
+    eyes = feet + np.array([0, 0, EYE_HEIGHT], np.float32)
+    return Viewpoint(bank, _scene_of(bank), eyes, _quat(yaw, np.deg2rad(pitch)))
+
+
+def look_down(args: argparse.Namespace, storey: int) -> tuple[Viewpoint, np.ndarray]:
+    """Puts the named house on the device and a camera under the ceilings of a storey, looking down; +y is up there.
+
+    Args:
+        args: The parsed options.
+        storey: Number of a level that has rooms, from 0 below.
+
+    Returns:
+        The viewpoint, and the extent of the storey's rooms along x and y [m].
+
+    Raises:
+        ConfigError: There is no such storey.
+    """
+    house = load_compiled_house(args)
+    levels = house.navigation.level
+    if storey >= len(levels):
+        raise ConfigError(f"--top {storey}: the house has {len(levels)} storeys", hint=f"Give 0 to {len(levels) - 1}.")
+    here = np.flatnonzero((house.rooms.level == levels[storey]) & [len(p) > 0 for p in house.rooms.polygon])
+    points = np.concatenate([house.rooms.polygon[room] for room in here])
+    low, high = points.min(axis=0), points.max(axis=0)
+    bank = HouseBank.from_compiled([house])
+    camera = np.array([*(low + high) / 2, house.rooms.ceiling[here].min() - BELOW_CEILING], np.float32)
+    return Viewpoint(bank, _scene_of(bank), camera, _quat(np.pi / 2, -np.pi / 2)), high - low
+
+
+def _scene_of(bank: HouseBank) -> Scene:
+    """The first house of a bank, without agents."""
+    import jax.numpy as jnp
+
+    from home_mjx.raycast_render.scene.scene import make_scene
+
+    house, nobody = jnp.zeros((), jnp.int32), (jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32))
+    return make_scene(bank, house, bank.physics.body_pos[0], bank.physics.body_quat[0], *nobody)
+
+
+def _quat(yaw: float, pitch: float) -> np.ndarray:
+    import jax.numpy as jnp
+
+    from home_mjx.core.transforms import camera_quat
+
+    return np.asarray(camera_quat(jnp.float32(yaw), jnp.float32(pitch)))
 
 
 def check_inside(bank: HouseBank, point: np.ndarray, option: str) -> None:

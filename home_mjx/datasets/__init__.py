@@ -4,6 +4,7 @@ Host only: nothing here loads JAX.
 """
 
 from home_mjx.datasets.options import ReadOptions
+from home_mjx.datasets.outlines import Opening, RoomOutline, outline_house
 from home_mjx.datasets.procedural import build_house, generate_dataset
 from home_mjx.datasets.seeds import house_id
 from home_mjx.datasets.suncg import Dataset, LibraryModel, open_dataset, write_house, write_library
@@ -15,11 +16,14 @@ __all__ = [
     "Dataset",
     "Finding",
     "LibraryModel",
+    "Opening",
     "ReadOptions",
+    "RoomOutline",
     "build_house",
     "generate_dataset",
     "house_id",
     "open_dataset",
+    "outline_house",
     "validate_house",
     "write_house",
     "write_library",

@@ -10,28 +10,39 @@ from PIL import Image
 
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import number, positive_int
-from home_mjx.cli.viewpoint import add_viewpoint_arguments, stand
+from home_mjx.cli.viewpoint import Viewpoint, add_viewpoint_arguments, look_down, stand
+from home_mjx.errors import ConfigError
 from home_mjx.schema.choices import CAMERA_MODELS, PRESETS
 from home_mjx.viz import pictures
 
 KINDS = ("rgb", "depth", "normal", "instance", "fine", "room", "material")
 DEPTH_MAX = 10.0  # [m]
+FOVY = 75.0  # [degrees]
+MARGIN = 0.4  # [m], around a storey
 SHAPES = {"rgb": "hwc", "depth": "hwc", "normal": "hwc"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the options of `home-mjx render`."""
     add_viewpoint_arguments(parser)
+    parser.add_argument("--pitch", type=number(-90, 90), help="how far to look up [degrees] (default: 0)")
+    parser.add_argument(
+        "--top",
+        type=_storey,
+        nargs="?",
+        const=0,
+        metavar="STOREY",
+        help="the plan of a storey, seen from below its ceiling (default: the lowest, 0)",
+    )
     parser.add_argument("--size", type=positive_int, nargs=2, default=(640, 480), metavar=("W", "H"), help="[pixels]")
     parser.add_argument(
         "--fovy",
         type=number(low=1, high=179),
-        default=75.0,
         help="vertical field of view [degrees] (default: 75)",
     )
     parser.add_argument("--preset", choices=PRESETS, default="fast", help="how colours are lit (default: fast)")
     parser.add_argument("--samples", type=positive_int, default=1, help="rays per pixel of the colours (default: 1)")
-    parser.add_argument("--lens", choices=CAMERA_MODELS, default="pinhole", help="camera model (default: pinhole)")
+    parser.add_argument("--lens", choices=CAMERA_MODELS, help="camera model (default: pinhole)")
     parser.add_argument("--out", type=Path, default=Path("pictures"), help="folder for the files (default: pictures)")
 
 
@@ -44,10 +55,9 @@ def run(args: argparse.Namespace) -> int:
     from home_mjx.raycast_render.images.render import render
 
     make_folder(args.out)
-    view = stand(args)
-    camera = Camera(jnp.asarray(view.position), jnp.asarray(view.head_quat), jnp.float32(np.deg2rad(args.fovy)))
-    width, height = args.size
-    lens = Lens(width, height, args.lens, args.samples)
+    view, fovy, model = _view(args)
+    camera = Camera(jnp.asarray(view.position), jnp.asarray(view.head_quat), jnp.float32(fovy))
+    lens = Lens(*args.size, model, args.samples)
     look = jax.jit(functools.partial(render, lens=lens, kinds=KINDS, preset=args.preset, depth_max=DEPTH_MAX))
     images = look(view.scene, camera)
     for kind in KINDS:
@@ -55,6 +65,24 @@ def run(args: argparse.Namespace) -> int:
         Image.fromarray(_colours(kind, np.asarray(images[kind]))).save(path)
         sys.stdout.write(f"{path}\n")
     return 0
+
+
+def _view(args: argparse.Namespace) -> tuple[Viewpoint, float, str]:
+    """Where the camera is, its `fovy` and its model."""
+    if args.top is None:
+        return stand(args, args.pitch or 0.0), np.deg2rad(args.fovy or FOVY), args.lens or "pinhole"
+    given = [f"--{name}" for name in ("at", "yaw", "pitch", "fovy", "lens") if getattr(args, name) is not None]
+    if given:
+        raise ConfigError(f"{given[0]} is chosen beside --top", hint="--top frames the whole storey by itself.")
+    view, (x, y) = look_down(args, args.top)
+    width, height = args.size
+    return view, max(y, x * height / width) + 2 * MARGIN, "orthographic"
+
+
+def _storey(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"expected the number of a storey from 0, got `{text}`")
+    return int(text)
 
 
 def _colours(kind: str, image: np.ndarray) -> np.ndarray:

@@ -6,34 +6,23 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
+from home_mjx.datasets.shapes.pieces import CUT, Piece, join_pieces, wall_pieces
 from home_mjx.datasets.shapes.polygon_slab import slab
-from home_mjx.datasets.shapes.wall_prism import DEPTH, RISE, Hole, Prism, Wall, wall_prisms
+from home_mjx.datasets.shapes.wall_prism import DEPTH, RISE, Hole, Wall
 from home_mjx.datasets.suncg.formats.element import Place, Value, read_json
 from home_mjx.datasets.suncg.formats.materials import read_material
 from home_mjx.datasets.suncg.formats.texture_paths import Textures
 from home_mjx.schema.house import Material, Mesh
 
 WHITE = (1.0, 1.0, 1.0)
-CUT = Material("cut", (0.5, 0.5, 0.5), None, 1.0)  # the grey of cut faces
 THICKNESS = {"Floor": 0.05, "Ceiling": 0.05, "Ground": 0.08}  # [m], where the file has no `defaults`
 MAX_ELEMENTS = 10_000  # the largest house of SUNCG has 155 rooms
 MAX_HOLES = 50  # in one wall
 MAX_CORNERS = 1_000  # of one polygon
 
 Note = Callable[[Place, str, str], None]
-
-
-@dataclass(frozen=True)
-class Piece:
-    """A closed part of a mesh, with its slots counted from its own materials."""
-
-    group: str
-    vertices: Float[np.ndarray, "v 3"]
-    faces: Int[np.ndarray, "f 3"]
-    uv: Float[np.ndarray, "f 3 2"]
-    slot: Int[np.ndarray, " f"]
 
 
 @dataclass(frozen=True)
@@ -64,16 +53,14 @@ class Architecture:
             found, slots = self._walls(value) if kind == "Wall" else self._slab(value, kind, node_id)
             pieces += [replace(piece, slot=piece.slot + len(materials)) for piece in found if len(piece.faces)]
             materials += slots
-        return _join(self.file, pieces, materials, self.scale) if pieces else None
+        return join_pieces(self.file, pieces, materials, self.scale) if pieces else None
 
     def _walls(self, value: Value) -> tuple[list[Piece], list[Material]]:
         wall = self._wall(value)
         if wall is None:
             return [], []
-        names = [f"{name}#{value.member('id').text()}" for name in ("WallInside", "WallOutside")]
-        pieces = [_wall_piece(*item) for item in zip(names, wall_prisms(wall), (0, 2), strict=True)]
         inside, outside = self._materials(value, 2)
-        return pieces, [inside, CUT, outside]
+        return wall_pieces(wall, value.member("id").text()), [inside, CUT, outside]
 
     def _wall(self, value: Value) -> Wall | None:
         start, end = (point.vector(3) for point in _exactly(value.member("points"), 2))
@@ -188,22 +175,3 @@ def _polygon(points: Value) -> Float[np.ndarray, "n 2"]:
         raise points.error(f"expected 3 corners or more, at most {MAX_CORNERS}, got {len(entries)}")
     corners = [point.vector(3)[[0, 2]] for point in entries]
     return np.array(corners)
-
-
-def _wall_piece(group: str, prism: Prism, slot: int) -> Piece:
-    return Piece(group, prism.vertices, prism.faces, prism.uv, np.where(prism.large, slot, 1))
-
-
-def _join(path: Path, pieces: list[Piece], materials: list[Material], scale: float) -> Mesh:
-    starts = np.cumsum([0, *(len(piece.vertices) for piece in pieces)])
-    names = tuple(dict.fromkeys(piece.group for piece in pieces))
-    return Mesh(
-        path=path,
-        vertices=np.concatenate([piece.vertices for piece in pieces]) * scale,
-        faces=np.concatenate([p.faces + start for p, start in zip(pieces, starts, strict=False)]).astype(np.int32),
-        uv=(np.concatenate([piece.uv for piece in pieces]) * scale).astype(np.float32),
-        slot=np.concatenate([piece.slot for piece in pieces]).astype(np.int32),
-        group=np.concatenate([np.full(len(p.faces), names.index(p.group)) for p in pieces]).astype(np.int32),
-        materials=tuple(replace(material, name=f"material_{i}") for i, material in enumerate(materials)),
-        groups=names,
-    )

@@ -1,0 +1,147 @@
+"""Houses from the outlines of their rooms: floors, ceilings and walls as meshes, for `write_house`."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+
+from home_mjx.datasets.shapes.pieces import CUT, Piece, join_pieces, wall_pieces
+from home_mjx.datasets.shapes.polygon_slab import simplify, slab
+from home_mjx.datasets.shapes.wall_prism import DEPTH, Hole, Wall
+from home_mjx.errors import ConfigError
+from home_mjx.schema.house import Box, House, Level, Material, Mesh, Room
+
+THICKNESS = 0.05  # [m], of floors and ceilings; the upper side of a floor is so high
+OUTSET = DEPTH / 5  # [m], of floors and ceilings beyond the middle lines of walls
+LEAST = 0.05  # [m] of an opening's width along a wall
+PLASTER, WOOD = Material("plaster", (0.9, 0.9, 0.85)), Material("wood", (0.65, 0.5, 0.35))
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class RoomOutline:
+    """A room in the floor plan.
+
+    Attributes:
+        type: One of `schema.ROOM_TYPES`.
+        corners: (x, z) of the middle lines of its walls in order [m]; two rooms share a wall if they share a line.
+        floor: Material of the floor.
+        walls: Material of the walls' insides.
+        ceiling: Material of the ceiling.
+    """
+
+    type: str
+    corners: Sequence[Point]
+    floor: Material = WOOD
+    walls: Material = PLASTER
+    ceiling: Material = PLASTER
+
+
+@dataclass(frozen=True)
+class Opening:
+    """A hole through every wall that runs along it.
+
+    Attributes:
+        start: (x, z) of one end, on the middle line of a wall [m].
+        end: (x, z) of the other end [m].
+        low: Height of its lower edge; 0 for a doorway [m].
+        high: Height of its upper edge [m].
+    """
+
+    start: Point
+    end: Point
+    low: float = 0.0
+    high: float = 2.1
+
+
+def outline_house(
+    house_id: str,
+    rooms: Sequence[RoomOutline],
+    openings: Sequence[Opening] = (),
+    boxes: Sequence[Box] = (),
+    height: float = 2.7,
+) -> House:
+    """A house of one level whose walls follow the outlines of its rooms. Y is up, in metres.
+
+    Args:
+        house_id: Its id, the name of its folders.
+        rooms: Its rooms; neighbours share lines.
+        openings: Doorways and windows.
+        boxes: Plain furniture; ids and indices are given anew.
+        height: Of the walls [m].
+
+    Raises:
+        ConfigError: The outline of a room has no area or crosses itself.
+
+    Example:
+        >>> house = outline_house("cabin", [RoomOutline("Bedroom", [(0, 0), (4, 0), (4, 3), (0, 3)])])
+        >>> house.levels[0].rooms[0].walls.groups[:2]
+        ('WallInside#0_0_0', 'WallOutside#0_0_0')
+    """
+    built = tuple(_room(house_id, index, room, openings, height) for index, room in enumerate(rooms))
+    numbered = tuple(
+        replace(box, id=f"0_{index}", index=index, path=f"levels[0].nodes[{index}]")
+        for index, box in enumerate(boxes, len(rooms))
+    )
+    level = Level(id="0", index=0, rooms=built, objects=(), boxes=numbered, grounds=())
+    return House(house_id, "suncg@1.0.0", Path("house") / house_id / "house.json", (level,), {})
+
+
+def _room(house_id: str, index: int, room: RoomOutline, openings: Sequence[Opening], height: float) -> Room:
+    stem = Path("room") / house_id / f"fr_0rm_{index}"
+    try:
+        corners = simplify(np.array(room.corners, float).reshape(-1, 2))
+        floor = _slab(stem, "Floor", corners, 0.0, room.floor)
+        ceiling = _slab(stem, "Ceiling", corners, height, room.ceiling)
+    except ValueError as error:
+        raise ConfigError(f"outline of room {index}: {error}", element=f"rooms[{index}].corners") from None
+    return Room(
+        id=f"0_{index}",
+        index=index,
+        path=f"levels[0].nodes[{index}]",
+        bbox=None,
+        model_id=stem.name,
+        types=(room.type,),
+        members=(),
+        floor=floor,
+        ceiling=ceiling,
+        walls=_walls(stem, index, corners, room.walls, openings, height),
+    )
+
+
+def _slab(stem: Path, kind: str, corners: Float[np.ndarray, "n 2"], low: float, material: Material) -> Mesh:
+    vertices, faces, uv = slab([corners], low, low + THICKNESS, OUTSET)
+    piece = Piece(f"{kind}#{stem.name}", vertices, faces, uv, np.zeros(len(faces), int))
+    return join_pieces(stem.with_name(f"{stem.name}{kind[0].lower()}.obj"), [piece], [material])
+
+
+def _walls(
+    stem: Path,
+    room: int,
+    corners: Float[np.ndarray, "n 2"],
+    inside: Material,
+    openings: Sequence[Opening],
+    height: float,
+) -> Mesh:
+    """One wall per side; corners run so that the interior lies to the right, as `wall_prisms` wants it."""
+    pieces: list[Piece] = []
+    for number, (start, end) in enumerate(zip(corners, np.roll(corners, -1, axis=0), strict=True)):
+        holes = tuple(hole for opening in openings if (hole := _hole(opening, start, end)) is not None)
+        wall = Wall(np.array([start[0], 0, start[1]]), np.array([end[0], 0, end[1]]), height, holes)
+        pieces += [replace(p, slot=p.slot + 3 * number) for p in wall_pieces(wall, f"0_{room}_{number}")]
+    return join_pieces(stem.with_name(f"{stem.name}w.obj"), pieces, [inside, CUT, PLASTER] * len(corners))
+
+
+def _hole(opening: Opening, start: Float[np.ndarray, "2"], end: Float[np.ndarray, "2"]) -> Hole | None:
+    """What an opening cuts out of a wall; None if the wall does not run along it."""
+    length = float(np.linalg.norm(end - start))
+    way = (end - start) / length
+    ends = np.array([opening.start, opening.end], float) - start
+    along, off = np.sort(ends @ way), abs(ends @ np.array([-way[1], way[0]]))
+    left, right = np.clip(along, 0, length).tolist()
+    if off.max() > DEPTH / 2 or right - left < LEAST:
+        return None
+    return left, right, opening.low, opening.high
