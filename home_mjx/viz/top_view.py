@@ -76,11 +76,18 @@ def _from_above(scene: Scene, origin: Float[Array, "h w 3"]) -> UInt8[Array, "h 
     # Lower surfaces are darker, so that furniture stands out from the floor.
     light = 1 - 0.5 * jnp.clip(hit.t / CUT, 0, 1)
     color = albedo(scene, hit) * light
-    return select(_in_wall(scene, origin), Vec(WALL, WALL, WALL), color).map(encode).packed()
+    return select(in_wall(scene, origin), Vec(WALL, WALL, WALL), color).map(encode).packed()
 
 
-def _in_wall(scene: Scene, origin: Float[Array, "h w 3"]) -> Bool[Array, "h w"]:
-    """Walls are closed solids: from inside one, a ray meets the back of a face, in x or in y."""
+def in_wall(scene: Scene, origin: Float[Array, "h w 3"]) -> Bool[Array, "h w"]:
+    """Whether points lie inside of walls, which a view from there would look through.
+
+    Walls are closed solids: from inside one, a ray meets the back of a face, in x or in y.
+
+    Args:
+        scene: The house.
+        origin: Points in the world [m].
+    """
     inside = jnp.zeros(origin.shape[:-1], bool)
     for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)):
         hit = cast(scene, origin, jnp.broadcast_to(jnp.array(axis, jnp.float32), origin.shape))

@@ -10,10 +10,12 @@ from PIL import Image
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.cli import main
+from home_mjx.cli.commands.render import CUT_WALL, MARGIN
 from home_mjx.cli.viewpoint import EYE_HEIGHT, longest_view
 from home_mjx.datasets.procedural.dataset import generate_dataset
 from home_mjx.scene_compile.cache import house_cache
 from home_mjx.scene_compile.cache.house_set import HouseSet
+from home_mjx.viz.pictures import id_colours
 
 RECORD = ["case", "value", "unit", "num_envs", "device", "versions", "compile_seconds", "peer", "peer_value", "ratio"]
 
@@ -149,6 +151,50 @@ def test_render_writes_pictures(houses: Path, tmp_path: Path, capsys: pytest.Cap
     assert images["rgb.png"].std() > 5
     assert len(np.unique(images["depth.png"].reshape(-1, 3), axis=0)) > 20
     assert len(np.unique(images["instance.png"].reshape(-1, 3), axis=0)) >= 2
+
+
+@pytest.mark.parametrize(("pitch", "colour"), [("-90", [127, 127, 255]), ("90", [127, 127, 0])])
+def test_pitch_turns_the_view_down_to_the_floor_and_up_to_the_ceiling(
+    pitch: str, colour: list[int], houses: Path, tmp_path: Path
+):
+    options = ["--pitch", pitch, "--size", "9", "9", "--fovy", "10", "--out", str(tmp_path)]
+    assert main(["render", "--dataset", str(houses), *options]) == 0
+    normals = np.asarray(Image.open(tmp_path / "normal.png")).reshape(-1, 3)
+    np.testing.assert_allclose(np.median(normals, axis=0), colour, atol=1)
+
+
+def test_top_shows_every_room_where_the_navigation_grid_has_it(houses: Path, tmp_path: Path):
+    width, height = 160, 120
+    size = ["--size", str(width), str(height)]
+    assert main(["render", "--dataset", str(houses), "--top", *size, "--out", str(tmp_path)]) == 0
+    (house,) = HouseSet(houses, num_houses=1).load()
+    corners = np.concatenate(house.rooms.polygon)
+    low, high = corners.min(0), corners.max(0)
+    fovy = max(high[1] - low[1], (high[0] - low[0]) * height / width) + 2 * MARGIN
+    rows, columns = np.nonzero(house.navigation.region[0] >= 0)
+    points = house.navigation.origin + (np.stack([columns, rows], -1) + 0.5) * house.navigation.cell
+    x, y = ((points - (low + high) / 2) * height / fovy).T
+    seen = np.asarray(Image.open(tmp_path / "room.png"))[(height / 2 - y).astype(int), (width / 2 + x).astype(int)]
+    wanted = id_colours(house.navigation.room[0][rows, columns][None].astype(int))[0]
+    assert (seen == wanted).all(-1).mean() > 0.97  # a door's leaf may hang over the next room
+
+
+def test_cut_walls_are_dark_in_the_plan(houses: Path, tmp_path: Path):
+    assert main(["render", "--dataset", str(houses), "--top", "--size", "320", "240", "--out", str(tmp_path)]) == 0
+    dark = (np.asarray(Image.open(tmp_path / "rgb.png")) == CUT_WALL).all(-1)
+    assert dark.any(axis=0).sum() > 0.9 * np.ptp(np.flatnonzero(dark.any(axis=0)))  # outer walls run all around
+    assert 0.01 < dark.mean() < 0.15
+
+
+@pytest.mark.parametrize("options", [["--at", "0", "0"], ["--pitch", "0"], ["--lens", "cube"]])
+def test_a_plan_leaves_no_choice_of_the_camera(options: list[str], houses: Path, tmp_path: Path, capsys):
+    assert main(["render", "--dataset", str(houses), "--out", str(tmp_path), "--top", *options]) == 2
+    assert f"{options[0]} is chosen beside --top" in capsys.readouterr().err
+
+
+def test_a_storey_that_is_not_there_is_refused(houses: Path, tmp_path: Path, capsys):
+    assert main(["render", "--dataset", str(houses), "--out", str(tmp_path), "--top", "1"]) == 2
+    assert "--top 1: the house has 1 storeys. Give 0 to 0" in capsys.readouterr().err
 
 
 def test_listen_hears_the_source_after_its_delay(houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture):

@@ -19,6 +19,7 @@ KINDS = ("rgb", "depth", "normal", "instance", "fine", "room", "material")
 DEPTH_MAX = 10.0  # [m]
 FOVY = 75.0  # [degrees]
 MARGIN = 0.4  # [m], around a storey
+CUT_WALL = np.uint8(40)  # grey of walls that a plan cuts
 SHAPES = {"rgb": "hwc", "depth": "hwc", "normal": "hwc"}
 
 
@@ -51,18 +52,22 @@ def run(args: argparse.Namespace) -> int:
     import jax
     import jax.numpy as jnp
 
-    from home_mjx.raycast_render.cameras.camera import Camera, Lens
+    from home_mjx.raycast_render.cameras.camera import Camera, Lens, camera_rays
     from home_mjx.raycast_render.images.render import render
+    from home_mjx.viz.top_view import in_wall
 
     make_folder(args.out)
     view, fovy, model = _view(args)
     camera = Camera(jnp.asarray(view.position), jnp.asarray(view.head_quat), jnp.float32(fovy))
     lens = Lens(*args.size, model, args.samples)
     look = jax.jit(functools.partial(render, lens=lens, kinds=KINDS, preset=args.preset, depth_max=DEPTH_MAX))
-    images = look(view.scene, camera)
+    images = {kind: np.asarray(image) for kind, image in look(view.scene, camera).items()}
+    if args.top is not None:  # cut walls are dark: the camera lies inside of them, and sees the floor below
+        cut = np.asarray(in_wall(view.scene, camera_rays(camera, lens)[0]))
+        images["rgb"] = np.where(cut[..., None], CUT_WALL, images["rgb"])
     for kind in KINDS:
         path = args.out / f"{kind}.png"
-        Image.fromarray(_colours(kind, np.asarray(images[kind]))).save(path)
+        Image.fromarray(_colours(kind, images[kind])).save(path)
         sys.stdout.write(f"{path}\n")
     return 0
 
