@@ -59,7 +59,8 @@ def run(args: argparse.Namespace) -> int:
     make_folder(args.out)
     view, fovy, model = _view(args)
     camera = Camera(jnp.asarray(view.position), jnp.asarray(view.head_quat), jnp.float32(fovy))
-    lens = Lens(*args.size, model, args.samples)
+    width, height = args.size
+    lens = Lens(width, height, model, args.samples)
     look = jax.jit(functools.partial(render, lens=lens, kinds=KINDS, preset=args.preset, depth_max=DEPTH_MAX))
     images = {kind: np.asarray(image) for kind, image in look(view.scene, camera).items()}
     if args.top is not None:  # cut walls are dark: the camera lies inside of them, and sees the floor below
