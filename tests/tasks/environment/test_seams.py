@@ -117,6 +117,7 @@ def test_a_task_and_a_sensor_of_a_users_own_file_reach_gymnasium(bank):
         assert env.observation_space.contains(obs)
         walked, before = walked + np.linalg.norm(obs["state"][:3] - before), obs["state"][:3]
         assert obs["odometer"][0] == pytest.approx(walked, abs=1e-5)
+        assert not any(value for name, value in info.items() if name.startswith("status/"))
         if terminated:
             break
     assert terminated
