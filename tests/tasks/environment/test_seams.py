@@ -9,6 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from gymnasium.envs import registration
 from handmade import shoebox
 
 import home_mjx
@@ -353,7 +354,7 @@ def test_tasks_that_are_no_frozen_dataclasses_are_refused_when_they_are_register
         home_mjx.register("Refused-v0", task)
     assert "Refused-v0" not in home_mjx.list_envs()
     monkeypatch.setattr(home_mjx.registry, "_REGISTRY", dict(home_mjx.registry._REGISTRY))
-    monkeypatch.setattr(gymnasium.envs.registration, "registry", dict(gymnasium.registry))
+    monkeypatch.setattr(registration, "registry", dict(gymnasium.registry))
     home_mjx.register("Refused-v0", f"{__name__}:{task.__name__}")  # a name is looked up by `make`
     with pytest.raises(ConfigError, match=words):
         home_mjx.make("Refused-v0", bank)
