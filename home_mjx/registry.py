@@ -6,7 +6,7 @@ import re
 import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 import gymnasium
 
@@ -107,7 +107,7 @@ def register(env_id: str, entry_point: str | Callable[..., Any], options: Mappin
         options: Defaults of this environment's options, by name.
 
     Raises:
-        ConfigError: If the id has another form or is taken.
+        ConfigError: If the id has another form or is taken, or a `Task` subclass is not a frozen dataclass.
 
     Example:
         >>> register("NearGoal-v0", "home_mjx.tasks:PointNav", {"success_radius": 1.0})  # doctest: +SKIP
@@ -117,6 +117,8 @@ def register(env_id: str, entry_point: str | Callable[..., Any], options: Mappin
     if env_id in _REGISTRY:
         raise ConfigError(f"environment id `{env_id}` is taken", hint="Raise its version number")
     if not isinstance(entry_point, str):
+        if isinstance(entry_point, type):
+            _is_task(entry_point)
         _LOCAL[f"{entry_point.__module__}:{entry_point.__qualname__}"] = entry_point
         entry_point = f"{entry_point.__module__}:{entry_point.__qualname__}"
     _REGISTRY[env_id] = EnvSpec(env_id, entry_point, dict(options or {}))
@@ -208,20 +210,28 @@ def make(
 
 
 def _made(spec: EnvSpec, houses: Any, progress: bool | None) -> "BoundEnv[HouseholdEnv]":
-    from home_mjx.tasks.base.task import Task
-
     entry_point = _load(spec.entry_point)
     shown = sys.stderr.isatty() if progress is None else progress
 
     def get_bank(compile_options: "CompileOptions | None" = None) -> "HouseBank":
         return as_bank(houses, spec.num_houses, shown, spec.split, spec.where, compile_options)
 
-    if isinstance(entry_point, type) and issubclass(entry_point, Task):
+    if _is_task(entry_point):
         env = _with_task(entry_point, get_bank, spec.options)
     else:
         env = entry_point(get_bank, **spec.options)
     env.spec = spec
     return env
+
+
+def _is_task(entry_point: Callable[..., Any]) -> TypeGuard[type]:
+    """Whether it is a `Task` subclass, then one that can be used."""
+    from home_mjx.tasks.base.task import Task, check_task_class
+
+    if not (isinstance(entry_point, type) and issubclass(entry_point, Task)):
+        return False
+    check_task_class(entry_point)
+    return True
 
 
 def _with_task(

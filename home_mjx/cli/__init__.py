@@ -10,6 +10,7 @@ import sys
 from collections.abc import Sequence
 
 from home_mjx import __version__
+from home_mjx.cli.interrupts import INTERRUPTED, leave, watch_interrupts
 from home_mjx.cli.parsing import Parser
 from home_mjx.core.checks import check_known
 from home_mjx.core.compile_cache import use_compile_cache
@@ -28,18 +29,23 @@ COMMANDS = {
     "doctor": "say whether this machine is ready",
 }
 BAD_INPUT = 2
-INTERRUPTED = 130
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Runs the command line; the value is the exit code.
 
-    Bad input ends with one message on stderr and code 2; a traceback is shown only with `--debug`.
+    Bad input ends with one message on stderr and code 2; a traceback is shown only with `--debug`. Without `argv`, the
+    command is this process's own: then an interrupt ends the process.
     """
+    is_process = argv is None
     argv = list(sys.argv[1:] if argv is None else argv)
     try:
+        if is_process:
+            watch_interrupts()
         return _dispatch(argv)
     except KeyboardInterrupt:
+        if is_process:
+            leave()  # before Python destroys what JAX had begun
         sys.stderr.write("home-mjx: interrupted\n")
         return INTERRUPTED
     except BrokenPipeError:

@@ -14,6 +14,7 @@ from brax.training.agents.ppo import networks_vision, train
 import home_mjx
 from home_mjx.adapters.brax import BraxEnv, wrap_for_training
 from home_mjx.errors import ConfigError
+from home_mjx.tasks import check_status
 from home_mjx.training import shim
 
 
@@ -89,6 +90,7 @@ def test_both_kinds_of_key_and_two_devices(brax_env):
     step = jax.pmap(wrapped.step)
     for _ in range(4):
         states = step(states, jnp.zeros((2, 2, 4)))
+        check_status(states.pipeline_state)
     np.testing.assert_array_equal(states.info["truncation"], 1)
     np.testing.assert_array_equal(states.info["episode_metrics"]["length"], 4)
 

@@ -10,7 +10,7 @@ from gymnasium.utils.env_checker import check_env
 import home_mjx  # noqa: F401, registers the ids
 from home_mjx.adapters.gymnasium import GymEnv, GymVectorEnv
 from home_mjx.errors import ConfigError
-from home_mjx.tasks import sample_episodes, save_episodes
+from home_mjx.tasks import Status, sample_episodes, save_episodes
 
 SMALL = {"width": 16, "height": 16, "num_rays": 16, "num_bounces": 3, "episode_length": 5}
 
@@ -99,7 +99,9 @@ def test_vector_env_resets_in_the_same_step(generated_bank):
     np.testing.assert_allclose(info["final_info"]["distance"], info["distance"])
     np.testing.assert_allclose(info["final_obs"]["goal"], goals, atol=0.2)
     assert info["_final_info"].all()
-    assert not info["status/not_a_number"].any()
+    assert {name: value.any() for name, value in info.items() if name.startswith("status/")} == {
+        f"status/{str(flag.name).lower()}": False for flag in Status
+    }
 
 
 def test_seeds_and_masks_of_single_environments(generated_bank):

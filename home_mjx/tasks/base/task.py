@@ -1,5 +1,6 @@
 """The seam of tasks: what agents are to do."""
 
+import inspect
 from typing import Any
 
 import jax
@@ -7,6 +8,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
+from home_mjx.errors import ConfigError
 from home_mjx.navigation.grid import random_position
 from home_mjx.navigation.spawn import random_yaw
 from home_mjx.tasks.base.snapshot import Snapshot
@@ -106,3 +108,16 @@ class Task:
     def possible(self, bank: HouseBank, episode: Episodes) -> Bool[Array, ""]:
         """Whether one episode of a file can be solved in this bank; inside `jit`."""
         return jnp.ones((), bool)
+
+
+def check_task_class(task: type[Task]) -> None:
+    """Refuses a class of tasks whose options `make` could not set.
+
+    Raises:
+        ConfigError: It is no frozen dataclass, or derives from one and adds fields without being one itself.
+    """
+    params = getattr(task, "__dataclass_params__", None)
+    lost = inspect.get_annotations(task) if "__dataclass_params__" not in vars(task) else {}
+    if params is None or not params.frozen or lost:
+        hint = "Write @dataclasses.dataclass(frozen=True) above the class."
+        raise ConfigError(f"the task {task.__name__} is not a frozen dataclass", hint=hint)

@@ -47,7 +47,7 @@ class HouseholdEnv:
         observation_spec: What `State.obs` holds, by name; with a leading agent axis for several agents.
 
     Raises:
-        ConfigError: A sensor is unknown.
+        ConfigError: A sensor is unknown, or two observations have the same name.
 
     Example:
         >>> core, params = HouseholdEnv(), EnvParams(bank)  # doctest: +SKIP
@@ -61,7 +61,7 @@ class HouseholdEnv:
         self.task = task or PointNav()
         config = config or EnvConfig()
         self.config = config.replace(sensors=sensor_names(config, self.task))
-        self.sensors = choose_sensors(self.config)
+        self.sensors = choose_sensors(self.config, self.task)
         action = ArraySpec((self.action_size,), "float32", -1.0, 1.0, ", ".join(ACTION_NAMES))
         self.action_spec = action.for_agents(self.num_agents)
         self.observation_spec = self._observation_spec()

@@ -1,6 +1,9 @@
 """From the names in `sensors=` to sensors."""
 
+from collections.abc import Iterator
+
 from home_mjx.core.checks import check_known
+from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.config import DEFAULT_SENSORS, VIEW_KINDS, EnvConfig
 from home_mjx.tasks.base.sensor import Sensor, register_sensor, registered_sensors
 from home_mjx.tasks.base.task import Task
@@ -12,19 +15,70 @@ register_sensor(Hearing())
 register_sensor(OwnState())
 
 
+NAME, OBSERVATION = "the name", "an observation"
+
+
 def sensor_names(config: EnvConfig, task: Task) -> tuple[str, ...]:
-    """What is observed.
+    """What is observed, each once.
 
     Raises:
         ConfigError: A sensor is unknown, with the closest known one.
     """
     names = config.sensors if config.sensors is not None else (*DEFAULT_SENSORS, *task.observation_spec)
     check_known("sensor", names, [*VIEW_KINDS, *registered_sensors(), *task.observation_spec])
-    return names
+    return tuple(dict.fromkeys(names))
 
 
-def choose_sensors(config: EnvConfig) -> tuple[Sensor, ...]:
-    """Sensors of an environment whose `config.sensors` are named; those of its task apart."""
+def choose_sensors(config: EnvConfig, task: Task) -> tuple[Sensor, ...]:
+    """Sensors of an environment whose `config.sensors` are named; those of its task apart.
+
+    Raises:
+        ConfigError: Two of them, or one and the task, use the same name.
+    """
     known = registered_sensors()
     named = tuple(known[name] for name in config.sensors or () if name in known)
-    return (*((Cameras(),) if config.views else ()), *named)
+    sensors = (*((Cameras(),) if config.views else ()), *named)
+    _check_names(config, sensors, task)
+    return sensors
+
+
+def _check_names(config: EnvConfig, sensors: tuple[Sensor, ...], task: Task) -> None:
+    """Refuses a name that two owners use: one of the two observations would be lost."""
+    first: dict[str, tuple[Sensor | Task, str]] = {}
+    for owner in (*sensors, task):
+        for name, role in _names_of(config, owner):
+            other, other_role = first.setdefault(name, (owner, role))
+            if other is not owner:
+                ours = _is_own(owner) and not _is_own(other)  # users rename what is theirs
+                raise ConfigError(
+                    f"`{name}` is {other_role} of {_title(other)} and {role} of {_title(owner)}",
+                    hint=f"Rename it in {_place(other, other_role) if ours else _place(owner, role)}, "
+                    "or leave one of the two out of `sensors`.",
+                )
+
+
+def _names_of(config: EnvConfig, owner: Sensor | Task) -> Iterator[tuple[str, str]]:
+    """Names that a sensor or the task uses, as what."""
+    chosen = config.sensors or ()
+    if isinstance(owner, Task):
+        yield from ((name, OBSERVATION) for name in owner.observation_spec if name in chosen)
+        return
+    yield owner.name, NAME
+    if isinstance(owner, Cameras):
+        yield from ((name, "an image") for name in chosen if name in VIEW_KINDS)
+    yield from ((name, OBSERVATION) for name in owner.spec(config))
+
+
+def _is_own(owner: Sensor | Task) -> bool:
+    return type(owner).__module__.startswith("home_mjx.")
+
+
+def _title(owner: Sensor | Task) -> str:
+    return f"the {'task' if isinstance(owner, Task) else 'sensor'} {type(owner).__name__}"
+
+
+def _place(owner: Sensor | Task, role: str) -> str:
+    name = type(owner).__name__
+    if role == NAME:
+        return f"`{name}.name`"
+    return f"`{name}.{'observation_spec' if isinstance(owner, Task) else 'spec'}` and `{name}.observe`"

@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from checked import checked
 
 import home_mjx
 from home_mjx.errors import ConfigError, DatasetError
@@ -154,7 +155,7 @@ def test_a_house_out_of_range_is_the_nearest_one(env, house):
 
 
 def test_nan_actions_count_as_none(env):
-    step, state = jax.jit(env.step), jax.jit(env.reset)(jax.random.key(0))
+    step, state = checked(jax.jit(env.step)), jax.jit(env.reset)(jax.random.key(0))
     bad, still = (step(state, jnp.array([0.3, x, x, x], jnp.float32)) for x in (jnp.nan, 0.0))
     for name, value in bad.obs.items():
         np.testing.assert_array_equal(value, still.obs[name])

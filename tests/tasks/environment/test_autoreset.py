@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from checked import checked
 from handmade import shoebox
 
 from home_mjx import AutoReset, HouseBank, HouseholdEnv
@@ -27,7 +28,7 @@ def params(core):
 
 @pytest.fixture(scope="module")
 def plain(core):
-    return jax.jit(jax.vmap(core.step, (None, 0, 0)))
+    return checked(jax.jit(jax.vmap(core.step, (None, 0, 0))))
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +39,7 @@ def auto(core, params):
         batch = AutoReset(core, "all")
         shapes = jax.eval_shape(batch.reset, params, keys())
         step = jax.jit(batch.step).lower(params, shapes, jnp.zeros((NUM, 4))).compile()
-    return batch, step
+    return batch, checked(step)
 
 
 def keys():

@@ -5,6 +5,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from checked import checked
 from handmade import Furniture, shoebox
 
 from home_mjx.bank.bank import HouseBank
@@ -138,7 +139,7 @@ def test_automatic_resets_evaluate_every_episode_once(bank, env):
     core = HouseholdEnv(make_config(sensors=("state",), episode_length=1))
     batch = AutoReset(core).bind(env.with_tasks(episodes).params)
     states = jax.jit(batch.reset)(jax.random.split(jax.random.key(0), 3))
-    step, rows = jax.jit(batch.step), [states]
+    step, rows = checked(jax.jit(batch.step)), [states]
     for _ in range(2):
         rows.append(step(rows[-1], jnp.zeros((3, 4))))
     numbers = np.concatenate([s.world.episode for s in rows])
@@ -155,7 +156,7 @@ def test_starts_are_settled(generated_bank):
     env = HouseholdEnv(make_config(sensors=("state",))).bind(generated_bank)
     keys = jax.random.split(jax.random.key(0), 4)
     states = jax.jit(jax.vmap(env.core.begin, (None, 0)))(env.params, keys)
-    step = jax.jit(jax.vmap(env.core.advance, (None, 0, 0)))
+    step = checked(jax.jit(jax.vmap(env.core.advance, (None, 0, 0))))
     before = states.physics
     for _ in range(10):
         states = step(env.params, states, jnp.zeros((4, 4)))

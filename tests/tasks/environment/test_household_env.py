@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from checked import checked
 from handmade import shoebox
 
 import home_mjx
@@ -36,12 +37,12 @@ def env(generated_bank: HouseBank) -> BoundEnv:
 
 @pytest.fixture(scope="session")
 def reset(env):
-    return jax.jit(jax.vmap(env.core.reset, (None, 0, 0)))
+    return checked(jax.jit(jax.vmap(env.core.reset, (None, 0, 0))))
 
 
 @pytest.fixture(scope="session")
 def step(env):
-    return jax.jit(jax.vmap(env.core.step, (None, 0, 0)))
+    return checked(jax.jit(jax.vmap(env.core.step, (None, 0, 0))))
 
 
 def keys(num: int = NUM_ENVS, seed: int = 0) -> jax.Array:
@@ -99,7 +100,7 @@ def test_step_is_traced_once_for_all_houses_and_banks(env, other_bank):
         traces += 1
         return env.core.step(params, state, action)
 
-    step = jax.jit(jax.vmap(counted, (None, 0, 0)))
+    step = checked(jax.jit(jax.vmap(counted, (None, 0, 0))))
     reset = jax.jit(jax.vmap(env.core.reset, (None, 0, 0)))
     positions = []
     for bank in (env.bank, other_bank):
@@ -144,7 +145,7 @@ def test_neighbours_do_not_matter_bit_for_bit(env, reset, step):
 
 
 def test_alone_is_as_in_a_batch(env, reset, step):
-    alone_reset, alone_step = jax.jit(env.core.reset), jax.jit(env.core.step)
+    alone_reset, alone_step = checked(jax.jit(env.core.reset)), checked(jax.jit(env.core.step))
     states = reset(env.params, keys(), houses(env))
     alone = alone_reset(env.params, keys()[1], houses(env)[1])
     for i in range(20):
@@ -184,7 +185,7 @@ def test_progress_is_rewarded(env, reset, step):
 def test_autoreset_begins_anew_and_keeps_the_final_observation(generated_bank):
     env = home_mjx.make("PointNav-v0", generated_bank, sensors=("state", "goal"), episode_length=2)
     auto = AutoReset(env.core)
-    step = jax.jit(auto.step)
+    step = checked(jax.jit(auto.step))
     first = jax.jit(auto.reset)(env.params, keys(8))
     second = step(env.params, first, jnp.zeros((8, 4)))
     third = step(env.params, second, jnp.zeros((8, 4)))

@@ -1,5 +1,6 @@
 """Tasks and sensors of a user's own, and specs: what is registered reaches every way to make an environment."""
 
+import dataclasses
 import sys
 import textwrap
 
@@ -8,13 +9,16 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from gymnasium.envs import registration
 from handmade import shoebox
 
 import home_mjx
 from home_mjx import EnvSpec, HouseBank, HouseFilter
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render import Lens, Lit
-from home_mjx.tasks import AgentCamera, PointNav, make_config
+from home_mjx.tasks import AgentCamera, ArraySpec, PointNav, Task, make_config
+from home_mjx.tasks.base import sensor as sensor_seam
+from home_mjx.tasks.base.task import check_task_class
 
 OWN = '''
 """A user's own file: a task that counts rooms, and a sensor that remembers the last action's turn."""
@@ -114,6 +118,7 @@ def test_a_task_and_a_sensor_of_a_users_own_file_reach_gymnasium(bank):
         assert env.observation_space.contains(obs)
         walked, before = walked + np.linalg.norm(obs["state"][:3] - before), obs["state"][:3]
         assert obs["odometer"][0] == pytest.approx(walked, abs=1e-5)
+        assert not any(value for name, value in info.items() if name.startswith("status/"))
         if terminated:
             break
     assert terminated
@@ -242,3 +247,118 @@ def test_sensors_that_cannot_be_registered(own):
 
     with pytest.raises(ConfigError, match="`rgb` of a sensor is taken by a kind of image"):
         home_mjx.register_sensor(Picture())
+
+
+def sensor(name, *observations):
+    """A class of sensors that promises some observations of zeros."""
+
+    class Zeros(home_mjx.Sensor):
+        def spec(self, config):
+            return {key: ArraySpec((1,)) for key in observations}
+
+        def observe(self, config, snapshot, state):
+            return {key: jnp.zeros((config.num_agents, 1)) for key in observations}
+
+    Zeros.name, Zeros.__name__ = name, name.title()
+    return Zeros
+
+
+@pytest.fixture
+def only_here(monkeypatch):
+    """Sensors that are registered in a test are forgotten after it."""
+    monkeypatch.setattr(sensor_seam, "_REGISTRY", sensor_seam.registered_sensors())
+
+
+@pytest.mark.parametrize(
+    ("sensors", "names", "words"),
+    [
+        (
+            [("nose", "smell"), ("snout", "smell")],
+            ("nose", "snout"),
+            "`smell` is an observation of the sensor Nose and an observation of the sensor Snout. "
+            "Rename it in `Snout.spec` and `Snout.observe`",
+        ),
+        (
+            [("nose", "smell"), ("smell", "odour")],
+            ("nose", "smell"),
+            "`smell` is an observation of the sensor Nose and the name of the sensor Smell. Rename it in `Smell.name`",
+        ),
+        (
+            [("nose", "state")],
+            ("state", "nose"),
+            "`state` is the name of the sensor OwnState and an observation of the sensor Nose. "
+            "Rename it in `Nose.spec` and `Nose.observe`",
+        ),
+        (
+            [("nose", "goal")],
+            ("nose", "goal"),
+            "`goal` is an observation of the sensor Nose and an observation of the task PointNav. "
+            "Rename it in `Nose.spec` and `Nose.observe`",
+        ),
+        (
+            [("cameras", "smell")],
+            ("rgb", "cameras"),
+            "`cameras` is the name of the sensor Cameras and the name of the sensor Cameras. "
+            "Rename it in `Cameras.name`",
+        ),
+    ],
+    ids=["two observations", "observation and name", "a sensor of ours", "the task", "two names"],
+)
+def test_names_that_two_sensors_or_the_task_use_are_refused(only_here, sensors, names, words):
+    """The later one used to overwrite the earlier in silence."""
+    for args in sensors:
+        home_mjx.register_sensor(sensor(*args)())
+    with pytest.raises(ConfigError) as caught:
+        home_mjx.HouseholdEnv(make_config(sensors=names))
+    assert str(caught.value) == f"{words}, or leave one of the two out of `sensors`."
+    home_mjx.HouseholdEnv(make_config(sensors=names[:1]))  # one of them alone may use it
+
+
+@pytest.mark.parametrize(("name", "role"), [("rgb", "an image of the sensor Cameras"), ("state", "OwnState")])
+def test_a_task_must_not_promise_what_a_sensor_is_called(own, name, role):
+    task = changed(own, observation_spec=property(lambda self: {name: ArraySpec((1,))}))
+    with pytest.raises(ConfigError, match=f"`{name}` is .*{role} .*task Changed.*`Changed.observation_spec`"):
+        home_mjx.HouseholdEnv(task=task)
+    home_mjx.HouseholdEnv(make_config(sensors=("depth",)), task)
+
+
+def test_a_sensor_that_is_named_twice_is_there_once():
+    core = home_mjx.HouseholdEnv(make_config(sensors=("state", "goal", "state")))
+    assert core.config.sensors == ("state", "goal")
+    assert len(core.sensors) == 1
+
+
+class Bare(Task):
+    """No dataclass at all."""
+
+
+@dataclasses.dataclass
+class Thawed(Task):
+    """Not frozen."""
+
+
+class Added(PointNav):
+    """Derives from a frozen dataclass; its own field would be no option."""
+
+    bonus: float = 1.0
+
+
+class Same(PointNav):
+    """Adds no field: PointNav's options are its own."""
+
+
+@pytest.mark.parametrize("task", [Bare, Thawed, Added])
+def test_tasks_that_are_no_frozen_dataclasses_are_refused_when_they_are_registered(bank, task, monkeypatch):
+    words = f"task {task.__name__} is not a frozen dataclass.*frozen=True"
+    with pytest.raises(ConfigError, match=words):
+        home_mjx.register("Refused-v0", task)
+    assert "Refused-v0" not in home_mjx.list_envs()
+    monkeypatch.setattr(home_mjx.registry, "_REGISTRY", dict(home_mjx.registry._REGISTRY))
+    monkeypatch.setattr(registration, "registry", dict(gymnasium.registry))
+    home_mjx.register("Refused-v0", f"{__name__}:{task.__name__}")  # a name is looked up by `make`
+    with pytest.raises(ConfigError, match=words):
+        home_mjx.make("Refused-v0", bank)
+
+
+def test_a_task_that_only_changes_methods_need_not_be_a_dataclass_again():
+    check_task_class(Same)
