@@ -15,6 +15,12 @@ from home_mjx.raycast_render.executors.native.memory import pointer_to
 pointer = pointer_to(types.float32)
 
 
+@pytest.fixture(scope="module", autouse=True)
+def on_cpu():
+    with jax.default_device(jax.devices("cpu")[0]):
+        yield
+
+
 @pytest.fixture(scope="module")
 def case():
     rng = np.random.default_rng(8)

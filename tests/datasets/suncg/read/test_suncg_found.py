@@ -207,8 +207,8 @@ def test_walls_that_many_nodes_show_are_built_once(tmp_path, monkeypatch):
     root = write_tiny_v2(tmp_path)
     edit_house(root, lambda document: document["levels"][0]["nodes"].extend([document["levels"][0]["nodes"][0]] * 50))
     built = []
-    original = arch_json.wall_prisms
-    monkeypatch.setattr(arch_json, "wall_prisms", lambda wall: built.append(wall) or original(wall))
+    original = arch_json.wall_pieces
+    monkeypatch.setattr(arch_json, "wall_pieces", lambda *args: built.append(args) or original(*args))
     load(root)
     assert len(built) == 4
 
