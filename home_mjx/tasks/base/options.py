@@ -124,7 +124,10 @@ def _replaced(record: Any, changes: Mapping[str, Any], full: str) -> Any:
 
 def _field(record: Any, name: str, changes: Mapping[str, Any], full: str) -> Any:
     old = getattr(record, name)
-    return _replaced(old, changes, full) if dataclasses.is_dataclass(old) else changes[""]
+    if dataclasses.is_dataclass(old):
+        return _replaced(old, changes, full)
+    value = changes[""]
+    return tuple(value) if isinstance(value, list) else value  # options are hashable
 
 
 def _typed(name: str, value: Any, old: Any) -> Any:

@@ -9,7 +9,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.physics import PhysicsConfig
 from home_mjx.scene_compile import CompileOptions
 from home_mjx.schema import Body, Timing
-from home_mjx.tasks import EnvConfig, PointNav, Task, make_config
+from home_mjx.tasks import AgentCamera, EnvConfig, PointNav, Task, make_config
 from home_mjx.tasks.base.options import override
 
 RECORDS = {"": EnvConfig(), "task": PointNav(), "compile": CompileOptions()}
@@ -111,3 +111,8 @@ def test_an_option_of_a_task_is_never_lost():
     chosen = override(records, {"task.friction": 1.0, "task.width": 5, "physics.friction": 0.5})
     assert chosen["task"] == Sledge(1.0, 5)
     assert (chosen[""].physics.friction, chosen[""].width) == (0.5, 64)
+
+
+def test_a_list_is_as_good_as_a_tuple():
+    assert make_config(sensors=["rgb", "goal"]) == make_config(sensors=("rgb", "goal"))
+    assert hash(make_config(cameras=[AgentCamera(name="left")])) == hash(make_config(cameras=(AgentCamera(name="left"),)))

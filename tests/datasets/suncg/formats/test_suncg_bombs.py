@@ -19,7 +19,7 @@ import resource, sys
 from home_mjx.errors import HomeMjxError
 from home_mjx.datasets import open_dataset
 from home_mjx.datasets import validate_house
-from home_mjx.scene_compile.textures import open_texture
+from home_mjx.core.images import open_texture
 
 def read():
     dataset = open_dataset(sys.argv[1])
