@@ -12,10 +12,11 @@ jax0.11|3.12|0.11.2  |
 jax0.12|3.12|0.12.0.1|
 '
 # What touches JAX most: batching rules, FFI, sharding, MJX, random bits, the whole step. Host code is left out.
-SUITE='tests/test_package.py tests/scene_compile/test_bank.py tests/scene_compile/test_pytree.py
-tests/raycast_render/test_cast.py tests/raycast_render/test_cast_batching.py tests/raycast_render/test_hit_gradient.py
-tests/raycast_render/test_render.py tests/physics/test_physics_batch.py tests/physics/test_physics_model.py
-tests/audio_jax/test_impulse_response.py tests/audio_jax/test_stream.py tests/tasks
+SUITE='tests/test_package.py tests/bank/test_bank.py tests/core/test_pytree.py
+tests/raycast_render/casting/test_cast.py tests/raycast_render/casting/test_cast_batching.py
+tests/raycast_render/casting/test_hit_gradient.py tests/raycast_render/images/test_render.py
+tests/physics/test_physics_batch.py tests/physics/test_physics_model.py
+tests/audio_jax/auralization/test_impulse_response.py tests/audio_jax/auralization/test_stream.py tests/tasks
 tests/adapters/test_gymnasium_adapter.py'
 
 run_row() {
@@ -28,7 +29,7 @@ run_row() {
     { grep -vE '^(jax|jaxlib|flax)==' requirements/constraints.txt; printf '%s\n' "jax==$jax" $extra; } >"$pins" &&
         MIN_PYTHON=$python scripts/setup_venv.sh "$venv" '.[test]' "$pins" &&
         echo "== $name: $("$venv/bin/python" -c 'import sys, jax; print("jax", jax.__version__, "Python", sys.version.split()[0])')" &&
-        "$venv/bin/python" -m pytest -q -m "not slow" $SUITE
+        "$venv/bin/python" -m pytest -q -n "${WORKERS:-2}" -m "not slow" $SUITE
 }
 
 pins=$(mktemp)

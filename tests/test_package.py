@@ -165,3 +165,10 @@ def test_public_packages_export_what_exists():
         module = importlib.import_module(f"home_mjx.{init.parent.name}")
         missing = [name for name in getattr(module, "__all__", ()) if not hasattr(module, name)]
         assert missing == [], module.__name__
+
+
+def test_the_matrix_names_tests_that_exist():
+    """It is not run with every change: a moved file would show only there."""
+    suite = re.search(r"^SUITE='([^']*)'", (ROOT / "scripts" / "test_matrix.sh").read_text(), re.MULTILINE)
+    assert suite is not None
+    assert [name for name in suite[1].split() if not (ROOT / name).exists()] == []
