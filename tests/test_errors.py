@@ -126,7 +126,7 @@ def test_a_missing_model_is_not_taken_for_a_missing_cache_entry(tmp_path: Path, 
 
 def test_a_wrong_value_in_json_keeps_its_own_message():
     """Refused inside the block that refuses broken JSON."""
-    text = '{"__type__": "home_mjx.physics.config:PhysicsConfig", "num_agents": 0}'
+    text = '{"__type__": "home_mjx.physics.base.config:PhysicsConfig", "num_agents": 0}'
     with pytest.raises(errors.ConfigError, match=r"^expected a whole number of at least 1, got 0"):
         from_json(text)
     with pytest.raises(errors.ConfigError, match=r"^cannot be read as options: "):

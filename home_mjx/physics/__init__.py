@@ -1,16 +1,15 @@
-"""Agents and movable objects in houses, stepped by MJX: one compiled model for all houses of a capacity.
+"""Agents and movable objects in houses: one model for all houses of a capacity, stepped by MJX or a fused step.
 
 Usable alone:
 
     template = Template(PhysicsConfig(), bank.spec)
-    data = reset(template, bank, house, agent_pos, agent_yaw)
-    data = step(template, bank, house, data, action)
+    state = reset(template, bank, house, agent_pos, agent_yaw)
+    state = step(template, bank, house, state, action)
 """
 
-from home_mjx.physics import quiet_mjx as _first  # noqa: F401
-from home_mjx.physics.config import PhysicsConfig
+from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.dynamics import (
-    Template,
     agent_contact,
     agent_pose,
     agent_velocity,
@@ -21,11 +20,13 @@ from home_mjx.physics.dynamics import (
     step_checked,
     undo_where,
 )
-from home_mjx.physics.lost import Lost
+from home_mjx.physics.reference.lost import Lost
+from home_mjx.physics.reference.template import Template
 
 __all__ = [
     "Lost",
     "PhysicsConfig",
+    "PhysicsState",
     "Template",
     "agent_contact",
     "agent_pose",

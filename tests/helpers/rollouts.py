@@ -8,8 +8,7 @@ import numpy as np
 from tiny_houses import Box, TinyHouse, make_bank
 
 from home_mjx import physics
-from home_mjx.physics.config import PhysicsConfig
-from home_mjx.physics.dynamics import Template
+from home_mjx.physics import PhysicsConfig, Template
 
 BATCH = 8
 LENGTH = 20  # control steps of one call: 2 s
@@ -32,9 +31,9 @@ SCENES = {
         static=[Box((2, 2, 0.2), (0.4, 0.4, 0.2)), Box((0, 0, 0.004), (2, 2, 0.004))],
         movable=[
             Box((-1.5, 1, 1.0), (0.2, 0.15, 0.1), mass=3),
-            Box((2, 2, 0.5), (0.2, 0.2, 0.1), yaw=0.5, mass=100),
+            Box((2, 2, 0.501), (0.2, 0.2, 0.1), yaw=0.5, mass=100),
             Box((-1.5, -1, 0.2), (0.15, 0.15, 0.2), mass=20),
-            Box((-1.5, -1, 0.5), (0.1, 0.1, 0.1), mass=2),
+            Box((-1.5, -1, 0.501), (0.1, 0.1, 0.1), mass=2),
         ],
     ),
     "crowded": TinyHouse(
@@ -58,10 +57,10 @@ class Rollout(NamedTuple):
     body_quat: np.ndarray
 
 
-def build():
+def build(impl="jax"):
     """The bank and its template."""
     bank = make_bank(list(SCENES.values()))
-    return bank, Template(PhysicsConfig(), bank.spec)
+    return bank, Template(PhysicsConfig(impl=impl), bank.spec)
 
 
 def actions(names=NAMES, length=LENGTH):

@@ -8,8 +8,8 @@ import rollouts
 class World:
     """Bank, template, compiled run, and what happened in each scene during the first two seconds."""
 
-    def __init__(self):
-        self.bank, self.template = rollouts.build()
+    def __init__(self, impl):
+        self.bank, self.template = rollouts.build(impl)
         self.run = rollouts.make_run(self.template)
         self.house = jnp.arange(rollouts.BATCH, dtype=jnp.int32)
         self.start = rollouts.start(self.bank, self.template, self.house)
@@ -20,6 +20,6 @@ class World:
         return rollouts.Rollout(*(values[:, index] for values in self.rollout))
 
 
-@pytest.fixture(scope="session")
-def world():
-    return World()
+@pytest.fixture(scope="session", params=["jax", "fused"])
+def world(request):
+    return World(request.param)

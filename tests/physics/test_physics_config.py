@@ -5,7 +5,7 @@ import dataclasses
 import pytest
 
 from home_mjx.errors import ConfigError
-from home_mjx.physics.config import PhysicsConfig
+from home_mjx.physics.base.config import PhysicsConfig
 
 
 @pytest.mark.parametrize(

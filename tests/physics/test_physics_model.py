@@ -11,10 +11,12 @@ from mujoco import mjx
 from numpy.testing import assert_allclose
 from tiny_houses import Box, TinyHouse, make_bank
 
-from home_mjx.physics.config import PhysicsConfig
-from home_mjx.physics.dynamics import Template, nearest_boxes, reset, static_boxes
-from home_mjx.physics.house_model import house_model, movable_bodies, with_slots
-from home_mjx.physics.template_mjcf import CORNER_RADIUS, slot_names, template_mjcf
+from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.dynamics import reset
+from home_mjx.physics.reference.house_model import house_model, movable_bodies, with_slots
+from home_mjx.physics.reference.step import nearest_boxes, static_boxes
+from home_mjx.physics.reference.template import Template
+from home_mjx.physics.reference.template_mjcf import CORNER_RADIUS, slot_names, template_mjcf
 from home_mjx.schema import Body, Timing
 
 HOUSE = TinyHouse(
@@ -54,7 +56,8 @@ def models():
 
     @jax.jit
     def build(bank, house):
-        data = reset(template, bank, house, jnp.array([[0.0, 0.0, 0.4]]), jnp.zeros(1))
+        state = reset(template, bank, house, jnp.array([[0.0, 0.0, 0.4]]), jnp.zeros(1))
+        data = template.data.replace(qpos=state.qpos)
         bodies = movable_bodies(bank.physics, house)
         slots, _ = nearest_boxes(template, static_boxes(template, bank.physics, house), bodies.size, data)
         model = house_model(template.model, template.layout, bodies, bank.physics.floor[house])

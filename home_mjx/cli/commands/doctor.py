@@ -105,7 +105,7 @@ def _executors() -> Iterator[Finding]:
 
 
 def _cuda_executor() -> Finding:
-    from home_mjx.raycast_render.executors import nvrtc
+    from home_mjx.core.native import nvrtc
     from home_mjx.raycast_render.executors.cuda import cuda_devices, cuda_problem
 
     if not cuda_devices():

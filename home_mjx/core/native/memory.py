@@ -95,3 +95,15 @@ def symbol_address(name: str) -> Any:
         return types.intp(), lower
 
     return address
+
+
+@intrinsic
+@no_type_check
+def shifted(typing_context, pointer, count) -> Any:
+    """The pointer `count` items further on."""
+
+    @no_type_check
+    def lower(context, builder, signature, args):
+        return builder.gep(args[0], [args[1]])
+
+    return pointer(pointer, types.intp), lower

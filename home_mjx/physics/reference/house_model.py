@@ -8,9 +8,9 @@ from mujoco import mjx
 
 from home_mjx.bank.records import Physics
 from home_mjx.core.pytree import Pytree
-from home_mjx.physics.layout import Layout
-from home_mjx.physics.slots import Boxes
-from home_mjx.physics.template_mjcf import CORNER_RADIUS, CORNERS, PARKED_HEIGHT, PARKED_MASS, PARKED_SIZE
+from home_mjx.physics.base.layout import Layout
+from home_mjx.physics.reference.slots import Boxes
+from home_mjx.physics.reference.template_mjcf import CORNER_RADIUS, CORNERS, PARKED_HEIGHT, PARKED_MASS, PARKED_SIZE
 
 
 class MovableBodies(Pytree):

@@ -14,7 +14,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from home_mjx.core.pytree import Pytree
-from home_mjx.physics.template_mjcf import PARKED_HEIGHT, PARKED_SIZE
+from home_mjx.physics.reference.template_mjcf import PARKED_HEIGHT, PARKED_SIZE
 
 REACH = 0.05  # [m]: boxes farther than this from their owner are parked
 FLAT = 0.01  # [m]: boxes that rise less than this above the floor are part of it

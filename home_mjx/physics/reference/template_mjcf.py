@@ -5,8 +5,8 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 
-from home_mjx.physics.config import PhysicsConfig
-from home_mjx.physics.layout import Layout
+from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.base.layout import Layout
 from home_mjx.scene_compile.mjcf.agent import AGENT_SOLREF, BODY_SOLREF, add_agent, add_motors
 
 PARKED_HEIGHT = 500.0  # [m]: unused bodies are parked this far above the house, unused slots this far below

@@ -11,9 +11,9 @@ import numpy as np
 from jaxtyping import Array, Int
 
 from home_mjx.bank.records import Geometry
+from home_mjx.core.native.varying import varying_false
 from home_mjx.errors import ExecutorError
 from home_mjx.raycast_render.executors.probe import probe
-from home_mjx.raycast_render.executors.varying import varying_false
 from home_mjx.raycast_render.scene.types import Moving, RawHit, Rays
 
 TARGET = "home_mjx_cast"

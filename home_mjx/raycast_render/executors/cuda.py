@@ -13,10 +13,10 @@ from jaxtyping import Array, Int
 
 from home_mjx.bank.records import Geometry
 from home_mjx.bank.records.gpu_geometry import gpu_geometry, middles, records
+from home_mjx.core.native.nvrtc import compile_ptx
+from home_mjx.core.native.varying import varying_false
 from home_mjx.errors import ExecutorError
-from home_mjx.raycast_render.executors.nvrtc import compile_ptx
 from home_mjx.raycast_render.executors.probe import probe
-from home_mjx.raycast_render.executors.varying import varying_false
 from home_mjx.raycast_render.scene.constants import MISS
 from home_mjx.raycast_render.scene.types import Moving, RawHit, Rays
 

@@ -16,7 +16,7 @@ from jax import lax
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.records import Geometry
-from home_mjx.raycast_render.executors.varying import varying_false
+from home_mjx.core.native.varying import varying_false
 from home_mjx.raycast_render.scene.constants import FAR_SLACK, MISS, TINY
 from home_mjx.raycast_render.scene.types import Moving, RawHit, Rays
 from home_mjx.scene_compile.geometry.bvh import EMPTY, MAX_DEPTH

@@ -10,7 +10,7 @@ from home_mjx.audio_jax.auralization.sources import CLIPS
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.core.checks import check_flag, check_known, check_names, check_number, check_type
 from home_mjx.errors import ConfigError
-from home_mjx.physics.config import PhysicsConfig
+from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.raycast_render.cameras.camera import Lens, has_intrinsics
 from home_mjx.raycast_render.executors.choose import find_executor
 from home_mjx.raycast_render.shading.preset import Preset, resolve

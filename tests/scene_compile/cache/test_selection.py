@@ -96,7 +96,9 @@ def test_banks_of_a_selection(root):
     most = max(rooms.values())
     chosen = HouseBank.from_dataset(root, where=HouseFilter(rooms=(most, most)))
     assert ids_of(chosen) == [i for i in ids_of(everything) if rooms[i] == most]
-    assert ids_of(HouseBank.from_dataset(root, split="train", num_houses=2)) == select_ids(ids_of(everything), "train")[:2]
+    assert (
+        ids_of(HouseBank.from_dataset(root, split="train", num_houses=2)) == select_ids(ids_of(everything), "train")[:2]
+    )
     with pytest.raises(ConfigError, match="no house"):
         HouseBank.from_dataset(root, where=HouseFilter(rooms=(99, 99)))
 

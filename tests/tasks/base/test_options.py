@@ -115,4 +115,6 @@ def test_an_option_of_a_task_is_never_lost():
 
 def test_a_list_is_as_good_as_a_tuple():
     assert make_config(sensors=["rgb", "goal"]) == make_config(sensors=("rgb", "goal"))
-    assert hash(make_config(cameras=[AgentCamera(name="left")])) == hash(make_config(cameras=(AgentCamera(name="left"),)))
+    assert hash(make_config(cameras=[AgentCamera(name="left")])) == hash(
+        make_config(cameras=(AgentCamera(name="left"),))
+    )

@@ -10,7 +10,7 @@ from mujoco import mjx
 
 from home_mjx import AutoReset, HouseBank, HouseholdEnv
 from home_mjx.errors import DatasetError
-from home_mjx.physics.lost import Pairs, Sizes, are_points_full, limit
+from home_mjx.physics.reference.lost import Pairs, Sizes, are_points_full, limit
 from home_mjx.tasks import Status, StatusError, check_status, load_states, make_config, save_states
 from home_mjx.tasks.sensors.hearing import is_cut
 

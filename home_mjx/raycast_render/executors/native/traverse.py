@@ -15,6 +15,7 @@ from typing import Any, NamedTuple, no_type_check
 import numpy as np
 from numba import njit, types
 
+from home_mjx.core.native.memory import pointer_to, stack_of
 from home_mjx.raycast_render.executors.native.intersect import (
     INF,
     ZERO,
@@ -27,7 +28,6 @@ from home_mjx.raycast_render.executors.native.intersect import (
     test,
 )
 from home_mjx.raycast_render.executors.native.lanes import FLOATS, any_lane, count, spread, where
-from home_mjx.raycast_render.executors.native.memory import pointer_to, stack_of
 from home_mjx.raycast_render.executors.native.packet import lane_rows, place, read, write
 from home_mjx.scene_compile.geometry.bvh import EMPTY, MAX_DEPTH
 

@@ -23,6 +23,11 @@ class Layout:
         return self.num_agents * self.agent_slots + self.num_bodies * self.body_slots
 
     @property
+    def num_dofs(self) -> int:
+        """Length of `qvel`."""
+        return 4 * self.num_agents + 6 * self.num_bodies
+
+    @property
     def agent_qpos(self) -> slice:
         """Agents in `qpos` and in `qvel`."""
         return slice(0, 4 * self.num_agents)

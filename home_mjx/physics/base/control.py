@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from home_mjx.physics.config import PhysicsConfig
+from home_mjx.physics.base.config import PhysicsConfig
 
 
 def motor_forces(

@@ -8,7 +8,8 @@ from home_mjx.errors import ConfigError
 from home_mjx.schema.agent import Body
 from home_mjx.schema.timing import Timing
 
-IMPLS = ("jax", "warp")
+IMPLS = ("jax", "fused")
+WARP = ". MJX-Warp is not offered: its agents fall through the floor"
 JACOBIANS = ("auto", "dense", "sparse")
 WHOLE = (
     "num_agents", "iterations", "ls_iterations", "agent_slots", "body_slots", "max_geom_pairs", "max_contact_points"
@@ -39,7 +40,8 @@ class PhysicsConfig:
             bounding spheres; None: two per body or four per agent.
         max_contact_points: Contact points of agents, and of bodies, the deepest; None: six per body or eight per agent.
         jacobian: MuJoCo's option; "auto" is sparse on CPU, where it is a third faster, and dense elsewhere.
-        impl: MJX implementation: "jax", or "warp" where it is installed.
+        impl: "jax": MJX, on every platform and with gradients. "fused": all physics steps of a step in one compiled
+            function on CPUs, MJX elsewhere.
 
     Raises:
         ConfigError: A value cannot be used.
@@ -78,9 +80,8 @@ class PhysicsConfig:
     def _check_choices(self) -> None:
         for name, value, known in (("impl", self.impl, IMPLS), ("jacobian", self.jacobian, JACOBIANS)):
             if value not in known:
-                raise ConfigError(
-                    f"unknown {name} `{value}`", element=f"PhysicsConfig.{name}", hint=f"Known: {', '.join(known)}"
-                )
+                hint = f"Known: {', '.join(known)}" + (WARP if value == "warp" else "")
+                raise ConfigError(f"unknown {name} `{value}`", element=f"PhysicsConfig.{name}", hint=hint)
 
     def _check_numbers(self) -> None:
         for name, value in vars(self).items():

@@ -1,0 +1,180 @@
+"""XLA's foreign function interface, as compiled code calls it: operands, results, attributes, and work in chunks.
+
+XLA hands over the address of an `XLA_FFI_CallFrame`. The word offsets below follow `xla/ffi/api/c_api.h`, which jaxlib
+ships (`jax.ffi.include_dir()`); they are the same from its version 0.3 (jax 0.9 and 0.10) to 0.5 (jax 0.12).
+
+Work is done in chunks. The calling thread takes chunks until none is left; tasks on XLA's own thread pool do the same.
+It waits only for chunks that are being computed, never for a task to start, so a busy, tiny or dead pool costs speed
+but cannot hang. A task that starts late finds no chunk left and touches nothing except the job.
+"""
+# ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
+
+import hashlib
+from pathlib import Path
+from typing import no_type_check
+
+from numba import njit, types
+
+from home_mjx.core.native.memory import address_of, call, fetch_add, pointer_to, stack_of
+
+API_VERSION = 0 | 3 << 32  # major and minor as they lie in memory
+FRAME_EXTENSION, FRAME_API, FRAME_CONTEXT, FRAME_STAGE = 1, 2, 3, 4
+OPERANDS, RESULTS, ATTRIBUTES = 9, 14, 20  # of a frame: their arrays of pointers
+EXTENSION_TYPE, EXTENSION_METADATA, METADATA_VERSION = 1, 3, 3
+METADATA, EXECUTE = 1, 3  # type of extension, stage
+BUFFER_DATA, BUFFER_RANK, BUFFER_DIMS, SCALAR_VALUE = 3, 4, 5, 1
+API_DESTROY_ERROR, API_SCHEDULE, API_NUM_THREADS = 8, 17, 18
+JOB_NEXT, JOB_DONE, JOB_USERS, JOB_CHUNKS, JOB_FRAME = range(5)
+JOB_WORDS = 5
+WORD = 8  # [bytes]
+
+words, halves = pointer_to(types.int64), pointer_to(types.int32)
+argument_words = stack_of(types.int64, 5)
+allocate = types.ExternalFunction("malloc", types.intp(types.intp))
+release = types.ExternalFunction("free", types.void(types.intp))
+give_way = types.ExternalFunction("sched_yield", types.int32())
+compiled = njit(error_model="numpy")
+
+
+def digest(*paths: str) -> int:
+    """Of the files that a handler is compiled from: Numba's cache watches only the one that holds the handler."""
+    text = b"".join(Path(path).read_bytes() for path in paths)
+    return int.from_bytes(hashlib.sha256(text).digest()[:7], "little")
+
+
+@compiled
+@no_type_check
+def wants_work(frame):
+    """Whether XLA asks for execution. A question about the interface's version is answered here."""
+    extension = words(frame)[FRAME_EXTENSION]
+    if extension != 0 and halves(extension + WORD * EXTENSION_TYPE)[0] == METADATA:
+        words(words(extension)[EXTENSION_METADATA])[METADATA_VERSION] = API_VERSION
+        return False
+    return halves(frame + WORD * FRAME_STAGE)[0] == EXECUTE
+
+
+@compiled
+@no_type_check
+def open_job(frame, chunks, task):
+    """Shares work out: `task`, the address of a C function, is called with the job on XLA's threads.
+
+    Every user of a job calls `next_chunk` until it gives -1, and `chunk_done` after each; then `leave`. The caller
+    calls `close_job` instead.
+    """
+    helpers = min(_num_threads(frame), chunks) - 1
+    job = allocate(JOB_WORDS * WORD)
+    state = words(job)
+    state[JOB_NEXT], state[JOB_DONE], state[JOB_USERS] = 0, 0, 1 + max(helpers, 0)
+    state[JOB_CHUNKS], state[JOB_FRAME] = chunks, frame
+    for _ in range(helpers):
+        if not _schedule(frame, task, job):
+            leave(job)  # in the task's place
+    return job
+
+
+@compiled
+@no_type_check
+def next_chunk(job):
+    """A chunk that nobody has taken yet; -1: none is left."""
+    chunk = fetch_add(job + WORD * JOB_NEXT, 1)
+    return chunk if chunk < words(job)[JOB_CHUNKS] else -1
+
+
+@compiled
+@no_type_check
+def chunk_done(job):
+    """Tells the caller that a chunk is done."""
+    fetch_add(job + WORD * JOB_DONE, 1)
+
+
+@compiled
+@no_type_check
+def frame_of(job):
+    """The frame that a job belongs to; valid until its last chunk is done."""
+    return words(job)[JOB_FRAME]
+
+
+@compiled
+@no_type_check
+def close_job(job):
+    """Waits until all chunks are done."""
+    while fetch_add(job + WORD * JOB_DONE, 0) < words(job)[JOB_CHUNKS]:
+        give_way()
+    leave(job)
+
+
+@compiled
+@no_type_check
+def leave(job):
+    """The last user frees the job."""
+    if fetch_add(job + WORD * JOB_USERS, -1) == 1:
+        release(job)
+
+
+@compiled
+@no_type_check
+def attribute(frame, index):
+    """An int32 attribute; they are in the order of their names."""
+    return halves(words(words(words(frame)[ATTRIBUTES])[index])[SCALAR_VALUE])[0]
+
+
+@compiled
+@no_type_check
+def data(frame, kind, index):
+    """Address of an operand's or a result's values; `kind` is `OPERANDS` or `RESULTS`."""
+    return words(_buffer(frame, kind, index))[BUFFER_DATA]
+
+
+@compiled
+@no_type_check
+def dim(frame, kind, index, axis):
+    """Length of an axis of an operand or a result."""
+    return words(words(_buffer(frame, kind, index))[BUFFER_DIMS])[axis]
+
+
+@compiled
+@no_type_check
+def num_dims(frame, kind, index):
+    """Number of axes of an operand or a result."""
+    return words(_buffer(frame, kind, index))[BUFFER_RANK]
+
+
+@compiled
+@no_type_check
+def _buffer(frame, kind, index):
+    return words(words(frame)[kind])[index]
+
+
+@compiled
+@no_type_check
+def _num_threads(frame):
+    """Threads in XLA's pool; 1 if it has none."""
+    answer = argument_words()  # struct_size, extension, context, address of the count, the count
+    answer[4] = 1
+    address = address_of(answer)
+    answer[0], answer[1], answer[2], answer[3] = 4 * WORD, 0, words(frame)[FRAME_CONTEXT], address + 4 * WORD
+    _call_api(frame, API_NUM_THREADS, address)
+    return answer[4]
+
+
+@compiled
+@no_type_check
+def _schedule(frame, task, job):
+    """Puts a task on XLA's pool; returns whether that worked."""
+    ask = argument_words()  # struct_size, extension, context, task, its argument
+    ask[0], ask[1], ask[2], ask[3], ask[4] = 5 * WORD, 0, words(frame)[FRAME_CONTEXT], task, job
+    return _call_api(frame, API_SCHEDULE, address_of(ask))
+
+
+@compiled
+@no_type_check
+def _call_api(frame, function, arguments):
+    """Calls a function of XLA's interface; an error is discarded and gives False."""
+    api = words(frame)[FRAME_API]
+    error = call(words(api)[function], arguments)
+    if error == 0:
+        return True
+    destroy = argument_words()  # struct_size, extension, error
+    destroy[0], destroy[1], destroy[2] = 3 * WORD, 0, error
+    call(words(api)[API_DESTROY_ERROR], address_of(destroy))
+    return False

@@ -1,0 +1,1 @@
+"""What every implementation of the physics shares: options, state, and where numbers lie in it."""

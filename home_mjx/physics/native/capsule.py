@@ -1,0 +1,272 @@
+"""Contact points of upright capsules with boxes and with one another, where C MuJoCo puts them.
+
+A capsule touches a box with one or two spheres: one at the point of its axis that is nearest to the box, a second one
+as far along the axis as it still runs beside the same face or edge. Source: `mjc_CapsuleBox` of MuJoCo.
+"""
+# ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
+
+from math import sqrt
+from typing import no_type_check
+
+import numpy as np
+from numba import njit, types
+
+from home_mjx.core.native.memory import stack_of
+
+TINY = 1e-15
+NONE, FACE, EDGE, CORNER = -1, 0, 1, 2  # what of a box is nearest
+
+vector, quad = stack_of(types.float64, 3), stack_of(types.float64, 4)
+compiled = njit(error_model="numpy")
+
+
+@compiled
+@no_type_check
+def sphere_box(x, y, z, radius, half, point, normal):
+    """Contact of a sphere and a box, in the box's frame.
+
+    Args:
+        x: Centre of the sphere [m].
+        y: The same.
+        z: The same.
+        radius: [m]
+        half: Half extents (3) [m].
+        point: Result (4): position half-way between the surfaces, and distance [m].
+        normal: Result (3): unit, from the sphere to the box.
+
+    Returns:
+        Whether they touch.
+    """
+    center = (x, y, z)
+    square = 0.0
+    for k in range(3):
+        near = min(max(center[k], -half[k]), half[k])
+        normal[k] = near - center[k]
+        square += normal[k] * normal[k]
+    distance = sqrt(square)
+    if distance > radius:
+        return False
+    if distance > TINY:
+        for k in range(3):
+            normal[k] /= distance
+            point[k] = center[k] + normal[k] * (distance + radius) / 2
+        point[3] = distance - radius
+        return True
+    # The centre is inside: out through the nearest face.
+    nearest, axis, side = np.inf, 0, 1.0
+    for k in range(3):
+        for s in (-1.0, 1.0):
+            depth = abs(s * half[k] - center[k])
+            if depth < nearest:
+                nearest, axis, side = depth, k, s
+    for k in range(3):
+        normal[k] = -side if k == axis else 0.0
+        point[k] = center[k] + normal[k] * (radius - nearest) / 2
+    point[3] = -nearest - radius
+    return True
+
+
+@compiled
+@no_type_check
+def capsule_box(pos, radius, length, box, rot, half, points, normals):
+    """Writes the contact points of an upright capsule and a box.
+
+    Args:
+        pos: Centre of the capsule (3) [m].
+        radius: [m]
+        length: Half the length of its axis [m].
+        box: Centre of the box (3) [m].
+        rot: Its axes as columns (3, 3).
+        half: Half extents (3) [m].
+        points: Result (2, 4): positions half-way between the surfaces, and distances [m].
+        normals: Result (2, 3): units from the capsule to the box.
+
+    Returns:
+        The number of points.
+    """
+    center, axis = vector(), vector()
+    for k in range(3):
+        center[k] = rot[k] * (pos[0] - box[0]) + rot[3 + k] * (pos[1] - box[1]) + rot[6 + k] * (pos[2] - box[2])
+        axis[k] = rot[6 + k] * length
+    first, second = _places(center, axis, length, half)
+    count = _touch(center, axis, first, radius, box, rot, half, points, normals, 0)
+    if second == second:  # there is one
+        count = _touch(center, axis, second, radius, box, rot, half, points, normals, count)
+    return count
+
+
+@compiled
+@no_type_check
+def _touch(center, axis, t, radius, box, rot, half, points, normals, count):
+    """Adds the contact of the sphere at t of the axis, in world coordinates."""
+    point, normal = quad(), vector()
+    x, y, z = center[0] + t * axis[0], center[1] + t * axis[1], center[2] + t * axis[2]
+    if not sphere_box(x, y, z, radius, half, point, normal):
+        return count
+    for k in range(3):
+        points[4 * count + k] = box[k] + rot[3 * k] * point[0] + rot[3 * k + 1] * point[1] + rot[3 * k + 2] * point[2]
+        normals[3 * count + k] = rot[3 * k] * normal[0] + rot[3 * k + 1] * normal[1] + rot[3 * k + 2] * normal[2]
+    points[4 * count + 3] = point[3]
+    return count + 1
+
+
+@compiled
+@no_type_check
+def _places(center, axis, length, half):
+    """Where on the axis, from -1 to 1, the two spheres are; the second is NaN if there is none."""
+    best, t, kind, on, corner, at = _nearest_end(center, axis, half)
+    best, t, kind, on, corner, at = _nearest_edge(center, axis, length, half, best, t, kind, on, corner, at)
+    if kind == FACE:
+        return t, t + _beside_face(center, axis, half, t, on)
+    if kind == NONE:
+        return t, np.nan
+    forward = 0  # bits: directions in which the axis runs up
+    for k in range(3):
+        if axis[k] > 0:
+            forward += 1 << k
+    if kind == CORNER:
+        return t, t + _from_corner(axis, length, half, t, forward ^ corner)
+    return t, t + _from_edge(axis, half, t, on, at, forward, (forward ^ corner) & (7 - (1 << on)))
+
+
+@compiled
+@no_type_check
+def _nearest_end(center, axis, half):
+    """The end of the axis that lies before a face or inside, if that is nearest.
+
+    Returns:
+        Square of the distance, place on the axis, what is nearest and on which axis of the box, unused numbers.
+    """
+    best, t, kind, on = np.inf, 0.0, NONE, -1
+    for end in (-1.0, 1.0):
+        outside, face, square = 0, -1, 0.0
+        for k in range(3):
+            value = center[k] + end * axis[k]
+            beyond = abs(value) - half[k]
+            if beyond > 0:
+                outside, face, square = outside + 1, k, square + beyond * beyond
+        if outside <= 1 and square < best:
+            best, t, kind, on = square, end, FACE, face
+    return best, t, kind, on, 0, 0.0
+
+
+@compiled
+@no_type_check
+def _nearest_edge(center, axis, length, half, best, t, kind, on, corner, at):
+    """The same after a look at the twelve edges; with the corner's bits and the place on the edge."""
+    gap = vector()
+    for j in range(3):
+        ma, mb, mc = half[j] * half[j], -half[j] * axis[j], length * length
+        determinant = ma * mc - mb * mb
+        if abs(determinant) < TINY:
+            continue
+        for i in range(8):
+            if i & (1 << j):
+                continue
+            for k in range(3):
+                gap[k] = (0.0 if k == j else (half[k] if i & (1 << k) else -half[k])) - center[k]
+            u = -half[j] * gap[j]
+            v = axis[0] * gap[0] + axis[1] * gap[1] + axis[2] * gap[2]
+            edge = (mc * u - mb * v) / determinant
+            place = (ma * v - mb * u) / determinant
+            end = 0  # of the edge, if the nearest point of its line is beyond one: kept when that changes below
+            if abs(edge) > 1:
+                end = 1 if edge > 0 else -1
+                edge = float(end)
+                place = (v - edge * mb) / mc
+            if abs(place) > 1:
+                place = 1.0 if place > 0 else -1.0
+                edge = (u - place * mb) / ma
+                if abs(edge) > 1:
+                    end = 1 if edge > 0 else -1
+                    edge = float(end)
+            square = 0.0
+            for k in range(3):
+                value = gap[k] - place * axis[k] + (half[j] * edge if k == j else 0.0)
+                square += value * value
+            if square < best - TINY:
+                best, t, on, at = square, place, j, edge
+                kind = EDGE if end == 0 else CORNER
+                corner = i + (1 << j) if end > 0 else i
+    return best, t, kind, on, corner, at
+
+
+@compiled
+@no_type_check
+def _beside_face(center, axis, half, end, face):
+    """From an end before a face: how far the axis runs before the same face; NaN if the end is inside the box."""
+    if face < 0:
+        return np.nan
+    direction, reach = -end, 2.0
+    for k in range(3):
+        if k != face:
+            value = center[k] + end * axis[k]
+            for border in (half[k], -half[k]):
+                step = (border - value) / axis[k] * direction
+                if 0 < step < reach:
+                    reach = step
+    return reach * direction
+
+
+@compiled
+@no_type_check
+def _from_corner(axis, length, half, t, turn):
+    """From a corner: along its edge or its face, as the axis is inclined; NaN if it points away or at it."""
+    if turn in (0, 7):
+        return np.nan
+    direction = 1.0
+    ahead, back = 1 - t, 1 + t
+    if turn in (3, 5, 6):
+        direction, turn, ahead, back = -1.0, 7 - turn, 1 + t, 1 - t
+    ax = 0 if turn == 1 else (1 if turn == 2 else 2)
+    if axis[ax] * axis[ax] > 0.5 * length * length:
+        return direction * min(ahead, 2 * half[ax] / abs(axis[ax]))
+    ax1, ax2 = (ax + 1) % 3, (ax + 2) % 3
+    return -direction * min(back, 2 * half[ax1] / abs(axis[ax1]), 2 * half[ax2] / abs(axis[ax2]))
+
+
+@compiled
+@no_type_check
+def _from_edge(axis, half, t, edge, at, forward, turn):
+    """From within an edge: across the face that the axis is inclined to the least; NaN if it points away."""
+    if turn not in (1, 2, 4):
+        return np.nan
+    ax1, ax2 = (edge + 1) % 3, (edge + 2) % 3
+    if abs(axis[ax1]) > abs(axis[ax2]):
+        ax1 = ax2
+    ax2 = 3 - edge - ax1
+    across = (turn & (1 << ax2)) != 0
+    direction = 1.0 if across else -1.0
+    left = 1 - at if ((forward & (1 << edge)) != 0) == across else 1 + at
+    reach = 1 - t if across else 1 + t
+    return direction * min(reach, 2 * half[ax2] / abs(axis[ax2]), half[edge] * left / abs(axis[edge]))
+
+
+@compiled
+@no_type_check
+def capsule_capsule(pos1, radius1, length1, pos2, radius2, length2, points, normals):
+    """Writes the contacts of two upright capsules; see `capsule_box`. Parallel ones touch at two points."""
+    dx, dy = pos2[0] - pos1[0], pos2[1] - pos1[1]
+    low = max(pos1[2] - length1, pos2[2] - length2)
+    high = min(pos1[2] + length1, pos2[2] + length2)
+    count = 0
+    for i in range(2):
+        # The ends of what overlaps; the nearest ends if nothing does, which MuJoCo counts twice.
+        z1 = z2 = low if i == 0 else high
+        if low > high:
+            z1, z2 = (high, low) if pos1[2] < pos2[2] else (low, high)
+        dz = z2 - z1
+        distance = sqrt(dx * dx + dy * dy + dz * dz)
+        gap = distance - radius1 - radius2
+        if gap > 0:
+            continue
+        if distance < TINY:
+            nx, ny, nz = 1.0, 0.0, 0.0
+        else:
+            nx, ny, nz = dx / distance, dy / distance, dz / distance
+        depth = radius1 + gap / 2
+        points[4 * count], points[4 * count + 1] = pos1[0] + nx * depth, pos1[1] + ny * depth
+        points[4 * count + 2], points[4 * count + 3] = z1 + nz * depth, gap
+        normals[3 * count], normals[3 * count + 1], normals[3 * count + 2] = nx, ny, nz
+        count += 1
+    return count

@@ -1,0 +1,255 @@
+"""Which contacts there are: mobiles with the floor, with static boxes near them and with one another."""
+# ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
+
+from math import sqrt
+from typing import no_type_check
+
+from numba import njit
+
+from home_mjx.core.native.memory import shifted
+from home_mjx.physics.native.box_box import box_box
+from home_mjx.physics.native.capsule import capsule_box, capsule_capsule
+from home_mjx.physics.native.work import FLOOR, LOST_POINTS, LOST_STATIC, NEAR, NUM_CONTACTS, STATIC
+
+REACH = 0.1  # [m]: static boxes up to this far are kept, until their mobile has moved as much
+
+compiled = njit(error_model="numpy")
+
+
+@compiled
+@no_type_check
+def find_contacts(work, numbers, num_agents, floor):
+    """Writes all contacts of an environment."""
+    work.counts[NUM_CONTACTS] = 0
+    for m in range(work.num_mobiles):
+        if work.used[m]:
+            _keep_near(work, m)
+            if m < num_agents:
+                _agent_on_floor(work, numbers, m, floor)
+            else:
+                _body_on_floor(work, numbers, m, floor)
+            for i in range(work.num_near[m]):
+                _with_static(work, numbers, m, work.near[NEAR * m + i], m < num_agents)
+            for other in range(m):
+                if work.used[other]:
+                    _with_mobile(work, numbers, other, m, num_agents)
+
+
+@compiled
+@no_type_check
+def forget_near(work):
+    """Makes the next step look for static boxes anew."""
+    for m in range(work.num_mobiles):
+        work.num_near[m] = -1
+
+
+@compiled
+@no_type_check
+def _keep_near(work, m):
+    """Looks for static boxes near a mobile, unless it has hardly moved since."""
+    if work.num_near[m] >= 0 and _moved(work, m) < REACH:
+        return
+    count = 0
+    reach = work.radius[m] + REACH
+    for c in range(work.num_static):
+        if work.static_half[3 * c] < 0:
+            continue
+        square = 0.0
+        for k in range(3):
+            along = 0.0
+            for j in range(3):
+                along += work.static_rot[9 * c + 3 * j + k] * (work.pos[3 * m + j] - work.static_pos[3 * c + j])
+            beyond = max(abs(along) - work.static_half[3 * c + k], 0.0)
+            square += beyond * beyond
+        if square < reach * reach and not _apart(work, m, c, REACH):
+            if count == NEAR:
+                work.counts[LOST_STATIC] = 1
+                break
+            work.near[NEAR * m + count] = c
+            count += 1
+    work.num_near[m] = count
+    for k in range(3):
+        work.near_from[12 * m + k] = work.pos[3 * m + k]
+        for j in range(3):
+            work.near_from[12 * m + 3 + 3 * k + j] = work.rot[9 * m + 3 * k + j]
+
+
+@compiled
+@no_type_check
+def _moved(work, m):
+    """How far any point of a mobile can have moved since its static boxes were looked for, at most."""
+    square, turn = 0.0, 0.0
+    for k in range(3):
+        step = work.pos[3 * m + k] - work.near_from[12 * m + k]
+        square += step * step
+        for j in range(3):
+            step = work.rot[9 * m + 3 * k + j] - work.near_from[12 * m + 3 + 3 * k + j]
+            turn += step * step
+    return sqrt(square) + work.radius[m] * sqrt(turn)
+
+
+@compiled
+@no_type_check
+def _apart(work, m, c, reach):
+    """Whether one of the six face axes separates a mobile's box from a static one by more than `reach`."""
+    for k in range(3):
+        own, other, along, across = 0.0, 0.0, 0.0, 0.0
+        for j in range(3):
+            cosine, sine = 0.0, 0.0
+            for i in range(3):
+                cosine += work.rot[9 * m + 3 * i + k] * work.static_rot[9 * c + 3 * i + j]
+                sine += work.rot[9 * m + 3 * i + j] * work.static_rot[9 * c + 3 * i + k]
+            own += abs(cosine) * work.static_half[3 * c + j]
+            other += abs(sine) * work.half[3 * m + j]
+            along += work.rot[9 * m + 3 * j + k] * (work.pos[3 * m + j] - work.static_pos[3 * c + j])
+            across += work.static_rot[9 * c + 3 * j + k] * (work.pos[3 * m + j] - work.static_pos[3 * c + j])
+        if abs(along) - work.half[3 * m + k] - own > reach or abs(across) - work.static_half[3 * c + k] - other > reach:
+            return True
+    return False
+
+
+@compiled
+@no_type_check
+def _agent_on_floor(work, numbers, m, floor):
+    """The sphere of an agent's foot."""
+    bottom = work.pos[3 * m + 2] - numbers.length - numbers.radius
+    if bottom < floor:
+        points, normals = work.points, work.normals
+        points[0], points[1] = work.pos[3 * m], work.pos[3 * m + 1]
+        points[2], points[3] = (bottom + floor) / 2, bottom - floor
+        normals[0], normals[1], normals[2] = 0.0, 0.0, -1.0
+        _add(work, m, FLOOR, points, normals, 0.0)
+
+
+@compiled
+@no_type_check
+def _body_on_floor(work, numbers, m, floor):
+    """Tiny spheres at a body's corners."""
+    if work.pos[3 * m + 2] - work.radius[m] > floor:
+        return
+    r = numbers.corner_radius
+    points, normals = work.points, work.normals
+    normals[0], normals[1], normals[2] = 0.0, 0.0, -1.0
+    for corner in range(8):
+        for k in range(3):
+            points[k] = work.pos[3 * m + k]
+        for j in range(3):
+            shift = (1.0 if corner & (4 >> j) else -1.0) * (work.half[3 * m + j] - r)
+            for k in range(3):
+                points[k] += shift * work.rot[9 * m + 3 * k + j]
+        distance = points[2] - r - floor
+        if distance < 0:
+            points[2], points[3] = floor + distance / 2, distance
+            _add(work, m, FLOOR, points, normals, numbers.friction)
+
+
+@compiled
+@no_type_check
+def _with_static(work, numbers, m, c, agent):
+    points, normals = work.points, work.normals
+    if agent:
+        if _apart(work, m, c, 0.0):
+            return
+        count = capsule_box(
+            shifted(work.pos, 3 * m),
+            numbers.radius,
+            numbers.length,
+            shifted(work.static_pos, 3 * c),
+            shifted(work.static_rot, 9 * c),
+            shifted(work.static_half, 3 * c),
+            points,
+            normals,
+        )
+        for i in range(count):
+            _add(work, m, STATIC, shifted(points, 4 * i), shifted(normals, 3 * i), 0.0)
+    else:
+        count = box_box(
+            shifted(work.pos, 3 * m),
+            shifted(work.rot, 9 * m),
+            shifted(work.half, 3 * m),
+            shifted(work.static_pos, 3 * c),
+            shifted(work.static_rot, 9 * c),
+            shifted(work.static_half, 3 * c),
+            points,
+            normals,
+        )
+        for i in range(count):
+            _add(work, m, STATIC, shifted(points, 4 * i), normals, numbers.friction)
+
+
+@compiled
+@no_type_check
+def _with_mobile(work, numbers, a, b, num_agents):
+    """Contacts of two mobiles, the first of which comes first in the list."""
+    square = 0.0
+    for k in range(3):
+        step = work.pos[3 * b + k] - work.pos[3 * a + k]
+        square += step * step
+    reach = work.radius[a] + work.radius[b]
+    if square > reach * reach:
+        return
+    points, normals = work.points, work.normals
+    if b < num_agents:
+        count = capsule_capsule(
+            shifted(work.pos, 3 * a),
+            numbers.radius,
+            numbers.length,
+            shifted(work.pos, 3 * b),
+            numbers.radius,
+            numbers.length,
+            points,
+            normals,
+        )
+        for i in range(count):
+            _add(work, a, b, shifted(points, 4 * i), shifted(normals, 3 * i), 0.0)
+    elif a < num_agents:
+        count = capsule_box(
+            shifted(work.pos, 3 * a),
+            numbers.radius,
+            numbers.length,
+            shifted(work.pos, 3 * b),
+            shifted(work.rot, 9 * b),
+            shifted(work.half, 3 * b),
+            points,
+            normals,
+        )
+        for i in range(count):
+            _add(work, a, b, shifted(points, 4 * i), shifted(normals, 3 * i), 0.0)
+    else:
+        count = box_box(
+            shifted(work.pos, 3 * a),
+            shifted(work.rot, 9 * a),
+            shifted(work.half, 3 * a),
+            shifted(work.pos, 3 * b),
+            shifted(work.rot, 9 * b),
+            shifted(work.half, 3 * b),
+            points,
+            normals,
+        )
+        for i in range(count):
+            _add(work, a, b, shifted(points, 4 * i), normals, numbers.friction)
+
+
+@compiled
+@no_type_check
+def _add(work, a, b, place, normal, friction):
+    """Adds a contact with MuJoCo's frame: the first tangent is near y, or z if the normal is."""
+    n = work.counts[NUM_CONTACTS]
+    if n == work.most_points:
+        work.counts[LOST_POINTS] = 1
+        return
+    work.counts[NUM_CONTACTS] = n + 1
+    work.first[n], work.second[n], work.friction[n] = a, b, friction
+    frame = shifted(work.frame, 9 * n)
+    for k in range(4):
+        work.place[4 * n + k] = place[k]
+    for k in range(3):
+        frame[k] = normal[k]
+        frame[3 + k] = 0.0
+    axis = 1 if abs(normal[1]) < 0.5 else 2
+    length = sqrt(1.0 - normal[axis] * normal[axis])
+    for k in range(3):
+        frame[3 + k] = ((1.0 if k == axis else 0.0) - normal[axis] * normal[k]) / length
+    for k in range(3):
+        p, q = (k + 1) % 3, (k + 2) % 3
+        frame[6 + k] = frame[p] * frame[3 + q] - frame[q] * frame[3 + p]

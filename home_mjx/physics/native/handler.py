@@ -1,0 +1,179 @@
+"""The fused step as a handler that XLA calls directly: environments in chunks on XLA's threads."""
+# ruff: noqa: ANN001, ANN202  (Numba infers the types)
+
+from typing import Any, no_type_check
+
+import llvmlite.binding
+import numpy as np
+from numba import cfunc, njit, types
+
+from home_mjx.core.native import ffi, memory
+from home_mjx.core.native.memory import pointer_to, shifted, symbol_address
+from home_mjx.physics.native import box_box, capsule, constraint, contacts, numbers, solver, step
+from home_mjx.physics.native import work as native_work
+from home_mjx.physics.native.numbers import Numbers
+from home_mjx.physics.native.step import load_agents, load_house, step_env
+from home_mjx.physics.native.work import free_work, make_work
+
+# Operands and results, in order.
+(COLLIDER_POS, COLLIDER_QUAT, COLLIDER_HALF, BODY_VALID, BODY_SIZE, BODY_MASS, BODY_INERTIA, FLOOR, NUMBERS) = range(9)
+HOUSE, QPOS, QVEL, QACC, ACTION = range(9, 14)
+NEW_QPOS, NEW_QVEL, NEW_QACC, TOUCHED, LOST = range(5)
+CHUNK = 16  # environments that a thread takes at once
+TASK = "home_mjx_step_task"
+
+float_pointer, int_pointer = pointer_to(types.float32), pointer_to(types.int32)
+task_address = symbol_address(TASK)
+compiled = njit(error_model="numpy")
+
+
+def build_handler() -> tuple[Any, Any]:
+    """The task and the handler, compiled or loaded from Numba's cache on disk; keep both as long as XLA may call."""
+    # The cache watches this file only. That the functions name the digest makes it tell versions of the rest apart.
+    parts: tuple[Any, ...] = (ffi, memory, box_box, capsule, constraint, contacts, numbers, solver, step, native_work)
+    digest = ffi.digest(*(part.__file__ for part in parts))
+
+    @cfunc(types.intp(types.intp), cache=True)
+    @no_type_check
+    def task(job):
+        _ = digest
+        _work(job)
+        ffi.leave(job)
+        return 0
+
+    llvmlite.binding.add_symbol(TASK, task.address)
+
+    @cfunc(types.intp(types.intp), cache=True)
+    @no_type_check
+    def handler(frame):
+        _ = digest
+        if ffi.wants_work(frame):
+            job = ffi.open_job(frame, -(-ffi.dim(frame, ffi.OPERANDS, HOUSE, 0) // CHUNK), task_address())
+            _work(job)
+            ffi.close_job(job)
+        return 0
+
+    return task, handler
+
+
+@compiled
+@no_type_check
+def _work(job):
+    """Steps chunks until none is left."""
+    while True:
+        chunk = ffi.next_chunk(job)
+        if chunk < 0:
+            return
+        _step_chunk(ffi.frame_of(job), chunk)
+        ffi.chunk_done(job)
+
+
+@compiled
+@no_type_check
+def _step_chunk(frame, chunk):
+    houses, colliders = _operand_dim(frame, COLLIDER_POS, 0), _operand_dim(frame, COLLIDER_POS, 1)
+    bodies, agents = _operand_dim(frame, BODY_VALID, 1), _operand_dim(frame, ACTION, 1)
+    house = int_pointer(ffi.data(frame, ffi.OPERANDS, HOUSE))
+    given, floor = _numbers(_floats(frame, NUMBERS, 0)), _floats(frame, FLOOR, 0)
+    work = make_work(agents, bodies, colliders)
+    load_agents(work, given)
+    loaded = -1
+    for env in range(chunk * CHUNK, min((chunk + 1) * CHUNK, _operand_dim(frame, HOUSE, 0))):
+        own = min(max(house[env], 0), houses - 1)
+        if own != loaded:
+            _load_house(frame, work, own)
+            loaded = own
+        before = _floats(frame, QPOS, env), _floats(frame, QVEL, env), _floats(frame, QACC, env)
+        after = _results(frame, NEW_QPOS, env), _results(frame, NEW_QVEL, env), _results(frame, NEW_QACC, env)
+        touched, lost = _flags(frame, TOUCHED, env), _flags(frame, LOST, env)
+        step_env(work, given, floor[own], before, _floats(frame, ACTION, env), after, touched, lost)
+    free_work(work)
+
+
+@compiled
+@no_type_check
+def _load_house(frame, work, house):
+    valid = shifted(
+        int_pointer(ffi.data(frame, ffi.OPERANDS, BODY_VALID)), house * _row(frame, ffi.OPERANDS, BODY_VALID)
+    )
+    load_house(
+        work,
+        _floats(frame, COLLIDER_POS, house),
+        _floats(frame, COLLIDER_QUAT, house),
+        _floats(frame, COLLIDER_HALF, house),
+        valid,
+        _floats(frame, BODY_SIZE, house),
+        _floats(frame, BODY_MASS, house),
+        _floats(frame, BODY_INERTIA, house),
+    )
+
+
+@compiled
+@no_type_check
+def _operand_dim(frame, index, axis):
+    return ffi.dim(frame, ffi.OPERANDS, index, axis)
+
+
+@compiled
+@no_type_check
+def _row(frame, kind, index):
+    """Numbers in a row of an operand or a result."""
+    size = 1
+    for axis in range(1, ffi.num_dims(frame, kind, index)):
+        size *= ffi.dim(frame, kind, index, axis)
+    return size
+
+
+@compiled
+@no_type_check
+def _floats(frame, index, row):
+    """A row of an operand."""
+    start = float_pointer(ffi.data(frame, ffi.OPERANDS, index))
+    return shifted(start, row * _row(frame, ffi.OPERANDS, index))
+
+
+@compiled
+@no_type_check
+def _results(frame, index, row):
+    start = float_pointer(ffi.data(frame, ffi.RESULTS, index))
+    return shifted(start, row * _row(frame, ffi.RESULTS, index))
+
+
+@compiled
+@no_type_check
+def _flags(frame, index, row):
+    """A row of a result of whole numbers."""
+    start = int_pointer(ffi.data(frame, ffi.RESULTS, index))
+    return shifted(start, row * _row(frame, ffi.RESULTS, index))
+
+
+@compiled
+@no_type_check
+def _numbers(given):
+    """The record of an array."""
+    return Numbers(
+        np.float64(given[0]),
+        np.float64(given[1]),
+        np.float64(given[2]),
+        np.float64(given[3]),
+        np.float64(given[4]),
+        np.float64(given[5]),
+        np.float64(given[6]),
+        np.float64(given[7]),
+        np.float64(given[8]),
+        np.float64(given[9]),
+        np.float64(given[10]),
+        np.float64(given[11]),
+        np.float64(given[12]),
+        np.float64(given[13]),
+        np.float64(given[14]),
+        np.float64(given[15]),
+        np.float64(given[16]),
+        np.float64(given[17]),
+        np.float64(given[18]),
+        np.float64(given[19]),
+        np.float64(given[20]),
+        np.float64(given[21]),
+        np.float64(given[22]),
+        np.float64(given[23]),
+    )

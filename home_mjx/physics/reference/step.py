@@ -1,0 +1,138 @@
+"""The reference: the template stepped by MJX, on any platform and with gradients."""
+
+import contextlib
+from collections.abc import Iterator
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+from mujoco import mjx
+
+from home_mjx.bank.records import Physics
+from home_mjx.physics.base.control import motor_forces
+from home_mjx.physics.base.state import PhysicsState
+from home_mjx.physics.reference.house_model import MovableBodies, house_model, movable_bodies, with_slots
+from home_mjx.physics.reference.lost import Lost, Sizes, are_points_full
+from home_mjx.physics.reference.slots import FLAT, Boxes, fill, parked
+from home_mjx.physics.reference.template import Template
+
+
+def step_mjx(
+    template: Template, physics: Physics, house: Int[Array, ""], state: PhysicsState, action: Float[Array, "a 3"]
+) -> tuple[PhysicsState, Lost]:
+    """One control step; see `dynamics.step_checked`."""
+    bodies = movable_bodies(physics, house)
+    static = static_boxes(template, physics, house)
+    model = house_model(template.model, template.layout, bodies, physics.floor[house])
+
+    def substep(carry: tuple[mjx.Data, Sizes], _: None) -> tuple[tuple[mjx.Data, Sizes], tuple[Array, Array]]:
+        data = carry[0]
+        data = data.replace(ctrl=_control(template, data, action))
+        slots, crowded = nearest_boxes(template, static, bodies.size, data)
+        filled = with_slots(model, template.layout, slots)
+        with _as_mjx_needs():
+            data = mjx.step(filled, data)
+        sizes = Sizes(size=filled.geom_size, rbound=filled.geom_rbound)
+        return (_settle_bodies(template, bodies, data), sizes), (data.sensordata, crowded)
+
+    data = template.data.replace(qpos=state.qpos, qvel=state.qvel, qacc_warmstart=state.qacc)
+    first = data, Sizes(size=model.geom_size, rbound=model.geom_rbound)
+    (data, sizes), (contacts, crowded) = jax.lax.scan(substep, first, None, length=template.config.timing.substeps)
+    lost = Lost(
+        static_boxes=jnp.any(crowded),
+        contact_pairs=template.pairs.lost(sizes, data),
+        contact_points=are_points_full(data, template.max_points),
+    )
+    touched = contacts.max(axis=0).astype(jnp.int32)
+    return PhysicsState(qpos=data.qpos, qvel=data.qvel, qacc=data.qacc_warmstart, touched=touched), lost
+
+
+def static_boxes(template: Template, physics: Physics, house: Int[Array, ""]) -> Boxes:
+    """The static boxes of a house that rise above its floor, and enough parked ones to fill all slots of an owner.
+
+    What lies in or flat on the floor is parked, too: the floor plane is there already, and an agent that stands on a
+    rug touches "nothing but the floor".
+    """
+    own = Boxes(physics.collider_pos[house], physics.collider_quat[house], physics.collider_size[house])
+    above = own.top > physics.floor[house] + jnp.float32(FLAT)
+    own = jax.tree.map(lambda x, y: jnp.where(above[:, None], x, y), own, parked(above.shape[0]))
+    missing = max(template.config.agent_slots, template.config.body_slots) - above.shape[0]
+    return jax.tree.map(lambda x, y: jnp.concatenate([x, y]), own, parked(missing)) if missing > 0 else own
+
+
+def nearest_boxes(
+    template: Template, static: Boxes, body_size: Float[Array, "k 3"], data: mjx.Data
+) -> tuple[Boxes, Bool[Array, ""]]:
+    """What the slots hold: the static boxes nearest to each agent and to each body; and whether some were left out.
+
+    Left out are boxes that touch an owner whose slots are all taken by nearer ones.
+    """
+    config = template.config
+    slots, crowded = [], jnp.zeros((), bool)
+    for owners, num in (
+        (_agent_boxes(template, data), config.agent_slots),
+        (_body_boxes(template, data, body_size), config.body_slots),
+    ):
+        if owners.pos.shape[0]:
+            filled, over = jax.vmap(lambda owner, num=num: fill(owner, static, num))(owners)
+            crowded = crowded | jnp.any(over)
+            slots.append(jax.tree.map(lambda x: x.reshape(-1, x.shape[-1]), filled))
+    return jax.tree.map(lambda *x: jnp.concatenate(x), *slots), crowded
+
+
+def _control(template: Template, data: mjx.Data, action: Float[Array, "a 3"]) -> Float[Array, " u"]:
+    yaw = data.qpos[template.layout.agent_qpos].reshape(-1, 4)[:, 3]
+    velocity = data.qvel[template.layout.agent_qpos].reshape(-1, 4)
+    forces = jax.vmap(lambda a, y, v: motor_forces(template.config, template.yaw_inertia, a, y, v))
+    return forces(action, yaw, velocity).reshape(-1)
+
+
+def _settle_bodies(template: Template, bodies: MovableBodies, data: mjx.Data) -> mjx.Data:
+    """Puts unused bodies back to where they were and limits the speed of the others.
+
+    Unused bodies are put back exactly, so they stay there however many steps pass. The limits keep a body that starts
+    deep inside another from being shot through a wall, and from spinning so fast that explicit integration of its
+    gyroscopic torque diverges (it does from about 1 rad per physics step on).
+    """
+    if not template.layout.num_bodies:
+        return data
+    at, dof = template.layout.body_qpos, template.layout.body_qvel
+    parked = jnp.concatenate([bodies.pos, bodies.quat], axis=-1)
+    used = bodies.valid[:, None]
+    qpos = jnp.where(used, data.qpos[at].reshape(-1, 7), parked)
+    qvel = data.qvel[dof].reshape(-1, 6)
+    linear = _limit_length(qvel[:, :3], template.config.max_body_speed)
+    spin = _limit_length(qvel[:, 3:], template.config.max_body_spin)
+    qvel = jnp.where(used, jnp.concatenate([linear, spin], axis=-1), jnp.float32(0.0))
+    return data.replace(qpos=data.qpos.at[at].set(qpos.reshape(-1)), qvel=data.qvel.at[dof].set(qvel.reshape(-1)))
+
+
+def _limit_length(vectors: Float[Array, "k 3"], longest: float) -> Float[Array, "k 3"]:
+    square = jnp.sum(vectors * vectors, axis=-1, keepdims=True)
+    scale = jnp.float32(longest) * jax.lax.rsqrt(jnp.maximum(square, jnp.float32(longest**2)))
+    return jnp.where(square > jnp.float32(longest**2), vectors * scale, vectors)
+
+
+def _agent_boxes(template: Template, data: mjx.Data) -> Boxes:
+    config = template.config
+    pos = data.qpos[template.layout.agent_qpos].reshape(-1, 4)[:, :3]
+    body = config.body
+    half = jnp.array([[body.radius, body.radius, body.height / 2]], jnp.float32)
+    upright = jnp.array([[1.0, 0.0, 0.0, 0.0]], jnp.float32)
+    return Boxes(pos, jnp.tile(upright, (config.num_agents, 1)), jnp.tile(half, (config.num_agents, 1)))
+
+
+def _body_boxes(template: Template, data: mjx.Data, size: Float[Array, "k 3"]) -> Boxes:
+    bodies = data.qpos[template.layout.body_qpos].reshape(-1, 7)
+    return Boxes(bodies[:, :3], bodies[:, 3:], size)
+
+
+@contextlib.contextmanager
+def _as_mjx_needs() -> Iterator[None]:
+    """MJX mixes dtypes and ranks, which strict contexts refuse, and its solver needs more than a GPU's 10-bit TF32."""
+    with (
+        jax.numpy_dtype_promotion("standard"),
+        jax.numpy_rank_promotion("allow"),
+        jax.default_matmul_precision("highest"),
+    ):
+        yield

@@ -1,0 +1,43 @@
+"""The one model of a capacity."""
+
+import jax
+import mujoco
+from mujoco import mjx
+
+from home_mjx.bank.records import BankSpec
+from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.base.layout import Layout
+from home_mjx.physics.reference.lost import Pairs, limit
+from home_mjx.physics.reference.template_mjcf import template_mjcf
+
+
+class Template:
+    """The one model of a capacity; build it once, outside of any trace, and use it for all houses.
+
+    Args:
+        config: Options.
+        spec: Capacities of the bank.
+
+    Example:
+        >>> from home_mjx.bank.records import BankSpec
+        >>> spec = BankSpec(64, 8, 64, 64, 16, 4, 0.1, 0.1, 1.6)
+        >>> Template(PhysicsConfig(), spec).model.nv
+        52
+    """
+
+    def __init__(self, config: PhysicsConfig, spec: BankSpec) -> None:
+        self.config = config
+        self.layout = Layout(config.num_agents, spec.num_bodies, config.agent_slots, config.body_slots)
+        xml = template_mjcf(config, self.layout, _jacobian(config))
+        host = mujoco.MjModel.from_xml_string(xml)  # pyright: ignore[reportAttributeAccessIssue]
+        self.yaw_inertia = float(host.dof_M0[3])
+        self.model = mjx.put_model(host)
+        self.pairs = Pairs.of(host)
+        self.max_points = limit(host, "max_contact_points")
+        self.data = mjx.make_data(self.model)
+
+
+def _jacobian(config: PhysicsConfig) -> str:
+    if config.jacobian != "auto":
+        return config.jacobian
+    return "sparse" if jax.default_backend() == "cpu" else "dense"

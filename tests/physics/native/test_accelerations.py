@@ -1,0 +1,68 @@
+"""Whole environments: accelerations of the fused step are those of C MuJoCo, converged."""
+
+import numpy as np
+import pytest
+from c_oracle import Boxes, Oracle
+
+from home_mjx.physics import PhysicsConfig
+
+BODIES, STATIC, AGENTS = 6, 10, 2
+
+
+def unit(quats: np.ndarray) -> np.ndarray:
+    return quats / np.linalg.norm(quats, axis=-1, keepdims=True)
+
+
+def heap(rng) -> tuple[Oracle, np.ndarray, np.ndarray, np.ndarray]:
+    """Agents and bodies in one heap with static boxes, moving: all touch several others, many deeply."""
+    static = Boxes(
+        rng.uniform(-1.2, 1.2, (STATIC, 3)), rng.normal(size=(STATIC, 4)), rng.uniform(0.05, 0.8, (STATIC, 3))
+    )
+    static.pos[:, 2] = rng.uniform(0, 1, STATIC)
+    static.quat[: STATIC // 2, 1:3] = 0
+    bodies = Boxes(rng.uniform(-1, 1, (BODIES, 3)), rng.normal(size=(BODIES, 4)), rng.uniform(0.08, 0.4, (BODIES, 3)))
+    bodies.pos[:, 2] = rng.uniform(0.1, 1.2, BODIES)
+    bodies.quat[: BODIES // 2, 1:3] *= 0.05
+    static, bodies = static._replace(quat=unit(static.quat)), bodies._replace(quat=unit(bodies.quat))
+    oracle = Oracle(PhysicsConfig(num_agents=AGENTS), static, bodies, rng.uniform(1, 60, BODIES))
+    agents = np.c_[rng.uniform(-1, 1, (AGENTS, 2)), rng.uniform(0.75, 0.82, AGENTS), rng.uniform(-3, 3, AGENTS)]
+    qpos = np.r_[agents.ravel(), np.c_[bodies.pos, bodies.quat].ravel()]
+    return oracle, qpos, 0.5 * rng.normal(size=4 * AGENTS + 6 * BODIES), rng.uniform(-1, 1, (AGENTS, 3))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_heap_accelerates_as_in_c(seed):
+    rng, contacts = np.random.default_rng(seed), 0
+    for _ in range(10):
+        oracle, qpos, qvel, action = heap(rng)
+        truth, count = oracle.accelerations(qpos, qvel, action)
+        _, _, found, own_count, lost = oracle.fused(qpos, qvel, action)
+        assert own_count == count
+        assert lost.tolist() == [0, 0]
+        np.testing.assert_allclose(found, truth, atol=1e-9 * np.abs(truth).max())
+        contacts += count
+    assert contacts > 300
+
+
+@pytest.mark.slow
+def test_a_thousand_heaps_accelerate_as_in_c():
+    rng = np.random.default_rng(100)
+    for _ in range(1000):
+        oracle, qpos, qvel, action = heap(rng)
+        truth, count = oracle.accelerations(qpos, qvel, action)
+        _, _, found, own_count, _ = oracle.fused(qpos, qvel, action)
+        assert own_count == count
+        np.testing.assert_allclose(found, truth, atol=1e-8 * np.abs(truth).max())
+
+
+def test_free_flight_is_exact():
+    """Linear motion and spin without contact: momentum is kept, and the fall is g t."""
+    rng = np.random.default_rng(7)
+    oracle, qpos, qvel, action = heap(rng)
+    bodies = qpos[4 * AGENTS :].reshape(-1, 7)
+    bodies[:, :3] = 50.0 * np.arange(1, BODIES + 1)[:, None] + 100
+    before = qvel[4 * AGENTS :].reshape(-1, 6).copy()
+    _, after, _, _, _ = oracle.fused(qpos, qvel, action, substeps=20)
+    after = after[4 * AGENTS :].reshape(-1, 6)
+    np.testing.assert_allclose(after[:, :2], before[:, :2], rtol=1e-12)
+    np.testing.assert_allclose(after[:, 2], before[:, 2] - 9.81 * 20 * 0.02, rtol=1e-12)
