@@ -17,7 +17,17 @@ from home_mjx.bench.record import Record, Settings, make_record
 
 def step(settings: Settings) -> Record:
     """Control steps of all environments; the peer is MuJoCo in C on the first house's full MJCF."""
-    bank, config = settings.bank, physics.PhysicsConfig()
+    peer = ("MuJoCo C (1 thread, 1 house)", _mujoco(settings, physics.PhysicsConfig()))
+    return _record(settings, "step", "jax", peer)
+
+
+def fused(settings: Settings) -> Record:
+    """The same by the fused step; the peer is MJX."""
+    return _record(settings, "fused", "fused", ("MJX", _record(settings, "step", "jax", None).value))
+
+
+def _record(settings: Settings, case: str, impl: str, peer: tuple[str, float] | None) -> Record:
+    bank, config = settings.bank, physics.PhysicsConfig(impl=impl)
     template = physics.Template(config, bank.spec)
     houses, starts = houses_and_starts(settings)
     yaw = jnp.zeros((settings.num_envs, 1), jnp.float32)
@@ -29,9 +39,8 @@ def step(settings: Settings) -> Record:
     rate = timing.calls_per_second(program, bank, houses, data, action, seconds=settings.seconds)
     value = rate * settings.num_envs
     note = f"{config.timing.substeps} x {config.timing.sim_dt} s, {bank.spec.num_bodies} bodies; {settings.houses}"
-    peer = ("MuJoCo C (1 thread, 1 house)", _mujoco(settings, config))
     return make_record(
-        "physics/step", value, "steps/s", note, num_envs=settings.num_envs, compile_seconds=seconds, peer=peer
+        f"physics/{case}", value, "steps/s", note, num_envs=settings.num_envs, compile_seconds=seconds, peer=peer
     )
 
 
@@ -51,4 +60,4 @@ def _mujoco(settings: Settings, config: physics.PhysicsConfig) -> float:
     return count / (time.perf_counter() - start)
 
 
-CASES: dict[str, Callable[[Settings], Record]] = {"step": step}
+CASES: dict[str, Callable[[Settings], Record]] = {"step": step, "fused": fused}

@@ -12,7 +12,7 @@ from home_mjx.physics import PhysicsConfig
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.native.numbers import CORNER_RADIUS, numbers_of
 from home_mjx.physics.native.step import load_agents, load_house, step_env
-from home_mjx.physics.native.work import NUM_CONTACTS, free_work, make_work
+from home_mjx.physics.native.work import NEWTON_STEPS, NUM_CONTACTS, free_work, make_work
 from home_mjx.physics.reference.template_mjcf import template_mjcf
 
 floats, ints = pointer_to(types.float64), pointer_to(types.int64)
@@ -105,7 +105,9 @@ class Oracle:
         touched, lost = np.zeros(self.agents, np.int64), np.zeros(2, np.int64)
         numbers = self.numbers._replace(substeps=float(substeps))
         sizes = self.agents, len(self.mass), len(self.static.pos)
-        count = _fused(numbers, sizes, house, (qpos, qvel, np.zeros(len(qvel))), action.ravel(), out, touched, lost)
+        count, self.newton_steps = _fused(
+            numbers, sizes, house, (qpos, qvel, np.zeros(len(qvel))), action.ravel(), out, touched, lost
+        )
         return *out, count, lost
 
 
@@ -123,9 +125,9 @@ def _fused(numbers, sizes, house, state, action, out, touched, lost):
     before = _at(state[0]), _at(state[1]), _at(state[2])
     after = _at(out[0]), _at(out[1]), _at(out[2])
     step_env(work, numbers, 0.0, before, _at(action), after, ints(touched.ctypes.data), ints(lost.ctypes.data))
-    count = work.counts[NUM_CONTACTS]
+    count, steps = work.counts[NUM_CONTACTS], work.counts[NEWTON_STEPS]
     free_work(work)
-    return count
+    return count, steps
 
 
 @njit

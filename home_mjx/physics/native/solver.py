@@ -17,10 +17,11 @@ from numba import njit
 
 from home_mjx.core.native.memory import shifted
 from home_mjx.physics.native.constraint import contact_velocity, edge_value, num_rows
-from home_mjx.physics.native.work import AGENT_DOFS, BODY_DOFS, NUM_CONTACTS
+from home_mjx.physics.native.work import AGENT_DOFS, BODY_DOFS, NEWTON_STEPS, NUM_CONTACTS
 
 ENOUGH = 1e-9  # of the slope of the cost that a line search leaves, against that at its start
 LINE_STEPS = 40
+SOLVED = 1e-22  # of the cost's scale: what Newton's step would still gain, as the square of an error of 1e-11
 SMALLEST = 1e-12  # of a pivot, against the mass
 
 compiled = njit(error_model="numpy")
@@ -30,6 +31,7 @@ compiled = njit(error_model="numpy")
 @no_type_check
 def solve(work, numbers, num_agents):
     """Replaces `acc`, the guess, by the accelerations under contact."""
+    work.counts[NEWTON_STEPS] = 0
     _find_islands(work)
     count = work.counts[NUM_CONTACTS]
     for root in range(work.num_mobiles):
@@ -88,6 +90,7 @@ def _members(work, root, num_agents):
 def _newton(work, members, rows, size, iterations, num_agents):
     full = False
     for _ in range(iterations):
+        work.counts[NEWTON_STEPS] += 1
         changed = _residuals(work, rows)
         if full and not changed:
             return
@@ -222,10 +225,10 @@ def _back_substitute(factor, gradient, search, size):
 @no_type_check
 def _line_search(work, members, rows, num_agents):
     """The step along `search` that minimises the cost; exactly 1 if that is the minimum of its piece."""
-    start, curve = _along_mobiles(work, members, num_agents)
+    start, curve, scale = _along_mobiles(work, members, num_agents)
     _slopes(work, rows, num_agents)
     before, _ = _derivatives(work, rows, start, curve, 0.0)
-    if not before < 0:
+    if not before < -SOLVED * scale:
         return 0.0
     low, high, length = 0.0, np.inf, 1.0
     for _ in range(LINE_STEPS):
@@ -245,15 +248,17 @@ def _line_search(work, members, rows, num_agents):
 @compiled
 @no_type_check
 def _along_mobiles(work, members, num_agents):
-    """Slope at 0 and curvature of the cost's first part along `search`."""
-    start, curve = 0.0, 0.0
+    """Slope at 0 and curvature of the cost's first part along `search`; and the cost's scale."""
+    start, curve, scale = 0.0, 0.0, 0.0
     for i in range(members):
         m = work.members[i]
         for k in range(AGENT_DOFS if m < num_agents else BODY_DOFS):
             step = work.search[work.offset[m] + k]
             start += work.mass[6 * m + k] * (work.acc[6 * m + k] - work.smooth[6 * m + k]) * step
             curve += work.mass[6 * m + k] * step * step
-    return start, curve
+            guess, free = work.acc[6 * m + k], work.smooth[6 * m + k]
+            scale += work.mass[6 * m + k] * (guess * guess + free * free)
+    return start, curve, scale
 
 
 @compiled

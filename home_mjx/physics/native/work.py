@@ -17,7 +17,7 @@ AGENT_DOFS, BODY_DOFS = 3, 6  # that contacts act on; an agent's yaw is on its o
 STATIC, FLOOR = -1, -2  # the second mobile of a contact with what does not move
 NEAR = 24  # static boxes that are kept near each mobile
 POINTS_PER_MOBILE = 24  # contact points that there is room for
-NUM_CONTACTS, LOST_STATIC, LOST_POINTS = range(3)  # in `counts`
+NUM_CONTACTS, LOST_STATIC, LOST_POINTS, NEWTON_STEPS = range(4)  # in `counts`
 
 Pointer = Any  # to float64 or int64
 floats, ints = pointer_to(types.float64), pointer_to(types.int64)
@@ -66,7 +66,7 @@ class Work(NamedTuple):
     search: Pointer  # (d)
     points: Pointer  # (MOST_POINTS, 4)
     normals: Pointer  # (2, 3)
-    counts: Pointer  # (3) contacts, and what was lost; see the names above
+    counts: Pointer  # (4) contacts, what was lost, steps of Newton's method; see the names above
 
 
 @njit(error_model="numpy")
@@ -115,7 +115,7 @@ def make_work(num_agents, num_bodies, num_static):
     search, at = floats(at), at + WORD * d
     points, at = floats(at), at + WORD * (4 * MOST_POINTS)
     normals, at = floats(at), at + WORD * 6
-    counts, at = ints(at), at + WORD * 3
+    counts, at = ints(at), at + WORD * 4
     return Work(
         num_agents,
         m,
@@ -172,4 +172,4 @@ def free_work(work):
 @no_type_check
 def _num_words(m, c, n, d):
     """Sum of the sizes in `make_work`."""
-    return (61 + NEAR) * m + 15 * c + 67 * n + d * d + 2 * d + 4 * MOST_POINTS + 9
+    return (61 + NEAR) * m + 15 * c + 67 * n + d * d + 2 * d + 4 * MOST_POINTS + 10
