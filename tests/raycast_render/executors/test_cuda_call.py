@@ -10,9 +10,10 @@ from jax.sharding import Mesh, NamedSharding, PartitionSpec
 from soup import Placed, Soup, f32, i32, needs_gpu, random_pose, random_rays, random_soup
 
 from home_mjx.bank.bank import HouseBank
+from home_mjx.core.native import nvrtc
 from home_mjx.errors import ExecutorError
 from home_mjx.raycast_render.casting.cast import cast, occluded
-from home_mjx.raycast_render.executors import cuda, nvrtc
+from home_mjx.raycast_render.executors import cuda
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.types import Scene
 

@@ -14,9 +14,10 @@ import trimesh
 from soup import Placed, Soup, f32, i32, in_jit, random_pose, random_rays, random_soup
 
 from home_mjx.bank.records.gpu_geometry import gpu_geometry
+from home_mjx.core.native import nvrtc
 from home_mjx.errors import ExecutorError
 from home_mjx.raycast_render.casting.cast import cast, occluded
-from home_mjx.raycast_render.executors import cuda, nvrtc
+from home_mjx.raycast_render.executors import cuda
 from home_mjx.raycast_render.scene import constants as limits
 from home_mjx.raycast_render.scene.types import Rays
 from home_mjx.scene_compile.geometry import bvh
