@@ -15,6 +15,7 @@ from jaxtyping import Array, Float, Int
 from home_mjx.bank.records import Physics
 from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.cpu import cpu_available, step_cpu
+from home_mjx.physics.cuda.launch import cuda_available, step_cuda
 from home_mjx.physics.native.numbers import numbers_of
 from home_mjx.physics.reference.lost import Lost
 from home_mjx.physics.reference.slots import FLAT, Boxes
@@ -35,8 +36,9 @@ def step_fused(
     def native(*_: Array) -> tuple[PhysicsState, Lost]:
         return _step_native(template, physics, house, state, action)
 
-    branches = {"cpu": native} if cpu_available() else {}
-    default = None if set(backends()) <= set(branches) else mjx
+    branches = dict.fromkeys(_platforms(), native)
+    names = {"gpu": "cuda"}  # JAX's name of a backend -> that of the platform programs are lowered for
+    default = None if {names.get(name, name) for name in backends()} <= set(branches) else mjx
     return jax.lax.platform_dependent(house, default=default, **branches)
 
 
@@ -67,7 +69,13 @@ def _house_arrays(physics: Physics) -> tuple[Array, ...]:
 @custom_vmap
 def _folded(*operands: Array) -> tuple[Array, ...]:
     """Environments (e ...) that share the first arrays; `vmap` adds to e."""
-    return step_cpu(*operands)
+    special = {"cpu": step_cpu, "cuda": step_cuda}
+    return jax.lax.platform_dependent(*operands, **{name: special[name] for name in _platforms()})
+
+
+def _platforms() -> list[str]:
+    """Those with a fused step that works here."""
+    return ["cpu"] * cpu_available() + ["cuda"] * cuda_available()
 
 
 @_folded.def_vmap

@@ -5,7 +5,7 @@ import functools
 import hashlib
 import importlib.util
 import logging
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from home_mjx.core.files import write_whole
@@ -19,11 +19,11 @@ MARK = "// sha256 of the rest: "
 log = logging.getLogger(__name__)
 
 
-def compile_ptx(source: Path, capability: int) -> str:
+def compile_ptx(source: Path | Sequence[Path], capability: int) -> str:
     """PTX of a CUDA C file, from the cache if source, target and compiler have not changed.
 
     Args:
-        source: The file; names of `extern "C"` functions stay as they are.
+        source: The file, or files, which are put one after the other; names of `extern "C"` functions stay as they are.
         capability: Compute capability of the device, 90 for 9.0. An NVRTC that does not know it yet compiles for the
             newest one that it does know, which runs there too.
 
@@ -34,14 +34,15 @@ def compile_ptx(source: Path, capability: int) -> str:
         >>> ptx = compile_ptx(Path("kernel.cu"), 90)  # doctest: +SKIP
     """
     library = find_library()
-    code = source.read_bytes()
+    files = [source] if isinstance(source, Path) else list(source)
+    code, name = b"".join(file.read_bytes() for file in files), files[-1]
     target = f"compute_{_known(library, capability)}"
     key = hashlib.sha256(repr((code, target, OPTIONS, version(library))).encode()).hexdigest()
-    entry = cache_folder() / "kernels" / f"{source.stem}-{key[:24]}.ptx"
+    entry = cache_folder() / "kernels" / f"{name.stem}-{key[:24]}.ptx"
     kept = _read(entry)
     if kept is not None:
         return kept
-    ptx = _compile(library, code, source.name, target)
+    ptx = _compile(library, code, name.name, target)
     _keep(entry, ptx)
     return ptx
 

@@ -41,7 +41,7 @@ class PhysicsConfig:
         max_contact_points: Contact points of agents, and of bodies, the deepest; None: six per body or eight per agent.
         jacobian: MuJoCo's option; "auto" is sparse on CPU, where it is a third faster, and dense elsewhere.
         impl: "jax": MJX, on every platform and with gradients. "fused": all physics steps of a step in one compiled
-            function on CPUs, MJX elsewhere.
+            function on CPUs and NVIDIA GPUs, MJX elsewhere.
 
     Raises:
         ConfigError: A value cannot be used.

@@ -1,0 +1,49 @@
+// Types, limits and what depends on the machine. Put before shapes.cuh.
+
+#define INLINE __device__ __forceinline__
+
+#ifndef WARP_SIZE  // tests compile this for a CPU, with warps of one thread and in double precision
+typedef float real;
+constexpr int WARP_SIZE = 32;
+constexpr unsigned ALL_LANES = 0xffffffffu;
+#define LANE int(threadIdx.x)
+#define LANE_OF(width) ((width) == 1 ? 0 : LANE)
+constexpr real ENOUGH = 1e-5f;           // of the slope of the cost that a line search leaves, against that at its start
+constexpr real SOLVED = 1e-12f;          // of the cost's scale: what a step of Newton's method would still gain
+constexpr real SMALLEST = 1e-9f;         // pivot
+constexpr real NEARLY_PARALLEL = 1e-4f;  // of edges: length of the cross product of their directions
+constexpr real PREFER_FACES = 1 - 1e-6f;
+constexpr real TINY = 1e-9f;
+
+INLINE void sync_warp() { __syncwarp(); }
+INLINE unsigned warp_ballot(bool x) { return __ballot_sync(ALL_LANES, x); }
+INLINE int count_bits(unsigned x) { return __popc(x); }
+INLINE int from_lane(int x, int lane) { return __shfl_sync(ALL_LANES, x, lane < 0 ? 0 : lane); }
+// The same bits in every lane: both sides of each addition are the same two numbers.
+INLINE real warp_sum(real x) {
+  for (int step = WARP_SIZE / 2; step > 0; step /= 2) x += __shfl_xor_sync(ALL_LANES, x, step);
+  return x;
+}
+extern __shared__ float shared_floats[];
+INLINE real* shared_memory() { return shared_floats; }
+#endif
+
+#define INF real(1e30)
+#define NONE real(-9)  // no second place on a capsule
+
+constexpr int MOST_POINTS = 16;       // of a pair
+constexpr int NEAR = 24;              // static boxes that are kept near each mobile
+constexpr int POINTS_PER_MOBILE = 24; // contact points that there is room for
+constexpr int AGENT_DOFS = 3, BODY_DOFS = 6;
+constexpr int STATIC = -1, FLOOR = -2;  // the second mobile of a contact with what does not move
+constexpr int LOST_STATIC = 0, LOST_POINTS = 1;
+constexpr int LINE_STEPS = 40;
+constexpr int NUM_NUMBERS = 24;
+constexpr real ALIKE = 0.99, ALIKE_FACTOR = 0.95;  // see native/box_box.py
+constexpr real REACH = 0.1;                        // [m], see native/contacts.py
+
+struct Numbers {
+  real sim_dt, substeps, gravity, radius, length, agent_mass, yaw_inertia, forward_speed, strafe_speed, turn_rate, push_force,
+      response_time, friction, max_body_speed, max_body_spin, agent_stiffness, agent_damping, body_stiffness, body_damping,
+      impedance_low, impedance_high, impedance_width, iterations, corner_radius;
+};

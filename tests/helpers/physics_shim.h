@@ -1,0 +1,24 @@
+// Lets a C++ compiler take the fused step's CUDA C for a CPU: warps of one thread, in double precision.
+#include <cmath>
+#include <cstring>
+#include <cstddef>
+#define WARP_SIZE 1
+#define __device__
+#define __forceinline__ inline
+#define __noinline__
+#define __global__
+#define __launch_bounds__(...)
+#define LANE 0
+#define LANE_OF(width) 0
+typedef double real;
+constexpr real ENOUGH = 1e-9, SOLVED = 1e-22, SMALLEST = 1e-12, NEARLY_PARALLEL = 1e-15, PREFER_FACES = 1 - 1e-12, TINY = 1e-15;
+inline void sync_warp() {}
+inline unsigned warp_ballot(bool x) { return x; }
+inline int count_bits(unsigned x) { return __builtin_popcount(x); }
+inline int from_lane(int x, int) { return x; }
+inline real warp_sum(real x) { return x; }
+static double shared_doubles[1 << 14];
+inline real* shared_memory() { return shared_doubles; }
+struct uint3_ { unsigned x, y, z; };
+static uint3_ blockIdx;
+using std::fabs; using std::sqrt; using std::sin; using std::cos; using std::fmin; using std::fmax;

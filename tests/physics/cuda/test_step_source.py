@@ -1,0 +1,76 @@
+"""The CUDA C of the fused step without a GPU: compiled as C++ for the CPU it steps as `native` does."""
+
+import ctypes
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from c_oracle import Boxes, Oracle
+from heaps import heap
+
+from home_mjx.physics.cuda.launch import SOURCES
+
+SHIM = Path(__file__).parents[2] / "helpers" / "physics_shim.h"
+MAIN = """
+extern "C" void run(void** p) {
+#define IN(type, i) (const type*)p[i]
+  step_physics(IN(float, 0), IN(float, 1), IN(float, 2), IN(int, 3), IN(float, 4), IN(float, 5), IN(float, 6),
+               IN(float, 7), IN(float, 8), IN(int, 9), IN(float, 10), IN(float, 11), IN(float, 12), IN(float, 13),
+               IN(int, 14),
+               (float*)p[15], (float*)p[16], (float*)p[17], (int*)p[18], (int*)p[19], (char*)p[20]);
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory):
+    compiler = shutil.which("c++") or shutil.which("g++")
+    if not compiler:
+        pytest.skip("there is no C++ compiler here")
+    folder = tmp_path_factory.mktemp("step")
+    main = folder / "main.cpp"
+    main.write_text(f'#include "{SHIM}"\n' + "".join(path.read_text() for path in SOURCES) + MAIN)
+    options = ["-std=c++17", "-O1", "-fno-strict-aliasing", "-shared", "-fPIC", "-w"]
+    subprocess.run([compiler, *options, "-o", folder / "step.so", main], check=True)
+    return ctypes.CDLL(str(folder / "step.so"))
+
+
+def in_single(oracle: Oracle) -> None:
+    """Rounds the house's numbers to what the kernel is given."""
+
+    def single(x):
+        return np.asarray(x, np.float32).astype(float)
+
+    oracle.static, oracle.bodies = (Boxes(*map(single, boxes)) for boxes in (oracle.static, oracle.bodies))
+    oracle.mass, oracle.inertia = single(oracle.mass), single(oracle.inertia)
+    oracle.numbers = type(oracle.numbers)(*single(oracle.numbers).tolist())
+
+
+def step(library, oracle: Oracle, qpos, qvel, action, substeps: int):
+    agents, bodies, static = oracle.agents, len(oracle.mass), len(oracle.static.pos)
+    numbers = oracle.numbers._replace(substeps=float(substeps))
+    valid, house, sizes = np.ones(bodies), np.zeros(1), np.array([1, 1, static, bodies, agents, 0])
+    inputs = [*oracle.static, valid, oracle.bodies.half, oracle.mass, oracle.inertia, np.zeros(1), numbers, house]
+    inputs += [qpos, qvel, np.zeros(len(qvel)), action, sizes]
+    inputs = [np.ascontiguousarray(x, np.int32 if i in (3, 9, 14) else np.float32) for i, x in enumerate(inputs)]
+    outputs = [np.zeros(len(x), np.float32) for x in (qpos, qvel, qvel)]
+    outputs += [np.zeros(agents, np.int32), np.zeros(2, np.int32), np.zeros(4_000_000, np.uint8)]
+    pointers = [x.ctypes.data for x in inputs + outputs]
+    library.run((ctypes.c_void_p * len(pointers))(*pointers))
+    return outputs
+
+
+@pytest.mark.parametrize("substeps", [1, 5])
+def test_a_heap_moves_as_on_a_cpu(library, substeps):
+    rng = np.random.default_rng(11)
+    for _ in range(20):
+        oracle, *state = heap(rng)
+        in_single(oracle)
+        qpos, qvel, action = (np.asarray(x, np.float32).astype(float) for x in state)
+        truth = oracle.fused(qpos, qvel, action, substeps)
+        found = step(library, oracle, qpos, qvel, action, substeps)
+        for value, want in zip(found[:3], truth[:3], strict=True):
+            np.testing.assert_allclose(value, want, atol=3e-7 * np.abs(want).max())
+        assert found[4].tolist() == truth[4].tolist()
