@@ -1,13 +1,12 @@
 """The fused step on CPUs: `native`, compiled by Numba and called by XLA. Compiled on first use."""
 
 import functools
-import threading
-import warnings
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array
 
+from home_mjx.core.native.platforms import problem_of, works
 from home_mjx.core.native.varying import varying_false
 
 TARGET = "home_mjx_step"
@@ -37,40 +36,12 @@ def step_cpu(*operands: Array) -> tuple[Array, ...]:
 @functools.cache
 def cpu_available() -> bool:
     """Whether the step works here; warns once if there is a CPU backend and it does not."""
-    problem = cpu_problem()
-    if problem and _cpu_devices():
-        warnings.warn(f"physics is stepped by the slower MJX: {problem}", RuntimeWarning, stacklevel=2)
-    return problem is None
+    return works("cpu", problem_of("cpu", _start), "physics is stepped by the slower MJX")
 
 
-@functools.cache
-def cpu_problem() -> str | None:
-    """Why the step cannot be used; None if it works. The first call compiles and registers it."""
-    if not _cpu_devices():
-        return "JAX has no CPU backend here"
-    answer: list[str | None] = []
-    # In its own thread: the caller may be in the middle of a trace, or under a mesh.
-    thread = threading.Thread(target=lambda: answer.append(_start()))
-    thread.start()
-    thread.join()
-    return answer[0]
+def _start() -> None:
+    from home_mjx.physics.native.handler import build_handler
 
-
-def _cpu_devices() -> list:
-    try:
-        return jax.local_devices(backend="cpu")
-    except RuntimeError:
-        return []
-
-
-def _start() -> str | None:
-    # A failure here must not end a program that MJX can run.
-    try:
-        from home_mjx.physics.native.handler import build_handler
-
-        task, handler = build_handler()
-        _kept.extend((task, handler))
-        jax.ffi.register_ffi_target(TARGET, jax.ffi.pycapsule(handler.ctypes), platform="cpu", api_version=1)
-    except Exception as error:
-        return f"{type(error).__name__}: {error}"
-    return None
+    task, handler = build_handler()
+    _kept.extend((task, handler))
+    jax.ffi.register_ffi_target(TARGET, jax.ffi.pycapsule(handler.ctypes), platform="cpu", api_version=1)

@@ -106,9 +106,10 @@ def _executors() -> Iterator[Finding]:
 
 def _cuda_executor() -> Finding:
     from home_mjx.core.native import nvrtc
-    from home_mjx.raycast_render.executors.cuda import cuda_devices, cuda_problem
+    from home_mjx.core.native.platforms import devices_of
+    from home_mjx.raycast_render.executors.cuda import cuda_problem
 
-    if not cuda_devices():
+    if not devices_of("cuda"):
         return Finding("executor cuda", NOTE, "JAX has no NVIDIA GPU here")
     problem = cuda_problem()
     if problem:

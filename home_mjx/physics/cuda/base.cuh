@@ -34,6 +34,7 @@ INLINE real* shared_memory() { return shared_floats; }
 constexpr int MOST_POINTS = 16;       // of a pair
 constexpr int NEAR = 24;              // static boxes that are kept near each mobile
 constexpr int POINTS_PER_MOBILE = 24; // contact points that there is room for
+constexpr int CONTACT_WORDS = 53;     // of memory that a contact takes, as in launch.py
 constexpr int AGENT_DOFS = 3, BODY_DOFS = 6;
 constexpr int STATIC = -1, FLOOR = -2;  // the second mobile of a contact with what does not move
 constexpr int LOST_STATIC = 0, LOST_POINTS = 1;

@@ -1,8 +1,6 @@
 """The fused step on NVIDIA GPUs: one warp per environment. Compiled on first use."""
 
 import functools
-import threading
-import warnings
 from pathlib import Path
 from typing import Any
 
@@ -11,15 +9,14 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
 
-from home_mjx.core.native.nvrtc import compile_ptx
+from home_mjx.core.native.platforms import PTX_TARGET, problem_of, ptx_for_all, works
 from home_mjx.core.native.varying import varying_false
+from home_mjx.physics.native.limits import AGENT_DOFS, BODY_DOFS, NEAR, POINTS_PER_MOBILE
 
-TARGET = "__gpu$xla.gpu.ptx"  # XLA's own call of a kernel given as PTX
 SOURCES = tuple(Path(__file__).with_name(name) for name in ("base.cuh", "shapes.cuh", "solver.cuh", "step.cu"))
 WARP = 32
-# As in the sources.
-NEAR, POINTS_PER_MOBILE, CONTACT_WORDS = 24, 24, 53
-SHARED_REALS, SHARED_INTS = 44, 6  # per mobile
+CONTACT_WORDS = 53  # as in base.cuh
+SHARED_REALS, SHARED_INTS = 44, 6  # per mobile, as step.cu lays them out
 
 
 def step_cuda(*operands: Array) -> tuple[Array, ...]:
@@ -28,8 +25,8 @@ def step_cuda(*operands: Array) -> tuple[Array, ...]:
     _, qpos, qvel, _, action = given[-5:]
     envs, agents = qpos.shape[0], action.shape[1]
     houses, statics, bodies = given[0].shape[0], given[0].shape[1], given[3].shape[1]
-    mobiles, dofs = agents + bodies, 3 * agents + 6 * bodies
-    words = (NEAR + 12 + 1) * mobiles + dofs * dofs + 2 * dofs + CONTACT_WORDS * POINTS_PER_MOBILE * mobiles
+    mobiles, dofs = agents + bodies, AGENT_DOFS * agents + BODY_DOFS * bodies
+    words = (NEAR + 12) * mobiles + dofs * dofs + 2 * dofs + CONTACT_WORDS * POINTS_PER_MOBILE * mobiles
     results = (
         jax.ShapeDtypeStruct(qpos.shape, jnp.float32),
         jax.ShapeDtypeStruct(qvel.shape, jnp.float32),
@@ -46,7 +43,7 @@ def step_cuda(*operands: Array) -> tuple[Array, ...]:
     launch = {"grid_x": envs, "grid_y": 1, "grid_z": 1, "block_x": WARP, "block_y": 1, "block_z": 1}
     numbers = {name: np.int32(size) for name, size in {**launch, "shared_mem_bytes": shared}.items()}
     options: dict[str, Any] = {"name": "step_physics", "kernel_type": "ptx", "kernel_data": kernel(), **numbers}
-    stepped = jax.ffi.ffi_call(TARGET, results)(*given, constants, **options)
+    stepped = jax.ffi.ffi_call(PTX_TARGET, results)(*given, constants, **options)
     never = varying_false(operands)
     return tuple(jnp.where(never, jnp.zeros_like(x), x) for x in stepped[:-1])
 
@@ -54,44 +51,14 @@ def step_cuda(*operands: Array) -> tuple[Array, ...]:
 @functools.cache
 def cuda_available() -> bool:
     """Whether the step works here; warns once if there is an NVIDIA GPU and it does not."""
-    problem = cuda_problem()
-    if problem and cuda_devices():
-        warnings.warn(f"physics is stepped by the slower MJX: {problem}", RuntimeWarning, stacklevel=2)
-    return problem is None
-
-
-@functools.cache
-def cuda_problem() -> str | None:
-    """Why the step cannot be used; None if it works. The first call compiles it."""
-    if not cuda_devices():
-        return "JAX has no NVIDIA GPU here"
-    answer: list[str | None] = []
-    # In its own thread: the caller may be in the middle of a trace, or under a mesh.
-    thread = threading.Thread(target=lambda: answer.append(_start()))
-    thread.start()
-    thread.join()
-    return answer[0]
-
-
-def cuda_devices() -> list[Any]:
-    """The NVIDIA GPUs that JAX has in this process."""
-    try:
-        return jax.local_devices(backend="cuda")
-    except RuntimeError:
-        return []
+    return works("cuda", problem_of("cuda", _start), "physics is stepped by the slower MJX")
 
 
 @functools.cache
 def kernel() -> str:
     """PTX that all GPUs of this process can run."""
-    capabilities = [int(device.compute_capability.replace(".", "")) for device in cuda_devices()]
-    return compile_ptx(SOURCES, min(capabilities))
+    return ptx_for_all(SOURCES)
 
 
-def _start() -> str | None:
-    # A failure here must not end a program that MJX can run.
-    try:
-        kernel()
-    except Exception as error:
-        return f"{type(error).__name__}: {error}"
-    return None
+def _start() -> None:
+    kernel()

@@ -46,6 +46,10 @@ class Boxes(Pytree):
         rise = _dot([jnp.abs(axis[2]) for axis in self.axes], _components(self.half))
         return self.pos[..., 2] + rise
 
+    def rise_above(self, floor: Float[Array, "*#n"]) -> Bool[Array, "*n"]:
+        """Whether a box is not part of a floor at that height [m]."""
+        return self.top > floor + jnp.float32(FLAT)
+
 
 def separation(owner: Boxes, static: Boxes) -> Float[Array, " c"]:
     """Largest gap between one box and each of others along the six face axes of both [m]; negative: overlap.

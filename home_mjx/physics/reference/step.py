@@ -13,7 +13,7 @@ from home_mjx.physics.base.control import motor_forces
 from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.reference.house_model import MovableBodies, house_model, movable_bodies, with_slots
 from home_mjx.physics.reference.lost import Lost, Sizes, are_points_full
-from home_mjx.physics.reference.slots import FLAT, Boxes, fill, parked
+from home_mjx.physics.reference.slots import Boxes, fill, parked
 from home_mjx.physics.reference.template import Template
 
 
@@ -54,7 +54,7 @@ def static_boxes(template: Template, physics: Physics, house: Int[Array, ""]) ->
     rug touches "nothing but the floor".
     """
     own = Boxes(physics.collider_pos[house], physics.collider_quat[house], physics.collider_size[house])
-    above = own.top > physics.floor[house] + jnp.float32(FLAT)
+    above = own.rise_above(physics.floor[house])
     own = jax.tree.map(lambda x, y: jnp.where(above[:, None], x, y), own, parked(above.shape[0]))
     missing = max(template.config.agent_slots, template.config.body_slots) - above.shape[0]
     return jax.tree.map(lambda x, y: jnp.concatenate([x, y]), own, parked(missing)) if missing > 0 else own

@@ -4,11 +4,11 @@ import functools
 from collections.abc import Callable
 
 import jax
-from jax.extend.backend import backends
 from jaxtyping import Array, Int
 
 from home_mjx.bank.records import Geometry
 from home_mjx.core.checks import check_known
+from home_mjx.core.native.platforms import cover_all
 from home_mjx.raycast_render.executors.cpu import cast_cpu, cpu_available
 from home_mjx.raycast_render.executors.cuda import cast_cuda, cuda_available
 from home_mjx.raycast_render.executors.xla import cast_xla
@@ -24,23 +24,14 @@ Ray [e, r] belongs to environment e. With `any_hit` a ray may stop at the first 
 def cast_auto(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, any_hit: bool) -> RawHit:
     """The best executor of the platform that the program is lowered for."""
     branches = {name: functools.partial(cast, any_hit=any_hit) for name, cast in _special().items()}
-    default = functools.partial(cast_xla, any_hit=any_hit) if _needs_default() else None
+    # Tracing `xla` where it cannot be chosen would double the start of a program.
+    default = None if cover_all(branches) else functools.partial(cast_xla, any_hit=any_hit)
     return jax.lax.platform_dependent(geometry, house, moving, rays, default=default, **branches)
 
 
 def _special() -> dict[str, Callable[..., RawHit]]:
     cpu = {"cpu": cast_cpu} if cpu_available() else {}
     return cpu | ({"cuda": cast_cuda} if cuda_available() else {})
-
-
-@functools.cache
-def _needs_default() -> bool:
-    """Whether this process has a platform without an executor of its own.
-
-    All branches are traced, whichever is lowered: `xla` where it cannot be chosen would double the start of a program.
-    """
-    names = {"gpu": "cuda"}  # JAX's name of a backend -> that of the platform programs are lowered for
-    return not {names.get(name, name) for name in backends()} <= set(_special())
 
 
 EXECUTORS: dict[str | None, Executor] = {None: cast_auto, "xla": cast_xla, "cpu": cast_cpu, "cuda": cast_cuda}

@@ -2,8 +2,6 @@
 
 import functools
 import os
-import threading
-import warnings
 
 import jax
 import jax.numpy as jnp
@@ -11,6 +9,7 @@ import numpy as np
 from jaxtyping import Array, Int
 
 from home_mjx.bank.records import Geometry
+from home_mjx.core.native.platforms import devices_of, problem_of, works
 from home_mjx.core.native.varying import varying_false
 from home_mjx.errors import ExecutorError
 from home_mjx.raycast_render.executors.probe import probe
@@ -37,23 +36,13 @@ def cast_cpu(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: 
 @functools.cache
 def cpu_available() -> bool:
     """Whether the `cpu` executor works here; warns once if there is a CPU backend and it does not."""
-    problem = cpu_problem()
-    if problem and "cpu" in {device.platform for device in _cpu_devices()}:
-        warnings.warn(f"rays are cast by the slower `xla` executor: {problem}", RuntimeWarning, stacklevel=2)
-    return problem is None
+    return works("cpu", cpu_problem(), "rays are cast by the slower `xla` executor")
 
 
 @functools.cache
 def cpu_problem() -> str | None:
     """Why the executor cannot be used; None if it works. The first call compiles, registers and tests it."""
-    if not _cpu_devices():
-        return "JAX has no CPU backend here"
-    answer: list[str | None] = []
-    # In its own thread: the caller may be in the middle of a trace, or under a mesh.
-    thread = threading.Thread(target=lambda: answer.append(_start()))
-    thread.start()
-    thread.join()
-    return answer[0]
+    return problem_of("cpu", _start)
 
 
 def refuse_forked() -> None:
@@ -65,26 +54,15 @@ def refuse_forked() -> None:
         )
 
 
-def _cpu_devices() -> list:
-    try:
-        return jax.local_devices(backend="cpu")
-    except RuntimeError:
-        return []
-
-
 def _start() -> str | None:
     _started_in.append(os.getpid())
-    # A failure here must not end a program that the `xla` executor can run.
-    try:
-        from home_mjx.raycast_render.executors.native.ffi_handler import build_handler
+    from home_mjx.raycast_render.executors.native.ffi_handler import build_handler
 
-        task, handler = build_handler()
-        _kept.extend((task, handler))
-        jax.ffi.register_ffi_target(TARGET, jax.ffi.pycapsule(handler.ctypes), platform="cpu", api_version=1)
-        with jax.default_device(_cpu_devices()[0]):
-            return probe(_call)
-    except Exception as error:
-        return f"{type(error).__name__}: {error}"
+    task, handler = build_handler()
+    _kept.extend((task, handler))
+    jax.ffi.register_ffi_target(TARGET, jax.ffi.pycapsule(handler.ctypes), platform="cpu", api_version=1)
+    with jax.default_device(devices_of("cpu")[0]):
+        return probe(_call)
 
 
 def _call(geometry: Geometry, house: Array, moving: Moving, rays: Rays, any_hit: bool) -> RawHit:

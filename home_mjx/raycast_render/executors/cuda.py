@@ -1,8 +1,6 @@
 """The `cuda` executor: `cast.cu`, compiled for this GPU and called by XLA. Compiled and tested on first use."""
 
 import functools
-import threading
-import warnings
 from pathlib import Path
 from typing import Any
 
@@ -13,14 +11,14 @@ from jaxtyping import Array, Int
 
 from home_mjx.bank.records import Geometry
 from home_mjx.bank.records.gpu_geometry import gpu_geometry, middles, records
-from home_mjx.core.native.nvrtc import compile_ptx
+from home_mjx.core.native.platforms import PTX_TARGET, devices_of, problem_of, ptx_for_all, works
 from home_mjx.core.native.varying import varying_false
 from home_mjx.errors import ExecutorError
 from home_mjx.raycast_render.executors.probe import probe
 from home_mjx.raycast_render.scene.constants import MISS
 from home_mjx.raycast_render.scene.types import Moving, RawHit, Rays
 
-TARGET = "__gpu$xla.gpu.ptx"  # XLA's own call of a kernel given as PTX
+TARGET = PTX_TARGET
 SOURCE = Path(__file__).with_name("cast.cu")
 WARP = 32
 BLOCK = 64  # threads, as in cast.cu
@@ -43,47 +41,24 @@ def cast_cuda(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays:
 @functools.cache
 def cuda_available() -> bool:
     """Whether the `cuda` executor works here; warns once if there is an NVIDIA GPU and it does not."""
-    problem = cuda_problem()
-    if problem and cuda_devices():
-        warnings.warn(f"rays are cast by the slower `xla` executor: {problem}", RuntimeWarning, stacklevel=2)
-    return problem is None
+    return works("cuda", cuda_problem(), "rays are cast by the slower `xla` executor")
 
 
 @functools.cache
 def cuda_problem() -> str | None:
     """Why the executor cannot be used; None if it works. The first call compiles and tests it."""
-    if not cuda_devices():
-        return "JAX has no NVIDIA GPU here"
-    answer: list[str | None] = []
-    # In its own thread: the caller may be in the middle of a trace, or under a mesh.
-    thread = threading.Thread(target=lambda: answer.append(_start()))
-    thread.start()
-    thread.join()
-    return answer[0]
-
-
-def cuda_devices() -> list[Any]:
-    """The NVIDIA GPUs that JAX has in this process."""
-    try:
-        return jax.local_devices(backend="cuda")
-    except RuntimeError:
-        return []
+    return problem_of("cuda", _start)
 
 
 @functools.cache
 def kernels() -> str:
     """PTX that all GPUs of this process can run."""
-    capabilities = [int(device.compute_capability.replace(".", "")) for device in cuda_devices()]
-    return compile_ptx(SOURCE, min(capabilities))
+    return ptx_for_all(SOURCE)
 
 
 def _start() -> str | None:
-    # A failure here must not end a program that the `xla` executor can run.
-    try:
-        with jax.default_device(cuda_devices()[0]):
-            return probe(_call)
-    except Exception as error:
-        return f"{type(error).__name__}: {error}"
+    with jax.default_device(devices_of("cuda")[0]):
+        return probe(_call)
 
 
 def _call(geometry: Geometry, house: Array, moving: Moving, rays: Rays, any_hit: bool) -> RawHit:
