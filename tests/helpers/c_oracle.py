@@ -10,10 +10,10 @@ from numba import njit, types
 from home_mjx.core.native.memory import pointer_to
 from home_mjx.physics import PhysicsConfig
 from home_mjx.physics.base.layout import Layout
-from home_mjx.physics.native.numbers import CORNER_RADIUS, numbers_of
+from home_mjx.physics.native.numbers import numbers_of
 from home_mjx.physics.native.step import load_agents, load_house, step_env
 from home_mjx.physics.native.work import NEWTON_STEPS, NUM_CONTACTS, free_work, make_work
-from home_mjx.physics.reference.template_mjcf import template_mjcf
+from home_mjx.physics.reference.template_mjcf import CORNER_RADIUS, template_mjcf
 
 floats, ints = pointer_to(types.float64), pointer_to(types.int64)
 CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))

@@ -9,6 +9,7 @@ struct Contact {
   real target[4], residual[4], slope[4];
   int first, second, active;
 };
+static_assert(sizeof(Contact) <= CONTACT_WORDS * sizeof(real), "launch.py gives too little room");
 
 // One environment: pointers into shared memory and scratch.
 struct Env {
@@ -108,7 +109,7 @@ __device__ void find_islands(const Env& e, int count) {
       e.rows[root] += e.dofs(m);
       ++e.members[root];
     }
-    for (int m = 0; m < e.mobiles; ++m) e.gradient[m] = e.rows[m], e.rows[m] = 0;
+    for (int m = 0; m < e.mobiles; ++m) e.rows[m] = 0;
     for (int n = 0; n < count; ++n) ++e.rows[e.island[e.contacts[n].first]];
   }
   sync_warp();

@@ -175,10 +175,8 @@ __device__ int find_contacts(const Env& e, const House& house, real floor) {
       if (e.used[first] && e.used[second] && dot(b - a, b - a) <= reach * reach) {
         if (second < e.agents)
           capsule_capsule(a, b, e.numbers.radius, e.numbers.length, points);
-        else if (first < e.agents)
-          capsule_box(a, e.numbers.radius, e.numbers.length, mobile_box(e, second), points);
         else
-          box_box(mobile_box(e, first), mobile_box(e, second), points);
+          with_box(e, first, mobile_box(e, second), points);
       }
     }
     if (first >= e.agents) friction = e.numbers.friction;
@@ -260,7 +258,7 @@ extern "C" __global__ void __launch_bounds__(WARP_SIZE) step_physics(
   e.rows = whole + 4 * M, e.offset = whole + 5 * M, e.counts = whole + 6 * M;
   real* own = reinterpret_cast<real*>(scratch + size_t(env) * sizes[5]);
   e.near = own, own += NEAR * M, e.near_from = own, own += 12 * M, e.hessian = own, own += D * D;
-  e.gradient = own, own += D + M, e.search = own, own += D;
+  e.gradient = own, own += D, e.search = own, own += D;
   e.contacts = reinterpret_cast<Contact*>(own);
   for (int i = 0; i < NUM_NUMBERS; ++i) reinterpret_cast<real*>(&e.numbers)[i] = numbers[i];
   const int house = houses[env] < 0 ? 0 : houses[env] < num_houses ? houses[env] : num_houses - 1;
@@ -297,7 +295,6 @@ extern "C" __global__ void __launch_bounds__(WARP_SIZE) step_physics(
       e.radius[m] = sqrt(square);
     }
   }
-  int most = 0;  // of the agent that the lane looks after
   sync_warp();
   for (int substep = 0; substep < int(e.numbers.substeps); ++substep) {
     for (int m = LANE; m < M; m += WARP_SIZE)
@@ -322,7 +319,6 @@ extern "C" __global__ void __launch_bounds__(WARP_SIZE) step_physics(
     }
     sync_warp();
   }
-  (void)most;
   for (int m = LANE; m < M; m += WARP_SIZE) {
     if (m < e.agents) {
       for (int k = 0; k < 3; ++k) {

@@ -19,16 +19,16 @@ compiled = njit(error_model="numpy")
 
 @compiled
 @no_type_check
-def make_rows(work, numbers, num_agents):
+def make_rows(work, numbers):
     """Fills in `jacobian`, `weight` and `target` of all contacts."""
     for n in range(work.counts[NUM_CONTACTS]):
         a, b = work.first[n], work.second[n]
-        _jacobian(work, n, 0, a, -1.0, a < num_agents)
+        _jacobian(work, n, 0, a, -1.0, a < work.num_agents)
         inverse = 1 / work.mass[6 * a]
         if b >= 0:
-            _jacobian(work, n, 1, b, 1.0, b < num_agents)
+            _jacobian(work, n, 1, b, 1.0, b < work.num_agents)
             inverse += 1 / work.mass[6 * b]
-        agent = a < num_agents
+        agent = a < work.num_agents
         stiffness = numbers.agent_stiffness if agent else numbers.body_stiffness
         damping = numbers.agent_damping if agent else numbers.body_damping
         friction, distance = work.friction[n], work.place[4 * n + 3]

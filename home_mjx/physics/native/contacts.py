@@ -9,7 +9,8 @@ from numba import njit
 from home_mjx.core.native.memory import shifted
 from home_mjx.physics.native.box_box import box_box
 from home_mjx.physics.native.capsule import capsule_box, capsule_capsule
-from home_mjx.physics.native.work import FLOOR, LOST_POINTS, LOST_STATIC, NEAR, NUM_CONTACTS, STATIC
+from home_mjx.physics.native.limits import FLOOR, NEAR, STATIC
+from home_mjx.physics.native.work import LOST_POINTS, LOST_STATIC, NUM_CONTACTS
 
 REACH = 0.1  # [m]: static boxes up to this far are kept, until their mobile has moved as much
 
@@ -18,21 +19,21 @@ compiled = njit(error_model="numpy")
 
 @compiled
 @no_type_check
-def find_contacts(work, numbers, num_agents, floor):
+def find_contacts(work, numbers, floor):
     """Writes all contacts of an environment."""
     work.counts[NUM_CONTACTS] = 0
     for m in range(work.num_mobiles):
         if work.used[m]:
             _keep_near(work, m)
-            if m < num_agents:
+            if m < work.num_agents:
                 _agent_on_floor(work, numbers, m, floor)
             else:
                 _body_on_floor(work, numbers, m, floor)
             for i in range(work.num_near[m]):
-                _with_static(work, numbers, m, work.near[NEAR * m + i], m < num_agents)
+                _with_static(work, numbers, m, work.near[NEAR * m + i])
             for other in range(m):
                 if work.used[other]:
-                    _with_mobile(work, numbers, other, m, num_agents)
+                    _with_mobile(work, numbers, other, m)
 
 
 @compiled
@@ -145,41 +146,17 @@ def _body_on_floor(work, numbers, m, floor):
 
 @compiled
 @no_type_check
-def _with_static(work, numbers, m, c, agent):
-    points, normals = work.points, work.normals
-    if agent:
-        if _apart(work, m, c, 0.0):
-            return
-        count = capsule_box(
-            shifted(work.pos, 3 * m),
-            numbers.radius,
-            numbers.length,
-            shifted(work.static_pos, 3 * c),
-            shifted(work.static_rot, 9 * c),
-            shifted(work.static_half, 3 * c),
-            points,
-            normals,
-        )
-        for i in range(count):
-            _add(work, m, STATIC, shifted(points, 4 * i), shifted(normals, 3 * i), 0.0)
-    else:
-        count = box_box(
-            shifted(work.pos, 3 * m),
-            shifted(work.rot, 9 * m),
-            shifted(work.half, 3 * m),
-            shifted(work.static_pos, 3 * c),
-            shifted(work.static_rot, 9 * c),
-            shifted(work.static_half, 3 * c),
-            points,
-            normals,
-        )
-        for i in range(count):
-            _add(work, m, STATIC, shifted(points, 4 * i), normals, numbers.friction)
+def _with_static(work, numbers, m, c):
+    """Contacts of a mobile and a static box."""
+    if m < work.num_agents and _apart(work, m, c, 0.0):
+        return
+    pos, rot, half = shifted(work.static_pos, 3 * c), shifted(work.static_rot, 9 * c), shifted(work.static_half, 3 * c)
+    _with_box(work, numbers, m, STATIC, pos, rot, half)
 
 
 @compiled
 @no_type_check
-def _with_mobile(work, numbers, a, b, num_agents):
+def _with_mobile(work, numbers, a, b):
     """Contacts of two mobiles, the first of which comes first in the list."""
     square = 0.0
     for k in range(3):
@@ -188,46 +165,35 @@ def _with_mobile(work, numbers, a, b, num_agents):
     reach = work.radius[a] + work.radius[b]
     if square > reach * reach:
         return
-    points, normals = work.points, work.normals
-    if b < num_agents:
-        count = capsule_capsule(
-            shifted(work.pos, 3 * a),
-            numbers.radius,
-            numbers.length,
-            shifted(work.pos, 3 * b),
-            numbers.radius,
-            numbers.length,
-            points,
-            normals,
-        )
-        for i in range(count):
-            _add(work, a, b, shifted(points, 4 * i), shifted(normals, 3 * i), 0.0)
-    elif a < num_agents:
-        count = capsule_box(
-            shifted(work.pos, 3 * a),
-            numbers.radius,
-            numbers.length,
-            shifted(work.pos, 3 * b),
-            shifted(work.rot, 9 * b),
-            shifted(work.half, 3 * b),
-            points,
-            normals,
-        )
-        for i in range(count):
-            _add(work, a, b, shifted(points, 4 * i), shifted(normals, 3 * i), 0.0)
+    pos = shifted(work.pos, 3 * b)
+    if b >= work.num_agents:
+        _with_box(work, numbers, a, b, pos, shifted(work.rot, 9 * b), shifted(work.half, 3 * b))
+        return
+    radius, length = numbers.radius, numbers.length
+    own = shifted(work.pos, 3 * a)
+    count = capsule_capsule(own, radius, length, pos, radius, length, work.points, work.normals)
+    _add_round(work, a, b, count)
+
+
+@compiled
+@no_type_check
+def _with_box(work, numbers, m, other, pos, rot, half):
+    """Contacts of a mobile and a box, which is that of the mobile `other` or none's."""
+    points, normals, own = work.points, work.normals, shifted(work.pos, 3 * m)
+    if m < work.num_agents:
+        _add_round(work, m, other, capsule_box(own, numbers.radius, numbers.length, pos, rot, half, points, normals))
     else:
-        count = box_box(
-            shifted(work.pos, 3 * a),
-            shifted(work.rot, 9 * a),
-            shifted(work.half, 3 * a),
-            shifted(work.pos, 3 * b),
-            shifted(work.rot, 9 * b),
-            shifted(work.half, 3 * b),
-            points,
-            normals,
-        )
-        for i in range(count):
-            _add(work, a, b, shifted(points, 4 * i), normals, numbers.friction)
+        axes, size = shifted(work.rot, 9 * m), shifted(work.half, 3 * m)
+        for i in range(box_box(own, axes, size, pos, rot, half, points, normals)):
+            _add(work, m, other, shifted(points, 4 * i), normals, numbers.friction)
+
+
+@compiled
+@no_type_check
+def _add_round(work, a, b, count):
+    """Adds an agent's points, each of which has its own normal."""
+    for i in range(count):
+        _add(work, a, b, shifted(work.points, 4 * i), shifted(work.normals, 3 * i), 0.0)
 
 
 @compiled

@@ -5,11 +5,12 @@ from typing import Any, no_type_check
 
 import llvmlite.binding
 import numpy as np
-from numba import cfunc, njit, types
+from numba import carray, cfunc, njit, types  # pyright: ignore[reportPrivateImportUsage]
+from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from home_mjx.core.native import ffi, memory
-from home_mjx.core.native.memory import pointer_to, shifted, symbol_address
-from home_mjx.physics.native import box_box, capsule, constraint, contacts, numbers, solver, step
+from home_mjx.core.native.memory import pointer_to, symbol_address
+from home_mjx.physics.native import box_box, capsule, constraint, contacts, limits, numbers, solver, step
 from home_mjx.physics.native import work as native_work
 from home_mjx.physics.native.numbers import Numbers
 from home_mjx.physics.native.step import load_agents, load_house, step_env
@@ -21,6 +22,8 @@ HOUSE, QPOS, QVEL, QACC, ACTION = range(9, 14)
 NEW_QPOS, NEW_QVEL, NEW_QACC, TOUCHED, LOST = range(5)
 CHUNK = 16  # environments that a thread takes at once
 TASK = "home_mjx_step_task"
+BYTES = 4  # of a number
+NUM_NUMBERS = len(Numbers._fields)
 
 float_pointer, int_pointer = pointer_to(types.float32), pointer_to(types.int32)
 task_address = symbol_address(TASK)
@@ -30,7 +33,19 @@ compiled = njit(error_model="numpy")
 def build_handler() -> tuple[Any, Any]:
     """The task and the handler, compiled or loaded from Numba's cache on disk; keep both as long as XLA may call."""
     # The cache watches this file only. That the functions name the digest makes it tell versions of the rest apart.
-    parts: tuple[Any, ...] = (ffi, memory, box_box, capsule, constraint, contacts, numbers, solver, step, native_work)
+    parts: tuple[Any, ...] = (
+        ffi,
+        memory,
+        box_box,
+        capsule,
+        constraint,
+        contacts,
+        limits,
+        numbers,
+        solver,
+        step,
+        native_work,
+    )
     digest = ffi.digest(*(part.__file__ for part in parts))
 
     @cfunc(types.intp(types.intp), cache=True)
@@ -93,15 +108,12 @@ def _step_chunk(frame, chunk):
 @compiled
 @no_type_check
 def _load_house(frame, work, house):
-    valid = shifted(
-        int_pointer(ffi.data(frame, ffi.OPERANDS, BODY_VALID)), house * _row(frame, ffi.OPERANDS, BODY_VALID)
-    )
     load_house(
         work,
         _floats(frame, COLLIDER_POS, house),
         _floats(frame, COLLIDER_QUAT, house),
         _floats(frame, COLLIDER_HALF, house),
-        valid,
+        int_pointer(_row(frame, ffi.OPERANDS, BODY_VALID, house)),
         _floats(frame, BODY_SIZE, house),
         _floats(frame, BODY_MASS, house),
         _floats(frame, BODY_INERTIA, house),
@@ -116,64 +128,36 @@ def _operand_dim(frame, index, axis):
 
 @compiled
 @no_type_check
-def _row(frame, kind, index):
-    """Numbers in a row of an operand or a result."""
-    size = 1
+def _row(frame, kind, index, row):
+    """Address of a row of an operand or a result; all have numbers of four bytes."""
+    size = BYTES
     for axis in range(1, ffi.num_dims(frame, kind, index)):
         size *= ffi.dim(frame, kind, index, axis)
-    return size
+    return ffi.data(frame, kind, index) + row * size
 
 
 @compiled
 @no_type_check
 def _floats(frame, index, row):
     """A row of an operand."""
-    start = float_pointer(ffi.data(frame, ffi.OPERANDS, index))
-    return shifted(start, row * _row(frame, ffi.OPERANDS, index))
+    return float_pointer(_row(frame, ffi.OPERANDS, index, row))
 
 
 @compiled
 @no_type_check
 def _results(frame, index, row):
-    start = float_pointer(ffi.data(frame, ffi.RESULTS, index))
-    return shifted(start, row * _row(frame, ffi.RESULTS, index))
+    return float_pointer(_row(frame, ffi.RESULTS, index, row))
 
 
 @compiled
 @no_type_check
 def _flags(frame, index, row):
     """A row of a result of whole numbers."""
-    start = int_pointer(ffi.data(frame, ffi.RESULTS, index))
-    return shifted(start, row * _row(frame, ffi.RESULTS, index))
+    return int_pointer(_row(frame, ffi.RESULTS, index, row))
 
 
 @compiled
 @no_type_check
 def _numbers(given):
     """The record of an array."""
-    return Numbers(
-        np.float64(given[0]),
-        np.float64(given[1]),
-        np.float64(given[2]),
-        np.float64(given[3]),
-        np.float64(given[4]),
-        np.float64(given[5]),
-        np.float64(given[6]),
-        np.float64(given[7]),
-        np.float64(given[8]),
-        np.float64(given[9]),
-        np.float64(given[10]),
-        np.float64(given[11]),
-        np.float64(given[12]),
-        np.float64(given[13]),
-        np.float64(given[14]),
-        np.float64(given[15]),
-        np.float64(given[16]),
-        np.float64(given[17]),
-        np.float64(given[18]),
-        np.float64(given[19]),
-        np.float64(given[20]),
-        np.float64(given[21]),
-        np.float64(given[22]),
-        np.float64(given[23]),
-    )
+    return Numbers(*to_fixed_tuple(carray(given, NUM_NUMBERS).astype(np.float64), NUM_NUMBERS))

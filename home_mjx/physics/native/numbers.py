@@ -3,12 +3,12 @@
 from typing import NamedTuple
 
 from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.reference.template_mjcf import CORNER_RADIUS
 from home_mjx.scene_compile.mjcf.agent import AGENT_SOLREF, BODY_SOLREF
 
 GRAVITY = 9.81  # [m/s^2], MuJoCo's default, as are the next three
 IMPEDANCE_LOW, IMPEDANCE_HIGH, IMPEDANCE_WIDTH = 0.9, 0.95, 0.001
 ITERATIONS = 50  # of Newton's method, which ends by itself: most physics steps take one to three
-CORNER_RADIUS = 1e-3  # [m], of the spheres that touch the floor
 
 
 class Numbers(NamedTuple):

@@ -17,7 +17,7 @@ from numba import njit
 
 from home_mjx.core.native.memory import shifted
 from home_mjx.physics.native.constraint import contact_velocity, edge_value, num_rows
-from home_mjx.physics.native.work import AGENT_DOFS, BODY_DOFS, NEWTON_STEPS, NUM_CONTACTS
+from home_mjx.physics.native.work import NEWTON_STEPS, NUM_CONTACTS, dofs
 
 ENOUGH = 1e-9  # of the slope of the cost that a line search leaves, against that at its start
 LINE_STEPS = 40
@@ -29,21 +29,21 @@ compiled = njit(error_model="numpy")
 
 @compiled
 @no_type_check
-def solve(work, numbers, num_agents):
+def solve(work, numbers):
     """Replaces `acc`, the guess, by the accelerations under contact."""
     work.counts[NEWTON_STEPS] = 0
     _find_islands(work)
     count = work.counts[NUM_CONTACTS]
     for root in range(work.num_mobiles):
         if work.used[root] and work.island[root] == root:
-            members, size = _members(work, root, num_agents)
+            members, size = _members(work, root)
             rows = 0
             for n in range(count):
                 if work.island[work.first[n]] == root:
                     work.rows[rows] = n
                     rows += 1
             if rows:
-                _newton(work, members, rows, size, int(numbers.iterations), num_agents)
+                _newton(work, members, rows, size, int(numbers.iterations))
             else:
                 for k in range(6):
                     work.acc[6 * root + k] = work.smooth[6 * root + k]
@@ -73,7 +73,7 @@ def _root(work, m):
 
 @compiled
 @no_type_check
-def _members(work, root, num_agents):
+def _members(work, root):
     """Lists an island's mobiles and places their numbers one after the other; their count and that of the numbers."""
     members, size = 0, 0
     for m in range(root, work.num_mobiles):
@@ -81,27 +81,27 @@ def _members(work, root, num_agents):
             work.members[members] = m
             work.offset[m] = size
             members += 1
-            size += AGENT_DOFS if m < num_agents else BODY_DOFS
+            size += dofs(work, m)
     return members, size
 
 
 @compiled
 @no_type_check
-def _newton(work, members, rows, size, iterations, num_agents):
+def _newton(work, members, rows, size, iterations):
     full = False
     for _ in range(iterations):
         work.counts[NEWTON_STEPS] += 1
         changed = _residuals(work, rows)
         if full and not changed:
             return
-        _assemble(work, members, rows, size, num_agents)
+        _assemble(work, members, rows, size)
         _factorise(work.hessian, size)
         _back_substitute(work.hessian, work.gradient, work.search, size)
-        length = _line_search(work, members, rows, num_agents)
+        length = _line_search(work, members, rows)
         full = length == 1.0
         for i in range(members):
             m = work.members[i]
-            for k in range(AGENT_DOFS if m < num_agents else BODY_DOFS):
+            for k in range(dofs(work, m)):
                 work.acc[6 * m + k] += length * work.search[work.offset[m] + k]
         if length == 0.0:
             return
@@ -129,7 +129,7 @@ def _residuals(work, rows):
 
 @compiled
 @no_type_check
-def _assemble(work, members, rows, size, num_agents):
+def _assemble(work, members, rows, size):
     """Gradient and Hessian of the cost; of the Hessian the lower triangle."""
     hessian, gradient = work.hessian, work.gradient
     for i in range(size):
@@ -137,19 +137,19 @@ def _assemble(work, members, rows, size, num_agents):
             hessian[size * i + j] = 0.0
     for i in range(members):
         m = work.members[i]
-        for k in range(AGENT_DOFS if m < num_agents else BODY_DOFS):
+        for k in range(dofs(work, m)):
             at = work.offset[m] + k
             hessian[size * at + at] = work.mass[6 * m + k]
             gradient[at] = work.mass[6 * m + k] * (work.acc[6 * m + k] - work.smooth[6 * m + k])
     for i in range(rows):
         n = work.rows[i]
         if work.active[n]:
-            _add_contact(work, n, size, num_agents)
+            _add_contact(work, n, size)
 
 
 @compiled
 @no_type_check
-def _add_contact(work, n, size, num_agents):
+def _add_contact(work, n, size):
     """Adds a contact's force to the gradient and its stiffness to the Hessian."""
     weight, friction, active = work.weight[n], work.friction[n], work.active[n]
     f0 = f1 = f2 = w00 = w01 = w02 = w11 = w22 = 0.0
@@ -163,29 +163,24 @@ def _add_contact(work, n, size, num_agents):
                 f1, w01, w11 = f1 + force * edge, w01 + weight * edge, w11 + weight * edge * edge
             else:
                 f2, w02, w22 = f2 + force * edge, w02 + weight * edge, w22 + weight * edge * edge
-    a, b = work.first[n], work.second[n]
     hessian, gradient = work.hessian, work.gradient
-    dofs_a = AGENT_DOFS if a < num_agents else BODY_DOFS
-    dofs_b = 0
-    if b >= 0:
-        dofs_b = AGENT_DOFS if b < num_agents else BODY_DOFS
-    ja, jb = shifted(work.jacobian, 36 * n), shifted(work.jacobian, 36 * n + 18)
-    at_a, at_b = work.offset[a], work.offset[max(b, 0)]
-    for i in range(dofs_a):
-        x, y, z = ja[i], ja[6 + i], ja[12 + i]
-        gradient[at_a + i] += x * f0 + y * f1 + z * f2
-        u, v, w = w00 * x + w01 * y + w02 * z, w01 * x + w11 * y, w02 * x + w22 * z
-        for j in range(i + 1):
-            hessian[size * (at_a + i) + at_a + j] += u * ja[j] + v * ja[6 + j] + w * ja[12 + j]
-    for i in range(dofs_b):
-        x, y, z = jb[i], jb[6 + i], jb[12 + i]
-        gradient[at_b + i] += x * f0 + y * f1 + z * f2
-        u, v, w = w00 * x + w01 * y + w02 * z, w01 * x + w11 * y, w02 * x + w22 * z
-        for j in range(i + 1):
-            hessian[size * (at_b + i) + at_b + j] += u * jb[j] + v * jb[6 + j] + w * jb[12 + j]
-        # The first mobile of a contact comes first in its island, too.
-        for j in range(dofs_a):
-            hessian[size * (at_b + i) + at_a + j] += u * ja[j] + v * ja[6 + j] + w * ja[12 + j]
+    for side in range(2):
+        m = work.first[n] if side == 0 else work.second[n]
+        if m < 0:
+            continue
+        own = shifted(work.jacobian, 36 * n + 18 * side)
+        for i in range(dofs(work, m)):
+            row = work.offset[m] + i
+            x, y, z = own[i], own[6 + i], own[12 + i]
+            gradient[row] += x * f0 + y * f1 + z * f2
+            u, v, w = w00 * x + w01 * y + w02 * z, w01 * x + w11 * y, w02 * x + w22 * z
+            # The first mobile of a contact comes first in its island, too: this is the lower triangle.
+            for other in range(side + 1):
+                by = work.first[n] if other == 0 else m
+                jacobian = shifted(work.jacobian, 36 * n + 18 * other)
+                for j in range(i + 1 if other == side else dofs(work, by)):
+                    column = work.offset[by] + j
+                    hessian[size * row + column] += u * jacobian[j] + v * jacobian[6 + j] + w * jacobian[12 + j]
 
 
 @compiled
@@ -223,10 +218,10 @@ def _back_substitute(factor, gradient, search, size):
 
 @compiled
 @no_type_check
-def _line_search(work, members, rows, num_agents):
+def _line_search(work, members, rows):
     """The step along `search` that minimises the cost; exactly 1 if that is the minimum of its piece."""
-    start, curve, scale = _along_mobiles(work, members, num_agents)
-    _slopes(work, rows, num_agents)
+    start, curve, scale = _along_mobiles(work, members)
+    _slopes(work, rows)
     before, _ = _derivatives(work, rows, start, curve, 0.0)
     if not before < -SOLVED * scale:
         return 0.0
@@ -247,12 +242,12 @@ def _line_search(work, members, rows, num_agents):
 
 @compiled
 @no_type_check
-def _along_mobiles(work, members, num_agents):
+def _along_mobiles(work, members):
     """Slope at 0 and curvature of the cost's first part along `search`; and the cost's scale."""
     start, curve, scale = 0.0, 0.0, 0.0
     for i in range(members):
         m = work.members[i]
-        for k in range(AGENT_DOFS if m < num_agents else BODY_DOFS):
+        for k in range(dofs(work, m)):
             step = work.search[work.offset[m] + k]
             start += work.mass[6 * m + k] * (work.acc[6 * m + k] - work.smooth[6 * m + k]) * step
             curve += work.mass[6 * m + k] * step * step
@@ -263,7 +258,7 @@ def _along_mobiles(work, members, num_agents):
 
 @compiled
 @no_type_check
-def _slopes(work, rows, num_agents):
+def _slopes(work, rows):
     """Of the rows' residuals along `search`."""
     for i in range(rows):
         n = work.rows[i]
@@ -272,7 +267,7 @@ def _slopes(work, rows, num_agents):
             m = work.first[n] if side == 0 else work.second[n]
             if m >= 0:
                 jacobian = shifted(work.jacobian, 36 * n + 18 * side)
-                for k in range(AGENT_DOFS if m < num_agents else BODY_DOFS):
+                for k in range(dofs(work, m)):
                     step = work.search[work.offset[m] + k]
                     x, y, z = x + jacobian[k] * step, y + jacobian[6 + k] * step, z + jacobian[12 + k] * step
         friction = work.friction[n]

@@ -9,8 +9,9 @@ from numba import njit
 from home_mjx.core.native.memory import shifted
 from home_mjx.physics.native.constraint import make_rows
 from home_mjx.physics.native.contacts import find_contacts, forget_near
+from home_mjx.physics.native.limits import FLOOR
 from home_mjx.physics.native.solver import solve
-from home_mjx.physics.native.work import FLOOR, LOST_POINTS, LOST_STATIC, NUM_CONTACTS
+from home_mjx.physics.native.work import LOST_POINTS, LOST_STATIC, NUM_CONTACTS
 
 compiled = njit(error_model="numpy")
 
@@ -68,35 +69,35 @@ def step_env(work, numbers, floor, state, action, result, touched, lost):
     """
     num_agents = work.num_agents
     qpos, qvel, qacc = state
-    _load(work, qpos, qvel, qacc, num_agents)
+    _load(work, qpos, qvel, qacc)
     forget_near(work)
     work.counts[LOST_STATIC] = work.counts[LOST_POINTS] = 0
     for a in range(num_agents):
         touched[a] = 0
     for _ in range(int(numbers.substeps)):
-        _rotations(work, num_agents)
+        _rotations(work)
         for a in range(num_agents):
             _drive(work, numbers, a, shifted(action, 3 * a))
         for m in range(num_agents, work.num_mobiles):
             _fall(work, numbers, m)
-        find_contacts(work, numbers, num_agents, floor)
-        make_rows(work, numbers, num_agents)
-        solve(work, numbers, num_agents)
+        find_contacts(work, numbers, floor)
+        make_rows(work, numbers)
+        solve(work, numbers)
         for a in range(num_agents):
             work.acc[6 * a + 5] = work.smooth[6 * a + 5]
             _move_agent(work, numbers, a)
         for m in range(num_agents, work.num_mobiles):
             if work.used[m]:
                 _move_body(work, numbers, m)
-        _count_touched(work, touched, num_agents)
-    _store(work, qpos, result, num_agents)
+        _count_touched(work, touched)
+    _store(work, qpos, result)
     lost[0], lost[1] = work.counts[LOST_STATIC], work.counts[LOST_POINTS]
 
 
 @compiled
 @no_type_check
-def _load(work, qpos, qvel, qacc, num_agents):
-    for a in range(num_agents):
+def _load(work, qpos, qvel, qacc):
+    for a in range(work.num_agents):
         for k in range(3):
             work.pos[3 * a + k], work.vel[6 * a + k], work.acc[6 * a + k] = (
                 qpos[4 * a + k],
@@ -105,8 +106,8 @@ def _load(work, qpos, qvel, qacc, num_agents):
             )
         # The yaw in the quaternion's first number: agents turn about z only.
         work.quat[4 * a], work.vel[6 * a + 5] = qpos[4 * a + 3], qvel[4 * a + 3]
-    for m in range(num_agents, work.num_mobiles):
-        q, v = 4 * num_agents + 7 * (m - num_agents), 4 * num_agents + 6 * (m - num_agents)
+    for m in range(work.num_agents, work.num_mobiles):
+        q, v = 4 * work.num_agents + 7 * (m - work.num_agents), 4 * work.num_agents + 6 * (m - work.num_agents)
         square = 0.0
         for k in range(4):
             work.quat[4 * m + k] = qpos[q + 3 + k]
@@ -121,9 +122,9 @@ def _load(work, qpos, qvel, qacc, num_agents):
 
 @compiled
 @no_type_check
-def _store(work, before, result, num_agents):
+def _store(work, before, result):
     qpos, qvel, qacc = result
-    for a in range(num_agents):
+    for a in range(work.num_agents):
         for k in range(3):
             qpos[4 * a + k], qvel[4 * a + k], qacc[4 * a + k] = (
                 work.pos[3 * a + k],
@@ -131,8 +132,8 @@ def _store(work, before, result, num_agents):
                 work.acc[6 * a + k],
             )
         qpos[4 * a + 3], qvel[4 * a + 3], qacc[4 * a + 3] = work.quat[4 * a], work.vel[6 * a + 5], work.acc[6 * a + 5]
-    for m in range(num_agents, work.num_mobiles):
-        q, v = 4 * num_agents + 7 * (m - num_agents), 4 * num_agents + 6 * (m - num_agents)
+    for m in range(work.num_agents, work.num_mobiles):
+        q, v = 4 * work.num_agents + 7 * (m - work.num_agents), 4 * work.num_agents + 6 * (m - work.num_agents)
         used = work.used[m]
         for k in range(3):
             qpos[q + k] = work.pos[3 * m + k] if used else before[q + k]
@@ -145,12 +146,12 @@ def _store(work, before, result, num_agents):
 
 @compiled
 @no_type_check
-def _rotations(work, num_agents):
-    for a in range(num_agents):
+def _rotations(work):
+    for a in range(work.num_agents):
         for k in range(3):
             for j in range(3):
                 work.rot[9 * a + 3 * k + j] = 1.0 if k == j else 0.0
-    for m in range(num_agents, work.num_mobiles):
+    for m in range(work.num_agents, work.num_mobiles):
         if work.used[m]:
             _rotation(shifted(work.quat, 4 * m), shifted(work.rot, 9 * m))
 
@@ -256,8 +257,8 @@ def _limit(values, first, most):
 
 @compiled
 @no_type_check
-def _count_touched(work, touched, num_agents):
-    for a in range(num_agents):
+def _count_touched(work, touched):
+    for a in range(work.num_agents):
         count = 0
         for n in range(work.counts[NUM_CONTACTS]):
             if work.second[n] != FLOOR and (work.first[n] == a or work.second[n] == a):

@@ -11,12 +11,8 @@ from numba import njit, types
 
 from home_mjx.core.native.ffi import WORD, allocate, release
 from home_mjx.core.native.memory import address_of, pointer_to
-from home_mjx.physics.native.box_box import MOST_POINTS
+from home_mjx.physics.native.limits import AGENT_DOFS, BODY_DOFS, MOST_POINTS, NEAR, POINTS_PER_MOBILE
 
-AGENT_DOFS, BODY_DOFS = 3, 6  # that contacts act on; an agent's yaw is on its own
-STATIC, FLOOR = -1, -2  # the second mobile of a contact with what does not move
-NEAR = 24  # static boxes that are kept near each mobile
-POINTS_PER_MOBILE = 24  # contact points that there is room for
 NUM_CONTACTS, LOST_STATIC, LOST_POINTS, NEWTON_STEPS = range(4)  # in `counts`
 
 Pointer = Any  # to float64 or int64
@@ -73,12 +69,28 @@ class Work(NamedTuple):
 @no_type_check
 def make_work(num_agents, num_bodies, num_static):
     """Memory for environments of these sizes, all zero; give it to `free_work` in the end."""
+    _, size = _carve(0, num_agents, num_bodies, num_static)  # how much it takes
+    block = allocate(size)
+    zeros = ints(block)
+    for i in range(size // WORD):
+        zeros[i] = 0
+    work, _ = _carve(block, num_agents, num_bodies, num_static)
+    return work
+
+
+@njit(error_model="numpy", inline="always")
+@no_type_check
+def dofs(work, m):
+    """How many of a mobile's six numbers contacts act on."""
+    return AGENT_DOFS if m < work.num_agents else BODY_DOFS
+
+
+@njit(error_model="numpy")
+@no_type_check
+def _carve(at, num_agents, num_bodies, num_static):
+    """The arrays one after the other from an address on, and the address behind them."""
     m, c = num_agents + num_bodies, num_static
     n, d = POINTS_PER_MOBILE * m, AGENT_DOFS * num_agents + BODY_DOFS * num_bodies
-    at = block = allocate(WORD * _num_words(m, c, n, d))
-    zeros = ints(block)
-    for i in range(_num_words(m, c, n, d)):
-        zeros[i] = 0
     pos, at = floats(at), at + WORD * (3 * m)
     quat, at = floats(at), at + WORD * (4 * m)
     rot, at = floats(at), at + WORD * (9 * m)
@@ -116,7 +128,7 @@ def make_work(num_agents, num_bodies, num_static):
     points, at = floats(at), at + WORD * (4 * MOST_POINTS)
     normals, at = floats(at), at + WORD * 6
     counts, at = ints(at), at + WORD * 4
-    return Work(
+    work = Work(
         num_agents,
         m,
         c,
@@ -159,6 +171,7 @@ def make_work(num_agents, num_bodies, num_static):
         normals,
         counts,
     )
+    return work, at
 
 
 @njit(error_model="numpy")
@@ -166,10 +179,3 @@ def make_work(num_agents, num_bodies, num_static):
 def free_work(work):
     """Gives the memory back."""
     release(address_of(work.pos))
-
-
-@njit(error_model="numpy")
-@no_type_check
-def _num_words(m, c, n, d):
-    """Sum of the sizes in `make_work`."""
-    return (61 + NEAR) * m + 15 * c + 67 * n + d * d + 2 * d + 4 * MOST_POINTS + 10

@@ -1,6 +1,7 @@
 """The CUDA C of the fused step without a GPU: compiled as C++ for the CPU it steps as `native` does."""
 
 import ctypes
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -10,7 +11,9 @@ import pytest
 from c_oracle import Boxes, Oracle
 from heaps import heap
 
-from home_mjx.physics.cuda.launch import SOURCES
+from home_mjx.physics.cuda.launch import CONTACT_WORDS, SOURCES
+from home_mjx.physics.native import limits
+from home_mjx.physics.native.numbers import Numbers
 
 SHIM = Path(__file__).parents[2] / "helpers" / "physics_shim.h"
 MAIN = """
@@ -74,3 +77,14 @@ def test_a_heap_moves_as_on_a_cpu(library, substeps):
         for value, want in zip(found[:3], truth[:3], strict=True):
             np.testing.assert_allclose(value, want, atol=3e-7 * np.abs(want).max())
         assert found[4].tolist() == truth[4].tolist()
+
+
+def test_sizes_and_numbers_are_those_of_the_other_step():
+    text = SOURCES[0].read_text()
+    found = {name: int(value) for name, value in re.findall(r"(\w+) = (-?\d+)[,;]", text)}
+    own = {name: value for name, value in vars(limits).items() if name.isupper()}
+    own |= {"CONTACT_WORDS": CONTACT_WORDS, "NUM_NUMBERS": len(Numbers._fields)}
+    assert {name: found[name] for name in own} == own
+    record = re.search(r"struct Numbers \{\s*real ([^;]*);", text)
+    assert record is not None
+    assert tuple(re.split(r",\s*", record[1])) == Numbers._fields
