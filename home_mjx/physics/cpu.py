@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array
 
+from home_mjx.core.native.forked import note_start
 from home_mjx.core.native.platforms import problem_of, works
 from home_mjx.core.native.varying import varying_false
 
@@ -40,6 +41,7 @@ def cpu_available() -> bool:
 
 
 def _start() -> None:
+    note_start()
     from home_mjx.physics.native.handler import build_handler
 
     task, handler = build_handler()

@@ -12,6 +12,8 @@ from home_mjx.physics.reference.lost import Lost
 from home_mjx.physics.reference.step import step_mjx
 from home_mjx.physics.reference.template import Template
 
+ABSURD = jnp.float32(1e6)  # [m], [rad] and per second
+
 
 def reset(
     template: Template,
@@ -69,8 +71,8 @@ def undo_where(broken: Bool[Array, ""], state: PhysicsState, before: PhysicsStat
 
 
 def is_broken(state: PhysicsState) -> Bool[Array, ""]:
-    """Whether a pose or a speed is not a finite number."""
-    return ~(jnp.all(jnp.isfinite(state.qpos)) & jnp.all(jnp.isfinite(state.qvel)))
+    """Whether a pose or a speed is not a number, or one that nothing in a house can have."""
+    return ~(jnp.all(jnp.abs(state.qpos) < ABSURD) & jnp.all(jnp.abs(state.qvel) < ABSURD))
 
 
 def agent_pose(template: Template, state: PhysicsState) -> tuple[Float[Array, "a 3"], Float[Array, " a"]]:

@@ -5,17 +5,18 @@ exactly. Where there is no such function MJX steps.
 """
 
 import functools
-from collections.abc import Callable
-from typing import Any
+from typing import NoReturn
 
 import jax
 import jax.numpy as jnp
-from jax.custom_batching import custom_vmap
 from jaxtyping import Array, Float, Int
 
 from home_mjx.bank.records import Physics
+from home_mjx.core.native.forked import refuse_forked
 from home_mjx.core.native.platforms import cover_all
+from home_mjx.errors import ConfigError
 from home_mjx.physics.base.state import PhysicsState
+from home_mjx.physics.batched import Step, batched
 from home_mjx.physics.cpu import cpu_available, step_cpu
 from home_mjx.physics.cuda.launch import cuda_available, step_cuda
 from home_mjx.physics.native.numbers import numbers_of
@@ -33,7 +34,12 @@ NUM_SHARED = 9  # arrays that all environments share: the house's, and the templ
 def step_fused(
     template: Template, physics: Physics, house: Int[Array, ""], state: PhysicsState, action: Float[Array, "a 3"]
 ) -> tuple[PhysicsState, Lost]:
-    """One control step; see `dynamics.step_checked`. It has no gradient."""
+    """One control step; see `dynamics.step_checked`. It has no gradient.
+
+    Raises:
+        ExecutorError: In a forked child of a process that has stepped before.
+    """
+    refuse_forked("step physics")
 
     def mjx(house: Array, state: PhysicsState, action: Array) -> tuple[PhysicsState, Lost]:
         return step_mjx(template, physics, house, state, action)
@@ -52,7 +58,7 @@ def _step_native(
     own = (house, state.qpos, state.qvel, state.qacc, action)
     shared = (*_house_arrays(physics), numbers)
     batch = jax.tree.map(lambda x: x[None], own)
-    results = _folded(platform)(*map(jax.lax.stop_gradient, (*shared, *batch)))
+    results = _batched(platform)(*shared, *batch)
     qpos, qvel, qacc, touched, lost = (x[0] for x in results)
     no = jnp.zeros((), bool)
     state = PhysicsState(qpos=qpos, qvel=qvel, qacc=qacc, touched=touched)
@@ -70,24 +76,20 @@ def _house_arrays(physics: Physics) -> tuple[Array, ...]:
 
 
 @functools.cache
-def _folded(platform: str) -> Callable[..., tuple[Array, ...]]:
-    """Steps environments (e ...) that share the first arrays; `vmap` adds to e."""
-    run = STEPS[platform]
+def _batched(platform: str) -> Step:
+    return _without_gradient(batched(STEPS[platform], NUM_SHARED, NUM_RESULTS))
 
-    @custom_vmap
-    def step(*operands: Array) -> tuple[Array, ...]:
-        return run(*operands)
 
-    @step.def_vmap
-    def fold(size: int, batched: Any, *operands: Array) -> Any:
-        many = (True,) * NUM_RESULTS
-        spread = tuple(
-            x if b else jnp.broadcast_to(x[None], (size, *x.shape)) for x, b in zip(operands, batched, strict=True)
+def _without_gradient(step: Step) -> Step:
+    """Zeros would be wrong gradients that nobody notices."""
+    guarded = jax.custom_jvp(step)
+
+    @guarded.defjvp
+    def refuse(primals: tuple[Array, ...], tangents: tuple[Array, ...]) -> NoReturn:
+        raise ConfigError(
+            "the fused physics step has no gradient",
+            element="PhysicsConfig.impl",
+            hint="Use PhysicsConfig(impl='jax'), or `jax.lax.stop_gradient` on the actions",
         )
-        if any(batched[:NUM_SHARED]):
-            return jax.lax.map(lambda x: step(*x), spread), many
-        own = (x.reshape(size * x.shape[1], *x.shape[2:]) for x in spread[NUM_SHARED:])
-        results = step(*operands[:NUM_SHARED], *own)
-        return tuple(x.reshape(size, x.shape[0] // size, *x.shape[1:]) for x in results), many
 
-    return step
+    return guarded

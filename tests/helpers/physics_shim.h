@@ -9,12 +9,12 @@
 #define __global__
 #define __launch_bounds__(...)
 #define LANE 0
-#define LANE_OF(width) 0
 typedef double real;
 constexpr real ENOUGH = 1e-9, SOLVED = 1e-22, SMALLEST = 1e-12, NEARLY_PARALLEL = 1e-15, PREFER_FACES = 1 - 1e-12, TINY = 1e-15;
 inline void sync_warp() {}
 inline unsigned warp_ballot(bool x) { return x; }
 inline int count_bits(unsigned x) { return __builtin_popcount(x); }
+inline unsigned warp_alike(int) { return 1; }
 inline int from_lane(int x, int) { return x; }
 inline real warp_sum(real x) { return x; }
 static double shared_doubles[1 << 14];

@@ -8,7 +8,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.schema.agent import Body
 from home_mjx.schema.timing import Timing
 
-IMPLS = ("jax", "fused")
+IMPLS = ("fused", "jax")
 WARP = ". MJX-Warp is not offered: its agents fall through the floor"
 JACOBIANS = ("auto", "dense", "sparse")
 WHOLE = (
@@ -40,8 +40,8 @@ class PhysicsConfig:
             bounding spheres; None: two per body or four per agent.
         max_contact_points: Contact points of agents, and of bodies, the deepest; None: six per body or eight per agent.
         jacobian: MuJoCo's option; "auto" is sparse on CPU, where it is a third faster, and dense elsewhere.
-        impl: "jax": MJX, on every platform and with gradients. "fused": all physics steps of a step in one compiled
-            function on CPUs and NVIDIA GPUs, MJX elsewhere.
+        impl: "fused": all physics steps of a step in one compiled function on CPUs and NVIDIA GPUs, MJX elsewhere; no
+            gradients. "jax": MJX everywhere, with gradients.
 
     Raises:
         ConfigError: A value cannot be used.
@@ -69,7 +69,7 @@ class PhysicsConfig:
     max_geom_pairs: int | None = None
     max_contact_points: int | None = None
     jacobian: str = "auto"
-    impl: str = "jax"
+    impl: str = "fused"
 
     def __post_init__(self) -> None:
         self._check_choices()

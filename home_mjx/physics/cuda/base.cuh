@@ -7,9 +7,8 @@ typedef float real;
 constexpr int WARP_SIZE = 32;
 constexpr unsigned ALL_LANES = 0xffffffffu;
 #define LANE int(threadIdx.x)
-#define LANE_OF(width) ((width) == 1 ? 0 : LANE)
-constexpr real ENOUGH = 1e-5f;           // of the slope of the cost that a line search leaves, against that at its start
-constexpr real SOLVED = 1e-12f;          // of the cost's scale: what a step of Newton's method would still gain
+constexpr real ENOUGH = 1e-2f;           // of the slope of the cost that a line search leaves, against that at its start
+constexpr real SOLVED = 1e-11f;          // of the cost's scale: what a step of Newton's method would still gain
 constexpr real SMALLEST = 1e-9f;         // pivot
 constexpr real NEARLY_PARALLEL = 1e-4f;  // of edges: length of the cross product of their directions
 constexpr real PREFER_FACES = 1 - 1e-6f;
@@ -18,6 +17,7 @@ constexpr real TINY = 1e-9f;
 INLINE void sync_warp() { __syncwarp(); }
 INLINE unsigned warp_ballot(bool x) { return __ballot_sync(ALL_LANES, x); }
 INLINE int count_bits(unsigned x) { return __popc(x); }
+INLINE unsigned warp_alike(int x) { return __match_any_sync(ALL_LANES, x); }
 INLINE int from_lane(int x, int lane) { return __shfl_sync(ALL_LANES, x, lane < 0 ? 0 : lane); }
 // The same bits in every lane: both sides of each addition are the same two numbers.
 INLINE real warp_sum(real x) {
@@ -32,10 +32,11 @@ INLINE real* shared_memory() { return shared_floats; }
 #define NONE real(-9)  // no second place on a capsule
 
 constexpr int MOST_POINTS = 16;       // of a pair
+constexpr int BLOCKS = 16;            // that a multiprocessor holds at least: 128 registers a thread
 constexpr int NEAR = 24;              // static boxes that are kept near each mobile
 constexpr int POINTS_PER_MOBILE = 24; // contact points that there is room for
-constexpr int CONTACT_WORDS = 53;     // of memory that a contact takes, as in launch.py
-constexpr int AGENT_DOFS = 3, BODY_DOFS = 6;
+constexpr int CONTACT_WORDS = 49;     // of memory that a contact takes, as in launch.py
+constexpr int SMALL_ISLAND = 6;       // mobiles whose Hessian fits into shared memory, as in launch.py
 constexpr int STATIC = -1, FLOOR = -2;  // the second mobile of a contact with what does not move
 constexpr int LOST_STATIC = 0, LOST_POINTS = 1;
 constexpr int LINE_STEPS = 40;

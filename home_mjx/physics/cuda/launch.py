@@ -11,12 +11,14 @@ from jaxtyping import Array
 
 from home_mjx.core.native.platforms import PTX_TARGET, problem_of, ptx_for_all, works
 from home_mjx.core.native.varying import varying_false
-from home_mjx.physics.native.limits import AGENT_DOFS, BODY_DOFS, NEAR, POINTS_PER_MOBILE
+from home_mjx.physics.native.limits import BODY_DOFS, NEAR, POINTS_PER_MOBILE
 
-SOURCES = tuple(Path(__file__).with_name(name) for name in ("base.cuh", "shapes.cuh", "solver.cuh", "step.cu"))
+SOURCES = tuple(
+    Path(__file__).with_name(name) for name in ("base.cuh", "shapes.cuh", "contact.cuh", "solver.cuh", "step.cu")
+)
 WARP = 32
-CONTACT_WORDS = 53  # as in base.cuh
-SHARED_REALS, SHARED_INTS = 44, 6  # per mobile, as step.cu lays them out
+CONTACT_WORDS, SMALL_ISLAND = 49, 6  # as in base.cuh
+SHARED_REALS, SHARED_INTS = 44, 7 + POINTS_PER_MOBILE  # per mobile, as step.cu lays them out
 
 
 def step_cuda(*operands: Array) -> tuple[Array, ...]:
@@ -25,8 +27,8 @@ def step_cuda(*operands: Array) -> tuple[Array, ...]:
     _, qpos, qvel, _, action = given[-5:]
     envs, agents = qpos.shape[0], action.shape[1]
     houses, statics, bodies = given[0].shape[0], given[0].shape[1], given[3].shape[1]
-    mobiles, dofs = agents + bodies, AGENT_DOFS * agents + BODY_DOFS * bodies
-    words = (NEAR + 12) * mobiles + dofs * dofs + 2 * dofs + CONTACT_WORDS * POINTS_PER_MOBILE * mobiles
+    mobiles = agents + bodies
+    words = (NEAR + 12) * mobiles + _newton_words(mobiles) + CONTACT_WORDS * POINTS_PER_MOBILE * mobiles
     results = (
         jax.ShapeDtypeStruct(qpos.shape, jnp.float32),
         jax.ShapeDtypeStruct(qvel.shape, jnp.float32),
@@ -39,13 +41,19 @@ def step_cuda(*operands: Array) -> tuple[Array, ...]:
         return tuple(jnp.zeros(x.shape, x.dtype) for x in results[:-1])
     sizes = (envs, houses, statics, bodies, agents, 4 * words)
     constants = jnp.concatenate([jnp.full(1, size, jnp.int32) for size in sizes])
-    shared = 4 * ((SHARED_REALS + SHARED_INTS) * mobiles + 4)
+    shared = 4 * ((SHARED_REALS + SHARED_INTS) * mobiles + _newton_words(SMALL_ISLAND) + 2)
     launch = {"grid_x": envs, "grid_y": 1, "grid_z": 1, "block_x": WARP, "block_y": 1, "block_z": 1}
     numbers = {name: np.int32(size) for name, size in {**launch, "shared_mem_bytes": shared}.items()}
     options: dict[str, Any] = {"name": "step_physics", "kernel_type": "ptx", "kernel_data": kernel(), **numbers}
     stepped = jax.ffi.ffi_call(PTX_TARGET, results)(*given, constants, **options)
     never = varying_false(operands)
     return tuple(jnp.where(never, jnp.zeros_like(x), x) for x in stepped[:-1])
+
+
+def _newton_words(mobiles: int) -> int:
+    """Memory for an island: the lower triangle of its Hessian, its gradient and the search direction."""
+    size = BODY_DOFS * mobiles
+    return size * (size + 1) // 2 + 2 * size
 
 
 @functools.cache

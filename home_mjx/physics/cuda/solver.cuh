@@ -1,283 +1,60 @@
-// Islands, and MuJoCo's convex problem in each by Newton's method: what native/constraint.py and native/solver.py do.
+// Islands, and MuJoCo's convex problem in each by Newton's method: what native/solver.py does.
 //
-// Mobiles that touch no other are solved by one lane each, at the same time; larger islands by the whole warp, one after
-// the other. Sums over lanes are made in a fixed order, so that results do not depend on the batch.
-
-struct Contact {
-  real jacobian[2][3][6];  // contact frame (normal, two tangents) from the numbers of the first and the second mobile
-  real weight, friction;
-  real target[4], residual[4], slope[4];
-  int first, second, active;
-};
-static_assert(sizeof(Contact) <= CONTACT_WORDS * sizeof(real), "launch.py gives too little room");
-
-// One environment: pointers into shared memory and scratch.
-struct Env {
-  int agents, mobiles, statics, room;  // room: most contacts
-  real *pos, *quat, *rot, *vel, *acc, *smooth, *half, *mass, *radius;
-  int *used, *num_near, *island, *members, *rows, *offset, *counts;
-  real *near, *near_from, *hessian, *gradient, *search;
-  Contact* contacts;
-  Numbers numbers;
-  INLINE int dofs(int m) const { return m < agents ? AGENT_DOFS : BODY_DOFS; }
-};
-
-INLINE int num_rows(const Contact& c) { return c.friction > 0 ? 4 : 1; }
-
-INLINE real edge_value(int row, real friction, const real* v) {
-  const real tangent = row < 2 ? v[1] : v[2];
-  return v[0] + (row % 2 == 0 ? friction * tangent : -friction * tangent);
-}
-
-// In the contact frame, of the second mobile against the first one.
-INLINE void relative(const Contact& c, const real* first, const real* second, int dofs1, int dofs2, real* out) {
-  for (int row = 0; row < 3; ++row) {
-    real sum = 0;
-    for (int k = 0; k < dofs1; ++k) sum += c.jacobian[0][row][k] * first[k];
-    for (int k = 0; k < dofs2; ++k) sum += c.jacobian[1][row][k] * second[k];
-    out[row] = sum;
-  }
-}
-
-INLINE void relative(const Env& e, const Contact& c, const real* values, real* out) {
-  const int b = c.second < 0 ? 0 : c.second;
-  relative(c, values + 6 * c.first, values + 6 * b, e.dofs(c.first), c.second < 0 ? 0 : e.dofs(b), out);
-}
-
-INLINE real impedance(const Numbers& numbers, real depth) {
-  const real x = depth / numbers.impedance_width;
-  if (x >= 1) return numbers.impedance_high;
-  const real y = x < real(0.5) ? 2 * x * x : 1 - 2 * (1 - x) * (1 - x);
-  return numbers.impedance_low + y * (numbers.impedance_high - numbers.impedance_low);
-}
-
-// Fills in a contact: its Jacobian, regularisation and reference accelerations.
-__device__ void make_contact(const Env& e, Contact& c, int first, int second, real friction, const Point& point) {
-  const Vec n = point.normal;
-  const int axis = absolute(n.y) < real(0.5) ? 1 : 2;
-  const real length = sqrt(1 - n[axis] * n[axis]);
-  const Vec unit = {0, real(axis == 1), real(axis == 2)};
-  const Vec tangent = (1 / length) * (unit - n[axis] * n);
-  const Vec frame[3] = {n, tangent, cross(n, tangent)};
-  c.first = first, c.second = second, c.friction = friction, c.active = 0;
-  real inverse = 0;
-  for (int side = 0; side < 2; ++side) {
-    const int m = side == 0 ? first : second;
-    if (m < 0) continue;
-    const real sign = side == 0 ? -1 : 1;
-    const real* rot = e.rot + 9 * m;
-    const Vec arm = point.pos - Vec{e.pos[3 * m], e.pos[3 * m + 1], e.pos[3 * m + 2]};
-    for (int row = 0; row < 3; ++row) {
-      const Vec turn = cross(arm, frame[row]);
-      real* jacobian = c.jacobian[side][row];
-      for (int k = 0; k < 3; ++k) {
-        jacobian[k] = sign * frame[row][k];
-        jacobian[3 + k] = m < e.agents ? 0 : sign * (rot[k] * turn.x + rot[3 + k] * turn.y + rot[6 + k] * turn.z);
-      }
-    }
-    inverse += 1 / e.mass[6 * m];
-  }
-  const bool agent = first < e.agents;
-  const real stiffness = agent ? e.numbers.agent_stiffness : e.numbers.body_stiffness;
-  const real damping = agent ? e.numbers.agent_damping : e.numbers.body_damping;
-  const real imp = impedance(e.numbers, -point.distance);
-  if (friction > 0) inverse *= (1 + friction * friction) * 2 * friction * friction;
-  c.weight = 1 / fmax(inverse * (1 - imp) / imp, real(1e-15));
-  real velocity[3];
-  relative(e, c, e.vel, velocity);
-  for (int row = 0; row < num_rows(c); ++row)
-    c.target[row] = -stiffness * imp * point.distance - damping * edge_value(row, friction, velocity);
-}
+// Mobiles that touch no other are solved by one lane each, at the same time, in registers; larger islands by the whole
+// warp, one after the other. Sums over lanes are made in a fixed order, so that results do not depend on the batch.
 
 INLINE int find_root(const int* island, int m) {
   while (island[m] != m) m = island[m];
   return m;
 }
 
-// Each mobile's island is its first mobile; sizes of islands.
+// Each mobile's island is its first mobile; counts mobiles and contacts, and sorts the contacts by island.
 __device__ void find_islands(const Env& e, int count) {
-  if (LANE == 0) {
-    for (int m = 0; m < e.mobiles; ++m) e.island[m] = m, e.members[m] = 0, e.rows[m] = 0;
-    for (int n = 0; n < count; ++n)
-      if (e.contacts[n].second >= 0) {
-        const int a = find_root(e.island, e.contacts[n].first), b = find_root(e.island, e.contacts[n].second);
-        e.island[a > b ? a : b] = a < b ? a : b;
-      }
-    for (int m = 0; m < e.mobiles; ++m) {
-      const int root = e.island[m] = find_root(e.island, m);
-      e.offset[m] = e.rows[root];  // first number in the island's vectors; `rows` counts the numbers for now
-      e.rows[root] += e.dofs(m);
-      ++e.members[root];
-    }
-    for (int m = 0; m < e.mobiles; ++m) e.rows[m] = 0;
-    for (int n = 0; n < count; ++n) ++e.rows[e.island[e.contacts[n].first]];
-  }
+  for (int m = LANE; m < e.mobiles; m += WARP_SIZE) e.island[m] = m, e.members[m] = e.rows[m] = 0;
   sync_warp();
-}
-
-template <int WIDTH>
-INLINE real sum_over(real x) {
-  return WIDTH == 1 ? x : warp_sum(x);
-}
-
-template <int WIDTH>
-INLINE void sync_group() {
-  if (WIDTH > 1) sync_warp();
-}
-
-// What Newton's method works on: an island, or one mobile in a lane of its own.
-struct Island {
-  int root, size, count;  // count: contacts of the environment
-  real *hessian, *gradient, *search;
-};
-
-#define CONTACTS_OF(n, c, s) \
-  for (int n = LANE_OF(WIDTH); n < s.count; n += WIDTH) \
-    if (Contact& c = e.contacts[n]; e.island[c.first] == s.root)
-#define MEMBERS_OF(m, s) \
-  for (int m = s.root + LANE_OF(WIDTH); m < e.mobiles; m += WIDTH) \
-    if (e.used[m] && e.island[m] == s.root)
-
-template <int WIDTH>
-INLINE bool residuals(const Env& e, const Island& s) {
-  real changed = 0;
-  CONTACTS_OF(n, c, s) {
-    real value[3];
-    relative(e, c, e.acc, value);
-    int active = 0;
-    for (int row = 0; row < num_rows(c); ++row) {
-      c.residual[row] = edge_value(row, c.friction, value) - c.target[row];
-      if (c.residual[row] < 0) active |= 1 << row;
-    }
-    if (active != c.active) changed += 1;
-    c.active = active;
-  }
-  return sum_over<WIDTH>(changed) > 0;
-}
-
-// Adds a contact's force to the gradient and its stiffness to the Hessian, entry by entry.
-template <int WIDTH>
-INLINE void add_contact(const Env& e, const Island& s, const Contact& c) {
-  real force[3] = {0, 0, 0}, w00 = 0, w01 = 0, w02 = 0, w11 = 0, w22 = 0;
-  for (int row = 0; row < num_rows(c); ++row)
-    if (c.active & (1 << row)) {
-      const real edge = row % 2 == 0 ? c.friction : -c.friction, push = c.weight * c.residual[row];
-      force[0] += push, w00 += c.weight;
-      if (row < 2)
-        force[1] += push * edge, w01 += c.weight * edge, w11 += c.weight * edge * edge;
-      else
-        force[2] += push * edge, w02 += c.weight * edge, w22 += c.weight * edge * edge;
-    }
-  const int entries = c.second < 0 ? 6 : 12;
-  for (int at = LANE_OF(WIDTH); at < entries * entries; at += WIDTH) {
-    const int i = at / entries, j = at % entries, mi = i < 6 ? c.first : c.second, mj = j < 6 ? c.first : c.second;
-    const int ki = i % 6, kj = j % 6;
-    if (ki >= e.dofs(mi) || kj >= e.dofs(mj)) continue;
-    const int row = e.offset[mi] + ki, column = e.offset[mj] + kj;
-    const real x = c.jacobian[i / 6][0][ki], y = c.jacobian[i / 6][1][ki], z = c.jacobian[i / 6][2][ki];
-    if (j == 0) s.gradient[row] += x * force[0] + y * force[1] + z * force[2];
-    if (row < column) continue;
-    const real u = w00 * x + w01 * y + w02 * z, v = w01 * x + w11 * y, w = w02 * x + w22 * z;
-    s.hessian[s.size * row + column] +=
-        u * c.jacobian[j / 6][0][kj] + v * c.jacobian[j / 6][1][kj] + w * c.jacobian[j / 6][2][kj];
-  }
-}
-
-template <int WIDTH>
-INLINE void assemble(const Env& e, const Island& s) {
-  for (int i = LANE_OF(WIDTH); i < s.size * s.size; i += WIDTH) s.hessian[i] = 0;
-  sync_group<WIDTH>();
-  MEMBERS_OF(m, s) {
-    for (int k = 0; k < e.dofs(m); ++k) {
-      const int at = e.offset[m] + k;
-      s.hessian[s.size * at + at] = e.mass[6 * m + k];
-      s.gradient[at] = e.mass[6 * m + k] * (e.acc[6 * m + k] - e.smooth[6 * m + k]);
+  for (int base = 0; base < count; base += WARP_SIZE) {
+    const int n = base + LANE, first = n < count ? e.contacts[n].first : 0, second = n < count ? e.contacts[n].second : -1;
+    for (unsigned left = warp_ballot(second >= 0); left; left &= left - 1) {
+      const int lane = count_bits((left & -left) - 1);
+      const int a = find_root(e.island, from_lane(first, lane)), b = find_root(e.island, from_lane(second, lane));
+      sync_warp();
+      if (LANE == 0) e.island[a > b ? a : b] = a < b ? a : b;
+      sync_warp();
     }
   }
-  sync_group<WIDTH>();
-  for (int n = 0; n < s.count; ++n) {
-    const Contact& c = e.contacts[n];
-    if (e.island[c.first] != s.root || !c.active) continue;
-    add_contact<WIDTH>(e, s, c);
-    sync_group<WIDTH>();
-  }
-}
-
-// Cholesky, in place of the lower triangle.
-template <int WIDTH>
-INLINE void factorise(const Island& s) {
-  real* h = s.hessian;
-  const int size = s.size;
-  for (int j = 0; j < size; ++j) {
-    for (int i = j + LANE_OF(WIDTH); i < size; i += WIDTH) {
-      real value = h[size * i + j];
-      for (int k = 0; k < j; ++k) value -= h[size * i + k] * h[size * j + k];
-      s.search[i] = value;
+  for (int m = LANE; m < e.mobiles; m += WARP_SIZE) e.end[m] = find_root(e.island, m);
+  sync_warp();
+  for (int m = LANE; m < e.mobiles; m += WARP_SIZE) e.island[m] = e.end[m];
+  sync_warp();
+  for (int m = LANE; m < e.mobiles; m += WARP_SIZE)
+    for (int k = 0; k < e.mobiles; ++k) e.members[m] += e.used[k] && e.island[k] == m;
+  for (int pass = 0; pass < 2; ++pass) {  // counts, then places
+    for (int base = 0; base < count; base += WARP_SIZE) {
+      const int n = base + LANE, root = n < count ? e.island[e.contacts[n].first] : -1;
+      const unsigned alike = warp_alike(root), before = alike & ((1u << LANE) - 1);
+      if (pass == 1 && n < count) e.order[e.end[root] + count_bits(before)] = n;
+      sync_warp();
+      if (n < count && !before) (pass == 0 ? e.rows : e.end)[root] += count_bits(alike);
+      sync_warp();
     }
-    sync_group<WIDTH>();
-    const real pivot = sqrt(fmax(s.search[j], SMALLEST));
-    for (int i = j + LANE_OF(WIDTH); i < size; i += WIDTH) h[size * i + j] = i == j ? pivot : s.search[i] / pivot;
-    sync_group<WIDTH>();
-  }
-}
-
-template <int WIDTH>
-INLINE void back_substitute(const Island& s) {
-  const int size = s.size;
-  for (int i = 0; i < size; ++i) {
-    real sum = 0;
-    for (int k = LANE_OF(WIDTH); k < i; k += WIDTH) sum += s.hessian[size * i + k] * s.search[k];
-    sum = sum_over<WIDTH>(sum);
-    if (LANE_OF(WIDTH) == 0) s.search[i] = (-s.gradient[i] - sum) / s.hessian[size * i + i];
-    sync_group<WIDTH>();
-  }
-  for (int i = size - 1; i >= 0; --i) {
-    real sum = 0;
-    for (int k = i + 1 + LANE_OF(WIDTH); k < size; k += WIDTH) sum += s.hessian[size * k + i] * s.search[k];
-    sum = sum_over<WIDTH>(sum);
-    if (LANE_OF(WIDTH) == 0) s.search[i] = (s.search[i] - sum) / s.hessian[size * i + i];
-    sync_group<WIDTH>();
-  }
-}
-
-template <int WIDTH>
-INLINE void derivatives(const Env& e, const Island& s, real start, real curve, real length, real& slope, real& bend) {
-  real first = 0, second = 0;
-  CONTACTS_OF(n, c, s) {
-    for (int row = 0; row < num_rows(c); ++row) {
-      const real rate = c.slope[row], value = c.residual[row] + length * rate;
-      if (value < 0) first += c.weight * value * rate, second += c.weight * rate * rate;
+    if (pass == 1) break;
+    for (int m = LANE; m < e.mobiles; m += WARP_SIZE) {
+      e.end[m] = 0;
+      for (int k = 0; k < m; ++k) e.end[m] += e.rows[k];
     }
+    sync_warp();
   }
-  slope = start + length * curve + sum_over<WIDTH>(first);
-  bend = curve + sum_over<WIDTH>(second);
 }
 
-template <int WIDTH>
-INLINE real line_search(const Env& e, const Island& s) {
-  real start = 0, curve = 0, scale = 0;
-  MEMBERS_OF(m, s) {
-    for (int k = 0; k < e.dofs(m); ++k) {
-      const real step = s.search[e.offset[m] + k], mass = e.mass[6 * m + k];
-      const real guess = e.acc[6 * m + k], free = e.smooth[6 * m + k];
-      start += mass * (guess - free) * step, curve += mass * step * step;
-      scale += mass * (guess * guess + free * free);
-    }
-  }
-  start = sum_over<WIDTH>(start), curve = sum_over<WIDTH>(curve), scale = sum_over<WIDTH>(scale);
-  CONTACTS_OF(n, c, s) {
-    real value[3];
-    const int b = c.second < 0 ? c.first : c.second;
-    relative(c, s.search + e.offset[c.first], s.search + e.offset[b], e.dofs(c.first), c.second < 0 ? 0 : e.dofs(b), value);
-    for (int row = 0; row < num_rows(c); ++row) c.slope[row] = edge_value(row, c.friction, value);
-  }
-  real before, bend;
-  derivatives<WIDTH>(e, s, start, curve, 0, before, bend);
+// Exact line search: where the cost's slope vanishes. `derivatives` gives slope and curvature at a length.
+template <class Derivatives>
+INLINE real find_length(real scale, Derivatives derivatives) {
+  real before, bend, low = 0, high = INF, length = 1;
+  derivatives(real(0), before, bend);
   if (!(before < -SOLVED * scale)) return 0;
-  real low = 0, high = INF, length = 1;
   for (int i = 0; i < LINE_STEPS; ++i) {
     real slope;
-    derivatives<WIDTH>(e, s, start, curve, length, slope, bend);
+    derivatives(length, slope, bend);
     if (absolute(slope) <= -ENOUGH * before) return length;
     if (slope < 0) low = length;
     else high = length;
@@ -287,23 +64,272 @@ INLINE real line_search(const Env& e, const Island& s) {
   return length;
 }
 
-template <int WIDTH>
-__device__ __noinline__ void newton(const Env& e, const Island& s) {
+// One mobile alone, in registers: loops over its six numbers are unrolled.
+struct Alone {
+  real mass[6], free[6], acc[6], search[6];
+  real hessian[6][6], gradient[6];
+
+  INLINE void start() {
+#pragma unroll
+    for (int i = 0; i < 6; ++i) {
+#pragma unroll
+      for (int j = 0; j < i; ++j) hessian[i][j] = 0;
+      hessian[i][i] = mass[i], gradient[i] = mass[i] * (acc[i] - free[i]);
+    }
+  }
+
+  INLINE void add(const Contact& c) {
+    const Push p = push_of(c);
+    real jacobian[3][6];
+#pragma unroll
+    for (int row = 0; row < 3; ++row)
+#pragma unroll
+      for (int k = 0; k < 3; ++k) jacobian[row][k] = -c.frame[row][k], jacobian[row][3 + k] = c.turn[0][row][k];
+#pragma unroll
+    for (int i = 0; i < 6; ++i) {
+      const real x = jacobian[0][i], y = jacobian[1][i], z = jacobian[2][i];
+      const real u = p.w00 * x + p.w01 * y + p.w02 * z, v = p.w01 * x + p.w11 * y, w = p.w02 * x + p.w22 * z;
+      gradient[i] += x * p.force[0] + y * p.force[1] + z * p.force[2];
+#pragma unroll
+      for (int j = 0; j <= i; ++j) hessian[i][j] += u * jacobian[0][j] + v * jacobian[1][j] + w * jacobian[2][j];
+    }
+  }
+
+  // Cholesky in place, then search = -hessian^-1 gradient.
+  INLINE void find_search() {
+#pragma unroll
+    for (int j = 0; j < 6; ++j) {
+#pragma unroll
+      for (int i = j; i < 6; ++i) {
+#pragma unroll
+        for (int k = 0; k < j; ++k) hessian[i][j] -= hessian[i][k] * hessian[j][k];
+        if (i == j) hessian[j][j] = 1 / sqrt(fmax(hessian[j][j], SMALLEST));  // its inverse
+        else hessian[i][j] *= hessian[j][j];
+      }
+    }
+#pragma unroll
+    for (int i = 0; i < 6; ++i) {
+      search[i] = -gradient[i];
+#pragma unroll
+      for (int k = 0; k < i; ++k) search[i] -= hessian[i][k] * search[k];
+      search[i] *= hessian[i][i];
+    }
+#pragma unroll
+    for (int i = 5; i >= 0; --i) {
+#pragma unroll
+      for (int k = i + 1; k < 6; ++k) search[i] -= hessian[k][i] * search[k];
+      search[i] *= hessian[i][i];
+    }
+  }
+
+  INLINE real find_step(const Env& e, const int* contacts, int count) {
+    real start = 0, curve = 0, scale = 0;
+#pragma unroll
+    for (int k = 0; k < 6; ++k) {
+      start += mass[k] * (acc[k] - free[k]) * search[k], curve += mass[k] * search[k] * search[k];
+      scale += mass[k] * (acc[k] * acc[k] + free[k] * free[k]);
+    }
+    for (int i = 0; i < count; ++i) {
+      Contact& c = e.contacts[contacts[i]];
+      real slope[3] = {0, 0, 0};
+      add_relative<0>(c, search, slope);
+#pragma unroll
+      for (int k = 0; k < 3; ++k) c.slope[k] = slope[k];
+    }
+    return find_length(scale, [&](real length, real& slope, real& bend) {
+      slope = start + length * curve, bend = curve;
+      for (int i = 0; i < count; ++i) add_derivatives(e.contacts[contacts[i]], length, slope, bend);
+    });
+  }
+};
+
+__device__ __noinline__ void solve_alone(const Env& e, int m) {
+  Alone own;
+#pragma unroll
+  for (int k = 0; k < 6; ++k)
+    own.mass[k] = e.mass[6 * m + k], own.free[k] = e.smooth[6 * m + k], own.acc[k] = e.acc[6 * m + k];
+  const int count = e.rows[m], *contacts = e.order + e.end[m] - count;
   bool full = false;
   for (int i = 0; i < int(e.numbers.iterations); ++i) {
-    const bool changed = residuals<WIDTH>(e, s);
-    sync_group<WIDTH>();
-    if (full && !changed) return;
-    assemble<WIDTH>(e, s);
-    factorise<WIDTH>(s);
-    back_substitute<WIDTH>(s);
-    const real length = line_search<WIDTH>(e, s);
+    bool changed = false;
+    for (int n = 0; n < count; ++n) {
+      Contact& c = e.contacts[contacts[n]];
+      real value[3] = {0, 0, 0};
+      add_relative<0>(c, own.acc, value);
+      changed |= set_residual(c, value);
+    }
+    if (full && !changed) break;
+    own.start();
+    for (int n = 0; n < count; ++n)
+      if (const Contact& c = e.contacts[contacts[n]]; c.active) own.add(c);
+    own.find_search();
+    const real length = own.find_step(e, contacts, count);
+    if (length == 0) break;
+    full = length == 1;
+#pragma unroll
+    for (int k = 0; k < 6; ++k) own.acc[k] += length * own.search[k];
+  }
+#pragma unroll
+  for (int k = 0; k < 6; ++k) e.acc[6 * m + k] = own.acc[k];
+}
+
+// Mobiles that touch each other, solved by the whole warp. The numbers of mobile m are at offset[m] of its vectors.
+struct Joined {
+  int root, size, count;
+  const int *contacts, *offset;
+  real *hessian, *gradient, *search;
+};
+
+#define CONTACTS_OF(c, s)                         \
+  for (int n = LANE; n < s.count; n += WARP_SIZE) \
+    if (Contact& c = e.contacts[s.contacts[n]]; true)
+#define MEMBERS_OF(m, s)                                     \
+  for (int m = s.root + LANE; m < e.mobiles; m += WARP_SIZE) \
+    if (e.used[m] && e.island[m] == s.root)
+
+INLINE int packed(int row, int column) { return row * (row + 1) / 2 + column; }  // of a lower triangle
+__device__ constexpr int newton_words(int size) { return size * (size + 1) / 2 + 2 * size; }
+
+// One number of those that a contact adds to: of the Hessian's blocks of the first mobile (21), of the second one (21), of
+// both (36), or of the gradient (12). Each lane has a few of them, the same for all contacts.
+struct Entry {
+  int side[2], at[2];  // of row and column: the contact's mobile, and which of its six numbers
+  bool gradient;
+};
+constexpr int ENTRIES = 90, OWN_ENTRIES = (ENTRIES + WARP_SIZE - 1) / WARP_SIZE;
+
+INLINE Entry entry(int n) {
+  if (n >= 78) return {{(n - 78) / 6, 0}, {(n - 78) % 6, 0}, true};
+  if (n >= 42) return {{1, 0}, {(n - 42) / 6, (n - 42) % 6}, false};
+  const int side = n / 21;
+  int row = 0, column = n % 21;
+  while (column > row) column -= ++row;
+  return {{side, side}, {row, column}, false};
+}
+
+INLINE real jacobian(const Contact& c, int row, int side, int k) {
+  return k >= 3 ? c.turn[side][row][k - 3] : side ? c.frame[row][k] : -c.frame[row][k];
+}
+
+// Adds a contact's forces to the gradient and its stiffness to the Hessian.
+INLINE void add_contact(const Joined& s, const Contact& c, const Entry* entries) {
+  const Push& p = c.push;
+  const int offset[2] = {s.offset[c.first], c.second < 0 ? -1 : s.offset[c.second]};
+#pragma unroll
+  for (int n = 0; n < OWN_ENTRIES; ++n) {
+    const Entry& own = entries[n];
+    if (LANE + n * WARP_SIZE >= ENTRIES || (c.second < 0 && (own.side[0] || own.side[1]))) continue;
+    const int row = offset[own.side[0]] + own.at[0], column = offset[own.side[1]] + own.at[1];
+    const real x = jacobian(c, 0, own.side[0], own.at[0]), y = jacobian(c, 1, own.side[0], own.at[0]),
+               z = jacobian(c, 2, own.side[0], own.at[0]);
+    if (own.gradient) {
+      s.gradient[row] += x * p.force[0] + y * p.force[1] + z * p.force[2];
+    } else {
+      const real u = p.w00 * x + p.w01 * y + p.w02 * z, v = p.w01 * x + p.w11 * y, w = p.w02 * x + p.w22 * z;
+      s.hessian[row > column ? packed(row, column) : packed(column, row)] +=
+          u * jacobian(c, 0, own.side[1], own.at[1]) + v * jacobian(c, 1, own.side[1], own.at[1]) +
+          w * jacobian(c, 2, own.side[1], own.at[1]);
+    }
+  }
+}
+
+INLINE void assemble(const Env& e, const Joined& s, const Entry* entries) {
+  CONTACTS_OF(c, s) { c.push = push_of(c); }
+  for (int i = LANE; i < packed(s.size, 0); i += WARP_SIZE) s.hessian[i] = 0;
+  sync_warp();
+  MEMBERS_OF(m, s) {
+    for (int k = 0; k < 6; ++k) {
+      const int at = s.offset[m] + k;
+      s.hessian[packed(at, at)] = e.mass[6 * m + k];
+      s.gradient[at] = e.mass[6 * m + k] * (e.acc[6 * m + k] - e.smooth[6 * m + k]);
+    }
+  }
+  sync_warp();
+  for (int n = 0; n < s.count; ++n) {
+    const Contact& c = e.contacts[s.contacts[n]];
+    if (!c.active) continue;
+    add_contact(s, c, entries);
+    sync_warp();
+  }
+}
+
+// Cholesky in place of the lower triangle, then search = -hessian^-1 gradient.
+INLINE void find_search(const Joined& s) {
+  real *h = s.hessian, *x = s.search;
+  const int size = s.size;
+  for (int j = 0; j < size; ++j) {
+    for (int i = j + LANE; i < size; i += WARP_SIZE) {
+      const real *row = h + packed(i, 0), *other = h + packed(j, 0);
+      real value = row[j];
+      for (int k = 0; k < j; ++k) value -= row[k] * other[k];
+      x[i] = value;
+    }
+    sync_warp();
+    const real pivot = sqrt(fmax(x[j], SMALLEST));
+    for (int i = j + LANE; i < size; i += WARP_SIZE) h[packed(i, j)] = i == j ? pivot : x[i] / pivot;
+    sync_warp();
+  }
+  for (int i = LANE; i < size; i += WARP_SIZE) x[i] = -s.gradient[i];
+  sync_warp();
+  for (int j = 0; j < size; ++j) {
+    const real value = x[j] / h[packed(j, j)];
+    sync_warp();
+    for (int i = j + LANE; i < size; i += WARP_SIZE) x[i] = i == j ? value : x[i] - h[packed(i, j)] * value;
+    sync_warp();
+  }
+  for (int j = size - 1; j >= 0; --j) {
+    const real value = x[j] / h[packed(j, j)];
+    sync_warp();
+    for (int i = LANE; i <= j; i += WARP_SIZE) x[i] = i == j ? value : x[i] - h[packed(j, i)] * value;
+    sync_warp();
+  }
+}
+
+INLINE real find_step(const Env& e, const Joined& s) {
+  real start = 0, curve = 0, scale = 0;
+  MEMBERS_OF(m, s) {
+    for (int k = 0; k < 6; ++k) {
+      const real step = s.search[s.offset[m] + k], mass = e.mass[6 * m + k];
+      const real guess = e.acc[6 * m + k], free = e.smooth[6 * m + k];
+      start += mass * (guess - free) * step, curve += mass * step * step;
+      scale += mass * (guess * guess + free * free);
+    }
+  }
+  start = warp_sum(start), curve = warp_sum(curve), scale = warp_sum(scale);
+  CONTACTS_OF(c, s) {
+    relative(c, s.search, [&](int m) { return s.offset[m]; }, c.slope);
+  }
+  return find_length(scale, [&](real length, real& slope, real& bend) {
+    real first = 0, second = 0;
+    CONTACTS_OF(c, s) { add_derivatives(c, length, first, second); }
+    slope = start + length * curve + warp_sum(first), bend = curve + warp_sum(second);
+  });
+}
+
+__device__ __noinline__ void solve_joined(const Env& e, const Joined& s) {
+  bool full = false;
+  Entry entries[OWN_ENTRIES];
+#pragma unroll
+  for (int n = 0; n < OWN_ENTRIES; ++n) entries[n] = entry(LANE + n * WARP_SIZE < ENTRIES ? LANE + n * WARP_SIZE : 0);
+  for (int i = 0; i < int(e.numbers.iterations); ++i) {
+    bool changed = false;
+    CONTACTS_OF(c, s) {
+      real value[3];
+      relative(c, e.acc, six, value);
+      changed |= set_residual(c, value);
+    }
+    const bool any = warp_ballot(changed) != 0;
+    sync_warp();
+    if (full && !any) return;
+    assemble(e, s, entries);
+    find_search(s);
+    const real length = find_step(e, s);
     if (length == 0) return;
     full = length == 1;
     MEMBERS_OF(m, s) {
-      for (int k = 0; k < e.dofs(m); ++k) e.acc[6 * m + k] += length * s.search[e.offset[m] + k];
+      for (int k = 0; k < 6; ++k) e.acc[6 * m + k] += length * s.search[s.offset[m] + k];
     }
-    sync_group<WIDTH>();
+    sync_warp();
   }
 }
 
@@ -311,20 +337,22 @@ __device__ void solve(const Env& e, int count) {
   find_islands(e, count);
   for (int m = LANE; m < e.mobiles; m += WARP_SIZE) {
     if (!e.used[m] || e.island[m] != m || e.members[m] > 1) continue;
-    if (e.rows[m] == 0) {
+    if (e.rows[m] == 0)
       for (int k = 0; k < 6; ++k) e.acc[6 * m + k] = e.smooth[6 * m + k];
-    } else {
-      real hessian[BODY_DOFS * BODY_DOFS], gradient[BODY_DOFS], search[BODY_DOFS];
-      newton<1>(e, {m, e.dofs(m), count, hessian, gradient, search});
-    }
+    else
+      solve_alone(e, m);
   }
   sync_warp();
-  for (int root = 0; root < e.mobiles; ++root)
-    if (e.used[root] && e.island[root] == root && e.members[root] > 1) {
-      int size = 0;
-      for (int m = root; m < e.mobiles; ++m)
-        if (e.island[m] == root) size += e.dofs(m);
-      newton<WARP_SIZE>(e, {root, size, count, e.hessian, e.gradient, e.search});
-      sync_warp();
-    }
+  for (int root = 0; root < e.mobiles; ++root) {
+    if (!e.used[root] || e.island[root] != root || e.members[root] == 1) continue;
+    if (LANE == 0)
+      for (int m = root, at = 0; m < e.mobiles; ++m)
+        if (e.used[m] && e.island[m] == root) e.offset[m] = at, at += 6;
+    sync_warp();
+    const int size = 6 * e.members[root], count = e.rows[root];
+    real* memory = e.members[root] <= SMALL_ISLAND ? e.small : e.large;
+    real* gradient = memory + packed(size, 0);
+    solve_joined(e, {root, size, count, e.order + e.end[root] - count, e.offset, memory, gradient, gradient + size});
+    sync_warp();
+  }
 }

@@ -83,39 +83,45 @@ INLINE real moved(const Env& e, int m) {
   return sqrt(square) + e.radius[m] * sqrt(turn);
 }
 
-// Looks for static boxes near the mobiles that have moved; all lanes share the static boxes.
+// Looks for static boxes near the mobiles that have moved; the lanes share the static boxes.
 __device__ void keep_near(const Env& e, const House& house) {
-  for (int m = 0; m < e.mobiles; ++m) {
-    if (!e.used[m] || (e.num_near[m] >= 0 && moved(e, m) < REACH)) continue;
-    const Box own = mobile_box(e, m);
-    const real reach = e.radius[m] + REACH;
-    int count = 0;
-    for (int base = 0; base < e.statics; base += WARP_SIZE) {
-      const int c = base + LANE;
-      bool close = c < e.statics && house.half[3 * c] >= 0;
-      if (close) {
-        const Box box = static_box(house, c);
-        const Vec at = box.local(own.pos - box.pos);
-        real square = 0;
-        for (int k = 0; k < 3; ++k) {
-          const real beyond = fmax(absolute(at[k]) - box.half[k], real(0));
-          square += beyond * beyond;
-        }
-        close = square < reach * reach && !apart(own, box, REACH);
-      }
-      const unsigned mask = warp_ballot(close);
-      const int place = count + count_bits(mask & ((1u << LANE) - 1));
-      if (close && place < NEAR) e.near[NEAR * m + place] = c;
-      count += count_bits(mask);
-    }
-    sync_warp();
-    if (LANE == 0) {
-      if (count > NEAR) e.counts[LOST_STATIC] = 1;
-      e.num_near[m] = count < NEAR ? count : NEAR;
-    }
-    for (int k = LANE; k < 12; k += WARP_SIZE) e.near_from[12 * m + k] = k < 3 ? e.pos[3 * m + k] : e.rot[9 * m + k - 3];
-    sync_warp();
+  bool any = false;
+  int* looks = e.members;  // which mobiles have moved
+  for (int m = LANE; m < e.mobiles; m += WARP_SIZE) {
+    looks[m] = e.used[m] && (e.num_near[m] < 0 || moved(e, m) >= REACH);
+    if (!looks[m]) continue;
+    any = true, e.num_near[m] = 0;
+    for (int k = 0; k < 12; ++k) e.near_from[12 * m + k] = k < 3 ? e.pos[3 * m + k] : e.rot[9 * m + k - 3];
   }
+  if (!warp_ballot(any)) return;
+  sync_warp();
+  for (int base = 0; base < e.statics; base += WARP_SIZE) {
+    const int c = base + LANE;
+    const bool here = c < e.statics && house.half[3 * c] >= 0;
+    const Box box = static_box(house, here ? c : 0);
+    for (int m = 0; m < e.mobiles; ++m) {
+      if (!looks[m]) continue;
+      const Box own = mobile_box(e, m);
+      const real reach = e.radius[m] + REACH;
+      const Vec at = box.local(own.pos - box.pos);
+      real square = 0;
+#pragma unroll
+      for (int k = 0; k < 3; ++k) {
+        const real beyond = fmax(absolute(at[k]) - box.half[k], real(0));
+        square += beyond * beyond;
+      }
+      const bool close = here && square < reach * reach && !apart(own, box, REACH);
+      const unsigned mask = warp_ballot(close);
+      const int place = e.num_near[m] + count_bits(mask & ((1u << LANE) - 1));
+      if (close && place < NEAR) e.near[NEAR * m + place] = c;
+      sync_warp();
+      if (LANE == 0) e.num_near[m] += count_bits(mask);
+      sync_warp();
+    }
+  }
+  for (int m = LANE; m < e.mobiles; m += WARP_SIZE)
+    if (e.num_near[m] > NEAR) e.num_near[m] = NEAR, e.counts[LOST_STATIC] = 1;
+  sync_warp();
 }
 
 INLINE void on_floor(const Env& e, int m, real floor, Points& points) {
@@ -201,6 +207,7 @@ INLINE void smooth(const Env& e, int m, const float* action) {
     const real cut = fmin(real(1), n.push_force / sqrt(x * x + y * y + real(1e-12)));
     out[0] = x * cut / n.agent_mass, out[1] = y * cut / n.agent_mass;
     out[5] = (turn - vel[5]) / n.response_time;
+    for (int k = 3; k < 6; ++k) e.acc[6 * m + k] = out[k];  // contacts do not turn agents
   } else {
     for (int k = 0; k < 3; ++k) {
       const int p = (k + 1) % 3, q = (k + 2) % 3;
@@ -219,7 +226,6 @@ INLINE void limit(real* v, real most) {
 INLINE void move(const Env& e, int m) {
   const real dt = e.numbers.sim_dt;
   real *pos = e.pos + 3 * m, *q = e.quat + 4 * m, *vel = e.vel + 6 * m, *acc = e.acc + 6 * m;
-  if (m < e.agents) acc[3] = acc[4] = 0, acc[5] = e.smooth[6 * m + 5];
   for (int k = 0; k < 6; ++k) vel[k] += dt * acc[k];
   for (int k = 0; k < 3; ++k) pos[k] += dt * vel[k];
   if (m < e.agents) {
@@ -240,7 +246,7 @@ INLINE void move(const Env& e, int m) {
 }
 
 // Sizes: environments, houses, static boxes, bodies, agents, bytes of scratch per environment.
-extern "C" __global__ void __launch_bounds__(WARP_SIZE) step_physics(
+extern "C" __global__ void __launch_bounds__(WARP_SIZE, BLOCKS) step_physics(
     const float* collider_pos, const float* collider_quat, const float* collider_half, const int* body_valid,
     const float* body_size, const float* body_mass, const float* body_inertia, const float* floors, const float* numbers,
     const int* houses, const float* qpos, const float* qvel, const float* qacc, const float* action, const int* sizes,
@@ -248,17 +254,17 @@ extern "C" __global__ void __launch_bounds__(WARP_SIZE) step_physics(
   const int env = blockIdx.x, num_houses = sizes[1], bodies = sizes[3];
   Env e;
   e.statics = sizes[2], e.agents = sizes[4], e.mobiles = e.agents + bodies, e.room = POINTS_PER_MOBILE * e.mobiles;
-  const int M = e.mobiles, D = AGENT_DOFS * e.agents + BODY_DOFS * bodies;
+  const int M = e.mobiles, D = 6 * M, S = 6 * SMALL_ISLAND;
   real* at = shared_memory();
   e.pos = at, at += 3 * M, e.quat = at, at += 4 * M, e.rot = at, at += 9 * M, e.vel = at, at += 6 * M;
   e.acc = at, at += 6 * M, e.smooth = at, at += 6 * M, e.half = at, at += 3 * M, e.mass = at, at += 6 * M;
-  e.radius = at, at += M;
+  e.radius = at, at += M, e.small = at, at += newton_words(S);
   int* whole = reinterpret_cast<int*>(at);
   e.used = whole, e.num_near = whole + M, e.island = whole + 2 * M, e.members = whole + 3 * M;
-  e.rows = whole + 4 * M, e.offset = whole + 5 * M, e.counts = whole + 6 * M;
+  e.rows = whole + 4 * M, e.end = whole + 5 * M, e.offset = whole + 6 * M, e.counts = whole + 7 * M;
+  e.order = e.counts + 2;
   real* own = reinterpret_cast<real*>(scratch + size_t(env) * sizes[5]);
-  e.near = own, own += NEAR * M, e.near_from = own, own += 12 * M, e.hessian = own, own += D * D;
-  e.gradient = own, own += D, e.search = own, own += D;
+  e.near = own, own += NEAR * M, e.near_from = own, own += 12 * M, e.large = own, own += newton_words(D);
   e.contacts = reinterpret_cast<Contact*>(own);
   for (int i = 0; i < NUM_NUMBERS; ++i) reinterpret_cast<real*>(&e.numbers)[i] = numbers[i];
   const int house = houses[env] < 0 ? 0 : houses[env] < num_houses ? houses[env] : num_houses - 1;

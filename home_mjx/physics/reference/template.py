@@ -1,5 +1,10 @@
 """The one model of a capacity."""
 
+import functools
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import TypeVar
+
 import jax
 import mujoco
 from mujoco import mjx
@@ -9,6 +14,8 @@ from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.reference.lost import Pairs, limit
 from home_mjx.physics.reference.template_mjcf import template_mjcf
+
+T = TypeVar("T")
 
 
 class Template:
@@ -31,10 +38,25 @@ class Template:
         xml = template_mjcf(config, self.layout, _jacobian(config))
         host = mujoco.MjModel.from_xml_string(xml)  # pyright: ignore[reportAttributeAccessIssue]
         self.yaw_inertia = float(host.dof_M0[3])
-        self.model = mjx.put_model(host)
+        self._host = host
         self.pairs = Pairs.of(host)
         self.max_points = limit(host, "max_contact_points")
-        self.data = mjx.make_data(self.model)
+
+    @functools.cached_property
+    def model(self) -> mjx.Model:
+        """MJX's model; made when it is first asked for, as the fused step does without it."""
+        return _outside_of_traces(lambda: mjx.put_model(self._host))
+
+    @functools.cached_property
+    def data(self) -> mjx.Data:
+        """MJX's data at the start."""
+        return _outside_of_traces(lambda: mjx.make_data(self.model))
+
+
+def _outside_of_traces(make: Callable[[], T]) -> T:
+    """In a thread of its own: arrays made within a trace, `pmap` or `shard_map` would belong to it for ever."""
+    with ThreadPoolExecutor(1) as thread:
+        return thread.submit(make).result()
 
 
 def _jacobian(config: PhysicsConfig) -> str:

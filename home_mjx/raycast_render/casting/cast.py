@@ -7,9 +7,9 @@ import jax.numpy as jnp
 from jax import lax
 from jaxtyping import Array, Bool, Float, Int
 
+from home_mjx.core.native.forked import refuse_forked
 from home_mjx.raycast_render.casting.flat import flat_cast
 from home_mjx.raycast_render.casting.hit_gradient import differentiable
-from home_mjx.raycast_render.executors.cpu import refuse_forked
 from home_mjx.raycast_render.scene.types import Hit, Rays, Scene
 from home_mjx.schema.compiled import Ray
 
@@ -115,7 +115,7 @@ def _shared(origin: Array, t_min: Distance, t_max: Distance, exclude: Id, mask: 
 
 def _run(scene: Scene, rays: Rays, shared: tuple[str, ...], executor: str | None, any_hit: bool) -> tuple[Array, ...]:
     """Hits of shape (rays,); the executor gets one value of each `shared` field, which saves memory bandwidth."""
-    refuse_forked()
+    refuse_forked("cast rays")
     count = rays.t_min.size
     flat = jax.tree.map(lambda x: x.reshape(1, count, *x.shape[rays.t_min.ndim :]), rays)
     flat = flat.replace(**{name: getattr(flat, name)[:, :1] for name in shared})

@@ -1,7 +1,6 @@
 """The `cpu` executor: a loop compiled by Numba that XLA calls directly. Compiled and tested on first use."""
 
 import functools
-import os
 
 import jax
 import jax.numpy as jnp
@@ -9,6 +8,7 @@ import numpy as np
 from jaxtyping import Array, Int
 
 from home_mjx.bank.records import Geometry
+from home_mjx.core.native.forked import note_start
 from home_mjx.core.native.platforms import devices_of, problem_of, works
 from home_mjx.core.native.varying import varying_false
 from home_mjx.errors import ExecutorError
@@ -18,7 +18,6 @@ from home_mjx.raycast_render.scene.types import Moving, RawHit, Rays
 TARGET = "home_mjx_cast"
 
 _kept: list[object] = []  # compiled functions that XLA may call until the process ends
-_started_in: list[int] = []  # the process that compiled them
 
 
 def cast_cpu(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, any_hit: bool) -> RawHit:
@@ -45,17 +44,8 @@ def cpu_problem() -> str | None:
     return problem_of("cpu", _start)
 
 
-def refuse_forked() -> None:
-    """Raises `ExecutorError` in a child that was forked after the first cast: it lacks XLA's threads."""
-    if _started_in and _started_in[0] != os.getpid():
-        raise ExecutorError(
-            "rays cannot be cast in a forked child of a process that has cast rays",
-            hint="Start workers by multiprocessing's `spawn` or `forkserver` method.",
-        )
-
-
 def _start() -> str | None:
-    _started_in.append(os.getpid())
+    note_start()
     from home_mjx.raycast_render.executors.native.ffi_handler import build_handler
 
     task, handler = build_handler()

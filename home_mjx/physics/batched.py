@@ -1,0 +1,66 @@
+"""A step of environments (e ...) under `vmap` and over several devices."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jax.custom_batching import custom_vmap
+from jax.experimental.custom_partitioning import custom_partitioning
+from jax.interpreters.mlir import ir
+from jax.sharding import NamedSharding, PartitionSpec
+from jaxtyping import Array
+
+Step = Callable[..., tuple[Array, ...]]
+
+
+def batched(run: Step, shared: int, results: int) -> Step:
+    """`run` for any nesting of `vmap`, on inputs that may be split over devices by environments.
+
+    Args:
+        run: Its first operands are shared by all environments; the others and the results have a leading axis of them.
+        shared: How many operands are shared.
+        results: How many results there are.
+    """
+    spread = _partitioned(run, shared)
+
+    @custom_vmap
+    def step(*operands: Array) -> tuple[Array, ...]:
+        return spread(*operands)
+
+    @step.def_vmap
+    def fold(size: int, is_batched: Any, *operands: Array) -> Any:
+        many = (True,) * results
+        whole = tuple(
+            x if b else jnp.broadcast_to(x[None], (size, *x.shape)) for x, b in zip(operands, is_batched, strict=True)
+        )
+        if any(is_batched[:shared]):
+            return jax.lax.map(lambda x: run(*x), whole), many
+        own = (x.reshape(size * x.shape[1], *x.shape[2:]) for x in whole[shared:])
+        stepped = step(*operands[:shared], *own)
+        return tuple(x.reshape(size, x.shape[0] // size, *x.shape[1:]) for x in stepped), many
+
+    return step
+
+
+def _partitioned(run: Step, shared: int) -> Step:
+    """Without a rule, a program on split inputs would gather them all on every device before each step."""
+
+    def partition(mesh: Any, arguments: Any, results: Any) -> Any:
+        by_env = (*arguments[-1].sharding.spec, None)[0]
+        whole, env = NamedSharding(mesh, PartitionSpec()), NamedSharding(mesh, PartitionSpec(by_env))
+        return mesh, run, (env,) * len(results), (whole,) * shared + (env,) * (len(arguments) - shared)
+
+    def rule(mesh: Any, operands: Sequence[ir.Type], results: Sequence[ir.Type]) -> str:
+        given = (_axes(x, f"x{i}y", i >= shared) for i, x in enumerate(operands))
+        return ", ".join(given) + " -> " + ", ".join(_axes(x, f"z{i}y", True) for i, x in enumerate(results))
+
+    split = custom_partitioning(run)
+    split.def_partition(partition=partition, sharding_rule=rule)
+    return split
+
+
+def _axes(tensor: ir.Type, name: str, by_env: bool) -> str:
+    """A tensor's part of an einsum-like rule: `e` is environments, all other axes are the tensor's own."""
+    count = len(ir.RankedTensorType(tensor).shape)
+    return " ".join((["e"] if by_env else []) + [f"{name}{axis}" for axis in range(by_env, count)])

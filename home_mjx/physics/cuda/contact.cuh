@@ -1,0 +1,138 @@
+// One environment, and its contacts: what native/constraint.py does.
+
+// What a contact adds to gradient and Hessian, in its frame.
+struct Push {
+  real force[3];
+  real w00, w01, w02, w11, w22;
+};
+
+struct Contact {
+  real frame[3][3];                       // rows: normal from the first to the second mobile, two tangents
+  real turn[2][3][3];                     // the frame's velocities from the spins of the first and the second mobile
+  real weight, friction;                  // weight: 1 / regularisation of its rows
+  real target[3], residual[3], slope[3];  // in the frame; `edge_value` makes those of its rows
+  Push push;
+  int first, second, active;
+};
+static_assert(sizeof(Contact) <= CONTACT_WORDS * sizeof(real), "launch.py gives too little room");
+
+// Pointers into shared memory and scratch.
+struct Env {
+  int agents, mobiles, statics, room;  // room: most contacts
+  real *pos, *quat, *rot, *vel, *acc, *smooth, *half, *mass, *radius;
+  int *used, *num_near, *island, *members, *rows, *end, *offset, *order, *counts;
+  real *near, *near_from, *small, *large;  // memory for Newton's method: small is shared
+  Contact* contacts;
+  Numbers numbers;
+};
+
+INLINE int num_rows(const Contact& c) { return c.friction > 0 ? 4 : 1; }
+
+INLINE real edge_value(int row, real friction, const real* v) {
+  const real tangent = row < 2 ? v[1] : v[2];
+  return v[0] + (row % 2 == 0 ? friction * tangent : -friction * tangent);
+}
+
+// What the six numbers of the first (0) or second (1) mobile add to the relative velocity in the contact frame.
+template <int SIDE>
+INLINE void add_relative(const Contact& c, const real* values, real* out) {
+#pragma unroll
+  for (int row = 0; row < 3; ++row)
+#pragma unroll
+    for (int k = 0; k < 3; ++k)
+      out[row] += c.turn[SIDE][row][k] * values[3 + k] + (SIDE == 0 ? -c.frame[row][k] : c.frame[row][k]) * values[k];
+}
+
+// Of the second mobile against the first one. `place` tells where a mobile's numbers are.
+template <class Place>
+INLINE void relative(const Contact& c, const real* values, Place place, real* out) {
+  out[0] = out[1] = out[2] = 0;
+  add_relative<0>(c, values + place(c.first), out);
+  if (c.second >= 0) add_relative<1>(c, values + place(c.second), out);
+}
+
+INLINE int six(int mobile) { return 6 * mobile; }
+
+INLINE real impedance(const Numbers& numbers, real depth) {
+  const real x = depth / numbers.impedance_width;
+  if (x >= 1) return numbers.impedance_high;
+  const real y = x < real(0.5) ? 2 * x * x : 1 - 2 * (1 - x) * (1 - x);
+  return numbers.impedance_low + y * (numbers.impedance_high - numbers.impedance_low);
+}
+
+// Fills in a contact: its Jacobian, regularisation and reference accelerations.
+__device__ void make_contact(const Env& e, Contact& c, int first, int second, real friction, const Point& point) {
+  const Vec n = point.normal;
+  const int axis = absolute(n.y) < real(0.5) ? 1 : 2;
+  const real length = sqrt(1 - n[axis] * n[axis]);
+  const Vec unit = {0, real(axis == 1), real(axis == 2)};
+  const Vec tangent = (1 / length) * (unit - n[axis] * n);
+  const Vec frame[3] = {n, tangent, cross(n, tangent)};
+  c.first = first, c.second = second, c.friction = friction, c.active = 0;
+  real inverse = 0;
+  for (int row = 0; row < 3; ++row)
+    for (int k = 0; k < 3; ++k) c.frame[row][k] = frame[row][k];
+  for (int side = 0; side < 2; ++side) {
+    const int m = side == 0 ? first : second;
+    if (m < 0) continue;
+    const real sign = m < e.agents ? 0 : side == 0 ? -1 : 1;
+    const real* rot = e.rot + 9 * m;
+    const Vec arm = point.pos - Vec{e.pos[3 * m], e.pos[3 * m + 1], e.pos[3 * m + 2]};
+    for (int row = 0; row < 3; ++row) {
+      const Vec turn = cross(arm, frame[row]);
+      for (int k = 0; k < 3; ++k)
+        c.turn[side][row][k] = sign * (rot[k] * turn.x + rot[3 + k] * turn.y + rot[6 + k] * turn.z);
+    }
+    inverse += 1 / e.mass[6 * m];
+  }
+  const bool agent = first < e.agents;
+  const real stiffness = agent ? e.numbers.agent_stiffness : e.numbers.body_stiffness;
+  const real damping = agent ? e.numbers.agent_damping : e.numbers.body_damping;
+  const real imp = impedance(e.numbers, -point.distance);
+  if (friction > 0) inverse *= (1 + friction * friction) * 2 * friction * friction;
+  c.weight = 1 / fmax(inverse * (1 - imp) / imp, real(1e-15));
+  real velocity[3];
+  relative(c, e.vel, six, velocity);
+  for (int k = 0; k < 3; ++k) c.target[k] = -damping * velocity[k];
+  c.target[0] -= stiffness * imp * point.distance;
+}
+
+// Which of a contact's rows push at the accelerations `value` in its frame; whether these are others than before.
+INLINE bool set_residual(Contact& c, const real* value) {
+  real residual[3];
+  int active = 0;
+#pragma unroll
+  for (int k = 0; k < 3; ++k) c.residual[k] = residual[k] = value[k] - c.target[k];
+#pragma unroll
+  for (int row = 0; row < 4; ++row)
+    if (row < num_rows(c) && edge_value(row, c.friction, residual) < 0) active |= 1 << row;
+  const bool changed = active != c.active;
+  c.active = active;
+  return changed;
+}
+
+INLINE Push push_of(const Contact& c) {
+  Push p = {{0, 0, 0}, 0, 0, 0, 0, 0};
+#pragma unroll
+  for (int row = 0; row < 4; ++row)
+    if (c.active & (1 << row)) {
+      const real edge = row % 2 == 0 ? c.friction : -c.friction, push = c.weight * edge_value(row, c.friction, c.residual);
+      p.force[0] += push, p.w00 += c.weight;
+      if (row < 2)
+        p.force[1] += push * edge, p.w01 += c.weight * edge, p.w11 += c.weight * edge * edge;
+      else
+        p.force[2] += push * edge, p.w02 += c.weight * edge, p.w22 += c.weight * edge * edge;
+    }
+  return p;
+}
+
+// Adds a contact's share to the cost's derivatives at a length along the search direction.
+INLINE void add_derivatives(const Contact& c, real length, real& first, real& second) {
+#pragma unroll
+  for (int row = 0; row < 4; ++row) {
+    if (row >= num_rows(c)) break;
+    const real rate = edge_value(row, c.friction, c.slope);
+    const real value = edge_value(row, c.friction, c.residual) + length * rate;
+    if (value < 0) first += c.weight * value * rate, second += c.weight * rate * rate;
+  }
+}
