@@ -7,11 +7,13 @@ from jaxtyping import Array, Bool, Float, Int
 from home_mjx.bank.bank import HouseBank
 from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.fused import step_fused
+from home_mjx.physics.kinematic import step_kinematic
 from home_mjx.physics.reference.house_model import movable_bodies
 from home_mjx.physics.reference.lost import Lost
 from home_mjx.physics.reference.step import step_mjx
 from home_mjx.physics.reference.template import Template
 
+STEPS = {"fused": step_fused, "jax": step_mjx, "kinematic": step_kinematic}
 ABSURD = jnp.float32(1e6)  # [m], [rad] and per second
 
 
@@ -61,8 +63,7 @@ def step_checked(
     template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState, action: Float[Array, "a 3"]
 ) -> tuple[PhysicsState, Lost]:
     """`step`, and what it left out because it did not fit: of contacts, in the last physics step."""
-    run = step_fused if template.config.impl == "fused" else step_mjx
-    return run(template, bank.physics, house, state, action)
+    return STEPS[template.config.impl](template, bank.physics, house, state, action)
 
 
 def undo_where(broken: Bool[Array, ""], state: PhysicsState, before: PhysicsState) -> PhysicsState:

@@ -8,7 +8,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.schema.agent import Body
 from home_mjx.schema.timing import Timing
 
-IMPLS = ("fused", "jax")
+IMPLS = ("fused", "jax", "kinematic")
 WARP = ". MJX-Warp is not offered: its agents fall through the floor"
 JACOBIANS = ("auto", "dense", "sparse")
 WHOLE = (
@@ -41,7 +41,8 @@ class PhysicsConfig:
         max_contact_points: Contact points of agents, and of bodies, the deepest; None: six per body or eight per agent.
         jacobian: MuJoCo's option; "auto" is sparse on CPU, where it is a third faster, and dense elsewhere.
         impl: "fused": all physics steps of a step in one compiled function on CPUs and NVIDIA GPUs, MJX elsewhere; no
-            gradients. "jax": MJX everywhere, with gradients.
+            gradients. "jax": MJX everywhere, with gradients. "kinematic": no dynamics; agents slide along what is in
+            the way, and things stay where they are.
 
     Raises:
         ConfigError: A value cannot be used.
