@@ -3,10 +3,10 @@
     python benchmarks/physics_soak.py [--houses ROOT] [--num-houses 1000] [--num-envs 4096] [--steps 2500]
 
 Four kinds of agents, a quarter of the environments each: actions drawn at each step, actions held for two seconds,
-agents that chase the nearest body, and agents that drive at full speed and turn when they touch something. Looked for after
-every step: numbers that are not finite, agents and bodies outside of the house or below its floor, depths of agents and
-bodies in static boxes, lost contacts. Depths come from a formula of their own (the separating axis theorem), not from
-the contacts. One JSON object a line; failures name kind, environment, house, step and mobile.
+agents that chase the nearest body, and agents that drive at full speed and turn when they touch something. Looked for
+after every step: numbers that are not finite, agents and bodies outside of the house or below its floor, depths of
+agents and bodies in static boxes, lost contacts. Depths come from a formula of their own (the separating axis
+theorem), not from the contacts. One JSON object a line; failures name kind, environment, house, step and mobile.
 """
 
 import argparse

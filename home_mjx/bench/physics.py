@@ -26,6 +26,11 @@ def fused(settings: Settings) -> Record:
     return _record(settings, "fused", "fused", ("MJX", _record(settings, "step", "jax", None).value))
 
 
+def kinematic(settings: Settings) -> Record:
+    """The same by agents without dynamics; the peer is the fused step."""
+    return _record(settings, "kinematic", "kinematic", ("fused", _record(settings, "fused", "fused", None).value))
+
+
 def _record(settings: Settings, case: str, impl: str, peer: tuple[str, float] | None) -> Record:
     bank, config = settings.bank, physics.PhysicsConfig(impl=impl)
     template = physics.Template(config, bank.spec)
@@ -60,4 +65,4 @@ def _mujoco(settings: Settings, config: physics.PhysicsConfig) -> float:
     return count / (time.perf_counter() - start)
 
 
-CASES: dict[str, Callable[[Settings], Record]] = {"step": step, "fused": fused}
+CASES: dict[str, Callable[[Settings], Record]] = {"step": step, "fused": fused, "kinematic": kinematic}

@@ -109,7 +109,7 @@ def test_nobody_is_ever_inside_anything(seed):
     fence = [Box((x, 0, 1), (0.05, 3, 1)) for x in (-3, 3)] + [Box((0, y, 1), (3, 0.05, 1)) for y in (-3, 3)]
     bank = make_bank([TinyHouse(static=[*boxes, *fence])])
     template = Template(CONFIG, bank.spec)
-    spots = np.array([p for p in itertools.product(np.arange(-2.6, 2.7, 0.4), repeat=2)])
+    spots = np.array(list(itertools.product(np.arange(-2.6, 2.7, 0.4), repeat=2)))
     free = [p for p in spots if max(depth(np.array([*p, 0.8]), b) for b in boxes) < -0.2][:8]
     assert len(free) >= 4
     feet = jnp.array([[*p, 0.0] for p in free])[:, None]
