@@ -54,12 +54,11 @@ class Footprints(Pytree):
         return cls(pos[0], pos[1], cos, sin, half_u, half_v, pos[2] - rise, pos[2] + rise)
 
 
-class Push(Pytree):
-    """How deep an agent is in an obstacle [m], negative outside, and the way out."""
+class Agents(Pytree):
+    """Where agents are [m], as obstacles of one of them."""
 
-    depth: Float[Array, "*n"]
-    x: Float[Array, "*n"]
-    y: Float[Array, "*n"]
+    pos: Float[Array, "a 3"]
+    other: Bool[Array, " a"]  # False for the one itself
 
 
 def step_kinematic(
@@ -68,7 +67,7 @@ def step_kinematic(
     """One control step; see `dynamics.step_checked`. Nothing is lost, and only agents move."""
     config, layout = template.config, template.layout
     agents = state.qpos[layout.agent_qpos].reshape(-1, 4)
-    obstacles = _obstacles(template, physics, house, state)
+    boxes = _obstacles(template, physics, house, state)
     steps = _num_steps(config)
     fastest = jnp.array([config.forward_speed, config.strafe_speed, config.turn_rate], jnp.float32)
     wanted = jnp.clip(action, -1.0, 1.0) * fastest[None] * jnp.float32(config.timing.ctrl_dt / steps)
@@ -77,9 +76,9 @@ def step_kinematic(
         yaw = yaw + wanted[:, 2]
         cos, sin = jnp.cos(yaw), jnp.sin(yaw)
         x, y = cos * wanted[:, 0] - sin * wanted[:, 1], sin * wanted[:, 0] + cos * wanted[:, 1]
-        others = pos
-        moved = jax.vmap(lambda number, old, x, y: _slide(config, obstacles, others, number, old, x, y))  # noqa: B023
-        pos, count = moved(jnp.arange(layout.num_agents), pos, x, y)
+        way = jnp.stack([x, y, jnp.zeros_like(x)], axis=-1)
+        slide = jax.vmap(lambda me, way, pos=pos: _slide(config, boxes, Agents(pos, ~me), pos[jnp.argmax(me)], way))
+        pos, count = slide(jnp.eye(layout.num_agents, dtype=bool), way)
         touched = jnp.maximum(touched, count)
     after = jnp.concatenate([pos, yaw[:, None]], axis=-1)
     speed = (after - agents) / jnp.float32(config.timing.ctrl_dt)
@@ -108,34 +107,36 @@ def _obstacles(template: Template, physics: Physics, house: Array, state: Physic
 
 
 def _slide(
-    config: PhysicsConfig, obstacles: Footprints, others: Array, number: Array, old: Array, x: Array, y: Array
+    config: PhysicsConfig, boxes: Footprints, agents: Agents, old: Float[Array, "3"], way: Float[Array, "3"]
 ) -> tuple[Float[Array, "3"], Int[Array, ""]]:
     """An agent's position after a short way, and how many obstacles it ran into."""
-    pos = old + jnp.stack([x, y, jnp.zeros_like(x)])
-    aside = jnp.arange(others.shape[0]) == number
-
-    def pushes(pos: Array) -> Push:
-        boxes, agents = _out_of_boxes(config, obstacles, pos), _out_of_agents(config, others, aside, pos)
-        return jax.tree.map(lambda a, b: jnp.concatenate([a, b]), boxes, agents)
-
-    push = pushes(pos)
-    count = jnp.sum(push.depth > 0, dtype=jnp.int32)
+    pos = old + way
+    depth = _depths(config, boxes, agents, pos)
+    count = jnp.sum(depth > 0, dtype=jnp.int32)
     for _ in range(ROUNDS):
-        worst = jnp.argmax(push.depth)
-        way = jnp.maximum(push.depth[worst], 0.0)
-        pos = pos + jnp.stack([way * push.x[worst], way * push.y[worst], jnp.zeros_like(way)])
-        push = pushes(pos)
+        pos = pos + _way_out(boxes, agents, pos, depth)
+        depth = _depths(config, boxes, agents, pos)
     # In a gap that is too narrow it stays where it was, unless that was worse.
-    deepest = push.depth.max()
-    stays = (deepest > SLOP) & (pushes(old).depth.max() <= deepest)
+    deepest = depth.max()
+    stays = (deepest > SLOP) & (_depths(config, boxes, agents, old).max() <= deepest)
     return jnp.where(stays, old, pos), count
 
 
-def _out_of_boxes(config: PhysicsConfig, boxes: Footprints, pos: Float[Array, "3"]) -> Push:
+def _depths(config: PhysicsConfig, boxes: Footprints, agents: Agents, pos: Float[Array, "3"]) -> Float[Array, " n"]:
+    """How deep an agent is in each box and in each agent [m]; negative outside."""
     radius, length = jnp.float32(config.body.radius), jnp.float32(config.body.half_length)
     above = jnp.maximum(boxes.bottom - (pos[2] + length), pos[2] - length - boxes.top)
     above = jnp.clip(above, 0.0, radius)
-    reach = jnp.sqrt(radius * radius - above * above)  # of the capsule at the box's height
+    reach = jnp.sqrt(jnp.maximum(radius * radius - above * above, 1e-12))  # of the capsule at the box's height
+    in_box = jnp.where(above < radius, reach - _beyond(boxes, pos)[0], -1.0)
+    away = pos[None] - agents.pos
+    apart = ~agents.other | (jnp.abs(away[:, 2]) > config.body.height)
+    distance = jnp.sqrt(jnp.where(apart, 1.0, jnp.maximum(away[:, 0] ** 2 + away[:, 1] ** 2, 1e-12)))
+    return jnp.concatenate([in_box, jnp.where(apart, -1.0, 2 * radius - distance)])
+
+
+def _beyond(boxes: Footprints, pos: Float[Array, "3"]) -> tuple[Array, Array, Array]:
+    """Distance from the sides of boxes [m], negative inside, and its direction along u and v."""
     x, y = pos[0] - boxes.x, pos[1] - boxes.y
     u, v = boxes.cos * x + boxes.sin * y, boxes.cos * y - boxes.sin * x
     beyond_u, beyond_v = jnp.abs(u) - boxes.half_u, jnp.abs(v) - boxes.half_v
@@ -143,17 +144,18 @@ def _out_of_boxes(config: PhysicsConfig, boxes: Footprints, pos: Float[Array, "3
     square = out_u * out_u + out_v * out_v
     inside, along_u = square == 0, jnp.where(beyond_u > beyond_v, 1.0, 0.0)
     distance = jnp.sqrt(jnp.where(inside, 1.0, square))
-    normal_u = jnp.sign(u) * jnp.where(inside, along_u, out_u / distance)
-    normal_v = jnp.sign(v) * jnp.where(inside, 1.0 - along_u, out_v / distance)
-    depth = reach - jnp.where(inside, jnp.maximum(beyond_u, beyond_v), distance)
-    depth = jnp.where(above < radius, depth, -1.0)
-    return Push(depth, boxes.cos * normal_u - boxes.sin * normal_v, boxes.sin * normal_u + boxes.cos * normal_v)
+    toward_u = jnp.sign(u) * jnp.where(inside, along_u, out_u / distance)
+    toward_v = jnp.sign(v) * jnp.where(inside, 1.0 - along_u, out_v / distance)
+    return jnp.where(inside, jnp.maximum(beyond_u, beyond_v), distance), toward_u, toward_v
 
 
-def _out_of_agents(config: PhysicsConfig, others: Float[Array, "a 3"], aside: Bool[Array, " a"], pos: Array) -> Push:
-    away = pos[None] - others
-    square = away[:, 0] ** 2 + away[:, 1] ** 2
-    distance = jnp.sqrt(jnp.where(square > 0, square, 1.0))
-    apart = aside | (jnp.abs(away[:, 2]) > config.body.height)
-    depth = jnp.where(apart, -1.0, 2 * jnp.float32(config.body.radius) - jnp.sqrt(square))
-    return Push(depth, away[:, 0] / distance, away[:, 1] / distance)
+def _way_out(boxes: Footprints, agents: Agents, pos: Float[Array, "3"], depth: Float[Array, " n"]) -> Array:
+    """Out of what the agent is in the deepest."""
+    worst, num_boxes = jnp.argmax(depth), boxes.x.shape[0]
+    box = jax.tree.map(lambda x: x[jnp.minimum(worst, num_boxes - 1)], boxes)
+    _, u, v = _beyond(box, pos)
+    away = pos - agents.pos[jnp.maximum(worst - num_boxes, 0)]
+    length = jnp.sqrt(jnp.maximum(away[0] ** 2 + away[1] ** 2, 1e-12))
+    from_box = jnp.stack([box.cos * u - box.sin * v, box.sin * u + box.cos * v, jnp.zeros_like(u)])
+    from_agent = jnp.stack([away[0] / length, away[1] / length, jnp.zeros_like(u)])
+    return jnp.maximum(depth[worst], 0.0) * jnp.where(worst < num_boxes, from_box, from_agent)

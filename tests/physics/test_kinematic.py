@@ -151,6 +151,26 @@ def _product(a, b):
     return np.array([[w, -x, -y, -z], [x, w, -z, y], [y, z, w, -x], [z, -y, x, w]]) @ b
 
 
+@pytest.mark.parametrize("name", ["free", "slide", "wardrobe"])
+def test_gradients_are_those_of_finite_differences(name):
+    """In the open, along a wall, and against a body, half a second after the start."""
+    bank, template = rollouts.build("kinematic")
+    house = jnp.int32(rollouts.NAMES.index(name))
+    feet = jnp.array([[0.0, 0.0, 0.0]]) + (jnp.array([[1.35, 0, 0]]) if name == "slide" else 0)
+    start = physics.reset(template, bank, house, feet, jnp.zeros(1))
+
+    @jax.jit
+    def end(action):
+        state = start
+        for _ in range(5):
+            state = physics.step(template, bank, house, state, action[None])
+        return state.qpos[0] + 2 * state.qpos[1] + 3 * state.qpos[3]
+
+    action = jnp.array([0.6, 0.3, 0.1])
+    numbers = [(end(action.at[i].add(1e-2)) - end(action.at[i].add(-1e-2))) / 2e-2 for i in range(3)]
+    assert_allclose(jax.grad(end)(action), numbers, atol=2e-3)
+
+
 def test_an_environment_takes_it():
     bank = HouseBank.from_compiled([shoebox(furniture=[Furniture((0.0, 0.0), size=(0.5, 0.5, 0.5), mass=5.0)])])
     env = home_mjx.make("PointNav-v0", bank, sensors=("state", "goal"), physics=CONFIG)
