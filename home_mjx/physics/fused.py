@@ -89,7 +89,8 @@ def _without_gradient(step: Step) -> Step:
         raise ConfigError(
             "the fused physics step has no gradient",
             element="PhysicsConfig.impl",
-            hint="Use PhysicsConfig(impl='jax'), or `jax.lax.stop_gradient` on the actions",
+            hint="Use PhysicsConfig(impl='jax') for `jax.jvp`, with iterations=1 also for `jax.grad`; or "
+            "`jax.lax.stop_gradient` on the actions",
         )
 
     return guarded

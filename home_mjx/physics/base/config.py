@@ -41,8 +41,9 @@ class PhysicsConfig:
         max_contact_points: Contact points of agents, and of bodies, the deepest; None: six per body or eight per agent.
         jacobian: MuJoCo's option; "auto" is sparse on CPU, where it is a third faster, and dense elsewhere.
         impl: "fused": all physics steps of a step in one compiled function on CPUs and NVIDIA GPUs, MJX elsewhere; no
-            gradients. "jax": MJX everywhere, with gradients. "kinematic": no dynamics; agents slide along what is in
-            the way, and things stay where they are.
+            gradients. "jax": MJX everywhere, with forward-mode gradients (`jax.jvp`); reverse mode needs
+            `iterations=1`, as MJX's solver is a loop of unknown length. "kinematic": no dynamics; agents slide along
+            what is in the way, and things stay where they are.
 
     Raises:
         ConfigError: A value cannot be used.

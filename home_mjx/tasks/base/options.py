@@ -2,6 +2,7 @@
 
 import dataclasses
 import functools
+import numbers
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, NoReturn
 
@@ -104,7 +105,8 @@ def _path(name: str, known: Mapping[str, str]) -> str:
 def _refuse(name: str, known: Iterable[str]) -> NoReturn:
     if name in RENAMED:
         raise ConfigError(f"the option `{name}` is now `{RENAMED[name]}`")
-    everything = {*known, *(path.rpartition(".")[2] for path in known)}
+    short = [path.rpartition(".")[2] for path in known]
+    everything = {*known, *(word for word in short if short.count(word) == 1)}
     raise UnknownNameError(f"unknown option `{name}`", hint=FIELD_WORDS.get(name) or did_you_mean(name, everything))
 
 
@@ -127,7 +129,19 @@ def _field(record: Any, name: str, changes: Mapping[str, Any], full: str) -> Any
     if dataclasses.is_dataclass(old):
         return _replaced(old, changes, full)
     value = changes[""]
+    if full.startswith("task."):  # other records check themselves, with better messages
+        _check_like(full, value, old)
     return tuple(value) if isinstance(value, list) else value  # options are hashable
+
+
+def _check_like(name: str, value: Any, default: Any) -> None:
+    """Refuses a plain value of another type than the default's; whole numbers are numbers."""
+    wanted = type(default)
+    taken = {bool: bool, int: numbers.Integral, float: numbers.Real, str: str}.get(wanted)
+    if taken is None:
+        return
+    if not isinstance(value, taken) or isinstance(value, bool) != (wanted is bool):
+        raise ConfigError(f"`{name}` must be a {wanted.__name__}, got {value!r}")
 
 
 def _typed(name: str, value: Any, old: Any) -> Any:

@@ -72,7 +72,7 @@ class State(Pytree):
     """One environment between two steps; for one agent the agent axis of obs and reward is squeezed.
 
     Attributes:
-        physics: `mjx.Data` of the bodies.
+        physics: Poses and speeds, see `PhysicsState`.
         world: House, time, and what sensors remember.
         task: The task's own state, such as its goal.
         obs: Observations by name, see `Environment.observation_spec`.

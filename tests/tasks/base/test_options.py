@@ -2,6 +2,7 @@
 
 import dataclasses
 
+import numpy as np
 import pytest
 
 import home_mjx
@@ -12,7 +13,27 @@ from home_mjx.schema import Body, Timing
 from home_mjx.tasks import AgentCamera, EnvConfig, PointNav, Task, make_config
 from home_mjx.tasks.base.options import override
 
+
+@dataclasses.dataclass(frozen=True)
+class Roomy(Task):
+    """A task with an option that is named like one of the body's."""
+
+    radius: float = 1.0
+
+
 RECORDS = {"": EnvConfig(), "task": PointNav(), "compile": CompileOptions()}
+
+
+@pytest.mark.parametrize("value", ["x", True, None, 1j, (0.5,)])
+def test_a_tasks_option_has_the_type_of_its_default(value):
+    with pytest.raises(ConfigError, match=r"`task.success_radius` must be a float, got"):
+        override(RECORDS, {"success_radius": value})
+    assert override(RECORDS, {"success_radius": np.float32(0.5)})["task"].success_radius == 0.5
+
+
+def test_a_hint_names_no_option_that_could_be_several():
+    with pytest.raises(ConfigError, match=r"Did you mean `(?!radius`)"):
+        override({"": EnvConfig(), "task": Roomy()}, {"radiu": 0.5})
 
 
 def test_a_field_is_found_at_any_depth():
