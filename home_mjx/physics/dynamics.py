@@ -14,7 +14,7 @@ from home_mjx.physics.reference.step import step_mjx
 from home_mjx.physics.reference.template import Template
 
 STEPS = {"fused": step_fused, "jax": step_mjx, "kinematic": step_kinematic}
-ABSURD = jnp.float32(1e6)  # [m], [rad] and per second
+ABSURD = 1e6  # [m], [rad] and per second
 
 
 def reset(
