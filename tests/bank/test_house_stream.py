@@ -147,7 +147,7 @@ def test_refusals(root):
 
 
 def test_environments_run_on_through_swaps(stream):
-    """One trace; episodes end in every house; no hitch: an exchange costs less than a step."""
+    """One trace; episodes end in every house; no hitch: an exchange takes less time than a step simulates."""
     auto, traces = AutoReset(HouseholdEnv(make_config(sensors=("state", "goal"), episode_length=3))), 0
 
     def counted(params, states, actions):
@@ -158,14 +158,13 @@ def test_environments_run_on_through_swaps(stream):
     step = jax.jit(counted)
     states = jax.jit(auto.reset)(EnvParams(stream.bank), jax.random.split(jax.random.key(0), 64))
     actions = jnp.zeros((64, 4))
-    houses, steps, exchanges = set(), [], []
+    houses, exchanges = set(), []
     states = step(EnvParams(stream.bank), states, actions)
     for _ in range(100):
         before, begin = stream.swaps, time.perf_counter()
         bank = jax.block_until_ready(stream.advance(states.world.house))
         middle = time.perf_counter()
         states = jax.block_until_ready(step(EnvParams(bank), states, actions))
-        steps.append(time.perf_counter() - middle)
         if stream.swaps > before:
             exchanges.append(middle - begin)
             houses |= set(ids_of(bank))
@@ -174,4 +173,4 @@ def test_environments_run_on_through_swaps(stream):
     assert len(houses) >= NUM_SLOTS + 2
     assert np.isfinite(states.obs["state"]).all()
     # By quantiles, since a busy machine delays single calls; `home-mjx bench` reports the slowest step.
-    assert np.quantile(exchanges, 0.9) < np.median(steps)
+    assert np.quantile(exchanges, 0.9) < auto.config.timing.ctrl_dt
