@@ -1,37 +1,22 @@
 """The fused step on CPUs: `native`, compiled by Numba and called by XLA. Compiled on first use."""
 
 import functools
+from collections.abc import Sequence
 
 import jax
-import jax.numpy as jnp
 from jaxtyping import Array
 
 from home_mjx.core.native.forked import note_start
 from home_mjx.core.native.platforms import problem_of, works
-from home_mjx.core.native.varying import varying_false
 
 TARGET = "home_mjx_step"
 
 _kept: list[object] = []  # compiled functions that XLA may call until the process ends
 
 
-def step_cpu(*operands: Array) -> tuple[Array, ...]:
+def step_cpu(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]) -> Sequence[Array]:
     """Steps environments (e ...); operands and results in the order of `native.handler`."""
-    floats = [x.astype(jnp.int32 if jnp.issubdtype(x.dtype, jnp.integer) else jnp.float32) for x in operands]
-    house, qpos, qvel, _, action = floats[-5:]
-    count, agents = house.shape[0], action.shape[1]
-    results = (
-        jax.ShapeDtypeStruct(qpos.shape, jnp.float32),
-        jax.ShapeDtypeStruct(qvel.shape, jnp.float32),
-        jax.ShapeDtypeStruct(qvel.shape, jnp.float32),
-        jax.ShapeDtypeStruct((count, agents), jnp.int32),
-        jax.ShapeDtypeStruct((count, 2), jnp.int32),
-    )
-    if 0 in (count, agents):
-        return tuple(jnp.zeros(x.shape, x.dtype) for x in results)
-    never = varying_false(operands)
-    stepped = jax.ffi.ffi_call(TARGET, results)(*floats)
-    return tuple(jnp.where(never, jnp.zeros_like(x), x) for x in stepped)
+    return jax.ffi.ffi_call(TARGET, results)(*operands)
 
 
 @functools.cache

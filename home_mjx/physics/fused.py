@@ -5,6 +5,7 @@ exactly. Where there is no such function MJX steps.
 """
 
 import functools
+from collections.abc import Callable, Sequence
 from typing import NoReturn
 
 import jax
@@ -14,6 +15,7 @@ from jaxtyping import Array, Float, Int
 from home_mjx.bank.records import Physics
 from home_mjx.core.native.forked import refuse_forked
 from home_mjx.core.native.platforms import cover_all
+from home_mjx.core.native.varying import varying_false
 from home_mjx.errors import ConfigError
 from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.batched import Step, batched
@@ -28,6 +30,7 @@ from home_mjx.physics.reference.template import Template
 STEPS = {"cpu": step_cpu, "cuda": step_cuda}
 PLATFORMS = {"cpu": cpu_available, "cuda": cuda_available}
 NUM_RESULTS = 5
+NUM_LOST = 2  # flags: static boxes, contact points
 NUM_SHARED = 9  # arrays that all environments share: the house's, and the template's numbers
 
 
@@ -77,7 +80,20 @@ def _house_arrays(physics: Physics) -> tuple[Array, ...]:
 
 @functools.cache
 def _batched(platform: str) -> Step:
-    return _without_gradient(batched(STEPS[platform], NUM_SHARED, NUM_RESULTS))
+    return _without_gradient(batched(functools.partial(_run, STEPS[platform]), NUM_SHARED, NUM_RESULTS))
+
+
+def _run(step: Callable[..., Sequence[Array]], *operands: Array) -> tuple[Array, ...]:
+    """Environments (e ...) by compiled code, in the types that it takes; an empty batch never reaches it."""
+    given = [x.astype(jnp.int32 if jnp.issubdtype(x.dtype, jnp.integer) else jnp.float32) for x in operands]
+    _, qpos, qvel, qacc, action = given[-5:]
+    envs, agents = action.shape[:2]
+    results = [jax.ShapeDtypeStruct(x.shape, jnp.float32) for x in (qpos, qvel, qacc)]
+    results += [jax.ShapeDtypeStruct((envs, size), jnp.int32) for size in (agents, NUM_LOST)]
+    if 0 in (envs, agents):
+        return tuple(jnp.zeros(x.shape, x.dtype) for x in results)
+    never = varying_false(operands)
+    return tuple(jnp.where(never, jnp.zeros_like(x), x) for x in step(given, results))
 
 
 def _without_gradient(step: Step) -> Step:

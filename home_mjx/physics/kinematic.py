@@ -77,8 +77,8 @@ def step_kinematic(
         cos, sin = jnp.cos(yaw), jnp.sin(yaw)
         x, y = cos * wanted[:, 0] - sin * wanted[:, 1], sin * wanted[:, 0] + cos * wanted[:, 1]
         way = jnp.stack([x, y, jnp.zeros_like(x)], axis=-1)
-        slide = jax.vmap(lambda me, way, pos=pos: _slide(config, boxes, Agents(pos, ~me), pos[jnp.argmax(me)], way))
-        pos, count = slide(jnp.eye(layout.num_agents, dtype=bool), way)
+        slide = jax.vmap(lambda me, old, way, pos=pos: _slide(config, boxes, Agents(pos, ~me), old, way))
+        pos, count = slide(jnp.eye(layout.num_agents, dtype=bool), pos, way)
         touched = jnp.maximum(touched, count)
     after = jnp.concatenate([pos, yaw[:, None]], axis=-1)
     speed = (after - agents) / jnp.float32(config.timing.ctrl_dt)

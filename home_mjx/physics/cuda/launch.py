@@ -1,6 +1,7 @@
 """The fused step on NVIDIA GPUs: one warp per environment. Compiled on first use."""
 
 import functools
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,6 @@ import numpy as np
 from jaxtyping import Array
 
 from home_mjx.core.native.platforms import PTX_TARGET, problem_of, ptx_for_all, works
-from home_mjx.core.native.varying import varying_false
 from home_mjx.physics.native.limits import BODY_DOFS, NEAR, POINTS_PER_MOBILE
 
 SOURCES = tuple(
@@ -21,33 +21,20 @@ CONTACT_WORDS, SMALL_ISLAND = 49, 6  # as in base.cuh
 SHARED_REALS, SHARED_INTS = 44, 7 + POINTS_PER_MOBILE  # per mobile, as step.cu lays them out
 
 
-def step_cuda(*operands: Array) -> tuple[Array, ...]:
+def step_cuda(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]) -> Sequence[Array]:
     """Steps environments (e ...); operands and results as those of `cpu.step_cpu`."""
-    given = [x.astype(jnp.int32 if jnp.issubdtype(x.dtype, jnp.integer) else jnp.float32) for x in operands]
-    _, qpos, qvel, _, action = given[-5:]
-    envs, agents = qpos.shape[0], action.shape[1]
-    houses, statics, bodies = given[0].shape[0], given[0].shape[1], given[3].shape[1]
+    envs, agents = operands[-1].shape[:2]
+    houses, statics, bodies = operands[0].shape[0], operands[0].shape[1], operands[3].shape[1]
     mobiles = agents + bodies
     words = (NEAR + 12) * mobiles + _newton_words(mobiles) + CONTACT_WORDS * POINTS_PER_MOBILE * mobiles
-    results = (
-        jax.ShapeDtypeStruct(qpos.shape, jnp.float32),
-        jax.ShapeDtypeStruct(qvel.shape, jnp.float32),
-        jax.ShapeDtypeStruct(qvel.shape, jnp.float32),
-        jax.ShapeDtypeStruct((envs, agents), jnp.int32),
-        jax.ShapeDtypeStruct((envs, 2), jnp.int32),
-        jax.ShapeDtypeStruct((envs, words), jnp.float32),
-    )
-    if 0 in (envs, agents):
-        return tuple(jnp.zeros(x.shape, x.dtype) for x in results[:-1])
+    scratch = jax.ShapeDtypeStruct((envs, words), jnp.float32)
     sizes = (envs, houses, statics, bodies, agents, 4 * words)
     constants = jnp.concatenate([jnp.full(1, size, jnp.int32) for size in sizes])
     shared = 4 * ((SHARED_REALS + SHARED_INTS) * mobiles + _newton_words(SMALL_ISLAND) + 2)
     launch = {"grid_x": envs, "grid_y": 1, "grid_z": 1, "block_x": WARP, "block_y": 1, "block_z": 1}
     numbers = {name: np.int32(size) for name, size in {**launch, "shared_mem_bytes": shared}.items()}
     options: dict[str, Any] = {"name": "step_physics", "kernel_type": "ptx", "kernel_data": kernel(), **numbers}
-    stepped = jax.ffi.ffi_call(PTX_TARGET, results)(*given, constants, **options)
-    never = varying_false(operands)
-    return tuple(jnp.where(never, jnp.zeros_like(x), x) for x in stepped[:-1])
+    return jax.ffi.ffi_call(PTX_TARGET, (*results, scratch))(*operands, constants, **options)[:-1]
 
 
 def _newton_words(mobiles: int) -> int:
