@@ -179,7 +179,7 @@ def walk_through(
 def make_walkers(env: BoundEnv[HouseholdEnv], states: State, pos: np.ndarray) -> list[Walker]:
     """A walker per environment."""
     houses = np.asarray(states.world.house)
-    turn = env.config.physics.turn_rate * env.dt
+    turn = env.config.body.turn_rate * env.dt
     return [make_walker(env.bank, int(h), pos[i], turn) for i, h in enumerate(houses)]
 
 

@@ -5,10 +5,12 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
+from home_mjx.physics.base.servo import FREE
 from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.fused import step_fused
 from home_mjx.physics.kinematic import step_kinematic
-from home_mjx.physics.reference.house_model import movable_bodies
+from home_mjx.physics.native.limits import LIMIT
+from home_mjx.physics.reference.house_model import house_doors, movable_bodies
 from home_mjx.physics.reference.lost import Lost
 from home_mjx.physics.reference.step import step_mjx
 from home_mjx.physics.reference.template import Template
@@ -23,8 +25,9 @@ def reset(
     house: Int[Array, ""],
     agent_pos: Float[Array, "a 3"],
     agent_yaw: Float[Array, " a"],
+    door_angle: Float[Array, " h"] | None = None,
 ) -> PhysicsState:
-    """Agents and movable bodies at rest at their starting poses.
+    """Agents, movable bodies and doors at rest at their starting poses, hands empty.
 
     Args:
         template: The model.
@@ -32,13 +35,28 @@ def reset(
         house: Index of the house.
         agent_pos: [m], feet on the floor.
         agent_yaw: [rad], counter-clockwise from +x.
+        door_angle: [rad], about +z from as placed; None: as placed.
     """
-    bodies = movable_bodies(bank.physics, house)
-    rise = jnp.array([0.0, 0.0, template.config.body.height / 2], jnp.float32)
-    agents = jnp.concatenate([agent_pos + rise[None], agent_yaw[:, None]], axis=-1)
-    qpos = jnp.concatenate([agents.reshape(-1), jnp.concatenate([bodies.pos, bodies.quat], axis=-1).reshape(-1)])
-    still = jnp.zeros(template.layout.num_dofs, jnp.float32)
-    return PhysicsState(qpos=qpos, qvel=still, qacc=still, touched=jnp.zeros(template.layout.num_agents, jnp.int32))
+    layout, bodies = template.layout, movable_bodies(bank.physics, house)
+    half = jnp.array([body.height / 2 for body in template.config.agents], jnp.float32)
+    agents = jnp.concatenate([agent_pos.at[:, 2].add(half), agent_yaw[:, None]], axis=-1)
+    placed = jnp.concatenate([bodies.pos, bodies.quat], axis=-1)
+    angle = jnp.zeros(layout.num_doors, jnp.float32) if door_angle is None else door_angle
+    still = jnp.zeros(layout.num_dofs, jnp.float32)
+    nothing = jnp.full(layout.num_agents, -1, jnp.int32)
+    upright = jnp.array([[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]], jnp.float32)
+    return PhysicsState(
+        qpos=jnp.concatenate([agents.reshape(-1), placed.reshape(-1), angle]),
+        qvel=still,
+        qacc=still,
+        held=nothing,
+        grip=jnp.tile(upright, (layout.num_agents, 1)),
+        goal=jnp.full(layout.num_doors, FREE, jnp.float32),
+        touched=jnp.zeros(layout.num_agents, jnp.int32),
+        impulse=jnp.zeros(layout.num_mobiles, jnp.float32),
+        place=jnp.zeros((layout.num_mobiles, 3), jnp.float32),
+        other=jnp.full(layout.num_mobiles, LIMIT, jnp.int32),
+    )
 
 
 def step(
@@ -95,6 +113,13 @@ def body_pose(template: Template, state: PhysicsState) -> tuple[Float[Array, "k 
     """Centre [m] and orientation (wxyz) of each movable body; unused ones are parked high above the house."""
     bodies = state.qpos[template.layout.body_qpos].reshape(-1, 7)
     return bodies[:, :3], bodies[:, 3:]
+
+
+def door_pose(
+    template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState
+) -> tuple[Float[Array, "h 3"], Float[Array, "h 4"]]:
+    """Middle [m] and orientation (wxyz) of each door's leaf; unused ones are parked high above the house."""
+    return house_doors(bank.physics, house).turned(state.qpos[template.layout.door_qpos])
 
 
 def agent_contact(template: Template, state: PhysicsState) -> Bool[Array, " a"]:

@@ -17,6 +17,8 @@ from home_mjx.core.native.forked import refuse_forked
 from home_mjx.core.native.platforms import cover_all
 from home_mjx.core.native.varying import varying_false
 from home_mjx.errors import ConfigError
+from home_mjx.physics.base.doors import Leaf, door_table
+from home_mjx.physics.base.ramps import ramp_tables
 from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.batched import Step, batched
 from home_mjx.physics.cpu import cpu_available, step_cpu
@@ -29,9 +31,11 @@ from home_mjx.physics.reference.template import Template
 
 STEPS = {"cpu": step_cpu, "cuda": step_cuda}
 PLATFORMS = {"cpu": cpu_available, "cuda": cuda_available}
-NUM_RESULTS = 5
+NUM_RESULTS = 7
 NUM_LOST = 2  # flags: static boxes, contact points
-NUM_SHARED = 9  # arrays that all environments share: the house's, and the template's numbers
+NUM_SHARED = 12  # arrays that all environments share: the houses', the agents', and the template's numbers
+NUM_OWN = 8  # arrays of an environment
+BODY_VALID = 3  # number of that operand
 
 
 def step_fused(
@@ -57,14 +61,15 @@ def step_fused(
 def _step_native(
     platform: str, template: Template, physics: Physics, house: Array, state: PhysicsState, action: Array
 ) -> tuple[PhysicsState, Lost]:
-    numbers = jnp.asarray(numbers_of(template.config, template.yaw_inertia), jnp.float32)
-    own = (house, state.qpos, state.qvel, state.qacc, action)
-    shared = (*_house_arrays(physics), numbers)
+    numbers = jnp.asarray(numbers_of(template.config), jnp.float32)
+    own = (house, state.qpos, state.qvel, state.qacc, action, state.held, state.grip, state.goal)
+    shared = (*_house_arrays(physics), jnp.asarray(template.agents, jnp.float32), numbers)
     batch = jax.tree.map(lambda x: x[None], own)
     results = _batched(platform)(*shared, *batch)
-    qpos, qvel, qacc, touched, lost = (x[0] for x in results)
+    qpos, qvel, qacc, touched, lost, push, other = (x[0] for x in results)
     no = jnp.zeros((), bool)
-    state = PhysicsState(qpos=qpos, qvel=qvel, qacc=qacc, touched=touched)
+    pushed = {"impulse": push[:, 0], "place": push[:, 1:], "other": other}
+    state = state.replace(qpos=qpos, qvel=qvel, qacc=qacc, touched=touched, **pushed)
     return state, Lost(static_boxes=lost[0] > 0, contact_pairs=no, contact_points=lost[1] > 0)
 
 
@@ -75,7 +80,8 @@ def _house_arrays(physics: Physics) -> tuple[Array, ...]:
     half = jnp.where(above[..., None], physics.collider_size, jnp.float32(-1.0))
     valid = physics.body_valid.astype(jnp.int32)
     bodies = (valid, physics.body_size, physics.body_mass, physics.body_inertia)
-    return (physics.collider_pos, physics.collider_quat, half, *bodies, physics.floor)
+    doors, ramps = door_table(Leaf.of(physics)), ramp_tables(physics)
+    return (physics.collider_pos, physics.collider_quat, half, *bodies, doors, ramps, physics.floor)
 
 
 @functools.cache
@@ -86,10 +92,12 @@ def _batched(platform: str) -> Step:
 def _run(step: Callable[..., Sequence[Array]], *operands: Array) -> tuple[Array, ...]:
     """Environments (e ...) by compiled code, in the types that it takes; an empty batch never reaches it."""
     given = [x.astype(jnp.int32 if jnp.issubdtype(x.dtype, jnp.integer) else jnp.float32) for x in operands]
-    _, qpos, qvel, qacc, action = given[-5:]
+    _, qpos, qvel, qacc, action, _, _, goal = given[-NUM_OWN:]
     envs, agents = action.shape[:2]
+    mobiles = agents + given[BODY_VALID].shape[1] + goal.shape[1]
     results = [jax.ShapeDtypeStruct(x.shape, jnp.float32) for x in (qpos, qvel, qacc)]
     results += [jax.ShapeDtypeStruct((envs, size), jnp.int32) for size in (agents, NUM_LOST)]
+    results += [jax.ShapeDtypeStruct((envs, mobiles, 4), jnp.float32), jax.ShapeDtypeStruct((envs, mobiles), jnp.int32)]
     if 0 in (envs, agents):
         return tuple(jnp.zeros(x.shape, x.dtype) for x in results)
     never = varying_false(operands)

@@ -1,4 +1,4 @@
-"""Agents without dynamics: they move as told and slide along what is in the way. Things stay where they are.
+"""Agents without dynamics: they move as told and slide along what is in the way. Things stay unless held.
 
 What pure navigation needs, and what Habitat's agents do by default, at a small part of the cost of contacts.
 """
@@ -7,12 +7,16 @@ import math
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Array, Float, Int
 
 from home_mjx.bank.records import Physics
 from home_mjx.core.pytree import Pytree
+from home_mjx.core.transforms import body_quat, quat_matrix, quat_multiply
 from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.base.control import FORWARD_SPEED, HALF_LENGTH, RADIUS, TURN_RATE
+from home_mjx.physics.base.servo import DOOR_SPEED, FREE
 from home_mjx.physics.base.state import PhysicsState
+from home_mjx.physics.reference.house_model import house_doors
 from home_mjx.physics.reference.lost import Lost
 from home_mjx.physics.reference.slots import Boxes
 from home_mjx.physics.reference.template import Template
@@ -55,44 +59,55 @@ class Footprints(Pytree):
 
 
 class Agents(Pytree):
-    """Where agents are [m], as obstacles of one of them."""
+    """Where agents are [m], and which of them is to move: the others are its obstacles."""
 
     pos: Float[Array, "a 3"]
-    other: Bool[Array, " a"]  # False for the one itself
+    radius: Float[Array, " a"]  # [m]
+    length: Float[Array, " a"]  # [m], half of the capsule's axis
+    me: Int[Array, ""]
+
+    @property
+    def size(self) -> tuple[Array, Array]:
+        """Radius and half length of the one that moves."""
+        return self.radius[self.me], self.length[self.me]
 
 
 def step_kinematic(
     template: Template, physics: Physics, house: Int[Array, ""], state: PhysicsState, action: Float[Array, "a 3"]
 ) -> tuple[PhysicsState, Lost]:
-    """One control step; see `dynamics.step_checked`. Nothing is lost, and only agents move."""
+    """One control step; see `dynamics.step_checked`. Nothing is lost; agents, driven doors and held things move."""
     config, layout = template.config, template.layout
     agents = state.qpos[layout.agent_qpos].reshape(-1, 4)
+    state = _turn_doors(template, physics, house, state)
     boxes = _obstacles(template, physics, house, state)
     steps = _num_steps(config)
-    fastest = jnp.array([config.forward_speed, config.strafe_speed, config.turn_rate], jnp.float32)
-    wanted = jnp.clip(action, -1.0, 1.0) * fastest[None] * jnp.float32(config.timing.ctrl_dt / steps)
+    table = jnp.asarray(template.agents, jnp.float32)
+    fastest = table[:, FORWARD_SPEED : TURN_RATE + 1]
+    wanted = jnp.clip(action, -1.0, 1.0) * fastest * jnp.float32(config.timing.ctrl_dt / steps)
+    sizes = table[:, RADIUS], table[:, HALF_LENGTH]
     pos, yaw, touched = agents[:, :3], agents[:, 3], jnp.zeros(layout.num_agents, jnp.int32)
     for _ in range(steps):
         yaw = yaw + wanted[:, 2]
         cos, sin = jnp.cos(yaw), jnp.sin(yaw)
         x, y = cos * wanted[:, 0] - sin * wanted[:, 1], sin * wanted[:, 0] + cos * wanted[:, 1]
         way = jnp.stack([x, y, jnp.zeros_like(x)], axis=-1)
-        slide = jax.vmap(lambda me, old, way, pos=pos: _slide(config, boxes, Agents(pos, ~me), old, way))
-        pos, count = slide(jnp.eye(layout.num_agents, dtype=bool), pos, way)
+        slide = jax.vmap(lambda me, old, way, pos=pos: _slide(boxes, Agents(pos, *sizes, me), old, way))
+        pos, count = slide(jnp.arange(layout.num_agents, dtype=jnp.int32), pos, way)
         touched = jnp.maximum(touched, count)
     after = jnp.concatenate([pos, yaw[:, None]], axis=-1)
     speed = (after - agents) / jnp.float32(config.timing.ctrl_dt)
     qpos = state.qpos.at[layout.agent_qpos].set(after.reshape(-1))
     still = jnp.zeros_like(state.qvel)
     qvel = still.at[layout.agent_qpos].set(speed.reshape(-1))
+    qpos = _with_held(template, state, qpos)
     no = jnp.zeros((), bool)
-    return PhysicsState(qpos=qpos, qvel=qvel, qacc=still, touched=touched), Lost(no, no, no)
+    return state.replace(qpos=qpos, qvel=qvel, qacc=still, touched=touched), Lost(no, no, no)
 
 
 def _num_steps(config: PhysicsConfig) -> int:
     """So many that an agent moves by less than its radius in each: it cannot pass through anything."""
-    farthest = math.hypot(config.forward_speed, config.strafe_speed) * config.timing.ctrl_dt
-    return max(math.ceil(farthest / config.body.radius), 1)
+    dt = config.timing.ctrl_dt
+    return max(max(math.ceil(math.hypot(b.forward_speed, b.strafe_speed) * dt / b.radius) for b in config.agents), 1)
 
 
 def _obstacles(template: Template, physics: Physics, house: Array, state: PhysicsState) -> Footprints:
@@ -101,38 +116,68 @@ def _obstacles(template: Template, physics: Physics, house: Array, state: Physic
     static = jax.tree.map(lambda x: x[house], every)
     bodies = state.qpos[template.layout.body_qpos].reshape(-1, 7)
     movable = Footprints.of(Boxes(bodies[:, :3], bodies[:, 3:], physics.body_size[house]))
-    both = jax.tree.map(lambda a, b: jnp.concatenate([a, b]), static, movable)
-    low = both.top < physics.floor[house] + jnp.float32(STEP_HEIGHT)
-    return both.replace(bottom=jnp.where(low, jnp.inf, both.bottom))
+    held = (jnp.arange(bodies.shape[0], dtype=jnp.int32)[:, None] == state.held[None]).any(axis=-1)
+    movable = movable.replace(bottom=jnp.where(held, jnp.inf, movable.bottom))
+    leaves = house_doors(physics, house)
+    shut = Footprints.of(Boxes(*leaves.turned(state.qpos[template.layout.door_qpos]), leaves.size))
+    every = jax.tree.map(lambda *x: jnp.concatenate(x), static, movable, shut)
+    low = every.top < physics.floor[house] + jnp.float32(STEP_HEIGHT)
+    return every.replace(bottom=jnp.where(low, jnp.inf, every.bottom))
+
+
+def _turn_doors(template: Template, physics: Physics, house: Array, state: PhysicsState) -> PhysicsState:
+    """Turns doors towards their goals."""
+    at, most = template.layout.door_qpos, jnp.float32(DOOR_SPEED * template.config.timing.ctrl_dt)
+    leaves, angle = house_doors(physics, house), state.qpos[at]
+    goal = jnp.clip(state.goal, leaves.low, leaves.high)
+    turned = angle + jnp.clip(goal - angle, -most, most)
+    return state.replace(qpos=state.qpos.at[at].set(jnp.where(state.goal < FREE, turned, angle)))
+
+
+def _with_held(template: Template, state: PhysicsState, qpos: Float[Array, " q"]) -> Float[Array, " q"]:
+    """Puts what agents hold into their hands."""
+    layout = template.layout
+    if not layout.num_bodies:
+        return qpos
+    rows = qpos[layout.body_qpos].reshape(-1, 7)
+    for a in range(layout.num_agents):
+        agent, grip = qpos[4 * a : 4 * a + 4], state.grip[a]
+        turn = body_quat(agent[3])
+        pos = agent[:3] + jnp.matmul(quat_matrix(turn), grip[:3], precision="highest")
+        row = jnp.concatenate([pos, quat_multiply(turn, grip[3:])])
+        body = jnp.where(state.held[a] >= 0, state.held[a], layout.num_bodies)
+        rows = rows.at[body].set(row, mode="drop")
+    return qpos.at[layout.body_qpos].set(rows.reshape(-1))
 
 
 def _slide(
-    config: PhysicsConfig, boxes: Footprints, agents: Agents, old: Float[Array, "3"], way: Float[Array, "3"]
+    boxes: Footprints, agents: Agents, old: Float[Array, "3"], way: Float[Array, "3"]
 ) -> tuple[Float[Array, "3"], Int[Array, ""]]:
     """An agent's position after a short way, and how many obstacles it ran into."""
     pos = old + way
-    depth = _depths(config, boxes, agents, pos)
+    depth = _depths(boxes, agents, pos)
     count = jnp.sum(depth > 0, dtype=jnp.int32)
     for _ in range(ROUNDS):
         pos = pos + _way_out(boxes, agents, pos, depth)
-        depth = _depths(config, boxes, agents, pos)
+        depth = _depths(boxes, agents, pos)
     # In a gap that is too narrow it stays where it was, unless that was worse.
     deepest = depth.max()
-    stays = (deepest > SLOP) & (_depths(config, boxes, agents, old).max() <= deepest)
+    stays = (deepest > SLOP) & (_depths(boxes, agents, old).max() <= deepest)
     return jnp.where(stays, old, pos), count
 
 
-def _depths(config: PhysicsConfig, boxes: Footprints, agents: Agents, pos: Float[Array, "3"]) -> Float[Array, " n"]:
+def _depths(boxes: Footprints, agents: Agents, pos: Float[Array, "3"]) -> Float[Array, " n"]:
     """How deep an agent is in each box and in each agent [m]; negative outside."""
-    radius, length = jnp.float32(config.body.radius), jnp.float32(config.body.half_length)
+    radius, length = agents.size
     above = jnp.maximum(boxes.bottom - (pos[2] + length), pos[2] - length - boxes.top)
     above = jnp.clip(above, 0.0, radius)
     reach = jnp.sqrt(jnp.maximum(radius * radius - above * above, 1e-12))  # of the capsule at the box's height
     in_box = jnp.where(above < radius, reach - _beyond(boxes, pos)[0], -1.0)
     away = pos[None] - agents.pos
-    apart = ~agents.other | (jnp.abs(away[:, 2]) > config.body.height)
+    own = jnp.arange(agents.radius.shape[0], dtype=jnp.int32) == agents.me
+    apart = own | (jnp.abs(away[:, 2]) > agents.length + agents.radius + length + radius)
     distance = jnp.sqrt(jnp.where(apart, 1.0, jnp.maximum(away[:, 0] ** 2 + away[:, 1] ** 2, 1e-12)))
-    return jnp.concatenate([in_box, jnp.where(apart, -1.0, 2 * radius - distance)])
+    return jnp.concatenate([in_box, jnp.where(apart, -1.0, agents.radius + radius - distance)])
 
 
 def _beyond(boxes: Footprints, pos: Float[Array, "3"]) -> tuple[Array, Array, Array]:

@@ -8,13 +8,17 @@ from home_mjx.errors import ConfigError
 
 @dataclass(frozen=True)
 class Body:
-    """An upright capsule with eyes and ears: the one source of an agent's size.
+    """An upright capsule with eyes and ears: the one source of an agent's size, strength and speed.
 
     Attributes:
         radius: [m]
         height: Total [m].
         mass: [kg]
         eye_height: Of eyes and ears above the floor [m].
+        forward_speed: [m/s] at action 1.
+        strafe_speed: [m/s] at action 1.
+        turn_rate: [rad/s] at action 1.
+        push_force: Largest force of the motors, in any horizontal direction [N].
 
     Raises:
         ConfigError: A value cannot be used.
@@ -28,9 +32,13 @@ class Body:
     height: float = 1.6
     mass: float = 60.0
     eye_height: float = 1.5
+    forward_speed: float = 1.0
+    strafe_speed: float = 0.7
+    turn_rate: float = 1.5708
+    push_force: float = 300.0
 
     def __post_init__(self) -> None:
-        for name in ("radius", "height", "mass"):
+        for name in ("radius", "height", "mass", "forward_speed", "strafe_speed", "turn_rate", "push_force"):
             check_number(f"body.{name}", getattr(self, name), 1e-6)
         check_number("body.eye_height", self.eye_height, 0)
         if self.height <= 2 * self.radius:

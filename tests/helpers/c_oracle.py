@@ -9,6 +9,8 @@ from numba import njit, types
 
 from home_mjx.core.native.memory import pointer_to
 from home_mjx.physics import PhysicsConfig
+from home_mjx.physics.base import servo
+from home_mjx.physics.base.control import YAW_INERTIA, agent_table
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.native.numbers import numbers_of
 from home_mjx.physics.native.step import load_agents, load_house, step_env
@@ -23,6 +25,26 @@ class Boxes(NamedTuple):
     pos: np.ndarray
     quat: np.ndarray
     half: np.ndarray
+
+
+class Leaves(NamedTuple):
+    """Of doors, as placed."""
+
+    pivot: np.ndarray
+    arm: np.ndarray
+    height: np.ndarray
+    yaw: np.ndarray
+    half: np.ndarray
+    mass: np.ndarray
+    range: np.ndarray
+
+    @property
+    def own_inertia(self) -> np.ndarray:
+        square = self.half**2
+        return self.mass[:, None] / 3 * (square[:, [1, 0, 0]] + square[:, [2, 2, 1]])
+
+
+NO_DOORS = Leaves(*(np.zeros((0, *shape)) for shape in ((2,), (2,), (), (), (3,), (), (2,))))
 
 
 def two_geoms(first: str, second: str) -> tuple:
@@ -52,14 +74,18 @@ def ordered(rows: np.ndarray) -> np.ndarray:
 class Oracle:
     """One environment as C MuJoCo and the fused step see it."""
 
-    def __init__(self, config: PhysicsConfig, static: Boxes, bodies: Boxes, mass: np.ndarray):
-        self.config, self.agents = config, config.num_agents
-        self.layout = Layout(config.num_agents, len(mass), len(static.pos), len(static.pos))
+    def __init__(self, config: PhysicsConfig, static: Boxes, bodies: Boxes, mass: np.ndarray, doors: Leaves = NO_DOORS):
+        self.config, self.agents, self.doors = config, config.num_agents, doors
+        self.layout = Layout(config.num_agents, len(mass), len(doors.mass), len(static.pos), len(static.pos))
         self.inertia = mass[:, None] / 3 * (bodies.half[:, [1, 0, 0]] ** 2 + bodies.half[:, [2, 2, 1]] ** 2)
         self.static, self.bodies, self.mass = static, bodies, mass
         self.model = self._model()
         self.data = mujoco.MjData(self.model)
-        self.numbers = numbers_of(config, float(self.model.dof_M0[3]))
+        self.numbers = numbers_of(config)
+        self.door_rows = self._door_rows()
+        self.driven = np.full(self.agents, -1), np.zeros((self.agents, 7)), np.full(len(doors.mass), servo.FREE)
+        self.ramps = np.zeros((0, 8))
+        self.table = agent_table(config, self.model.dof_M0[3 : 4 * self.agents : 4])
 
     def _model(self):
         model = mujoco.MjModel.from_xml_string(template_mjcf(self.config, self.layout, "dense"))
@@ -76,39 +102,78 @@ class Oracle:
             model.qpos0[q : q + 7] = np.r_[self.bodies.pos[k], self.bodies.quat[k]]
             _resize(model, geom, half)
             model.geom_pos[geom + 1 : geom + 9] = CORNERS * (half - CORNER_RADIUS)
+        self._add_doors(model)
         mujoco.mj_setConst(model, mujoco.MjData(model))
+        dof = self.layout.door_qvel
+        model.dof_damping[dof] = servo.DOOR_DRAG * model.dof_M0[dof]
         return model
 
+    def _add_doors(self, model) -> None:
+        for h, (body, geom) in enumerate(
+            zip(np.arange(model.nbody)[self.layout.doors], np.arange(model.ngeom)[self.layout.door_geoms], strict=True)
+        ):
+            doors = self.doors
+            turned = [np.cos(doors.yaw[h] / 2), 0, 0, np.sin(doors.yaw[h] / 2)]
+            model.body_pos[body] = [*doors.pivot[h], doors.height[h]]
+            model.body_ipos[body] = model.geom_pos[geom] = [*doors.arm[h], 0]
+            model.body_iquat[body] = model.geom_quat[geom] = turned
+            model.body_mass[body], model.body_inertia[body] = doors.mass[h], doors.own_inertia[h]
+            model.jnt_range[model.body_jntadr[body]] = doors.range[h]
+            _resize(model, geom, doors.half[h])
+
     def accelerations(self, qpos, qvel, action) -> tuple[np.ndarray, int]:
-        """Of C MuJoCo, and how many contacts it has."""
-        data, config = self.data, self.config
+        """Of C MuJoCo, and how many contacts and joints at a limit it has."""
+        data, config, body = self.data, self.config, self.config.body
         data.qpos[:], data.qvel[:] = qpos, qvel
         for a in range(self.agents):
             yaw, velocity = qpos[4 * a + 3], qvel[4 * a : 4 * a + 4]
-            target = action[a] * [config.forward_speed, config.strafe_speed, config.turn_rate]
+            target = action[a] * [body.forward_speed, body.strafe_speed, body.turn_rate]
             turn = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
-            force = config.body.mass * (turn @ target[:2] - velocity[:2]) / config.response_time
-            force *= min(1.0, config.push_force / max(np.linalg.norm(force), 1e-9))
-            torque = self.numbers.yaw_inertia * (target[2] - velocity[3]) / config.response_time
+            force = body.mass * (turn @ target[:2] - velocity[:2]) / config.response_time
+            force *= min(1.0, body.push_force / max(np.linalg.norm(force), 1e-9))
+            torque = self.table[a, YAW_INERTIA] * (target[2] - velocity[3]) / config.response_time
             data.ctrl[3 * a : 3 * a + 3] = [*force, torque]
         data.qacc_warmstart[:] = 0
         mujoco.mj_forward(self.model, data)
-        return data.qacc.copy(), data.ncon
+        return data.qacc.copy(), data.ncon + data.nl
 
     def fused(
         self, qpos, qvel, action, substeps: int = 1
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, int, np.ndarray]:
         """qpos, qvel and accelerations after physics steps of the fused step; contacts; what was lost."""
-        static = (*(x.ravel() for x in self.static), np.ones(len(self.mass), np.int64))
-        house = (*static, self.bodies.half.ravel(), self.mass, self.inertia.ravel())
+        static = tuple(x.ravel() for x in self.static)
+        bodies = np.ones(len(self.mass), np.int64), self.bodies.half.ravel(), self.mass, self.inertia.ravel()
         out = np.zeros(len(qpos)), np.zeros(len(qvel)), np.zeros(len(qvel))
+        mobiles = self.layout.num_mobiles
+        self.push, self.other = np.zeros((mobiles, 4)), np.zeros(mobiles, np.int64)
         touched, lost = np.zeros(self.agents, np.int64), np.zeros(2, np.int64)
         numbers = self.numbers._replace(substeps=float(substeps))
-        sizes = self.agents, len(self.mass), len(self.static.pos)
+        sizes = self.agents, len(self.mass), len(self.doors.mass), len(self.static.pos)
+        table, door = self.table.ravel(), self.door_rows.ravel()
+        held, grip, goal = self.driven
+        control, ramps = (action.ravel(), held, grip.ravel(), goal), np.ascontiguousarray(self.ramps)
+        state, report = (qpos, qvel, np.zeros(len(qvel))), (touched, lost, self.push.reshape(-1), self.other)
         count, self.newton_steps = _fused(
-            numbers, sizes, house, (qpos, qvel, np.zeros(len(qvel))), action.ravel(), out, touched, lost
+            numbers, sizes, (static, bodies, table, door, ramps), state, control, out, report
         )
         return *out, count, lost
+
+    def drive(self, rng) -> None:
+        """From now on hands hold bodies, doors have goals, and there are ramps; C MuJoCo does not know of them."""
+        turned = rng.normal(size=(self.agents, 4))
+        grip = np.c_[rng.uniform(-0.8, 0.8, (self.agents, 3)), turned / np.linalg.norm(turned, axis=-1, keepdims=True)]
+        goal = np.where(
+            rng.uniform(size=len(self.doors.mass)) < 0.7, rng.uniform(-2, 2, len(self.doors.mass)), servo.FREE
+        )
+        held = rng.permutation(len(self.mass))[: self.agents] - (rng.uniform(size=self.agents) < 0.3) * 100
+        self.driven = np.maximum(held, -1), grip.astype(np.float32).astype(float), goal.astype(np.float32).astype(float)
+
+    def _door_rows(self) -> np.ndarray:
+        """As the fused step takes them; inertia and inverse weight are those of C MuJoCo."""
+        doors, model = self.doors, self.model
+        inertia = model.dof_M0[self.layout.door_qvel]
+        weight = model.body_invweight0[self.layout.doors, 0]
+        return np.c_[doors.pivot, doors.arm, doors.height, doors.yaw, doors.half, inertia, weight, doors.range]
 
 
 def _resize(model, geom, half) -> None:
@@ -117,14 +182,19 @@ def _resize(model, geom, half) -> None:
 
 
 @njit
-def _fused(numbers, sizes, house, state, action, out, touched, lost):
-    work = make_work(sizes[0], sizes[1], sizes[2])
-    load_agents(work, numbers)
-    pos, quat, half, valid, size, mass, inertia = house
-    load_house(work, _at(pos), _at(quat), _at(half), ints(valid.ctypes.data), _at(size), _at(mass), _at(inertia))
+def _fused(numbers, sizes, house, state, control, out, report):
+    work = make_work(sizes[0], sizes[1], sizes[2], sizes[3])
+    (pos, quat, half), (valid, size, mass, inertia), table, door, ramps = house
+    load_agents(work, _at(table))
+    bodies = ints(valid.ctypes.data), _at(size), _at(mass), _at(inertia)
+    load_house(work, (_at(pos), _at(quat), _at(half)), bodies, _at(door))
     before = _at(state[0]), _at(state[1]), _at(state[2])
     after = _at(out[0]), _at(out[1]), _at(out[2])
-    step_env(work, numbers, 0.0, before, _at(action), after, ints(touched.ctypes.data), ints(lost.ctypes.data))
+    action, held, grip, goal = control
+    driven = _at(action), ints(held.ctypes.data), _at(grip), _at(goal)
+    touched, lost, push, other = report
+    said = ints(touched.ctypes.data), ints(lost.ctypes.data), _at(push), ints(other.ctypes.data)
+    step_env(work, numbers, (0.0, _at(ramps.reshape(-1)), len(ramps)), before, driven, after, said)
     count, steps = work.counts[NUM_CONTACTS], work.counts[NEWTON_STEPS]
     free_work(work)
     return count, steps

@@ -1,11 +1,12 @@
 """Heaps of moving things, to try contacts on."""
 
 import numpy as np
-from c_oracle import Boxes, Oracle
+from c_oracle import Boxes, Leaves, Oracle
 
 from home_mjx.physics import PhysicsConfig
 
-BODIES, STATIC, AGENTS = 6, 10, 2
+BODIES, STATIC, AGENTS, DOORS = 6, 10, 2, 3
+RAMPS = np.array([[0.3, 0.2, 0.6, 0.8, 1.0, 0.5, 0.0, 0.6], [0, 0, 1, 0, -1, 1, 0, 1]])  # the second is none
 
 
 def unit(quats: np.ndarray) -> np.ndarray:
@@ -13,7 +14,7 @@ def unit(quats: np.ndarray) -> np.ndarray:
 
 
 def heap(rng) -> tuple[Oracle, np.ndarray, np.ndarray, np.ndarray]:
-    """Agents and bodies in one heap with static boxes, moving: all touch several others, many deeply."""
+    """Agents, bodies and doors in one heap with static boxes, moving: all touch several others, many deeply."""
     static = Boxes(
         rng.uniform(-1.2, 1.2, (STATIC, 3)), rng.normal(size=(STATIC, 4)), rng.uniform(0.05, 0.8, (STATIC, 3))
     )
@@ -23,7 +24,18 @@ def heap(rng) -> tuple[Oracle, np.ndarray, np.ndarray, np.ndarray]:
     bodies.pos[:, 2] = rng.uniform(0.1, 1.2, BODIES)
     bodies.quat[: BODIES // 2, 1:3] *= 0.05
     static, bodies = static._replace(quat=unit(static.quat)), bodies._replace(quat=unit(bodies.quat))
-    oracle = Oracle(PhysicsConfig(num_agents=AGENTS), static, bodies, rng.uniform(1, 60, BODIES))
+    oracle = Oracle(PhysicsConfig(num_agents=AGENTS), static, bodies, rng.uniform(1, 60, BODIES), leaves(rng))
     agents = np.c_[rng.uniform(-1, 1, (AGENTS, 2)), rng.uniform(0.75, 0.82, AGENTS), rng.uniform(-3, 3, AGENTS)]
-    qpos = np.r_[agents.ravel(), np.c_[bodies.pos, bodies.quat].ravel()]
-    return oracle, qpos, 0.5 * rng.normal(size=4 * AGENTS + 6 * BODIES), rng.uniform(-1, 1, (AGENTS, 3))
+    low, high = oracle.doors.range.T  # some beyond the ends of their ways
+    qpos = np.r_[agents.ravel(), np.c_[bodies.pos, bodies.quat].ravel(), rng.uniform(low - 0.1, high + 0.1)]
+    return oracle, qpos, 0.5 * rng.normal(size=4 * AGENTS + 6 * BODIES + DOORS), rng.uniform(-1, 1, (AGENTS, 3))
+
+
+def leaves(rng) -> Leaves:
+    """Doors about the heap; a little askew on their hinges."""
+    half = np.c_[rng.uniform(0.2, 0.5, DOORS), rng.uniform(0.02, 0.04, DOORS), rng.uniform(0.5, 1, DOORS)]
+    yaw = rng.uniform(-3, 3, DOORS)
+    arm = half[:, :1] * np.c_[np.cos(yaw), np.sin(yaw)] + rng.uniform(-0.02, 0.02, (DOORS, 2))
+    low = rng.uniform(-2, 0, DOORS)
+    ends = np.c_[low, low + rng.uniform(0.5, 2, DOORS)]
+    return Leaves(rng.uniform(-1, 1, (DOORS, 2)), arm, half[:, 2] + 0.01, yaw, half, rng.uniform(5, 30, DOORS), ends)

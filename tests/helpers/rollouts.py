@@ -5,12 +5,11 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from tiny_houses import Box, TinyHouse, make_bank
+from tiny_houses import Box, Door, TinyHouse, make_bank
 
 from home_mjx import physics
 from home_mjx.physics import PhysicsConfig, Template
 
-BATCH = 8
 LENGTH = 20  # control steps of one call: 2 s
 
 WALL = [Box((1.55, y, 1.25), (0.05, 0.75, 1.25)) for y in np.arange(-6, 12, 1.5)]  # 1.5 m pieces: seams
@@ -41,9 +40,15 @@ SCENES = {
         static=[Box((1.2, 0, 1.5), (0.05, 2, 1.2), yaw=0.3)],
         movable=[Box((0.5, 0.1 * k, 0.5 + 0.4 * k), (0.2, 0.15, 0.19), yaw=0.4 * k, mass=3 + 4 * k) for k in range(4)],
     ),
+    "door": TinyHouse(doors=[Door((0.4, 0.5), yaw=-np.pi / 2, low=0.0, high=1.4)]),
+    "swing": TinyHouse(
+        movable=[Box((0.6, 0.1, 0.1), (0.1, 0.1, 0.1), mass=4)],
+        doors=[Door((1.0, -0.6), yaw=np.pi / 2, low=-1.6, high=0.3), Door((-1, 0), mass=30)],
+    ),
 }
 ACTIONS = {"free": (1, 0, 1), "slide": (1, 1, 0), "fall": (0, 0, 0), "crowded": (1, 0.2, 0.1)}
 NAMES = tuple(SCENES)
+BATCH = len(NAMES)
 
 
 class Rollout(NamedTuple):
@@ -55,6 +60,7 @@ class Rollout(NamedTuple):
     contact: np.ndarray
     body_pos: np.ndarray
     body_quat: np.ndarray
+    door_angle: np.ndarray
 
 
 def build(impl="jax"):
@@ -84,7 +90,9 @@ def make_run(template):
     def observe(data):
         pos, yaw = physics.agent_pose(template, data)
         velocity, contact = physics.agent_velocity(template, data), physics.agent_contact(template, data)
-        return Rollout(pos, yaw, velocity, contact, *physics.body_pose(template, data))
+        return Rollout(
+            pos, yaw, velocity, contact, *physics.body_pose(template, data), data.qpos[template.layout.door_qpos]
+        )
 
     @jax.jit
     def run(bank, house, data, actions):

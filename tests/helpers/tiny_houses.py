@@ -12,6 +12,7 @@ from home_mjx.bank.records import Physics
 
 NUM_COLLIDERS = 16
 NUM_BODIES = 4
+NUM_DOORS = 2
 
 
 @dataclass(frozen=True)
@@ -34,9 +35,36 @@ class Box:
 
 
 @dataclass(frozen=True)
+class Door:
+    """A leaf that hangs at `pivot` and reaches from there along `yaw`, from the floor up."""
+
+    pivot: tuple[float, float]
+    width: float = 0.8
+    yaw: float = 0.0
+    low: float = 0.0
+    high: float = 1.5
+    mass: float = 12.0
+    height: float = 2.0
+
+    @property
+    def pos(self) -> np.ndarray:
+        along = self.width / 2 * np.array([np.cos(self.yaw), np.sin(self.yaw)])
+        return np.array([*(self.pivot + along), self.height / 2 + 0.01])
+
+    @property
+    def quat(self) -> np.ndarray:
+        return np.array([np.cos(self.yaw / 2), 0, 0, np.sin(self.yaw / 2)])
+
+    @property
+    def size(self) -> np.ndarray:
+        return np.array([self.width, 0.04, self.height]) / 2
+
+
+@dataclass(frozen=True)
 class TinyHouse:
     static: Sequence[Box] = ()
     movable: Sequence[Box] = ()
+    doors: Sequence[Door] = ()
     floor: float = 0.0
 
 
@@ -48,7 +76,7 @@ def _table(rows, num, fill):
 
 
 def _physics(house: TinyHouse, num_bodies: int) -> dict[str, np.ndarray]:
-    static, movable = house.static, house.movable
+    static, movable, doors = house.static, house.movable, house.doors
     nothing = (0.0, 0.0, 0.0)
     used = np.arange(num_bodies) < len(movable)
     return {
@@ -65,6 +93,17 @@ def _physics(house: TinyHouse, num_bodies: int) -> dict[str, np.ndarray]:
         "body_mass": _table([b.mass for b in movable], num_bodies, 0.0),
         "body_inertia": _table([b.inertia for b in movable], num_bodies, nothing),
         "body_from_model": np.tile(np.eye(3, 4, dtype=np.float32), (num_bodies, 1, 1)),
+        "door_valid": np.arange(NUM_DOORS) < len(doors),
+        "door_instance": np.full(NUM_DOORS, -1, np.int32),
+        "door_pivot": _table([d.pivot for d in doors], NUM_DOORS, (0.0, 0.0)),
+        "door_closed": _table([d.low for d in doors], NUM_DOORS, 0.0),
+        "door_wide": _table([d.high for d in doors], NUM_DOORS, 0.0),
+        "door_low": _table([d.low for d in doors], NUM_DOORS, 0.0),
+        "door_high": _table([d.high for d in doors], NUM_DOORS, 0.0),
+        "door_pos": _table([d.pos for d in doors], NUM_DOORS, nothing),
+        "door_quat": _table([d.quat for d in doors], NUM_DOORS, (0.0, 0.0, 0.0, 0.0)),
+        "door_size": _table([d.size for d in doors], NUM_DOORS, nothing),
+        "door_mass": _table([d.mass for d in doors], NUM_DOORS, 0.0),
     }
 
 
@@ -73,4 +112,6 @@ def make_bank(houses: Sequence[TinyHouse], num_bodies: int = NUM_BODIES) -> Hous
     tables = [_physics(house, num_bodies) for house in houses]
     physics = Physics(**{name: jnp.asarray(np.stack([t[name] for t in tables])) for name in tables[0]})
     bank = HouseBank.from_compiled([shoebox()])
-    return bank.replace(physics=physics, spec=bank.spec.replace(num_bodies=num_bodies, num_colliders=NUM_COLLIDERS))
+    return bank.replace(
+        physics=physics, spec=bank.spec.replace(num_bodies=num_bodies, num_doors=NUM_DOORS, num_colliders=NUM_COLLIDERS)
+    )

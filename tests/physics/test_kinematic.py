@@ -37,12 +37,12 @@ def scene(rollout, name):
 def test_an_agent_in_the_open_moves_exactly_as_told(world):
     """The yaw turns first, then half of each step's way is walked twice; speeds are those of the whole step."""
     free = scene(world[2], "free")
-    yaw = CONFIG.turn_rate * 0.1 / 2 * np.arange(1, 41)
+    yaw = CONFIG.body.turn_rate * 0.1 / 2 * np.arange(1, 41)
     assert_allclose(free.agent_yaw[:, 0], yaw[1::2], rtol=1e-5)
     way = 0.05 * np.stack([np.cos(yaw), np.sin(yaw)], axis=-1).cumsum(axis=0)
     assert_allclose(free.agent_pos[:, 0, :2], way[1::2], atol=1e-5)
     assert not free.contact.any()
-    assert_allclose(free.agent_velocity[:, 0, 2], CONFIG.turn_rate, rtol=1e-4)
+    assert_allclose(free.agent_velocity[:, 0, 2], CONFIG.body.turn_rate, rtol=1e-4)
 
 
 def test_a_wall_takes_what_points_into_it_and_nothing_else(world):
@@ -50,7 +50,7 @@ def test_a_wall_takes_what_points_into_it_and_nothing_else(world):
     assert_allclose(slide.agent_pos[:, 0, 1], 0.07 * np.arange(1, 21), rtol=1e-5)
     assert_allclose(slide.agent_pos[-1, 0, 0], 1.5 - RADIUS, atol=1e-5)
     assert slide.contact[-1, 0]
-    assert_allclose(slide.agent_velocity[-1, 0], [0, CONFIG.strafe_speed, 0], atol=1e-4)
+    assert_allclose(slide.agent_velocity[-1, 0], [0, CONFIG.body.strafe_speed, 0], atol=1e-4)
 
 
 def test_things_stay_where_they_are_and_stop_agents(world):

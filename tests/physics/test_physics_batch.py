@@ -123,8 +123,8 @@ def test_velocity_is_in_the_agents_own_frame(pair):
     data, _ = pair.walk([[0.0, 1.0, 0.0], [-3.0, 0.0, 0.5]], 8)  # actions are clipped to [-1, 1]
     config = pair.template.config
     velocity = physics.agent_velocity(pair.template, data)
-    assert_allclose(velocity[0], [0, config.strafe_speed, 0], atol=5e-3)
+    assert_allclose(velocity[0], [0, config.body.strafe_speed, 0], atol=5e-3)
     # The velocity of a turning agent trails its frame by about one response time.
-    trail = config.turn_rate / 2 * config.response_time
-    assert_allclose(velocity[1], [-np.cos(trail), np.sin(trail), config.turn_rate / 2], atol=0.02)
+    trail = config.body.turn_rate / 2 * config.response_time
+    assert_allclose(velocity[1], [-np.cos(trail), np.sin(trail), config.body.turn_rate / 2], atol=0.02)
     assert data.qpos[1] > 0.3  # left of an agent that looks along +x is +y

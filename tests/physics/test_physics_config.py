@@ -6,20 +6,23 @@ import pytest
 
 from home_mjx.errors import ConfigError
 from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.schema import Body
 
 
 @pytest.mark.parametrize(
     ("changes", "element"),
     [
         ({"num_agents": 0}, "num_agents"),
-        ({"push_force": float("inf")}, "push_force"),
+        ({"response_time": float("inf")}, "response_time"),
+        ({"control": "torque"}, "control"),
+        ({"bodies": (Body(),)}, "bodies"),
         ({"impl": "cuda"}, "impl"),
         ({"jacobian": "banded"}, "jacobian"),
     ],
 )
 def test_useless_values_are_refused(changes, element):
     with pytest.raises(ConfigError) as error:
-        PhysicsConfig(**changes)
+        PhysicsConfig(**{"num_agents": 2} | changes)
     assert error.value.element == f"PhysicsConfig.{element}"
     assert error.value.hint
 

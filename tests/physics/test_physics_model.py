@@ -9,11 +9,18 @@ import numpy as np
 import pytest
 from mujoco import mjx
 from numpy.testing import assert_allclose
-from tiny_houses import Box, TinyHouse, make_bank
+from tiny_houses import NUM_DOORS, Box, Door, TinyHouse, make_bank
 
 from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.base.servo import DOOR_DRAG
 from home_mjx.physics.dynamics import reset
-from home_mjx.physics.reference.house_model import house_model, movable_bodies, with_slots
+from home_mjx.physics.reference.house_model import (
+    house_doors,
+    house_model,
+    movable_bodies,
+    with_doors,
+    with_slots,
+)
 from home_mjx.physics.reference.step import nearest_boxes, static_boxes
 from home_mjx.physics.reference.template import Template
 from home_mjx.physics.reference.template_mjcf import CORNER_RADIUS, slot_names, template_mjcf
@@ -27,6 +34,7 @@ HOUSE = TinyHouse(
         Box((-1.0, 0.6, 0.5), (0.4, 0.5, 0.1), roll=0.2, mass=100),
         Box((-1.5, -1.0, 1.3), (0.3, 0.25, 0.9), mass=200),
     ],
+    doors=[Door((0.4, 0.5), yaw=0.7, low=-0.2, high=1.4, mass=17)],
 )
 
 
@@ -41,6 +49,16 @@ def host_spec(template, house, slots=None):
         for c in range(8):
             corner = spec.geom(f"body{k}_corner{c}")
             corner.pos = np.sign(corner.pos) * (np.array(box.size) - CORNER_RADIUS)
+    for h, door in enumerate(house.doors):
+        body, geom = spec.body(f"door{h}"), spec.geom(f"door{h}")
+        arm = door.pos - [*door.pivot, door.pos[2]]
+        x, y, z = np.square(door.size)
+        body.pos, body.ipos, geom.pos = [*door.pivot, door.pos[2]], arm, arm
+        body.iquat, geom.quat, geom.size = door.quat, door.quat, door.size
+        body.mass, body.inertia = door.mass, door.mass / 3 * np.array([y + z, x + z, x + y])
+        hinge = spec.joint(f"door{h}")
+        hinge.range = [door.low, door.high]
+        hinge.damping = DOOR_DRAG * (body.inertia[2] + door.mass * arm @ arm)
     for i, name in enumerate(slot_names(template.layout) if slots is not None else []):
         geom = spec.geom(name)
         geom.pos, geom.quat, geom.size = (np.asarray(x[i], float) for x in (slots.pos, slots.quat, slots.half))
@@ -59,8 +77,9 @@ def models():
         state = reset(template, bank, house, jnp.array([[0.0, 0.0, 0.4]]), jnp.zeros(1))
         data = template.data.replace(qpos=state.qpos)
         bodies = movable_bodies(bank.physics, house)
-        slots, _ = nearest_boxes(template, static_boxes(template, bank.physics, house), bodies.size, data)
+        slots, _, _ = nearest_boxes(template, static_boxes(template, bank.physics, house), bodies.size, data)
         model = house_model(template.model, template.layout, bodies, bank.physics.floor[house])
+        model = with_doors(model, template.layout, house_doors(bank.physics, house))
         return with_slots(model, template.layout, slots), slots
 
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
@@ -99,8 +118,8 @@ def test_template_is_stepped_with_the_options_asked_for():
     model = Template(config, bank.spec).model
     assert (model.opt.iterations, model.opt.ls_iterations) == (3, 7)
     assert_allclose(model.opt.timestep, 0.01)
-    assert (model.nq, model.nv, model.nu) == (2 * 4 + 4 * 7, 2 * 4 + 4 * 6, 6)
-    assert model.ngeom == 1 + 2 * 5 + 4 * 3 + 2 * 2 + 4 * 9
+    assert (model.nq, model.nv, model.nu) == (2 * 4 + 4 * 7 + NUM_DOORS, 2 * 4 + 4 * 6 + NUM_DOORS, 6)
+    assert model.ngeom == 1 + 2 * 5 + 4 * 3 + 2 * 2 + 4 * 9 + NUM_DOORS
 
 
 def test_agents_weigh_what_was_asked_for():

@@ -42,6 +42,7 @@ AXES: Mapping[str, Axis] = {
     # Agents take the object ids from `instances` on, so every object's id must lie below it.
     "instances": Axis(lambda h: max(len(h.instances.model), 1 + int(h.instances.object_id.max())), 32),
     "bodies": Axis(lambda h: len(h.bodies.mass), 8),
+    "doors": Axis(lambda h: len(h.doors.mass), 8),
     "colliders": Axis(lambda h: len(h.colliders.pos), 64),
     "planes": Axis(lambda h: len(h.planes.material), 16),
     "starts": Axis(lambda h: len(h.navigation.start), 256, drawn=True),

@@ -1,4 +1,4 @@
-"""Static boxes and movable bodies, for the physics."""
+"""Static boxes, movable bodies, doors and ramps, for the physics."""
 
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
@@ -29,8 +29,13 @@ def inertia(at: HouseAt) -> Float[np.ndarray, "k 3"]:
     return box_inertia(bodies.mass.astype(np.float32), bodies.size.astype(np.float32))
 
 
+def is_door(at: HouseAt) -> Bool[np.ndarray, " n"]:
+    """True for each leaf of a door."""
+    return np.ones(len(at.house.doors.mass), bool)
+
+
 class Physics(Pytree):
-    """Static boxes and movable bodies of every house."""
+    """Static boxes, movable bodies, leaves of doors, and ramps over stairs, of every house."""
 
     floor: Float[Array, " h"] = array("[m], top of the ground floor", source=ground_height)
     collider_pos: Float[Array, "h colliders 3"] = array(
@@ -50,3 +55,14 @@ class Physics(Pytree):
     body_from_model: Float[Array, "h bodies 3 4"] = array(
         "body frame from model frame", source="bodies.from_model", fill=np.eye(3, 4)
     )
+    door_valid: Bool[Array, "h doors"] = array("False padding", source=is_door, fill=False)
+    door_instance: Int[Array, "h doors"] = array("-1 padding", source="doors.instance", fill=-1)
+    door_pivot: Float[Array, "h doors 2"] = array("[m], where the hinge meets the plan", source="doors.pivot")
+    door_closed: Float[Array, "h doors"] = array("[rad] about +z from as placed, shut", source="doors.closed")
+    door_wide: Float[Array, "h doors"] = array("[rad], wide open", source="doors.wide")
+    door_low: Float[Array, "h doors"] = array("[rad], least angle", source="doors.low")
+    door_high: Float[Array, "h doors"] = array("[rad], greatest angle", source="doors.high")
+    door_pos: Float[Array, "h doors 3"] = array("[m], middle of the leaf as placed", source="doors.pos")
+    door_quat: Float[Array, "h doors 4"] = array("wxyz, about z only", source="doors.quat", fill=UPRIGHT)
+    door_size: Float[Array, "h doors 3"] = array("[m], half extents", source="doors.size", fill=SMALL)
+    door_mass: Float[Array, "h doors"] = array("[kg]", source="doors.mass", fill=1)

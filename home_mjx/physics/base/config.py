@@ -11,6 +11,8 @@ from home_mjx.schema.timing import Timing
 IMPLS = ("fused", "jax", "kinematic")
 WARP = ". MJX-Warp is not offered: its agents fall through the floor"
 JACOBIANS = ("auto", "dense", "sparse")
+CONTROLS = ("velocity", "force")
+NOT_NUMBERS = ("impl", "jacobian", "control", "body", "bodies", "timing")
 WHOLE = (
     "num_agents", "iterations", "ls_iterations", "agent_slots", "body_slots", "max_geom_pairs", "max_contact_points"
 )  # fmt: skip
@@ -22,12 +24,11 @@ class PhysicsConfig:
 
     Attributes:
         num_agents: Agents per environment.
-        body: Size and mass of every agent.
+        body: Size, mass, strength and speeds of every agent.
+        bodies: The same of each agent, where they differ; `body` does not count then.
         timing: Length of a physics step and of a control step.
-        forward_speed: [m/s] at action 1.
-        strafe_speed: [m/s] at action 1.
-        turn_rate: [rad/s] at action 1.
-        push_force: [N], largest force of an agent's motors, in any horizontal direction.
+        control: "velocity": actions are parts of an agent's speeds, which its motors reach within `response_time`.
+            "force": forward and left are parts of its `push_force`, against a drag that balances it at full speed.
         response_time: [s], time constant with which an agent approaches its target velocity.
         friction: Sliding friction of everything except agents, whose contacts are frictionless; 0.4 is wood on wood.
         max_body_speed: [m/s], limit of movable bodies; a fall of 1.8 m reaches 6 m/s.
@@ -55,11 +56,9 @@ class PhysicsConfig:
 
     num_agents: int = 1
     body: Body = field(default_factory=Body)
+    bodies: tuple[Body, ...] = ()
     timing: Timing = field(default_factory=Timing)
-    forward_speed: float = 1.0
-    strafe_speed: float = 0.7
-    turn_rate: float = 1.5708
-    push_force: float = 300.0
+    control: str = "velocity"
     response_time: float = 0.1
     friction: float = 0.4
     max_body_speed: float = 6.0
@@ -78,16 +77,41 @@ class PhysicsConfig:
         self._check_numbers()
         check_type("body", self.body, Body)
         check_type("timing", self.timing, Timing)
+        self._check_bodies()
+
+    @property
+    def agents(self) -> tuple[Body, ...]:
+        """The body of each agent.
+
+        Example:
+            >>> [body.radius for body in PhysicsConfig(num_agents=2).agents]
+            [0.1, 0.1]
+        """
+        return self.bodies or (self.body,) * self.num_agents
+
+    def _check_bodies(self) -> None:
+        if not isinstance(self.bodies, tuple):
+            raise ConfigError(f"`bodies` must be a tuple, got {self.bodies!r}", element="PhysicsConfig.bodies")
+        for body in self.bodies:
+            check_type("bodies", body, Body)
+        if self.bodies and len(self.bodies) != self.num_agents:
+            raise ConfigError(
+                f"there are {len(self.bodies)} bodies for {self.num_agents} agents",
+                element="PhysicsConfig.bodies",
+                hint="Give one body per agent, or leave `bodies` out: then all have `body`.",
+            )
 
     def _check_choices(self) -> None:
-        for name, value, known in (("impl", self.impl, IMPLS), ("jacobian", self.jacobian, JACOBIANS)):
+        choices = {"impl": IMPLS, "jacobian": JACOBIANS, "control": CONTROLS}
+        for name, known in choices.items():
+            value = getattr(self, name)
             if value not in known:
                 hint = f"Known: {', '.join(known)}" + (WARP if value == "warp" else "")
                 raise ConfigError(f"unknown {name} `{value}`", element=f"PhysicsConfig.{name}", hint=hint)
 
     def _check_numbers(self) -> None:
         for name, value in vars(self).items():
-            if name in ("impl", "jacobian", "body", "timing") or (value is None and name.startswith("max_")):
+            if name in NOT_NUMBERS or (value is None and name.startswith("max_")):
                 continue
             try:
                 check_number(name, value, 1 if name in WHOLE else math.ulp(0), whole=name in WHOLE)

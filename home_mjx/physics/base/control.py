@@ -1,26 +1,40 @@
 """From an agent's action to the forces of its motors."""
 
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from home_mjx.physics.base.config import PhysicsConfig
 
+# Columns of the table of agents.
+RADIUS, HALF_LENGTH, MASS, YAW_INERTIA, FORWARD_SPEED, STRAFE_SPEED, TURN_RATE, PUSH_FORCE = range(8)
+
+
+def agent_table(config: PhysicsConfig, yaw_inertia: Float[np.ndarray, " a"]) -> Float[np.ndarray, "a 8"]:
+    """What the physics needs to know of each agent, in the order of the columns above; SI units."""
+    rows = [
+        (b.radius, b.half_length, b.mass, inertia, b.forward_speed, b.strafe_speed, b.turn_rate, b.push_force)
+        for b, inertia in zip(config.agents, yaw_inertia, strict=True)
+    ]
+    return np.array(rows)
+
 
 def motor_forces(
     config: PhysicsConfig,
-    yaw_inertia: float,
+    agent: Float[Array, "8"],
     action: Float[Array, "3"],
     yaw: Float[Array, ""],
     velocity: Float[Array, "4"],
 ) -> Float[Array, "3"]:
-    """Forces that drive an agent towards its target velocity.
+    """Forces of an agent's motors.
 
-    A velocity controller, `f = m (v_target - v) / response_time`, whose horizontal force is cut to `push_force` in
-    any direction. This force, against friction, decides which objects an agent can push.
+    By velocity: `f = m (v_target - v) / response_time`, whose horizontal part is cut to `push_force` in any direction.
+    By force: `f = push_force (action - v / full speed)`, forward and to the left each. This force, against friction,
+    decides which objects an agent can push.
 
     Args:
         config: Options.
-        yaw_inertia: [kg m^2] about the vertical axis.
+        agent: Row of `agent_table`.
         action: Forward, strafe to the left and turn to the left, in [-1, 1]; clipped.
         yaw: [rad]
         velocity: World frame x, y, z [m/s] and yaw rate [rad/s].
@@ -28,12 +42,16 @@ def motor_forces(
     Returns:
         Force along world x and y [N], torque about z [N m].
     """
-    fastest = jnp.array([config.forward_speed, config.strafe_speed, config.turn_rate], jnp.float32)
-    forward, left, turn = jnp.clip(action, -1.0, 1.0) * fastest
+    part = jnp.clip(action, -1.0, 1.0)
     cos, sin = jnp.cos(yaw), jnp.sin(yaw)
-    error = jnp.stack([cos * forward - sin * left, sin * forward + cos * left]) - velocity[:2]
-    force = error * jnp.float32(config.body.mass / config.response_time)
-    size = jnp.sqrt(jnp.sum(force * force) + jnp.float32(1e-12))
-    force = force * jnp.minimum(jnp.float32(1.0), jnp.float32(config.push_force) / size)
-    torque = (turn - velocity[3]) * jnp.float32(yaw_inertia / config.response_time)
-    return jnp.concatenate([force, torque[None]])
+    forward, left = cos * velocity[0] + sin * velocity[1], cos * velocity[1] - sin * velocity[0]
+    miss = jnp.stack([part[0] * agent[FORWARD_SPEED] - forward, part[1] * agent[STRAFE_SPEED] - left])
+    if config.control == "force":
+        miss = miss / jnp.stack([agent[FORWARD_SPEED], agent[STRAFE_SPEED]]) * agent[PUSH_FORCE]
+    else:
+        miss = miss * (agent[MASS] / jnp.float32(config.response_time))
+        size = jnp.sqrt(jnp.sum(miss * miss) + jnp.float32(1e-12))
+        miss = miss * jnp.minimum(jnp.float32(1.0), agent[PUSH_FORCE] / size)
+    x, y = cos * miss[0] - sin * miss[1], sin * miss[0] + cos * miss[1]
+    torque = (part[2] * agent[TURN_RATE] - velocity[3]) * (agent[YAW_INERTIA] / jnp.float32(config.response_time))
+    return jnp.stack([x, y, torque])

@@ -1,4 +1,4 @@
-"""Indices of agents, bodies and contact slots in the template's arrays."""
+"""Indices of agents, bodies, doors and contact slots in the template's arrays."""
 
 from dataclasses import dataclass
 
@@ -7,13 +7,15 @@ from dataclasses import dataclass
 class Layout:
     """Addresses in `qpos`, `qvel`, bodies and geoms of the template.
 
-    Order of bodies: world, agents, movable bodies. Order of geoms: floor, slots of the agents, slots of the bodies,
-    then two per agent (capsule, foot) and nine per body (box, corners). An agent has 4 numbers in `qpos` and in
-    `qvel` (x, y, z, yaw); a body 7 and 6.
+    Order of bodies: world, agents, movable bodies, doors; what moves is called a mobile, counted without the world.
+    Order of geoms: floor, slots of the agents, slots of the bodies, then two per agent (capsule, foot), nine per body
+    (box, corners) and one per door. An agent has 4 numbers in `qpos` and in `qvel` (x, y, z, yaw), a body 7 and 6, a
+    door 1 and 1 (its angle).
     """
 
     num_agents: int
     num_bodies: int
+    num_doors: int
     agent_slots: int
     body_slots: int
 
@@ -23,9 +25,14 @@ class Layout:
         return self.num_agents * self.agent_slots + self.num_bodies * self.body_slots
 
     @property
+    def num_mobiles(self) -> int:
+        """Agents, movable bodies and doors."""
+        return self.num_agents + self.num_bodies + self.num_doors
+
+    @property
     def num_dofs(self) -> int:
         """Length of `qvel`."""
-        return 4 * self.num_agents + 6 * self.num_bodies
+        return 4 * self.num_agents + 6 * self.num_bodies + self.num_doors
 
     @property
     def agent_qpos(self) -> slice:
@@ -43,9 +50,26 @@ class Layout:
         return slice(4 * self.num_agents, 4 * self.num_agents + 6 * self.num_bodies)
 
     @property
+    def door_qpos(self) -> slice:
+        """Doors in `qpos`."""
+        first = 4 * self.num_agents + 7 * self.num_bodies
+        return slice(first, first + self.num_doors)
+
+    @property
+    def door_qvel(self) -> slice:
+        """Doors in `qvel`."""
+        first = 4 * self.num_agents + 6 * self.num_bodies
+        return slice(first, first + self.num_doors)
+
+    @property
     def bodies(self) -> slice:
         """Movable bodies among the bodies."""
         return slice(1 + self.num_agents, 1 + self.num_agents + self.num_bodies)
+
+    @property
+    def doors(self) -> slice:
+        """Doors among the bodies."""
+        return slice(1 + self.num_agents + self.num_bodies, 1 + self.num_mobiles)
 
     @property
     def slots(self) -> slice:
@@ -57,3 +81,9 @@ class Layout:
         """Geoms of the movable bodies: of each its box, then its 8 corners."""
         first = 1 + self.num_slots + 2 * self.num_agents
         return slice(first, first + 9 * self.num_bodies)
+
+    @property
+    def door_geoms(self) -> slice:
+        """Geoms of the doors."""
+        first = self.body_geoms.stop
+        return slice(first, first + self.num_doors)

@@ -6,12 +6,20 @@ from home_mjx.core.pytree import Pytree
 
 
 class PhysicsState(Pytree):
-    """Poses and speeds of an environment's agents, then of its movable bodies; see `layout.Layout`.
+    """Poses and speeds of an environment's agents, movable bodies and doors; see `layout.Layout`.
 
-    The names are MuJoCo's.
+    The names are MuJoCo's. Mobiles are the agents, then the bodies, then the doors.
     """
 
-    qpos: Float[Array, "*batch nq"]  # of an agent x, y, z [m] and yaw [rad]; of a body x, y, z and quaternion wxyz
+    qpos: Float[
+        Array, "*batch nq"
+    ]  # of an agent x, y, z [m] and yaw [rad]; of a body x, y, z and quaternion wxyz; of a door its angle
     qvel: Float[Array, "*batch nv"]  # [m/s], [rad/s]; a body turns about its own axes
     qacc: Float[Array, "*batch nv"]  # of the last physics step; the next one's solver begins there
+    held: Int[Array, "*batch a"]  # movable body in each agent's hand; -1 none
+    grip: Float[Array, "*batch a 7"]  # where it shall be in the agent's frame: position [m], quaternion
+    goal: Float[Array, "*batch h"]  # [rad], angle that a door is driven to; `servo.FREE`: none
     touched: Int[Array, "*batch a"]  # contact points of each agent with anything but the floor, the most in a step
+    impulse: Float[Array, "*batch m"]  # [N s], of all contacts of each mobile in the last control step
+    place: Float[Array, "*batch m 3"]  # [m], of the strongest of them
+    other: Int[Array, "*batch m"]  # what that was with: a mobile; -1 nothing, -2 the floor, -3 - c static box c

@@ -12,19 +12,29 @@ struct Contact {
   real weight, friction;                  // weight: 1 / regularisation of its rows
   real target[3], residual[3], slope[3];  // in the frame; `edge_value` makes those of its rows
   Push push;
+  real pos[3];
   int first, second, active;
 };
 static_assert(sizeof(Contact) <= CONTACT_WORDS * sizeof(real), "launch.py gives too little room");
 
 // Pointers into shared memory and scratch.
 struct Env {
-  int agents, mobiles, statics, room;  // room: most contacts
-  real *pos, *quat, *rot, *vel, *acc, *smooth, *half, *mass, *radius;
+  int agents, free, mobiles, statics, room;  // free: agents and bodies, the first door; room: most contacts
+  // A door's angle and an agent's yaw are the first number of quat. All mobiles have six numbers of velocity; of a door,
+  // which turns about its own z, the others are held by HEAVY masses.
+  real *pos, *quat, *rot, *vel, *acc, *smooth, *half, *mass, *inverse, *radius, *impulse;
   int *used, *num_near, *island, *members, *rows, *end, *offset, *order, *counts;
   real *near, *near_from, *small, *large;  // memory for Newton's method: small is shared
+  const float *agent, *door;  // tables: of the agents, of the house's doors
   Contact* contacts;
   Numbers numbers;
 };
+
+INLINE Vec origin(const Env& e, int m) {  // about which a mobile turns
+  if (m < e.free) return {e.pos[3 * m], e.pos[3 * m + 1], e.pos[3 * m + 2]};
+  const float* door = e.door + DOOR_COLUMNS * (m - e.free);
+  return {door[0], door[1], e.pos[3 * m + 2]};
+}
 
 INLINE int num_rows(const Contact& c) { return c.friction > 0 ? 4 : 1; }
 
@@ -69,6 +79,7 @@ __device__ void make_contact(const Env& e, Contact& c, int first, int second, re
   const Vec tangent = (1 / length) * (unit - n[axis] * n);
   const Vec frame[3] = {n, tangent, cross(n, tangent)};
   c.first = first, c.second = second, c.friction = friction, c.active = 0;
+  for (int k = 0; k < 3; ++k) c.pos[k] = point.pos[k];
   real inverse = 0;
   for (int row = 0; row < 3; ++row)
     for (int k = 0; k < 3; ++k) c.frame[row][k] = frame[row][k];
@@ -77,17 +88,21 @@ __device__ void make_contact(const Env& e, Contact& c, int first, int second, re
     if (m < 0) continue;
     const real sign = m < e.agents ? 0 : side == 0 ? -1 : 1;
     const real* rot = e.rot + 9 * m;
-    const Vec arm = point.pos - Vec{e.pos[3 * m], e.pos[3 * m + 1], e.pos[3 * m + 2]};
+    const Vec arm = point.pos - origin(e, m);
     for (int row = 0; row < 3; ++row) {
       const Vec turn = cross(arm, frame[row]);
       for (int k = 0; k < 3; ++k)
         c.turn[side][row][k] = sign * (rot[k] * turn.x + rot[3 + k] * turn.y + rot[6 + k] * turn.z);
     }
-    inverse += 1 / e.mass[6 * m];
+    inverse += e.inverse[m];
   }
-  const bool agent = first < e.agents;
-  const real stiffness = agent ? e.numbers.agent_stiffness : e.numbers.body_stiffness;
-  const real damping = agent ? e.numbers.agent_damping : e.numbers.body_damping;
+  real stiffness = e.numbers.body_stiffness, damping = e.numbers.body_damping;
+  if (first < e.agents) stiffness = e.numbers.agent_stiffness, damping = e.numbers.agent_damping;
+  if (second == LIMIT) {  // the first row is the door's rate itself
+    for (int row = 0; row < 3; ++row)
+      for (int k = 0; k < 3; ++k) c.frame[row][k] = 0, c.turn[0][row][k] = row == 0 && k == 2 ? n.x : 0;
+    stiffness = e.numbers.limit_stiffness, damping = e.numbers.limit_damping, inverse = 1 / e.mass[6 * first + 5];
+  }
   const real imp = impedance(e.numbers, -point.distance);
   if (friction > 0) inverse *= (1 + friction * friction) * 2 * friction * friction;
   c.weight = 1 / fmax(inverse * (1 - imp) / imp, real(1e-15));

@@ -13,22 +13,22 @@ from jaxtyping import Array
 from home_mjx.core.native.platforms import PTX_TARGET, problem_of, ptx_for_all, works
 from home_mjx.physics.native.limits import BODY_DOFS, NEAR, POINTS_PER_MOBILE
 
-SOURCES = tuple(
-    Path(__file__).with_name(name) for name in ("base.cuh", "shapes.cuh", "contact.cuh", "solver.cuh", "step.cu")
-)
+FILES = ("base.cuh", "shapes.cuh", "contact.cuh", "contacts.cuh", "solver.cuh", "forces.cuh", "step.cu")
+SOURCES = tuple(Path(__file__).with_name(name) for name in FILES)
 WARP = 32
-CONTACT_WORDS, SMALL_ISLAND = 49, 6  # as in base.cuh
-SHARED_REALS, SHARED_INTS = 44, 7 + POINTS_PER_MOBILE  # per mobile, as step.cu lays them out
+ACTION = 16  # number of that operand
+CONTACT_WORDS, SMALL_ISLAND = 52, 6  # as in base.cuh
+SHARED_REALS, SHARED_INTS = 47, 7 + POINTS_PER_MOBILE  # per mobile, as step.cu lays them out
 
 
 def step_cuda(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]) -> Sequence[Array]:
     """Steps environments (e ...); operands and results as those of `cpu.step_cpu`."""
-    envs, agents = operands[-1].shape[:2]
-    houses, statics, bodies = operands[0].shape[0], operands[0].shape[1], operands[3].shape[1]
-    mobiles = agents + bodies
+    (houses, statics), bodies, doors, ramps = operands[0].shape[:2], *(operands[i].shape[1] for i in (3, 7, 8))
+    envs, agents = operands[ACTION].shape[:2]
+    mobiles = agents + bodies + doors
     words = (NEAR + 12) * mobiles + _newton_words(mobiles) + CONTACT_WORDS * POINTS_PER_MOBILE * mobiles
     scratch = jax.ShapeDtypeStruct((envs, words), jnp.float32)
-    sizes = (envs, houses, statics, bodies, agents, 4 * words)
+    sizes = (envs, houses, statics, bodies, agents, doors, ramps, 4 * words)
     constants = jnp.concatenate([jnp.full(1, size, jnp.int32) for size in sizes])
     shared = 4 * ((SHARED_REALS + SHARED_INTS) * mobiles + _newton_words(SMALL_ISLAND) + 2)
     launch = {"grid_x": envs, "grid_y": 1, "grid_z": 1, "block_x": WARP, "block_y": 1, "block_z": 1}

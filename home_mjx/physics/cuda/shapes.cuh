@@ -307,16 +307,17 @@ __device__ void capsule_box(Vec pos, real radius, real length, const Box& box, P
   if (second != NONE) sphere_box(center + second * axis, radius, box, points);
 }
 
-// Two upright capsules of one size.
-__device__ void capsule_capsule(Vec one, Vec two, real radius, real length, Points& points) {
-  const real low = fmax(one.z, two.z) - length, high = fmin(one.z, two.z) + length;
+// Two upright capsules; of each its radius, then half of its axis.
+__device__ void capsule_capsule(Vec one, Vec two, const float* size1, const float* size2, Points& points) {
+  const real radius1 = size1[0], length1 = size1[1], radius2 = size2[0], length2 = size2[1];
+  const real low = fmax(one.z - length1, two.z - length2), high = fmin(one.z + length1, two.z + length2);
   for (int i = 0; i < 2; ++i) {
     real z1 = i == 0 ? low : high, z2 = z1;
     if (low > high) z1 = one.z < two.z ? high : low, z2 = one.z < two.z ? low : high;
     const Vec step = {two.x - one.x, two.y - one.y, z2 - z1};
-    const real distance = sqrt(dot(step, step)), gap = distance - 2 * radius;
+    const real distance = sqrt(dot(step, step)), gap = distance - radius1 - radius2;
     if (gap > 0) continue;
     const Vec normal = distance < TINY ? Vec{1, 0, 0} : (1 / distance) * step;
-    points.add(Vec{one.x, one.y, z1} + (radius + gap / 2) * normal, gap, normal);
+    points.add(Vec{one.x, one.y, z1} + (radius1 + gap / 2) * normal, gap, normal);
   }
 }

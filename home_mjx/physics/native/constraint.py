@@ -10,6 +10,7 @@ from typing import no_type_check
 from numba import njit
 
 from home_mjx.core.native.memory import shifted
+from home_mjx.physics.native.limits import DOOR_COLUMNS, LIMIT
 from home_mjx.physics.native.work import NUM_CONTACTS
 
 TINY = 1e-15  # MuJoCo's mjMINVAL
@@ -23,14 +24,14 @@ def make_rows(work, numbers):
     """Fills in `jacobian`, `weight` and `target` of all contacts."""
     for n in range(work.counts[NUM_CONTACTS]):
         a, b = work.first[n], work.second[n]
-        _jacobian(work, n, 0, a, -1.0, a < work.num_agents)
-        inverse = 1 / work.mass[6 * a]
+        _jacobian(work, n, 0, a, -1.0)
+        inverse = work.inverse[a]
         if b >= 0:
-            _jacobian(work, n, 1, b, 1.0, b < work.num_agents)
-            inverse += 1 / work.mass[6 * b]
-        agent = a < work.num_agents
-        stiffness = numbers.agent_stiffness if agent else numbers.body_stiffness
-        damping = numbers.agent_damping if agent else numbers.body_damping
+            _jacobian(work, n, 1, b, 1.0)
+            inverse += work.inverse[b]
+        if b == LIMIT:
+            inverse = 1 / work.mass[6 * a]
+        stiffness, damping = _spring(numbers, a < work.num_agents, b == LIMIT)
         friction, distance = work.friction[n], work.place[4 * n + 3]
         impedance = _impedance(numbers, -distance)
         if friction > 0:
@@ -80,8 +81,12 @@ def contact_velocity(work, n, values):
 
 @compiled
 @no_type_check
-def _jacobian(work, n, side, m, sign, agent):
+def _jacobian(work, n, side, m, sign):
     """Rows of the contact frame against a mobile's six numbers; what turns an agent is left out."""
+    if m >= work.num_free:
+        _door_jacobian(work, n, side, m, sign)
+        return
+    agent = m < work.num_agents
     x = work.place[4 * n] - work.pos[3 * m]
     y = work.place[4 * n + 1] - work.pos[3 * m + 1]
     z = work.place[4 * n + 2] - work.pos[3 * m + 2]
@@ -94,6 +99,33 @@ def _jacobian(work, n, side, m, sign, agent):
         for k in range(3):
             turn = work.rot[9 * m + k] * tx + work.rot[9 * m + 3 + k] * ty + work.rot[9 * m + 6 + k] * tz
             jacobian[3 + k] = 0.0 if agent else sign * turn
+
+
+@compiled
+@no_type_check
+def _door_jacobian(work, n, side, m, sign):
+    """Of a door only its rate counts: (up x arm) along the directions. At a limit the first row is the rate itself."""
+    door = shifted(work.door, DOOR_COLUMNS * (m - work.num_free))
+    x, y = work.place[4 * n] - door[0], work.place[4 * n + 1] - door[1]
+    jacobian = shifted(work.jacobian, 36 * n + 18 * side)
+    for k in range(18):
+        jacobian[k] = 0.0
+    if work.second[n] == LIMIT:
+        jacobian[0] = work.frame[9 * n]
+        return
+    for row in range(3):
+        jacobian[6 * row] = sign * (x * work.frame[9 * n + 3 * row + 1] - y * work.frame[9 * n + 3 * row])
+
+
+@njit(error_model="numpy", inline="always")
+@no_type_check
+def _spring(numbers, agent, limit):
+    """Stiffness and damping of a contact or of a hinge's limit."""
+    if limit:
+        return numbers.limit_stiffness, numbers.limit_damping
+    if agent:
+        return numbers.agent_stiffness, numbers.agent_damping
+    return numbers.body_stiffness, numbers.body_damping
 
 
 @njit(error_model="numpy", inline="always")

@@ -9,10 +9,12 @@ from numba import njit
 from home_mjx.core.native.memory import shifted
 from home_mjx.physics.native.box_box import box_box
 from home_mjx.physics.native.capsule import capsule_box, capsule_capsule
-from home_mjx.physics.native.limits import FLOOR, NEAR, STATIC
+from home_mjx.physics.native.limits import AGENT_COLUMNS, DOOR_COLUMNS, FLOOR, LIMIT, NEAR, STATIC
 from home_mjx.physics.native.work import LOST_POINTS, LOST_STATIC, NUM_CONTACTS
 
 REACH = 0.1  # [m]: static boxes up to this far are kept, until their mobile has moved as much
+
+DOOR_LOW = 11  # column of a door's least angle; the greatest follows
 
 compiled = njit(error_model="numpy")
 
@@ -24,16 +26,41 @@ def find_contacts(work, numbers, floor):
     work.counts[NUM_CONTACTS] = 0
     for m in range(work.num_mobiles):
         if work.used[m]:
-            _keep_near(work, m)
-            if m < work.num_agents:
-                _agent_on_floor(work, numbers, m, floor)
+            if m < work.num_free:
+                _with_house(work, numbers, m, floor)
             else:
-                _body_on_floor(work, numbers, m, floor)
-            for i in range(work.num_near[m]):
-                _with_static(work, numbers, m, work.near[NEAR * m + i])
-            for other in range(m):
+                _at_limits(work, m)
+            for other in range(min(m, work.num_free)):
                 if work.used[other]:
                     _with_mobile(work, numbers, other, m)
+
+
+@compiled
+@no_type_check
+def _with_house(work, numbers, m, floor):
+    _keep_near(work, m)
+    if m < work.num_agents:
+        _agent_on_floor(work, m, floor)
+    else:
+        _body_on_floor(work, numbers, m, floor)
+    for i in range(work.num_near[m]):
+        _with_static(work, numbers, m, work.near[NEAR * m + i])
+
+
+@compiled
+@no_type_check
+def _at_limits(work, m):
+    """The ends of a door's way, as contacts whose normal's first number is the sense in which they push."""
+    door, angle = shifted(work.door, DOOR_COLUMNS * (m - work.num_free)), work.quat[4 * m]
+    points, normals = work.points, work.normals
+    for k in range(3):
+        points[k] = work.pos[3 * m + k]
+    for end in range(2):
+        sense = 1.0 if end == 0 else -1.0
+        points[3] = sense * (angle - door[DOOR_LOW + end])
+        if points[3] < 0:
+            normals[0], normals[1], normals[2] = sense, 0.0, 0.0
+            _add(work, m, LIMIT, points, normals, 0.0)
 
 
 @compiled
@@ -111,9 +138,9 @@ def _apart(work, m, c, reach):
 
 @compiled
 @no_type_check
-def _agent_on_floor(work, numbers, m, floor):
+def _agent_on_floor(work, m, floor):
     """The sphere of an agent's foot."""
-    bottom = work.pos[3 * m + 2] - numbers.length - numbers.radius
+    bottom = work.pos[3 * m + 2] - work.agent[AGENT_COLUMNS * m + 1] - work.agent[AGENT_COLUMNS * m]
     if bottom < floor:
         points, normals = work.points, work.normals
         points[0], points[1] = work.pos[3 * m], work.pos[3 * m + 1]
@@ -151,7 +178,7 @@ def _with_static(work, numbers, m, c):
     if m < work.num_agents and _apart(work, m, c, 0.0):
         return
     pos, rot, half = shifted(work.static_pos, 3 * c), shifted(work.static_rot, 9 * c), shifted(work.static_half, 3 * c)
-    _with_box(work, numbers, m, STATIC, pos, rot, half)
+    _with_box(work, numbers, m, STATIC - c, pos, rot, half)
 
 
 @compiled
@@ -169,9 +196,9 @@ def _with_mobile(work, numbers, a, b):
     if b >= work.num_agents:
         _with_box(work, numbers, a, b, pos, shifted(work.rot, 9 * b), shifted(work.half, 3 * b))
         return
-    radius, length = numbers.radius, numbers.length
+    one, two = shifted(work.agent, AGENT_COLUMNS * a), shifted(work.agent, AGENT_COLUMNS * b)
     own = shifted(work.pos, 3 * a)
-    count = capsule_capsule(own, radius, length, pos, radius, length, work.points, work.normals)
+    count = capsule_capsule(own, one[0], one[1], pos, two[0], two[1], work.points, work.normals)
     _add_round(work, a, b, count)
 
 
@@ -181,7 +208,8 @@ def _with_box(work, numbers, m, other, pos, rot, half):
     """Contacts of a mobile and a box, which is that of the mobile `other` or none's."""
     points, normals, own = work.points, work.normals, shifted(work.pos, 3 * m)
     if m < work.num_agents:
-        _add_round(work, m, other, capsule_box(own, numbers.radius, numbers.length, pos, rot, half, points, normals))
+        size = shifted(work.agent, AGENT_COLUMNS * m)
+        _add_round(work, m, other, capsule_box(own, size[0], size[1], pos, rot, half, points, normals))
     else:
         axes, size = shifted(work.rot, 9 * m), shifted(work.half, 3 * m)
         for i in range(box_box(own, axes, size, pos, rot, half, points, normals)):

@@ -10,16 +10,28 @@ from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from home_mjx.core.native import ffi, memory
 from home_mjx.core.native.memory import pointer_to, symbol_address
-from home_mjx.physics.native import box_box, capsule, constraint, contacts, limits, numbers, solver, step
+from home_mjx.physics.native import (
+    box_box,
+    capsule,
+    constraint,
+    contacts,
+    forces,
+    limits,
+    motion,
+    numbers,
+    solver,
+    step,
+)
 from home_mjx.physics.native import work as native_work
 from home_mjx.physics.native.numbers import Numbers
 from home_mjx.physics.native.step import load_agents, load_house, step_env
 from home_mjx.physics.native.work import free_work, make_work
 
 # Operands and results, in order.
-(COLLIDER_POS, COLLIDER_QUAT, COLLIDER_HALF, BODY_VALID, BODY_SIZE, BODY_MASS, BODY_INERTIA, FLOOR, NUMBERS) = range(9)
-HOUSE, QPOS, QVEL, QACC, ACTION = range(9, 14)
-NEW_QPOS, NEW_QVEL, NEW_QACC, TOUCHED, LOST = range(5)
+COLLIDER_POS, COLLIDER_QUAT, COLLIDER_HALF, BODY_VALID, BODY_SIZE, BODY_MASS, BODY_INERTIA = range(7)
+DOOR, RAMP, FLOOR, AGENT, NUMBERS = range(7, 12)
+HOUSE, QPOS, QVEL, QACC, ACTION, HELD, GRIP, GOAL = range(12, 20)
+NEW_QPOS, NEW_QVEL, NEW_QACC, TOUCHED, LOST, PUSH, OTHER = range(7)
 CHUNK = 16  # environments that a thread takes at once
 TASK = "home_mjx_step_task"
 BYTES = 4  # of a number
@@ -40,7 +52,9 @@ def build_handler() -> tuple[Any, Any]:
         capsule,
         constraint,
         contacts,
+        forces,
         limits,
+        motion,
         numbers,
         solver,
         step,
@@ -88,10 +102,11 @@ def _work(job):
 def _step_chunk(frame, chunk):
     houses, colliders = _operand_dim(frame, COLLIDER_POS, 0), _operand_dim(frame, COLLIDER_POS, 1)
     bodies, agents = _operand_dim(frame, BODY_VALID, 1), _operand_dim(frame, ACTION, 1)
+    doors, ramps = _operand_dim(frame, DOOR, 1), _operand_dim(frame, RAMP, 1)
     house = int_pointer(ffi.data(frame, ffi.OPERANDS, HOUSE))
     given, floor = _numbers(_floats(frame, NUMBERS, 0)), _floats(frame, FLOOR, 0)
-    work = make_work(agents, bodies, colliders)
-    load_agents(work, given)
+    work = make_work(agents, bodies, doors, colliders)
+    load_agents(work, _floats(frame, AGENT, 0))
     loaded = -1
     for env in range(chunk * CHUNK, min((chunk + 1) * CHUNK, _operand_dim(frame, HOUSE, 0))):
         own = min(max(house[env], 0), houses - 1)
@@ -100,24 +115,30 @@ def _step_chunk(frame, chunk):
             loaded = own
         before = _floats(frame, QPOS, env), _floats(frame, QVEL, env), _floats(frame, QACC, env)
         after = _results(frame, NEW_QPOS, env), _results(frame, NEW_QVEL, env), _results(frame, NEW_QACC, env)
-        touched, lost = _flags(frame, TOUCHED, env), _flags(frame, LOST, env)
-        step_env(work, given, floor[own], before, _floats(frame, ACTION, env), after, touched, lost)
+        report = (
+            _flags(frame, TOUCHED, env),
+            _flags(frame, LOST, env),
+            _results(frame, PUSH, env),
+            _flags(frame, OTHER, env),
+        )
+        held = int_pointer(_row(frame, ffi.OPERANDS, HELD, env))
+        control = _floats(frame, ACTION, env), held, _floats(frame, GRIP, env), _floats(frame, GOAL, env)
+        ground = floor[own], _floats(frame, RAMP, own), ramps
+        step_env(work, given, ground, before, control, after, report)
     free_work(work)
 
 
 @compiled
 @no_type_check
 def _load_house(frame, work, house):
-    load_house(
-        work,
+    static = (
         _floats(frame, COLLIDER_POS, house),
         _floats(frame, COLLIDER_QUAT, house),
         _floats(frame, COLLIDER_HALF, house),
-        int_pointer(_row(frame, ffi.OPERANDS, BODY_VALID, house)),
-        _floats(frame, BODY_SIZE, house),
-        _floats(frame, BODY_MASS, house),
-        _floats(frame, BODY_INERTIA, house),
     )
+    valid = int_pointer(_row(frame, ffi.OPERANDS, BODY_VALID, house))
+    mass, inertia = _floats(frame, BODY_MASS, house), _floats(frame, BODY_INERTIA, house)
+    load_house(work, static, (valid, _floats(frame, BODY_SIZE, house), mass, inertia), _floats(frame, DOOR, house))
 
 
 @compiled

@@ -1,14 +1,16 @@
-"""The numbers of a template that every environment shares."""
+"""The numbers of a template that every environment and agent shares."""
 
 from typing import NamedTuple
 
+from home_mjx.physics.base import servo
 from home_mjx.physics.base.config import PhysicsConfig
-from home_mjx.physics.reference.template_mjcf import CORNER_RADIUS
+from home_mjx.physics.reference.template_mjcf import CORNER_RADIUS, LIMIT_SOLREF
 from home_mjx.scene_compile.mjcf.agent import AGENT_SOLREF, BODY_SOLREF
 
-GRAVITY = 9.81  # [m/s^2], MuJoCo's default, as are the next three
+# MuJoCo's defaults.
 IMPEDANCE_LOW, IMPEDANCE_HIGH, IMPEDANCE_WIDTH = 0.9, 0.95, 0.001
 ITERATIONS = 50  # of Newton's method, which ends by itself: most physics steps take one to three
+BY_FORCE = 1.0  # `control`
 
 
 class Numbers(NamedTuple):
@@ -17,14 +19,7 @@ class Numbers(NamedTuple):
     sim_dt: float
     substeps: float
     gravity: float
-    radius: float  # of an agent's capsule
-    length: float  # half of its axis
-    agent_mass: float
-    yaw_inertia: float
-    forward_speed: float
-    strafe_speed: float
-    turn_rate: float
-    push_force: float
+    control: float  # BY_FORCE, or 0: by velocity
     response_time: float
     friction: float
     max_body_speed: float
@@ -33,39 +28,61 @@ class Numbers(NamedTuple):
     agent_damping: float  # and per velocity
     body_stiffness: float
     body_damping: float
+    limit_stiffness: float
+    limit_damping: float
     impedance_low: float
     impedance_high: float
     impedance_width: float
     iterations: float
     corner_radius: float
+    on_ramp: float
+    hand_time: float
+    hand_speed: float
+    hand_spin: float
+    hand_twist: float
+    hand_acceleration: float
+    hand_force: float
+    hand_stiffness: float
+    hand_slack: float
+    door_drag: float
+    door_time: float
+    door_speed: float
+    door_torque: float
 
 
-def numbers_of(config: PhysicsConfig, yaw_inertia: float) -> Numbers:
-    """The numbers of a template; its agents' inertia about the vertical axis is MuJoCo's."""
-    body, timing = config.body, config.timing
+def numbers_of(config: PhysicsConfig) -> Numbers:
+    """The numbers of a template."""
+    dt = config.timing.sim_dt
     return Numbers(
-        sim_dt=timing.sim_dt,
-        substeps=timing.substeps,
-        gravity=GRAVITY,
-        radius=body.radius,
-        length=body.half_length,
-        agent_mass=body.mass,
-        yaw_inertia=yaw_inertia,
-        forward_speed=config.forward_speed,
-        strafe_speed=config.strafe_speed,
-        turn_rate=config.turn_rate,
-        push_force=config.push_force,
+        sim_dt=dt,
+        substeps=config.timing.substeps,
+        gravity=servo.GRAVITY,
+        control=BY_FORCE if config.control == "force" else 0.0,
         response_time=config.response_time,
         friction=config.friction,
         max_body_speed=config.max_body_speed,
         max_body_spin=config.max_body_spin,
-        **_spring("agent", AGENT_SOLREF, timing.sim_dt),
-        **_spring("body", BODY_SOLREF, timing.sim_dt),
+        **_spring("agent", AGENT_SOLREF, dt),
+        **_spring("body", BODY_SOLREF, dt),
+        **_spring("limit", LIMIT_SOLREF, dt),
         impedance_low=IMPEDANCE_LOW,
         impedance_high=IMPEDANCE_HIGH,
         impedance_width=IMPEDANCE_WIDTH,
         iterations=ITERATIONS,
         corner_radius=CORNER_RADIUS,
+        on_ramp=servo.ON_RAMP,
+        hand_time=servo.hand_time(config),
+        hand_speed=servo.HAND_SPEED,
+        hand_spin=servo.HAND_SPIN,
+        hand_twist=servo.HAND_TWIST,
+        hand_acceleration=servo.HAND_ACCELERATION,
+        hand_force=servo.HAND_FORCE,
+        hand_stiffness=servo.HAND_STIFFNESS,
+        hand_slack=servo.HAND_SLACK,
+        door_drag=servo.DOOR_DRAG,
+        door_time=servo.DOOR_TIME,
+        door_speed=servo.DOOR_SPEED,
+        door_torque=servo.DOOR_TORQUE,
     )
 
 

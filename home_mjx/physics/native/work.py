@@ -11,7 +11,16 @@ from numba import njit, types
 
 from home_mjx.core.native.ffi import WORD, allocate, release
 from home_mjx.core.native.memory import address_of, pointer_to
-from home_mjx.physics.native.limits import AGENT_DOFS, BODY_DOFS, MOST_POINTS, NEAR, POINTS_PER_MOBILE
+from home_mjx.physics.native.limits import (
+    AGENT_COLUMNS,
+    AGENT_DOFS,
+    BODY_DOFS,
+    DOOR_COLUMNS,
+    DOOR_DOFS,
+    MOST_POINTS,
+    NEAR,
+    POINTS_PER_MOBILE,
+)
 
 NUM_CONTACTS, LOST_STATIC, LOST_POINTS, NEWTON_STEPS = range(4)  # in `counts`
 
@@ -20,22 +29,27 @@ floats, ints = pointer_to(types.float64), pointer_to(types.int64)
 
 
 class Work(NamedTuple):
-    """Mobiles are the agents, then the movable bodies. Lengths in metres, times in seconds."""
+    """Mobiles are the agents, then the movable bodies, then the doors. Lengths in metres, times in seconds."""
 
     num_agents: int
+    num_free: int  # agents and bodies: the first door
     num_mobiles: int  # m
     num_static: int  # c
     most_points: int  # n
     pos: Pointer  # (m, 3) centres
-    quat: Pointer  # (m, 4) wxyz
+    quat: Pointer  # (m, 4) wxyz; of agents and doors the angle about z comes first
     rot: Pointer  # (m, 3, 3) axes as columns
-    vel: Pointer  # (m, 6) linear in the world, angular in the mobile's own frame
+    vel: Pointer  # (m, 6) linear in the world, angular in the mobile's own frame; a door's rate comes first
     acc: Pointer  # (m, 6) the solution of the last physics step, then of this one
     smooth: Pointer  # (m, 6) acceleration without contacts
     half: Pointer  # (m, 3) half extents of bodies
     mass: Pointer  # (m, 6) diagonal of the mass matrix
     used: Pointer  # (m) 0: parked
+    inverse: Pointer  # (m) of the mass that a contact meets at the mobile's centre: MuJoCo's `body_invweight0`
     radius: Pointer  # (m) of the bounding sphere
+    agent: Pointer  # (a, AGENT_COLUMNS), see `control.agent_table`
+    door: Pointer  # (h, DOOR_COLUMNS), see `doors.door_table`
+    push: Pointer  # (m, 2) impulse of its contacts in a control step: of all, of the strongest in one physics step
     static_pos: Pointer  # (c, 3)
     static_rot: Pointer  # (c, 3, 3)
     static_half: Pointer  # (c, 3)
@@ -43,7 +57,7 @@ class Work(NamedTuple):
     num_near: Pointer  # (m)
     near_from: Pointer  # (m, 12) pose of the mobile when they were looked for
     first: Pointer  # (n) mobile of a contact
-    second: Pointer  # (n) the other one, or STATIC or FLOOR
+    second: Pointer  # (n) the other one, or what does not move, see `limits`
     place: Pointer  # (n, 4) position and distance of a contact
     frame: Pointer  # (n, 3, 3) rows: normal from first to second, two tangents
     friction: Pointer  # (n) 0: frictionless
@@ -67,14 +81,14 @@ class Work(NamedTuple):
 
 @njit(error_model="numpy")
 @no_type_check
-def make_work(num_agents, num_bodies, num_static):
+def make_work(num_agents, num_bodies, num_doors, num_static):
     """Memory for environments of these sizes, all zero; give it to `free_work` in the end."""
-    _, size = _carve(0, num_agents, num_bodies, num_static)  # how much it takes
+    _, size = _carve(0, num_agents, num_bodies, num_doors, num_static)  # how much it takes
     block = allocate(size)
     zeros = ints(block)
     for i in range(size // WORD):
         zeros[i] = 0
-    work, _ = _carve(block, num_agents, num_bodies, num_static)
+    work, _ = _carve(block, num_agents, num_bodies, num_doors, num_static)
     return work
 
 
@@ -82,15 +96,17 @@ def make_work(num_agents, num_bodies, num_static):
 @no_type_check
 def dofs(work, m):
     """How many of a mobile's six numbers contacts act on."""
-    return AGENT_DOFS if m < work.num_agents else BODY_DOFS
+    if m < work.num_agents:
+        return AGENT_DOFS
+    return BODY_DOFS if m < work.num_free else DOOR_DOFS
 
 
 @njit(error_model="numpy")
 @no_type_check
-def _carve(at, num_agents, num_bodies, num_static):
+def _carve(at, num_agents, num_bodies, num_doors, num_static):
     """The arrays one after the other from an address on, and the address behind them."""
-    m, c = num_agents + num_bodies, num_static
-    n, d = POINTS_PER_MOBILE * m, AGENT_DOFS * num_agents + BODY_DOFS * num_bodies
+    m, c = num_agents + num_bodies + num_doors, num_static
+    n, d = POINTS_PER_MOBILE * m, AGENT_DOFS * num_agents + BODY_DOFS * num_bodies + DOOR_DOFS * num_doors
     pos, at = floats(at), at + WORD * (3 * m)
     quat, at = floats(at), at + WORD * (4 * m)
     rot, at = floats(at), at + WORD * (9 * m)
@@ -100,7 +116,11 @@ def _carve(at, num_agents, num_bodies, num_static):
     half, at = floats(at), at + WORD * (3 * m)
     mass, at = floats(at), at + WORD * (6 * m)
     used, at = ints(at), at + WORD * m
+    inverse, at = floats(at), at + WORD * m
     radius, at = floats(at), at + WORD * m
+    agent, at = floats(at), at + WORD * (AGENT_COLUMNS * num_agents)
+    door, at = floats(at), at + WORD * (DOOR_COLUMNS * num_doors)
+    push, at = floats(at), at + WORD * (2 * m)
     static_pos, at = floats(at), at + WORD * (3 * c)
     static_rot, at = floats(at), at + WORD * (9 * c)
     static_half, at = floats(at), at + WORD * (3 * c)
@@ -130,6 +150,7 @@ def _carve(at, num_agents, num_bodies, num_static):
     counts, at = ints(at), at + WORD * 4
     work = Work(
         num_agents,
+        num_agents + num_bodies,
         m,
         c,
         n,
@@ -142,7 +163,11 @@ def _carve(at, num_agents, num_bodies, num_static):
         half,
         mass,
         used,
+        inverse,
         radius,
+        agent,
+        door,
+        push,
         static_pos,
         static_rot,
         static_half,

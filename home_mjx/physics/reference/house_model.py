@@ -2,15 +2,25 @@
 
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 from mujoco import mjx
 
 from home_mjx.bank.records import Physics
 from home_mjx.core.pytree import Pytree
+from home_mjx.physics.base import servo
+from home_mjx.physics.base.doors import Leaf
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.reference.slots import Boxes
-from home_mjx.physics.reference.template_mjcf import CORNER_RADIUS, CORNERS, PARKED_HEIGHT, PARKED_MASS, PARKED_SIZE
+from home_mjx.physics.reference.template_mjcf import (
+    CORNER_RADIUS,
+    CORNERS,
+    PARKED_HEIGHT,
+    PARKED_MASS,
+    PARKED_RANGE,
+    PARKED_SIZE,
+)
 
 
 class MovableBodies(Pytree):
@@ -92,6 +102,60 @@ def _with_body_geoms(model: mjx.Model, layout: Layout, size: Float[Array, "k 3"]
         geom_size=set_boxes(model.geom_size, size),
         geom_rbound=set_boxes(model.geom_rbound, jnp.linalg.norm(size, axis=-1)),
         geom_aabb=set_boxes(model.geom_aabb, jnp.concatenate([jnp.zeros_like(size), size], axis=-1)),
+    )
+
+
+def house_doors(physics: Physics, house: Int[Array, ""]) -> Leaf:
+    """The leaves of a house; unused ones are parked."""
+    leaves = jax.tree.map(lambda x: x[house], Leaf.of(physics))
+    row = jnp.arange(leaves.mass.shape[0], dtype=jnp.float32)
+    one = jnp.ones_like(row)
+    low, high = PARKED_RANGE
+    parked = Leaf(
+        pivot=jnp.stack([2 * row, 4 * one], axis=-1),
+        arm=jnp.stack([0.4 * one, 0.1 * one], axis=-1),
+        height=PARKED_HEIGHT * one,
+        yaw=0.5 * one,
+        size=jnp.full((row.shape[0], 3), PARKED_SIZE, jnp.float32),
+        mass=PARKED_MASS * one,
+        low=low * one,
+        high=high * one,
+    )
+    valid = leaves.valid
+    return jax.tree.map(lambda x, y: jnp.where(valid.reshape(-1, *[1] * (x.ndim - 1)), x, y), leaves, parked)
+
+
+def with_doors(model: mjx.Model, layout: Layout, leaves: Leaf) -> mjx.Model:
+    """The model with the leaves of a house on their hinges."""
+    if not layout.num_doors:
+        return model
+    at, geom, dof = layout.doors, layout.door_geoms, layout.door_qvel
+    joint = slice(model.njnt - layout.num_doors, model.njnt)
+    flat, zero = jnp.zeros_like(leaves.height), jnp.zeros_like(leaves.arm)
+    arm = jnp.concatenate([leaves.arm, flat[:, None]], axis=-1)
+    turned = jnp.stack([jnp.cos(leaves.yaw / 2), flat, flat, jnp.sin(leaves.yaw / 2)], axis=-1)
+    inertia, weight = leaves.inertia, leaves.inverse_weight
+    limits = jnp.stack([leaves.low, leaves.high], axis=-1)
+    upright = jnp.concatenate([flat[:, None] + 1, zero, flat[:, None]], axis=-1)
+    boxes = jnp.concatenate([jnp.zeros_like(leaves.size), leaves.size], axis=-1)
+    return model.replace(
+        body_pos=model.body_pos.at[at].set(jnp.concatenate([leaves.pivot, leaves.height[:, None]], axis=-1)),
+        body_quat=model.body_quat.at[at].set(upright),
+        body_ipos=model.body_ipos.at[at].set(arm),
+        body_iquat=model.body_iquat.at[at].set(turned),
+        body_mass=model.body_mass.at[at].set(leaves.mass),
+        body_subtreemass=model.body_subtreemass.at[at].set(leaves.mass),
+        body_inertia=model.body_inertia.at[at].set(leaves.own_inertia),
+        body_invweight0=model.body_invweight0.at[at].set(jnp.stack([weight, 1 / inertia / 3], axis=-1)),
+        dof_invweight0=model.dof_invweight0.at[dof].set(1 / inertia),
+        dof_M0=model.dof_M0.at[dof].set(inertia),
+        dof_damping=model.dof_damping.at[dof].set(jnp.float32(servo.DOOR_DRAG) * inertia),
+        jnt_range=model.jnt_range.at[joint].set(limits),
+        geom_pos=model.geom_pos.at[geom].set(arm),
+        geom_quat=model.geom_quat.at[geom].set(turned),
+        geom_size=model.geom_size.at[geom].set(leaves.size),
+        geom_rbound=model.geom_rbound.at[geom].set(jnp.linalg.norm(leaves.size, axis=-1)),
+        geom_aabb=model.geom_aabb.at[geom].set(boxes.reshape(model.geom_aabb[geom].shape)),
     )
 
 

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.core.pytree import Pytree
 from home_mjx.physics.reference.template_mjcf import PARKED_HEIGHT, PARKED_SIZE
@@ -68,8 +68,8 @@ def separation(owner: Boxes, static: Boxes) -> Float[Array, " c"]:
     return jnp.max(jnp.stack(gaps), axis=0)
 
 
-def fill(owner: Boxes, static: Boxes, num: int) -> tuple[Boxes, Bool[Array, ""]]:
-    """The `num` static boxes nearest to an owner, cut to its surroundings; and whether more than these touch it.
+def fill(owner: Boxes, static: Boxes, num: int) -> tuple[Boxes, Int[Array, " num"], Bool[Array, ""]]:
+    """The `num` static boxes nearest to an owner, cut to its surroundings; which; and whether more than these touch it.
 
     Cutting matters to MJX's broad phase, which ranks pairs by bounding spheres: those of long walls would crowd out
     real contacts. Boxes beyond `REACH` are parked for the same reason.
@@ -84,7 +84,7 @@ def fill(owner: Boxes, static: Boxes, num: int) -> tuple[Boxes, Bool[Array, ""]]
     radius = jnp.sqrt(_dot(_components(owner.half), _components(owner.half))) + jnp.float32(REACH)
     nearest = _cut(jax.tree.map(lambda x: x[index], static), owner.pos, radius)
     boxes = jax.tree.map(lambda x, y: jnp.where((gap[index] < jnp.float32(REACH))[:, None], x, y), nearest, parked(num))
-    return boxes, jnp.sum((gap < 0).astype(jnp.int32)) > num
+    return boxes, index, jnp.sum((gap < 0).astype(jnp.int32)) > num
 
 
 def parked(num: int) -> Boxes:

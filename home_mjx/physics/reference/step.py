@@ -9,42 +9,65 @@ from jaxtyping import Array, Bool, Float, Int
 from mujoco import mjx
 
 from home_mjx.bank.records import Physics
-from home_mjx.physics.base.control import motor_forces
+from home_mjx.physics.base.doors import Leaf
+from home_mjx.physics.base.ramps import ramp_table
 from home_mjx.physics.base.state import PhysicsState
-from home_mjx.physics.reference.house_model import MovableBodies, house_model, movable_bodies, with_slots
+from home_mjx.physics.reference.applied import with_forces
+from home_mjx.physics.reference.house_model import (
+    MovableBodies,
+    house_doors,
+    house_model,
+    movable_bodies,
+    with_doors,
+    with_slots,
+)
 from home_mjx.physics.reference.lost import Lost, Sizes, are_points_full
+from home_mjx.physics.reference.pushes import Pushes, find_pushes, over_time
 from home_mjx.physics.reference.slots import Boxes, fill, parked
 from home_mjx.physics.reference.template import Template
+from home_mjx.physics.reference.template_mjcf import PARKED_HEIGHT
 
 
 def step_mjx(
     template: Template, physics: Physics, house: Int[Array, ""], state: PhysicsState, action: Float[Array, "a 3"]
 ) -> tuple[PhysicsState, Lost]:
     """One control step; see `dynamics.step_checked`."""
-    bodies = movable_bodies(physics, house)
+    bodies, leaves = movable_bodies(physics, house), house_doors(physics, house)
     static = static_boxes(template, physics, house)
+    parts = bodies, leaves, ramp_table(physics, house)
     model = house_model(template.model, template.layout, bodies, physics.floor[house])
+    model = with_doors(model, template.layout, leaves)
 
-    def substep(carry: tuple[mjx.Data, Sizes], _: None) -> tuple[tuple[mjx.Data, Sizes], tuple[Array, Array]]:
-        data = carry[0]
-        data = data.replace(ctrl=_control(template, data, action))
-        slots, crowded = nearest_boxes(template, static, bodies.size, data)
+    def substep(carry: tuple[mjx.Data, Sizes], _: None) -> tuple[tuple[mjx.Data, Sizes], tuple[Array, Pushes, Array]]:
+        data = with_forces(template, parts, state, action, carry[0])
+        slots, boxes, crowded = nearest_boxes(template, static, bodies.size, data)
         filled = with_slots(model, template.layout, slots)
         with _as_mjx_needs():
             data = mjx.step(filled, data)
         sizes = Sizes(size=filled.geom_size, rbound=filled.geom_rbound)
-        return (_settle_bodies(template, bodies, data), sizes), (data.sensordata, crowded)
+        pushes = find_pushes(template, data, boxes)
+        return (_settle(template, bodies, leaves, state, data), sizes), (data.sensordata, pushes, crowded)
 
     data = template.data.replace(qpos=state.qpos, qvel=state.qvel, qacc_warmstart=state.qacc)
     first = data, Sizes(size=model.geom_size, rbound=model.geom_rbound)
-    (data, sizes), (contacts, crowded) = jax.lax.scan(substep, first, None, length=template.config.timing.substeps)
+    length = template.config.timing.substeps
+    (data, sizes), (contacts, pushes, crowded) = jax.lax.scan(substep, first, None, length=length)
     lost = Lost(
         static_boxes=jnp.any(crowded),
         contact_pairs=template.pairs.lost(sizes, data),
         contact_points=are_points_full(data, template.max_points),
     )
-    touched = contacts.max(axis=0).astype(jnp.int32)
-    return PhysicsState(qpos=data.qpos, qvel=data.qvel, qacc=data.qacc_warmstart, touched=touched), lost
+    whole = over_time(pushes)
+    after = state.replace(
+        qpos=data.qpos,
+        qvel=data.qvel,
+        qacc=data.qacc_warmstart,
+        touched=contacts.max(axis=0).astype(jnp.int32),
+        impulse=whole.impulse,
+        place=whole.place,
+        other=whole.other,
+    )
+    return after, lost
 
 
 def static_boxes(template: Template, physics: Physics, house: Int[Array, ""]) -> Boxes:
@@ -62,38 +85,39 @@ def static_boxes(template: Template, physics: Physics, house: Int[Array, ""]) ->
 
 def nearest_boxes(
     template: Template, static: Boxes, body_size: Float[Array, "k 3"], data: mjx.Data
-) -> tuple[Boxes, Bool[Array, ""]]:
-    """What the slots hold: the static boxes nearest to each agent and to each body; and whether some were left out.
+) -> tuple[Boxes, Int[Array, " s"], Bool[Array, ""]]:
+    """What the slots hold: the static boxes nearest to each agent and to each body; which; whether some were left out.
 
     Left out are boxes that touch an owner whose slots are all taken by nearer ones.
     """
     config = template.config
-    slots, crowded = [], jnp.zeros((), bool)
+    slots, rows, crowded = [], [], jnp.zeros((), bool)
     for owners, num in (
         (_agent_boxes(template, data), config.agent_slots),
         (_body_boxes(template, data, body_size), config.body_slots),
     ):
         if owners.pos.shape[0]:
-            filled, over = jax.vmap(lambda owner, num=num: fill(owner, static, num))(owners)
+            filled, index, over = jax.vmap(lambda owner, num=num: fill(owner, static, num))(owners)
             crowded = crowded | jnp.any(over)
             slots.append(jax.tree.map(lambda x: x.reshape(-1, x.shape[-1]), filled))
-    return jax.tree.map(lambda *x: jnp.concatenate(x), *slots), crowded
+            rows.append(index.reshape(-1))
+    return jax.tree.map(lambda *x: jnp.concatenate(x), *slots), jnp.concatenate(rows), crowded
 
 
-def _control(template: Template, data: mjx.Data, action: Float[Array, "a 3"]) -> Float[Array, " u"]:
-    yaw = data.qpos[template.layout.agent_qpos].reshape(-1, 4)[:, 3]
-    velocity = data.qvel[template.layout.agent_qpos].reshape(-1, 4)
-    forces = jax.vmap(lambda a, y, v: motor_forces(template.config, template.yaw_inertia, a, y, v))
-    return forces(action, yaw, velocity).reshape(-1)
-
-
-def _settle_bodies(template: Template, bodies: MovableBodies, data: mjx.Data) -> mjx.Data:
-    """Puts unused bodies back to where they were and limits the speed of the others.
+def _settle(template: Template, bodies: MovableBodies, leaves: Leaf, state: PhysicsState, data: mjx.Data) -> mjx.Data:
+    """Puts unused bodies and doors back to where they were and limits the speed of the others.
 
     Unused bodies are put back exactly, so they stay there however many steps pass. The limits keep a body that starts
     deep inside another from being shot through a wall, and from spinning so fast that explicit integration of its
     gyroscopic torque diverges (it does from about 1 rad per physics step on).
     """
+    if template.layout.num_doors:
+        at, dof = template.layout.door_qpos, template.layout.door_qvel
+        there = leaves.height < PARKED_HEIGHT
+        data = data.replace(
+            qpos=data.qpos.at[at].set(jnp.where(there, data.qpos[at], state.qpos[at])),
+            qvel=data.qvel.at[dof].set(jnp.where(there, data.qvel[dof], 0.0)),
+        )
     if not template.layout.num_bodies:
         return data
     at, dof = template.layout.body_qpos, template.layout.body_qvel
@@ -114,12 +138,11 @@ def _limit_length(vectors: Float[Array, "k 3"], longest: float) -> Float[Array, 
 
 
 def _agent_boxes(template: Template, data: mjx.Data) -> Boxes:
-    config = template.config
+    agents = template.config.agents
     pos = data.qpos[template.layout.agent_qpos].reshape(-1, 4)[:, :3]
-    body = config.body
-    half = jnp.array([[body.radius, body.radius, body.height / 2]], jnp.float32)
+    half = jnp.array([[body.radius, body.radius, body.height / 2] for body in agents], jnp.float32)
     upright = jnp.array([[1.0, 0.0, 0.0, 0.0]], jnp.float32)
-    return Boxes(pos, jnp.tile(upright, (config.num_agents, 1)), jnp.tile(half, (config.num_agents, 1)))
+    return Boxes(pos, jnp.tile(upright, (len(agents), 1)), half)
 
 
 def _body_boxes(template: Template, data: mjx.Data, size: Float[Array, "k 3"]) -> Boxes:

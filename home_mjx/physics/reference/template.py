@@ -11,6 +11,7 @@ from mujoco import mjx
 
 from home_mjx.bank.records import BankSpec
 from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.base.control import agent_table
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.reference.lost import Pairs, limit
 from home_mjx.physics.reference.template_mjcf import template_mjcf
@@ -27,20 +28,21 @@ class Template:
 
     Example:
         >>> from home_mjx.bank.records import BankSpec
-        >>> spec = BankSpec(64, 8, 64, 64, 16, 4, 0.1, 0.1, 1.6)
+        >>> spec = BankSpec(64, 8, 8, 64, 64, 16, 4, 0.1, 0.1, 1.6)
         >>> Template(PhysicsConfig(), spec).model.nv
-        52
+        60
     """
 
     def __init__(self, config: PhysicsConfig, spec: BankSpec) -> None:
         self.config = config
-        self.layout = Layout(config.num_agents, spec.num_bodies, config.agent_slots, config.body_slots)
+        self.layout = Layout(config.num_agents, spec.num_bodies, spec.num_doors, config.agent_slots, config.body_slots)
         xml = template_mjcf(config, self.layout, _jacobian(config))
         host = mujoco.MjModel.from_xml_string(xml)  # pyright: ignore[reportAttributeAccessIssue]
-        self.yaw_inertia = float(host.dof_M0[3])
+        self.agents = agent_table(config, host.dof_M0[3 : self.layout.agent_qpos.stop : 4])
         self._host = host
         self.pairs = Pairs.of(host)
         self.max_points = limit(host, "max_contact_points")
+        self.geom_mobile = host.geom_bodyid - 1  # mobile of each geom; -1 the world's
 
     @functools.cached_property
     def model(self) -> mjx.Model:

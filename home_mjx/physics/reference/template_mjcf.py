@@ -13,11 +13,15 @@ PARKED_HEIGHT = 500.0  # [m]: unused bodies are parked this far above the house,
 PARKED_SIZE = 0.1  # [m], half extent
 PARKED_MASS = 1.0  # [kg]
 CORNER_RADIUS = 1e-3  # [m]
+LIMIT_SOLREF = "0.02 1"  # of hinges; MuJoCo's default
+PARKED_RANGE = (-1.0, 1.0)  # [rad]
 CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)), np.float32)
 
 
 def template_mjcf(config: PhysicsConfig, layout: Layout, jacobian: str) -> str:
-    """MJCF of a house with nothing in it: every body and slot is parked.
+    """MJCF of a house with nothing in it: every body, door and slot is parked.
+
+    Leaves of doors meet agents and bodies only: how far they turn is known from the house.
 
     All contacts are explicit pairs, so that a slot meets only its owner and each kind of contact has its own
     dimension: those of agents are frictionless (1 row per point instead of 4), hence agents slide along walls.
@@ -37,6 +41,8 @@ def template_mjcf(config: PhysicsConfig, layout: Layout, jacobian: str) -> str:
         _add_agent(world, config, a)
     for k in range(layout.num_bodies):
         _add_body(world, k)
+    for h in range(layout.num_doors):
+        _add_door(world, h)
     _add_pairs(ET.SubElement(root, "contact"), config, layout)
     actuator, sensors = ET.SubElement(root, "actuator"), ET.SubElement(root, "sensor")
     for a in range(layout.num_agents):
@@ -53,7 +59,7 @@ def slot_names(layout: Layout) -> list[str]:
 
 def _add_agent(world: ET.Element, config: PhysicsConfig, a: int) -> None:
     """An agent. Only its foot touches the floor, so the contact sensor of its capsule counts everything else."""
-    shape = config.body
+    shape = config.agents[a]
     body = add_agent(world, shape, f"agent{a}", contype="0", conaffinity="0")
     foot, pos = _no_mask(f"agent{a}_foot"), f"0 0 {-shape.half_length}"
     ET.SubElement(body, "geom", foot, type="sphere", size=str(shape.radius), pos=pos, mass="0")
@@ -76,7 +82,7 @@ def _add_options(root: ET.Element, config: PhysicsConfig, layout: Layout, jacobi
     )
     ET.SubElement(option, "flag", eulerdamp="disable")  # no joint has damping; without the flag MJX factors M twice
     custom = ET.SubElement(root, "custom")
-    pairs = config.max_geom_pairs or max(2 * layout.num_bodies, 4 * layout.num_agents, 8)
+    pairs = config.max_geom_pairs or max(2 * layout.num_bodies + layout.num_doors, 4 * layout.num_agents, 8)
     points = config.max_contact_points or max(6 * layout.num_bodies, 8 * layout.num_agents, 16)
     ET.SubElement(custom, "numeric", name="max_geom_pairs", data=str(pairs))
     ET.SubElement(custom, "numeric", name="max_contact_points", data=str(points))
@@ -97,6 +103,19 @@ def _add_body(world: ET.Element, k: int) -> None:
         ET.SubElement(body, "geom", _no_mask(name), type="sphere", size=str(CORNER_RADIUS), pos=pos)
 
 
+def _add_door(world: ET.Element, h: int) -> None:
+    """A leaf; its middle is off the hinge and turned, or the compiler would mark its frames for shortcuts."""
+    body = ET.SubElement(world, "body", name=f"door{h}", pos=f"{2 * h} 4 {PARKED_HEIGHT}")
+    low, high = PARKED_RANGE
+    hinge = {"name": f"door{h}", "type": "hinge", "axis": "0 0 1", "limited": "true", "range": f"{low} {high}"}
+    ET.SubElement(body, "joint", hinge, damping="1", solreflimit=LIMIT_SOLREF)
+    off, turned = {"pos": "0.4 0.1 0.05"}, "0.8 0 0 0.6"
+    inertia = PARKED_MASS * 2 / 3 * PARKED_SIZE**2
+    diagonal = f"{inertia} {inertia} {inertia}"
+    ET.SubElement(body, "inertial", off, quat=turned, mass=str(PARKED_MASS), diaginertia=diagonal)
+    ET.SubElement(body, "geom", _no_mask(f"door{h}") | off, type="box", size=_parked_size(), quat="0.6 0 0 0.8")
+
+
 def _add_pairs(contact: ET.Element, config: PhysicsConfig, layout: Layout) -> None:
     for a in range(layout.num_agents):
         others = [f"agent{a}_slot{s}" for s in range(layout.agent_slots)]
@@ -110,6 +129,11 @@ def _add_pairs(contact: ET.Element, config: PhysicsConfig, layout: Layout) -> No
         others = [f"body{k}_slot{s}" for s in range(layout.body_slots)] + [f"body{j}" for j in range(k)]
         for other in others:
             _add_pair(contact, config, f"body{k}", other, agent=False)
+    for h in range(layout.num_doors):
+        for a in range(layout.num_agents):
+            _add_pair(contact, config, f"agent{a}", f"door{h}", agent=True)
+        for k in range(layout.num_bodies):
+            _add_pair(contact, config, f"body{k}", f"door{h}", agent=False)
 
 
 def _no_mask(name: str) -> dict[str, str]:

@@ -9,20 +9,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 from c_oracle import Boxes, Oracle
-from heaps import heap
+from heaps import RAMPS, heap
 
 from home_mjx.physics.cuda.launch import CONTACT_WORDS, SMALL_ISLAND, SOURCES
 from home_mjx.physics.native import limits
 from home_mjx.physics.native.numbers import Numbers
 
+WHOLE = 3, 12, 17, 20  # operands of whole numbers
 SHIM = Path(__file__).parents[2] / "helpers" / "physics_shim.h"
 MAIN = """
 extern "C" void run(void** p) {
 #define IN(type, i) (const type*)p[i]
   step_physics(IN(float, 0), IN(float, 1), IN(float, 2), IN(int, 3), IN(float, 4), IN(float, 5), IN(float, 6),
-               IN(float, 7), IN(float, 8), IN(int, 9), IN(float, 10), IN(float, 11), IN(float, 12), IN(float, 13),
-               IN(int, 14),
-               (float*)p[15], (float*)p[16], (float*)p[17], (int*)p[18], (int*)p[19], (char*)p[20]);
+               IN(float, 7), IN(float, 8), IN(float, 9), IN(float, 10), IN(float, 11), IN(int, 12), IN(float, 13),
+               IN(float, 14), IN(float, 15), IN(float, 16), IN(int, 17), IN(float, 18), IN(float, 19), IN(int, 20),
+               (float*)p[21], (float*)p[22], (float*)p[23], (int*)p[24], (int*)p[25], (float*)p[26], (int*)p[27],
+               (char*)p[28]);
 }
 """
 
@@ -49,17 +51,21 @@ def in_single(oracle: Oracle) -> None:
     oracle.static, oracle.bodies = (Boxes(*map(single, boxes)) for boxes in (oracle.static, oracle.bodies))
     oracle.mass, oracle.inertia = single(oracle.mass), single(oracle.inertia)
     oracle.numbers = type(oracle.numbers)(*single(oracle.numbers).tolist())
+    oracle.table, oracle.door_rows = single(oracle.table), single(oracle.door_rows)
 
 
 def step(library, oracle: Oracle, qpos, qvel, action, substeps: int):
     agents, bodies, static = oracle.agents, len(oracle.mass), len(oracle.static.pos)
-    numbers = oracle.numbers._replace(substeps=float(substeps))
-    valid, house, sizes = np.ones(bodies), np.zeros(1), np.array([1, 1, static, bodies, agents, 0])
-    inputs = [*oracle.static, valid, oracle.bodies.half, oracle.mass, oracle.inertia, np.zeros(1), numbers, house]
-    inputs += [qpos, qvel, np.zeros(len(qvel)), action, sizes]
-    inputs = [np.ascontiguousarray(x, np.int32 if i in (3, 9, 14) else np.float32) for i, x in enumerate(inputs)]
+    numbers, doors = oracle.numbers._replace(substeps=float(substeps)), oracle.door_rows
+    valid, house = np.ones(bodies), np.zeros(1)
+    sizes = np.array([1, 1, static, bodies, agents, len(doors), len(RAMPS), 0])
+    inputs = [*oracle.static, valid, oracle.bodies.half, oracle.mass, oracle.inertia, doors, RAMPS, np.zeros(1)]
+    inputs += [oracle.table, numbers, house, qpos, qvel, np.zeros(len(qvel)), action, *oracle.driven, sizes]
+    inputs = [np.ascontiguousarray(x, np.int32 if i in WHOLE else np.float32) for i, x in enumerate(inputs)]
+    mobiles = agents + bodies + len(doors)
     outputs = [np.zeros(len(x), np.float32) for x in (qpos, qvel, qvel)]
-    outputs += [np.zeros(agents, np.int32), np.zeros(2, np.int32), np.zeros(4_000_000, np.uint8)]
+    outputs += [np.zeros(agents, np.int32), np.zeros(2, np.int32), np.zeros((mobiles, 4), np.float32)]
+    outputs += [np.zeros(mobiles, np.int32), np.zeros(4_000_000, np.uint8)]
     pointers = [x.ctypes.data for x in inputs + outputs]
     library.run((ctypes.c_void_p * len(pointers))(*pointers))
     return outputs
@@ -71,12 +77,16 @@ def test_a_heap_moves_as_on_a_cpu(library, substeps):
     for _ in range(20):
         oracle, *state = heap(rng)
         in_single(oracle)
+        oracle.drive(rng)
+        oracle.ramps = RAMPS.astype(np.float32).astype(float)
         qpos, qvel, action = (np.asarray(x, np.float32).astype(float) for x in state)
         truth = oracle.fused(qpos, qvel, action, substeps)
         found = step(library, oracle, qpos, qvel, action, substeps)
         for value, want in zip(found[:3], truth[:3], strict=True):
             np.testing.assert_allclose(value, want, atol=3e-7 * np.abs(want).max())
         assert found[4].tolist() == truth[4].tolist()
+        np.testing.assert_allclose(found[5], oracle.push, atol=3e-7 * np.abs(oracle.push).max())
+        assert found[6].tolist() == oracle.other.tolist()
 
 
 def test_sizes_and_numbers_are_those_of_the_other_step():

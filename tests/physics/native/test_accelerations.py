@@ -37,11 +37,11 @@ def test_free_flight_is_exact():
     """Linear motion and spin without contact: momentum is kept, and the fall is g t."""
     rng = np.random.default_rng(7)
     oracle, qpos, qvel, action = heap(rng)
-    bodies = qpos[4 * AGENTS :].reshape(-1, 7)
+    bodies = qpos[4 * AGENTS : 4 * AGENTS + 7 * BODIES].reshape(-1, 7)
     bodies[:, :3] = 50.0 * np.arange(1, BODIES + 1)[:, None] + 100
-    before = qvel[4 * AGENTS :].reshape(-1, 6).copy()
+    before = qvel[4 * AGENTS : 4 * AGENTS + 6 * BODIES].reshape(-1, 6).copy()
     _, after, _, _, _ = oracle.fused(qpos, qvel, action, substeps=20)
-    after = after[4 * AGENTS :].reshape(-1, 6)
+    after = after[4 * AGENTS : 4 * AGENTS + 6 * BODIES].reshape(-1, 6)
     np.testing.assert_allclose(after[:, :2], before[:, :2], rtol=1e-12)
     np.testing.assert_allclose(after[:, 2], before[:, 2] - 9.81 * 20 * 0.02, rtol=1e-12)
 

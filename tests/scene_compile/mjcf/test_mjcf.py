@@ -198,8 +198,8 @@ def test_agent_pushes_as_in_the_batched_physics(house):
     gap = 0.0
     for _ in range(30):
         for _ in range(config.timing.substeps):
-            force = config.body.mass * (config.forward_speed - data.qvel[speed]) / config.response_time
-            data.ctrl[:2] = min(force, config.push_force), 0.0
+            force = config.body.mass * (config.body.forward_speed - data.qvel[speed]) / config.response_time
+            data.ctrl[:2] = min(force, config.body.push_force), 0.0
             mujoco.mj_step(model, data)
         batched = step(batched)
         positions = physics.agent_pose(template, batched)[0][0], physics.body_pose(template, batched)[0][0]

@@ -1,0 +1,209 @@
+// Which contacts there are: what native/contacts.py does.
+
+// Writes the contacts of the pairs that the lanes hold, in the order of lanes.
+__device__ int write_contacts(const Env& e, int count, int first, int second, real friction, const Points& points) {
+  int before = points.count;  // inclusive sum over lanes
+  for (int step = 1; step < WARP_SIZE; step *= 2) {
+    const int other = from_lane(before, LANE - step);
+    if (LANE >= step) before += other;
+  }
+  const int total = from_lane(before, WARP_SIZE - 1), start = count + before - points.count;
+  for (int i = 0; i < points.count; ++i)
+    if (start + i < e.room) make_contact(e, e.contacts[start + i], first, second, friction, points.at[i]);
+  if (count + total > e.room) {
+    if (LANE == 0) e.counts[LOST_POINTS] = 1;
+    return e.room;
+  }
+  return count + total;
+}
+
+INLINE Box mobile_box(const Env& e, int m) {
+  Box box;
+  const real* rot = e.rot + 9 * m;
+  box.pos = {e.pos[3 * m], e.pos[3 * m + 1], e.pos[3 * m + 2]};
+  for (int k = 0; k < 3; ++k) {
+    box.axis[k] = {rot[k], rot[3 + k], rot[6 + k]};
+    box.half[k] = e.half[3 * m + k];
+  }
+  return box;
+}
+
+INLINE void rotation(const real* q, real* rot) {
+  const real w = q[0], x = q[1], y = q[2], z = q[3];
+  rot[0] = 1 - 2 * (y * y + z * z), rot[1] = 2 * (x * y - w * z), rot[2] = 2 * (x * z + w * y);
+  rot[3] = 2 * (x * y + w * z), rot[4] = 1 - 2 * (x * x + z * z), rot[5] = 2 * (y * z - w * x);
+  rot[6] = 2 * (x * z - w * y), rot[7] = 2 * (y * z + w * x), rot[8] = 1 - 2 * (x * x + y * y);
+}
+
+struct House {
+  const float *pos, *quat, *half;
+};
+
+INLINE Box static_box(const House& house, int c) {
+  Box box;
+  real rot[9], quat[4];
+  for (int k = 0; k < 4; ++k) quat[k] = house.quat[4 * c + k];
+  rotation(quat, rot);
+  box.pos = {house.pos[3 * c], house.pos[3 * c + 1], house.pos[3 * c + 2]};
+  for (int k = 0; k < 3; ++k) {
+    box.axis[k] = {rot[k], rot[3 + k], rot[6 + k]};
+    box.half[k] = house.half[3 * c + k];
+  }
+  return box;
+}
+
+// Whether one of the six face axes separates two boxes by more than `reach`.
+INLINE bool apart(const Box& a, const Box& b, real reach) {
+  const Vec between = b.pos - a.pos;
+  for (int k = 0; k < 3; ++k) {
+    real own = a.half[k], other = b.half[k];
+    for (int j = 0; j < 3; ++j) {
+      own += absolute(dot(a.axis[k], b.axis[j])) * b.half[j];
+      other += absolute(dot(b.axis[k], a.axis[j])) * a.half[j];
+    }
+    if (absolute(dot(a.axis[k], between)) - own > reach || absolute(dot(b.axis[k], between)) - other > reach) return true;
+  }
+  return false;
+}
+
+// How far any point of a mobile can have moved since its static boxes were looked for, at most.
+INLINE real moved(const Env& e, int m) {
+  real square = 0, turn = 0;
+  for (int k = 0; k < 3; ++k) {
+    const real step = e.pos[3 * m + k] - e.near_from[12 * m + k];
+    square += step * step;
+  }
+  for (int k = 0; k < 9; ++k) {
+    const real step = e.rot[9 * m + k] - e.near_from[12 * m + 3 + k];
+    turn += step * step;
+  }
+  return sqrt(square) + e.radius[m] * sqrt(turn);
+}
+
+// Looks for static boxes near the mobiles that have moved; the lanes share the static boxes.
+__device__ void keep_near(const Env& e, const House& house) {
+  bool any = false;
+  int* looks = e.members;  // which mobiles have moved
+  for (int m = LANE; m < e.free; m += WARP_SIZE) {
+    looks[m] = e.used[m] && (e.num_near[m] < 0 || moved(e, m) >= REACH);
+    if (!looks[m]) continue;
+    any = true, e.num_near[m] = 0;
+    for (int k = 0; k < 12; ++k) e.near_from[12 * m + k] = k < 3 ? e.pos[3 * m + k] : e.rot[9 * m + k - 3];
+  }
+  if (!warp_ballot(any)) return;
+  sync_warp();
+  for (int base = 0; base < e.statics; base += WARP_SIZE) {
+    const int c = base + LANE;
+    const bool here = c < e.statics && house.half[3 * c] >= 0;
+    const Box box = static_box(house, here ? c : 0);
+    for (int m = 0; m < e.free; ++m) {
+      if (!looks[m]) continue;
+      const Box own = mobile_box(e, m);
+      const real reach = e.radius[m] + REACH;
+      const Vec at = box.local(own.pos - box.pos);
+      real square = 0;
+#pragma unroll
+      for (int k = 0; k < 3; ++k) {
+        const real beyond = fmax(absolute(at[k]) - box.half[k], real(0));
+        square += beyond * beyond;
+      }
+      const bool close = here && square < reach * reach && !apart(own, box, REACH);
+      const unsigned mask = warp_ballot(close);
+      const int place = e.num_near[m] + count_bits(mask & ((1u << LANE) - 1));
+      if (close && place < NEAR) e.near[NEAR * m + place] = c;
+      sync_warp();
+      if (LANE == 0) e.num_near[m] += count_bits(mask);
+      sync_warp();
+    }
+  }
+  for (int m = LANE; m < e.free; m += WARP_SIZE)
+    if (e.num_near[m] > NEAR) e.num_near[m] = NEAR, e.counts[LOST_STATIC] = 1;
+  sync_warp();
+}
+
+INLINE void on_floor(const Env& e, int m, real floor, Points& points) {
+  const Vec down = {0, 0, -1};
+  const Vec pos = {e.pos[3 * m], e.pos[3 * m + 1], e.pos[3 * m + 2]};
+  if (m < e.agents) {
+    const real bottom = pos.z - e.agent[AGENT_COLUMNS * m + 1] - e.agent[AGENT_COLUMNS * m];
+    if (bottom < floor) points.add({pos.x, pos.y, (bottom + floor) / 2}, bottom - floor, down);
+    return;
+  }
+  if (pos.z - e.radius[m] > floor) return;
+  const Box box = mobile_box(e, m);
+  const real r = e.numbers.corner_radius;
+  for (int corner = 0; corner < 8; ++corner) {
+    Vec at = pos;
+    for (int j = 0; j < 3; ++j) at = at + ((corner & (4 >> j) ? 1 : -1) * (box.half[j] - r)) * box.axis[j];
+    const real distance = at.z - r - floor;
+    if (distance < 0) points.add({at.x, at.y, floor + distance / 2}, distance, down);
+  }
+}
+
+INLINE void with_box(const Env& e, int m, const Box& box, Points& points) {
+  const Box own = mobile_box(e, m);
+  if (m >= e.agents) {
+    box_box(own, box, points);
+  } else if (!apart(own, box, 0)) {
+    capsule_box(own.pos, e.agent[AGENT_COLUMNS * m], e.agent[AGENT_COLUMNS * m + 1], box, points);
+  }
+}
+
+// The ends of a door's way, as contacts whose normal's x is the sense in which they push.
+INLINE void at_limits(const Env& e, int m, Points& points) {
+  const float* door = e.door + DOOR_COLUMNS * (m - e.free);
+  for (int end = 0; end < 2; ++end) {
+    const real sense = end == 0 ? 1 : -1, distance = sense * (e.quat[4 * m] - door[11 + end]);
+    if (distance < 0) points.add({e.pos[3 * m], e.pos[3 * m + 1], e.pos[3 * m + 2]}, distance, {sense, 0, 0});
+  }
+}
+
+// All contacts of an environment; returns their number.
+__device__ int find_contacts(const Env& e, const House& house, real floor) {
+  keep_near(e, house);
+  int statics = 0;
+  for (int m = 0; m < e.free; ++m) statics += e.used[m] ? e.num_near[m] : 0;
+  const int free_pairs = e.free * (e.free - 1) / 2, mobile_pairs = free_pairs + (e.mobiles - e.free) * e.free, total = e.mobiles + statics + mobile_pairs;
+  int count = 0;
+  for (int base = 0; base < total; base += WARP_SIZE) {
+    int pair = base + LANE, first = -1, second = STATIC;
+    real friction = 0;
+    Points points;
+    points.count = 0;
+    if (pair < e.mobiles) {
+      if (!e.used[pair]) {
+      } else if (pair < e.free) {
+        first = pair, second = FLOOR, on_floor(e, pair, floor, points);
+      } else {
+        first = pair, second = LIMIT, at_limits(e, pair, points);
+      }
+    } else if ((pair -= e.mobiles) < statics) {
+      int m = 0;
+      while (!e.used[m] || pair >= e.num_near[m]) pair -= e.used[m] ? e.num_near[m] : 0, ++m;
+      first = m;
+      const int box = int(e.near[NEAR * m + pair]);
+      second = STATIC - box, with_box(e, m, static_box(house, box), points);
+    } else if ((pair -= statics) < mobile_pairs) {
+      if (pair < free_pairs) {
+        second = 1;
+        while (pair >= second) pair -= second, ++second;
+        first = pair;
+      } else {
+        second = e.free + (pair - free_pairs) / e.free, first = (pair - free_pairs) % e.free;
+      }
+      const Vec a = {e.pos[3 * first], e.pos[3 * first + 1], e.pos[3 * first + 2]};
+      const Vec b = {e.pos[3 * second], e.pos[3 * second + 1], e.pos[3 * second + 2]};
+      const real reach = e.radius[first] + e.radius[second];
+      if (e.used[first] && e.used[second] && dot(b - a, b - a) <= reach * reach) {
+        if (second < e.agents)
+          capsule_capsule(a, b, e.agent + AGENT_COLUMNS * first, e.agent + AGENT_COLUMNS * second, points);
+        else
+          with_box(e, first, mobile_box(e, second), points);
+      }
+    }
+    if (first >= e.agents && second != LIMIT) friction = e.numbers.friction;
+    count = write_contacts(e, count, first, second, friction, points);
+  }
+  sync_warp();
+  return count;
+}
