@@ -81,12 +81,12 @@ class Instances:
 
 @dataclass(frozen=True)
 class Colliders:
-    """Static collision boxes."""
+    """Static collision boxes: of the architecture, of objects, and invisible ones that keep agents in the rooms."""
 
     pos: Float[np.ndarray, "c 3"]  # [m], centre
     quat: Float[np.ndarray, "c 4"]  # wxyz
     size: Float[np.ndarray, "c 3"]  # [m], half extents
-    object_id: Int[np.ndarray, " c"]  # Semantic.OBJECT of the box's object; -1 for the architecture
+    object_id: Int[np.ndarray, " c"]  # Semantic.OBJECT of the box's object; -1 for the architecture and barriers
 
 
 @dataclass(frozen=True)
@@ -103,25 +103,30 @@ class Bodies:
 
 @dataclass(frozen=True)
 class Doors:
-    """Leaves of doors, each its own instance on a vertical hinge; at angle 0 a leaf is as placed."""
+    """Leaves of doors between rooms, each its own instance on a vertical hinge.
+
+    Angles are about +z, from where the leaf is placed: at angle q its box and its instance are turned by q about the
+    vertical line through `pivot`. Leaves of doors that lead outdoors are shut and static: they are not listed.
+    """
 
     instance: Int[np.ndarray, " h"]
     pivot: Float[np.ndarray, "h 2"]  # [m], where the hinge meets the plan
     closed: Float[np.ndarray, " h"]  # [rad], angle about +z at which the leaf is closed
-    wide: Float[np.ndarray, " h"]  # [rad], angle at which it is wide open
+    wide: Float[np.ndarray, " h"]  # [rad], angle at which it is wide open, as far as it can be
+    low: Float[np.ndarray, " h"]  # [rad], between `low` and `high` it turns freely; one of them is `closed`
+    high: Float[np.ndarray, " h"]  # [rad]
     pos: Float[np.ndarray, "h 3"]  # [m], centre of the leaf's box, as placed
     quat: Float[np.ndarray, "h 4"]  # wxyz
     size: Float[np.ndarray, "h 3"]  # [m], half extents
     mass: Float[np.ndarray, " h"]  # [kg]
-    collider: Int[np.ndarray, " h"]  # row of Colliders with the leaf; -1 if it does not collide
 
     @staticmethod
     def none() -> "Doors":
         """No doors."""
         flat = np.zeros(0)
         box = {"pos": np.zeros((0, 3)), "quat": np.zeros((0, 4)), "size": np.zeros((0, 3))}
-        rows = np.zeros(0, np.int32)
-        return Doors(rows, np.zeros((0, 2)), flat, flat, **box, mass=flat, collider=rows)
+        angles = dict.fromkeys(("closed", "wide", "low", "high"), flat)
+        return Doors(np.zeros(0, np.int32), np.zeros((0, 2)), **angles, **box, mass=flat)
 
 
 @dataclass(frozen=True)
@@ -160,8 +165,9 @@ class Portals:
 
     room: Int[np.ndarray, "p 2"]  # room indices, the lower first; -1 outdoors
     pos: Float[np.ndarray, "p 3"]  # [m], middle, on the floor
-    width: Float[np.ndarray, " p"]  # [m], over which an agent's axis can cross; 0: agents cannot
+    width: Float[np.ndarray, " p"]  # [m], over which an agent's axis can cross with leaves open; 0: agents cannot
     kind: Int[np.ndarray, " p"]  # PortalKind
+    leaf: Int[np.ndarray, "p 2"]  # rows of Doors: leaves that can close it; -1 none
 
 
 FIELD_UNIT = 0.0025  # [m], of stored geodesic distances

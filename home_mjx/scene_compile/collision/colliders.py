@@ -13,10 +13,10 @@ from home_mjx.scene_compile.geometry.box_fit import components, fit_boxes, narro
 from home_mjx.scene_compile.geometry.boxes import BoxSet, box_of, footprint, join, no_boxes
 from home_mjx.scene_compile.geometry.mesh import bounds
 from home_mjx.scene_compile.geometry.rotations import yaw_matrix
+from home_mjx.scene_compile.objects.doorways import PORTALS
 from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.compiled import Rooms
 
-PORTALS = ("door", "garage_door", "arch")
 SOFT = ("curtain", "rug")  # an agent walks through or over them
 FITTING = 0.2  # [m]: handles and hinges of a door are smaller
 SILL = 0.04  # [m]: what of a door lies lower above the floor is its sill, which an agent steps over
@@ -61,9 +61,9 @@ def floor_colliders(rooms: Rooms, floor: float, options: ColliderOptions) -> Box
 
 
 def object_colliders(item: PlacedObject, floor: float, options: ColliderOptions) -> tuple[BoxSet, list[BoxSet]]:
-    """The boxes that stand for one object that cannot be moved, and those of its door leaves, one each.
+    """The boxes that stand for one object that cannot be moved, and those of open leaves of unknown hinge, one each.
 
-    Of a door whose hinges are known these are all leaves, in the order of its parts; of any other the open ones.
+    Leaves that turn on their hinges have none here.
 
     Args:
         item: The object.
@@ -77,7 +77,7 @@ def object_colliders(item: PlacedObject, floor: float, options: ColliderOptions)
         sill = floor + SILL - item.pose[2, 3] if item.info.coarse in PORTALS else None
         boxes, leaves = _fit_shape(_shape(item), sill, options.boxes_per_object)
         boxes, leaves = _place(boxes, item), [_place(leaf, item) for leaf in leaves]
-        leaves = [leaf.box for leaf in item.leaves] or leaves
+        boxes = join([boxes, item.shut_leaves])
     return keep_reachable(boxes, floor, options), leaves
 
 
@@ -139,25 +139,11 @@ def keep_reachable(boxes: BoxSet, floor: float, options: ColliderOptions) -> Box
     return boxes[(boxes.top > floor + options.step) & (boxes.bottom < floor + options.height)]
 
 
-def passages(objects: Sequence[PlacedObject], depth: float = 0.15) -> list[Float[np.ndarray, "4 2"]]:
-    """Footprints of doorways: as wide as the door, `depth` metres to both sides of the wall's middle plane."""
-    found = []
-    for item in objects:
-        if item.info.coarse in PORTALS:
-            across = np.array([-np.sin(item.yaw), np.cos(item.yaw)])
-            along = np.array([np.cos(item.yaw), np.sin(item.yaw)])
-            points = item.triangles.reshape(-1, 3)[:, :2] @ along
-            ends = np.array([points.min(), points.max()])[[0, 1, 1, 0], None] * along
-            middle = item.pose[:2, 3] @ across
-            found.append(ends + (middle + depth * np.array([-1, -1, 1, 1]))[:, None] * across)
-    return found
-
-
 def passable_leaves(leaves: Sequence[BoxSet], free_area: Callable[[BoxSet], float], gain: float = 0.5) -> list[BoxSet]:
     """The open leaves that may stay in the way: one that cuts off a part of the house is left out.
 
     SUNCG's open doors stand half open and are often caught between furniture. Someone who lives there would push the
-    leaf aside; until doors turn on hinges, such a leaf is seen and heard but not felt, as every door is in HoME.
+    leaf aside; one whose hinge is not known is seen and heard but not felt, as every door is in HoME.
 
     Args:
         leaves: One box each.

@@ -1,12 +1,11 @@
 """One level of a house: its collision boxes, which objects move, and where an agent can stand between them."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from home_mjx.scene_compile.collision.colliders import (
-    LEAF_TURN,
     ColliderOptions,
     keep_reachable,
     not_hidden,
@@ -14,18 +13,16 @@ from home_mjx.scene_compile.collision.colliders import (
     passable_leaves,
 )
 from home_mjx.scene_compile.collision.movables import Candidate
-from home_mjx.scene_compile.geometry.boxes import BoxSet, join
+from home_mjx.scene_compile.geometry.boxes import BoxSet, join, no_boxes
 from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.compiled import Colliders
 
 
 @dataclass(frozen=True)
-class LeafBox:
-    """The box of a door's leaf as it stands."""
+class LooseLeaf:
+    """The box of an open leaf whose hinge is not known: it stays as it stands, or is not felt."""
 
     object_id: int
-    number: int  # among the leaves of its object
-    is_open: bool
     box: BoxSet
 
 
@@ -36,17 +33,19 @@ class LevelBoxes:
     Attributes:
         walls: Of the architecture.
         objects: Of each object while it cannot be moved, by object id.
-        leaves: Of doors.
+        loose: Open leaves whose hinges are not known.
+        hinged: Leaves that turn, as placed.
     """
 
     walls: BoxSet
     objects: Mapping[int, BoxSet]
-    leaves: Sequence[LeafBox]
+    loose: Sequence[LooseLeaf]
+    hinged: BoxSet
 
     @property
     def fixed(self) -> BoxSet:
         """Walls and all leaves: what stays where it is, whichever objects move."""
-        return join([self.walls, *(leaf.box for leaf in self.leaves)])
+        return join([self.walls, *(leaf.box for leaf in self.loose), self.hinged])
 
 
 def level_boxes(
@@ -59,20 +58,16 @@ def level_boxes(
         objects: Those that may reach into the level.
         floor: Height of the level's floor [m].
         options: How boxes are fitted.
-        with_leaves: Whether the leaves of doors are there; without, every door is wide open.
+        with_leaves: Whether leaves whose hinges are not known are there; without, these doors are wide open.
     """
     fitted = {o.object_id: object_colliders(o, floor, options) for o in objects}
-    leaves = [leaf for o in objects for leaf in _leaf_boxes(o, fitted[o.object_id][1])] if with_leaves else []
+    loose = [LooseLeaf(i, leaf) for i, (_, leaves) in fitted.items() for leaf in leaves] if with_leaves else []
     return LevelBoxes(
         keep_reachable(walls, floor, options),
         {object_id: boxes for object_id, (boxes, _) in fitted.items()},
-        [leaf for leaf in leaves if len(keep_reachable(leaf.box, floor, options))],
+        [leaf for leaf in loose if len(keep_reachable(leaf.box, floor, options))],
+        keep_reachable(join(leaf.box for o in objects for leaf in o.leaves), floor, options),
     )
-
-
-def _leaf_boxes(item: PlacedObject, boxes: Sequence[BoxSet]) -> list[LeafBox]:
-    is_open = [bool(abs(leaf.closed) > LEAF_TURN) for leaf in item.hinged] or [True] * len(boxes)
-    return [LeafBox(item.object_id, i, *leaf) for i, leaf in enumerate(zip(is_open, boxes, strict=True))]
 
 
 @dataclass(frozen=True)
@@ -82,12 +77,14 @@ class Obstacles:
     Attributes:
         boxes: All that may be.
         moving: Objects that can be pushed; their boxes stand where the objects do.
-        felt: Leaves that stop an agent: the closed ones, then the open ones that leave the way free.
+        felt: Leaves of unknown hinge that leave the way free.
+        barriers: Invisible boxes that keep agents in the rooms.
     """
 
     boxes: LevelBoxes
     moving: Sequence[Candidate]
-    felt: Sequence[LeafBox]
+    felt: Sequence[LooseLeaf] = ()
+    barriers: BoxSet = field(default_factory=no_boxes)
 
     @property
     def standing(self) -> dict[int, BoxSet]:
@@ -96,38 +93,41 @@ class Obstacles:
         return {i: boxes for i, boxes in self.boxes.objects.items() if i not in moving}
 
     @property
+    def static(self) -> BoxSet:
+        """Every box that stays where it is; the barriers are the last."""
+        leaves = (leaf.box for leaf in self.felt)
+        return join([self.boxes.walls, *self.standing.values(), *leaves, self.barriers])
+
+    @property
     def all(self) -> BoxSet:
-        """Every box, also of what can be pushed."""
-        static = [self.boxes.walls, *self.standing.values(), *(leaf.box for leaf in self.felt)]
-        return join([*static, *(c.box for c in self.moving)])
+        """Every box, also of what can be pushed; leaves that turn can be pushed open and are left out."""
+        return join([self.static, *(c.box for c in self.moving)])
 
 
 def find_obstacles(boxes: LevelBoxes, moving: Sequence[Candidate], free_area: Callable[[BoxSet], float]) -> Obstacles:
-    """What is in the way: everything but the open leaves that cut off a part of the level.
+    """What is in the way: everything but the leaves of unknown hinge that cut off a part of the level.
 
     Args:
         boxes: All that may be in the way.
         moving: Objects that can be pushed.
         free_area: Size of the largest free region between some boxes [m^2].
     """
-    closed = Obstacles(boxes, moving, [leaf for leaf in boxes.leaves if not leaf.is_open])
-    around = closed.all
-    opened = [leaf.box for leaf in boxes.leaves if leaf.is_open]
-    kept = passable_leaves(opened, lambda leaves: free_area(join([around, leaves])))
-    felt = [leaf for leaf in boxes.leaves if any(leaf.box is box for box in kept)]
-    return Obstacles(boxes, moving, [*closed.felt, *felt])
+    around = Obstacles(boxes, moving).all
+    kept = passable_leaves([leaf.box for leaf in boxes.loose], lambda leaves: free_area(join([around, leaves])))
+    return Obstacles(boxes, moving, [leaf for leaf in boxes.loose if any(leaf.box is box for box in kept)])
 
 
-def static_colliders(obstacles: Obstacles) -> tuple[Colliders, dict[tuple[int, int], int]]:
-    """The boxes that stay, and the row of each leaf by its object's id and its number; -1 behind other boxes.
+def static_colliders(obstacles: Obstacles, fence: BoxSet) -> Colliders:
+    """The boxes that stay, without those behind others; the barriers and then the fence are the last.
 
-    The boxes of door leaves as they stand are the last.
+    Args:
+        obstacles: Of the level.
+        fence: Around the lot.
     """
-    standing, felt = obstacles.standing, obstacles.felt
-    boxes = join([obstacles.boxes.walls, *standing.values(), *(leaf.box for leaf in felt)])
+    standing = obstacles.standing
     counts = [(-1, len(obstacles.boxes.walls)), *((i, len(b)) for i, b in standing.items())]
-    owners = np.repeat(*np.array(counts + [(leaf.object_id, 1) for leaf in felt], np.int32).T)
-    shown = not_hidden(boxes)
-    rows = np.where(shown, np.cumsum(shown) - 1, -1)[len(boxes) - len(felt) :].tolist()
-    leaf_row = {(leaf.object_id, leaf.number): row for leaf, row in zip(felt, rows, strict=True)}
-    return boxes[shown].colliders(owners[shown]), leaf_row
+    counts += [(leaf.object_id, 1) for leaf in obstacles.felt]
+    counts += [(-1, len(obstacles.barriers) + len(fence))]
+    boxes = join([obstacles.static, fence])
+    shown = not_hidden(boxes) | (np.arange(len(boxes)) >= len(boxes) - len(obstacles.barriers) - len(fence))
+    return boxes[shown].colliders(np.repeat(*np.array(counts, np.int32).T)[shown])

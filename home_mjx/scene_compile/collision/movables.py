@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, footprint, join
+from home_mjx.core.checks import check_number
+from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, footprint, join, overlap
 from home_mjx.scene_compile.geometry.mesh import bounds, compose, invert
 from home_mjx.scene_compile.geometry.rotations import yaw_matrix, yaw_quat
 from home_mjx.scene_compile.objects.masses import object_mass
@@ -29,11 +30,14 @@ class MovableOptions:
     """Which objects become bodies.
 
     Attributes:
-        max_bodies: Most bodies of a house; the lightest objects go first.
+        max_bodies: Most bodies of a house; the lightest objects go first. 0: nothing moves.
         reach: A movable object stands within this of the floor [m].
         shrink: Most that each side of its box may be drawn in to stand free [m].
         seat: Least height of a box whose top is lowered to fit under something, as a chair's under a table [m].
         largest: Longest edge of a movable object [m].
+
+    Raises:
+        ConfigError: A value cannot be used.
     """
 
     max_bodies: int = 8
@@ -41,6 +45,11 @@ class MovableOptions:
     shrink: float = 0.05
     seat: float = 0.35
     largest: float = 2.6
+
+    def __post_init__(self) -> None:
+        check_number("max_bodies", self.max_bodies, 0, whole=True)
+        for name in ("reach", "shrink", "seat", "largest"):
+            check_number(name, getattr(self, name), 0)
 
 
 @dataclass(frozen=True)
@@ -143,7 +152,7 @@ def _draw_in(box: BoxSet, obstacles: BoxSet, options: MovableOptions, gap: float
     low, high = -box.half[0].copy(), box.half[0].copy()
     for i in _near(box, obstacles):
         now = _cut(box, low, high)
-        if _overlap(now, obstacles, i) <= -gap or obstacles.bottom[i] >= now.top[0]:
+        if overlap(now, obstacles[i : i + 1])[0] <= -gap or obstacles.bottom[i] >= now.top[0]:
             continue
         below = obstacles.bottom[i] - gap - box.center[0, 2]
         if below - low[2] >= options.seat:
@@ -181,17 +190,6 @@ def _near(box: BoxSet, obstacles: BoxSet) -> list[int]:
     reach = np.linalg.norm(obstacles.half[:, :2], axis=1) + np.linalg.norm(box.half[0, :2])
     level = (obstacles.bottom < box.top[0]) & (obstacles.top > box.bottom[0])
     return np.flatnonzero((apart < reach) & level).tolist()
-
-
-def _overlap(box: BoxSet, obstacles: BoxSet, index: int) -> float:
-    """Depth to which two boxes run into one another in the plan [m]; negative: apart (separating axes)."""
-    depth = np.inf
-    for yaw in (box.yaw[0], obstacles.yaw[index]):
-        turn = yaw_matrix(yaw)[:2, :2]
-        a, b = footprint(box, 0) @ turn, footprint(obstacles, index) @ turn
-        sides = np.minimum(a.max(axis=0) - b.min(axis=0), b.max(axis=0) - a.min(axis=0))
-        depth = min(depth, float(sides.min()))
-    return depth
 
 
 def make_bodies(chosen: Sequence[Candidate]) -> Bodies:

@@ -10,11 +10,10 @@ from home_mjx.scene_compile.mjcf.assets import numbers
 from home_mjx.schema.compiled import Doors
 
 COLLIDER = "3"  # group, hidden by the viewer at first
-# Leaves touch agents and movable objects, but not frames, walls, floor or fixed furniture: SUNCG's half-open leaves
-# often reach into it.
+# Leaves touch agents and movable objects, but neither one another nor what is fixed: their range keeps them from it.
 MEETS_LEAVES = {"contype": "3", "conaffinity": "3"}
-ONLY_MOVING = {"contype": "2", "conaffinity": "2"}
-HINGE = {"damping": "2", "frictionloss": "1"}  # [N m s/rad], [N m]: a leaf that is let go stands still
+ONLY_MOVING = {"contype": "2", "conaffinity": "0"}
+HINGE = {"damping": "0.5", "armature": "0"}  # [N m s/rad], [kg m^2]
 
 
 def add_box(parent: ET.Element, name: str, size: Float[np.ndarray, "3"], **more: str) -> None:
@@ -43,7 +42,7 @@ def add_leaf(world: ET.Element, doors: Doors, row: int, name: str) -> tuple[ET.E
     """
     origin = np.array([*doors.pivot[row], doors.pos[row, 2]])
     element = ET.SubElement(world, "body", name=name, pos=numbers(origin))
-    limits = numbers(np.rad2deg(np.sort([doors.closed[row], doors.wide[row]])))
+    limits = numbers(np.rad2deg([doors.low[row], doors.high[row]]))
     ET.SubElement(element, "joint", HINGE, name=name, type="hinge", axis="0 0 1", range=limits, limited="true")
     place = {"pos": numbers(doors.pos[row] - origin), "quat": numbers(doors.quat[row])}
     inertia = numbers(box_inertia(doors.mass[row : row + 1], doors.size[row : row + 1]))

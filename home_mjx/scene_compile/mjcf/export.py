@@ -41,8 +41,9 @@ def to_mjcf(
 
     Every object is a body `object<id>` with its visual meshes (group 2; ceilings are in group 4, so that one can look
     in from above). Movable ones have a free joint, a mass and one box or convex pieces (group 3); a leaf of a door is
-    a body `object<id>_leaf<instance>` on a hinge of the same name. Static boxes and the floor plane belong to the
-    world. Cameras: `top`, `room<i>`, and `agent0_eye` with an agent. Lights: `lamp<i>`, and a faint one from above.
+    a body `object<id>_leaf<instance>`; one that turns is on a hinge of the same name. Static boxes and the floor plane
+    belong to the world. Cameras: `top`, `room<i>`, and `agent0_eye` with an agent. Lights: `lamp<i>`, and a faint one
+    from above.
 
     Args:
         house: A compiled house.
@@ -157,22 +158,21 @@ def _looking_along_x() -> dict[str, str]:
 
 
 def _add_static_boxes(world: ET.Element, house: CompiledHouse, exact: bool) -> None:
-    """All colliders but those of leaves and, if exact, of objects, which have their own here."""
-    boxes, leaves = house.colliders, set(house.doors.collider.tolist())
-    leaves |= set(np.flatnonzero(boxes.object_id >= 0).tolist()) if exact else set()
+    """All colliders but, if exact, those of objects, which have their own here."""
+    boxes = house.colliders
     for i, (pos, quat, size) in enumerate(zip(boxes.pos, boxes.quat, boxes.size, strict=True)):
-        if i not in leaves:
+        if not exact or boxes.object_id[i] < 0:
             add_box(world, f"static{i}", size, pos=numbers(pos), quat=numbers(quat))
 
 
 def _add_instance(world: ET.Element, house: CompiledHouse, instance: int, assets: MjcfAssets, exact: bool) -> None:
     """Adds one instance: the architecture, a static object, or a movable one."""
     body, leaf = int(house.instances.body[instance]), np.flatnonzero(house.doors.instance == instance)
-    name = "architecture" if instance == ARCHITECTURE else f"object{house.instances.object_id[instance]}"
+    name = _name(house, instance)
     pose = house.instances.pose[instance]
     rotation, stretch = split_linear(pose[:, :3])
     if len(leaf):
-        element, origin = add_leaf(world, house.doors, int(leaf[0]), f"{name}_leaf{instance}")
+        element, origin = add_leaf(world, house.doors, int(leaf[0]), name)
         _add_visuals(element, house, instance, assets, stretch, pos=numbers(pose[:, 3] - origin), quat=_quat(rotation))
     elif body < 0:
         place = {"pos": numbers(pose[:, 3]), "quat": _quat(rotation)}
@@ -188,6 +188,14 @@ def _add_instance(world: ET.Element, house: CompiledHouse, instance: int, assets
         _add_visuals(element, house, instance, assets, stretch, **place)
         if not exact or not _add_pieces(element, house, instance, assets, stretch, **place, **MEETS_LEAVES):
             add_box(element, name, house.bodies.size[body], **MEETS_LEAVES)
+
+
+def _name(house: CompiledHouse, instance: int) -> str:
+    """Name of an instance's body; the leaves of a door follow its frame."""
+    owner = house.instances.object_id
+    if instance == ARCHITECTURE:
+        return "architecture"
+    return f"object{owner[instance]}" + (f"_leaf{instance}" if owner[instance - 1] == owner[instance] else "")
 
 
 def _add_movable(world: ET.Element, house: CompiledHouse, body: int, name: str) -> ET.Element:
@@ -248,11 +256,10 @@ def _add_agent(root: ET.Element, world: ET.Element, house: CompiledHouse, shape:
     eye = f"0 0 {shape.eye_height - shape.height / 2:.9g}"
     ET.SubElement(body, "camera", _looking_along_x(), name="agent0_eye", pos=eye)
     add_motors(ET.SubElement(root, "actuator"), "agent0")
-    x, y, z = house.navigation.start[0]
+    doors, (x, y, z) = house.doors, house.navigation.start[0]
     names = {int(i): f"object{house.instances.object_id[i]}" for i in house.bodies.instance}
-    start = {i: _pose_of(world, name) for i, name in names.items()} | {
-        int(i): np.zeros(1) for i in house.doors.instance
-    }
+    start = {i: _pose_of(world, name) for i, name in names.items()}
+    start |= {int(i): np.clip([0.0], *r) for i, *r in zip(doors.instance, doors.low, doors.high, strict=True)}
     joints = [start[i] for i in sorted(start)]  # in the order of their instances
     qpos = numbers(np.concatenate([*joints, [x, y, z + shape.height / 2, 0.0]]))
     ET.SubElement(ET.SubElement(root, "keyframe"), "key", name="start", qpos=qpos)

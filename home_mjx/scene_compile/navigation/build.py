@@ -6,11 +6,13 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Bool, Float, Int, UInt16
 
-from home_mjx.scene_compile.navigation.free_space import FreeSpace, NavigationOptions
+from home_mjx.scene_compile.geometry.boxes import BoxSet
+from home_mjx.scene_compile.navigation.free_space import FreeSpace, NavigationOptions, clearance
 from home_mjx.scene_compile.navigation.geodesic import distance_fields
 from home_mjx.scene_compile.navigation.portals import find_portals, room_hops
 from home_mjx.scene_compile.navigation.regions import label_regions
 from home_mjx.scene_compile.navigation.stairs import Stairs, stair_links
+from home_mjx.scene_compile.objects.doorways import Doorway
 from home_mjx.schema.compiled import FIELD_FAR, FIELD_UNIT, Navigation, Rooms
 
 DEFAULT_OPTIONS = NavigationOptions()
@@ -22,8 +24,9 @@ def build_navigation(
     rooms: Rooms,
     spaces: Sequence[FreeSpace],
     options: NavigationOptions = DEFAULT_OPTIONS,
-    doorways: Sequence[Sequence[Float[np.ndarray, "4 2"]]] = (),
+    doorways: Sequence[Sequence[Doorway]] = (),
     stairs: Sequence[Stairs] = (),
+    leaves: Sequence[BoxSet] = (),
 ) -> Navigation:
     """Regions, portals, starts, goals and distance fields on the free space of a house.
 
@@ -32,8 +35,9 @@ def build_navigation(
         rooms: For the heights of their floors.
         spaces: Where an agent can stand on each level that has rooms, the lowest first; there it can stand somewhere.
         options: Counts.
-        doorways: Footprints of the doors of each level [m]; none by default.
+        doorways: Of each level; none by default.
         stairs: Flights between the levels.
+        leaves: Boxes of each level where leaves may stand: no start and no goal is in them, but ways lead through.
     """
     ground = spaces[0]
     standable, room = np.stack([s.standable for s in spaces]), np.stack([s.room for s in spaces])
@@ -43,8 +47,9 @@ def build_navigation(
     home = region == 0
     portals = find_portals(rooms, room, standable, centres, doorways or [[] for _ in spaces], links)
     rng = np.random.default_rng(int.from_bytes(hashlib.sha256(house_id.encode()).digest()[:8], "little"))
-    goals = _spread_goals(home, room, options.num_goals, rng)
-    cells = rng.permutation(np.argwhere(home))[np.arange(options.num_starts) % home.sum()]
+    drawn = _beside_leaves(home, spaces, rooms, leaves, options)
+    goals = _spread_goals(drawn, room, options.num_goals, rng)
+    cells = rng.permutation(np.argwhere(drawn))[np.arange(options.num_starts) % drawn.sum()]
     jitter = rng.uniform(-0.5, 0.5, (options.num_starts, 2)) * options.margin
     return Navigation(
         origin=ground.origin,
@@ -62,6 +67,21 @@ def build_navigation(
         portals=portals,
         room_hops=room_hops(portals, len(rooms.type)),
     )
+
+
+def _beside_leaves(
+    home: Bool[np.ndarray, "l ny nx"],
+    spaces: Sequence[FreeSpace],
+    rooms: Rooms,
+    leaves: Sequence[BoxSet],
+    options: NavigationOptions,
+) -> Bool[np.ndarray, "l ny nx"]:
+    """The cells of the home region where no leaf may stand; all of them if there are no others."""
+    reach, found = options.agent_radius + options.margin, home.copy()
+    for cells, space, boxes in zip(found, spaces, leaves, strict=False):
+        heights = (options.step, options.agent_height)
+        cells &= clearance(boxes, rooms.floor[space.room], space.x, space.y, heights, reach) >= reach
+    return found if found.any() else home
 
 
 def _stored(distance: Float[np.ndarray, "c g"]) -> UInt16[np.ndarray, "c g"]:

@@ -89,8 +89,9 @@ def free_space(
     here = np.flatnonzero(rooms.level == level)
     origin, x, y = _grid(rooms.polygon, options.cell)
     room = _label_rooms(rooms, here, passages, x, y)
-    clearance = _clearance(obstacles, rooms.floor[room], x, y, options)
-    standable = (room >= 0) & (clearance >= options.agent_radius + options.margin)
+    reach = options.agent_radius + options.margin
+    away = clearance(obstacles, rooms.floor[room], x, y, (options.step, options.agent_height), reach)
+    standable = (room >= 0) & (away >= reach)
     return FreeSpace(level, origin, x, y, room.astype(np.int16), standable)
 
 
@@ -120,21 +121,27 @@ def _label_rooms(
     return np.where(gap, room[nearest[0], nearest[1]], room)
 
 
-def _clearance(
+def clearance(
     obstacles: BoxSet,
     floor: Float[np.ndarray, "ny nx"],
     x: Float[np.ndarray, " nx"],
     y: Float[np.ndarray, " ny"],
-    options: NavigationOptions,
+    heights: tuple[float, float],
+    reach: float,
 ) -> Float[np.ndarray, "ny nx"]:
     """Distance from every cell's centre to the nearest obstacle at the height of an agent, as far as it matters [m].
 
-    An agent is as high as the floor of the cell's own room: rooms may lie at different heights, or lack a floor.
+    Args:
+        obstacles: Upright boxes.
+        floor: Height of the floor of each cell's own room [m]: rooms may lie at different heights, or lack a floor.
+        x: Of the cells' centres [m].
+        y: The same.
+        heights: Above the floor, between which obstacles count [m].
+        reach: Distances up to this are exact [m], greater ones at least as great as this.
     """
-    reach = options.agent_radius + options.margin
-    clearance = np.full((len(y), len(x)), np.inf)
+    found = np.full((len(y), len(x)), np.inf)
     low, high = obstacles.bottom, obstacles.top
-    for i in np.flatnonzero((high > floor.min() + options.step) & (low < floor.max() + options.agent_height)).tolist():
+    for i in np.flatnonzero((high > floor.min() + heights[0]) & (low < floor.max() + heights[1])).tolist():
         radius = np.hypot(*obstacles.half[i, :2]) + reach
         columns = np.flatnonzero(abs(x - obstacles.center[i, 0]) <= radius)
         rows = np.flatnonzero(abs(y - obstacles.center[i, 1]) <= radius)
@@ -142,6 +149,6 @@ def _clearance(
             window = np.ix_(rows, columns)
             points = np.stack(np.meshgrid(x[columns], y[rows]), axis=-1)
             near = footprint_distance(obstacles, i, points)
-            met = (high[i] > floor[window] + options.step) & (low[i] < floor[window] + options.agent_height)
-            clearance[window] = np.minimum(clearance[window], np.where(met, near, np.inf))
-    return clearance
+            met = (high[i] > floor[window] + heights[0]) & (low[i] < floor[window] + heights[1])
+            found[window] = np.minimum(found[window], np.where(met, near, np.inf))
+    return found

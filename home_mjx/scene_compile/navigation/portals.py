@@ -8,13 +8,15 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components, shortest_path
 from scipy.spatial import KDTree
 
-from home_mjx.scene_compile.geometry.polygons import inside_polygon, smallest_room
+from home_mjx.scene_compile.geometry.polygons import inside_polygon
 from home_mjx.scene_compile.navigation.geodesic import Link
+from home_mjx.scene_compile.objects.doorways import Doorway
 from home_mjx.schema.compiled import PortalKind, Portals, Rooms
 
-BESIDE = 0.35  # [m] from the middle of a doorway: there a room begins on either side
+NO_LEAF = (-1, -1)
 
-Row = tuple[tuple[int, int], tuple[float, float, float], float, PortalKind]  # as the fields of Portals
+# As the fields of Portals.
+Row = tuple[tuple[int, int], tuple[float, float, float], float, PortalKind, tuple[int, int]]
 
 
 def find_portals(
@@ -22,7 +24,7 @@ def find_portals(
     room: Int[np.ndarray, "l ny nx"],
     standable: Bool[np.ndarray, "l ny nx"],
     centres: tuple[Float[np.ndarray, " nx"], Float[np.ndarray, " ny"]],
-    doorways: Sequence[Sequence[Float[np.ndarray, "4 2"]]],
+    doorways: Sequence[Sequence[Doorway]],
     links: Sequence[Link] = (),
 ) -> Portals:
     """Portals of all levels.
@@ -32,20 +34,21 @@ def find_portals(
         room: Room of each cell; -1 none.
         standable: Where an agent's axis may be.
         centres: x and y of the cells [m].
-        doorways: Footprints of the doors of each level [m].
+        doorways: Of each level.
         links: Stairs.
     """
     rows: list[Row] = []
-    for grid, footprints in enumerate(doorways):
+    for grid, doors in enumerate(doorways):
         found = _crossings(rooms, room[grid], standable[grid], centres)
-        rows += [_named(row, footprints) for row in found]
-        met = [f for f in footprints if any(_inside(f, row[1]) for row in found)]
-        rows += _closed(rooms, [f for f in footprints if not any(f is m for m in met)], room[grid])
+        rows += [_named(row, doors) for row in found]
+        rows += _closed(rooms, [door for door in doors if not any(_inside(door, row) for row in found)])
     rows += [_stairs(rooms, room, centres, link) for link in links]
     if not rows:
-        return Portals(np.zeros((0, 2), np.int32), np.zeros((0, 3)), np.zeros(0), np.zeros(0, np.int32))
-    pairs, points, widths, kinds = zip(*rows, strict=True)
-    return Portals(np.sort(np.array(pairs, np.int32)), np.array(points), np.array(widths), np.array(kinds, np.int32))
+        pair = np.zeros((0, 2), np.int32)
+        return Portals(pair, np.zeros((0, 3)), np.zeros(0), np.zeros(0, np.int32), pair)
+    pairs, points, widths, kinds, leaves = zip(*rows, strict=True)
+    pairs, kinds, leaves = (np.array(column, np.int32) for column in (pairs, kinds, leaves))
+    return Portals(np.sort(pairs), np.array(points), np.array(widths), kinds, leaves)
 
 
 def _crossings(
@@ -70,7 +73,7 @@ def _crossings(
         for cluster in _clusters(point[(pair == (a, b)).all(axis=1)], 1.5 * cell):
             x0, y0 = cluster.mean(axis=0).tolist()
             width = float(np.hypot(*np.ptp(cluster, axis=0))) + cell
-            rows.append(((a, b), (x0, y0, float(rooms.floor[[a, b]].max())), width, PortalKind.OPENING))
+            rows.append(((a, b), (x0, y0, float(rooms.floor[[a, b]].max())), width, PortalKind.OPENING, NO_LEAF))
     return rows
 
 
@@ -81,28 +84,24 @@ def _clusters(points: Float[np.ndarray, "n 2"], reach: float) -> list[Float[np.n
     return [points[label == i] for i in range(count)]
 
 
-def _inside(footprint: Float[np.ndarray, "4 2"], pos: tuple[float, float, float]) -> bool:
-    return bool(inside_polygon(footprint, np.array(pos[:2])))
+def _inside(door: Doorway, row: Row) -> bool:
+    return bool(inside_polygon(door.footprint, np.array(row[1][:2])))
 
 
-def _named(row: Row, footprints: Sequence[Float[np.ndarray, "4 2"]]) -> Row:
+def _named(row: Row, doors: Sequence[Doorway]) -> Row:
     """The row as a door if it lies in a doorway."""
-    door = any(_inside(f, row[1]) for f in footprints)
-    return (*row[:3], PortalKind.DOOR) if door else row
+    door = next((door for door in doors if _inside(door, row)), None)
+    return row if door is None else (*row[:3], PortalKind.DOOR, door.leaf)
 
 
-def _closed(rooms: Rooms, footprints: Sequence[Float[np.ndarray, "4 2"]], room: Int[np.ndarray, "ny nx"]) -> list[Row]:
-    """Doors that agents cannot pass: shut, blocked or to the outside."""
-    here = np.unique(room[room >= 0])
+def _closed(rooms: Rooms, doors: Sequence[Doorway]) -> list[Row]:
+    """Doors that agents cannot pass: blocked, or to the outside."""
     rows: list[Row] = []
-    for corners in footprints:
-        along, across = corners[1] - corners[0], corners[3] - corners[0]
-        normal = across / np.linalg.norm(across)
-        middle = corners[0] + (along + across) / 2
-        a, b = smallest_room(rooms, here, middle + normal * np.array([[-BESIDE], [BESIDE]])).tolist()
+    for door in doors:
+        a, b = door.room
         if a != b:
-            at = (float(middle[0]), float(middle[1]), float(rooms.floor[max(a, b)]))
-            rows.append(((a, b), at, 0.0, PortalKind.DOOR))
+            x, y = door.footprint.mean(axis=0).tolist()
+            rows.append(((a, b), (x, y, float(rooms.floor[max(a, b)])), 0.0, PortalKind.DOOR, door.leaf))
     return rows
 
 
@@ -115,7 +114,7 @@ def _stairs(
     a, b = int(room[link.start]), int(room[link.end])
     _, row, column = link.start
     at = (float(centres[0][column]), float(centres[1][row]), float(rooms.floor[a]))
-    return (a, b), at, float(centres[0][1] - centres[0][0]), PortalKind.STAIRS
+    return (a, b), at, float(centres[0][1] - centres[0][0]), PortalKind.STAIRS, NO_LEAF
 
 
 def room_hops(portals: Portals, num_rooms: int) -> Int[np.ndarray, "r r"]:

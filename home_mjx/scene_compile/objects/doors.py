@@ -1,6 +1,5 @@
 """Doors taken apart: a frame that stays, and leaves that turn on their hinges."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
@@ -9,16 +8,14 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from home_mjx.scene_compile.geometry.box_fit import components, narrowest_box
-from home_mjx.scene_compile.geometry.boxes import BoxSet, join
-from home_mjx.scene_compile.geometry.mesh import make_model, transform
-from home_mjx.scene_compile.geometry.rotations import yaw_quat
+from home_mjx.scene_compile.geometry.boxes import BoxSet, turned
+from home_mjx.scene_compile.geometry.mesh import compose, make_model, transform
+from home_mjx.scene_compile.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.objects.hinges import find_hinges
-from home_mjx.schema.compiled import Doors, Model
+from home_mjx.schema.compiled import Model
 
 WIDE = np.pi / 2  # [rad]: every door opens at least as far; SUNCG's stand half open
 LEAN = 1e-3  # most that a hinge may lean, and that the plan may be stretched
-AREAL_DENSITY = 8.0  # [kg/m^2] of leaf: a hollow-core interior door of 0.8 x 2 m weighs 10 to 15 kg
-LEAF_MASS = (5.0, 60.0)  # [kg]
 
 
 @dataclass(frozen=True)
@@ -80,6 +77,15 @@ class Leaf:
     wide: float
     box: BoxSet  # as it stands
 
+    def box_at(self, angle: float) -> BoxSet:
+        """Its box, turned from where it stands."""
+        return turned(self.box, angle, self.pivot)
+
+    def pose_at(self, angle: float, pose: Float[np.ndarray, "3 4"]) -> Float[np.ndarray, "3 4"]:
+        """A pose of its instance, turned from where it stands."""
+        turn, line = yaw_matrix(angle), np.array([*self.pivot, 0.0])
+        return compose(np.c_[turn, line - turn @ line], pose)
+
 
 def place_leaf(leaf: HingedPart, pose: Float[np.ndarray, "3 4"], instance: int) -> Leaf:
     """A leaf of an object at a pose; in a mirrored one it turns the other way round.
@@ -100,27 +106,3 @@ def _leaf_box(leaf: Model, pose: Float[np.ndarray, "3 4"]) -> BoxSet:
     piece = components(triangles)
     boxes = [narrowest_box(triangles[piece == p].reshape(-1, 3)) for p in np.unique(piece)]
     return max(boxes, key=lambda box: float(box.half.prod()))
-
-
-def make_doors(leaves: Sequence[Leaf], collider: Sequence[int]) -> Doors:
-    """The table of a house's leaves.
-
-    Args:
-        leaves: All of them.
-        collider: Row of the house's colliders that stands for each; -1 none.
-    """
-    if not leaves:
-        return Doors.none()
-    box = join(leaf.box for leaf in leaves)
-    area = 4 * np.sort(box.half, axis=1)[:, 1:].prod(axis=1)
-    return Doors(
-        instance=np.array([leaf.instance for leaf in leaves], np.int32),
-        pivot=np.array([leaf.pivot for leaf in leaves]),
-        closed=np.array([leaf.closed for leaf in leaves]),
-        wide=np.array([leaf.wide for leaf in leaves]),
-        pos=box.center,
-        quat=yaw_quat(box.yaw),
-        size=box.half,
-        mass=np.clip(area * AREAL_DENSITY, *LEAF_MASS),
-        collider=np.array(collider, np.int32),
-    )

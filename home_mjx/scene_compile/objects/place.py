@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.scene_compile.architecture.frame import Frame
-from home_mjx.scene_compile.geometry.boxes import BoxSet, box_of
+from home_mjx.scene_compile.geometry.boxes import BoxSet, box_of, join
 from home_mjx.scene_compile.geometry.mesh import Z_UP, box_triangles, make_model, to_z_up, transform
 from home_mjx.scene_compile.geometry.polygons import polygon_area, polygon_distance, smallest_room
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial, override, surface_material
@@ -38,6 +38,7 @@ class PlacedObject:
     level: int
     room: int  # -1 in none
     instance: int  # of the first of its parts; the others follow it
+    is_shut: bool = False  # its leaves are closed and do not turn
 
     @cached_property
     def triangles(self) -> Float[np.ndarray, "t 3 3"]:
@@ -58,13 +59,28 @@ class PlacedObject:
 
     @cached_property
     def leaves(self) -> tuple[Leaf, ...]:
-        """The leaves of a door, in the order of its parts."""
+        """The leaves of a door that turn, in the order of its parts."""
+        return () if self.is_shut else self._leaves
+
+    @cached_property
+    def shut_leaves(self) -> BoxSet:
+        """Boxes of its leaves if they are shut."""
+        return join(leaf.box_at(leaf.closed) for leaf in self._leaves if self.is_shut)
+
+    @cached_property
+    def _leaves(self) -> tuple[Leaf, ...]:
         return tuple(place_leaf(leaf, self.pose, self.instance + i) for i, leaf in enumerate(self.hinged, 1))
 
     @property
     def parts(self) -> tuple[Model, ...]:
         """What of it moves as one: the main part and the leaves of a door; each is an instance."""
         return (self.main, *(leaf.model for leaf in self.hinged))
+
+    @property
+    def poses(self) -> tuple[Float[np.ndarray, "3 4"], ...]:
+        """World from model of each part [m]."""
+        angles = [leaf.closed if self.is_shut else 0.0 for leaf in self._leaves]
+        return (self.pose, *(leaf.pose_at(a, self.pose) for leaf, a in zip(self._leaves, angles, strict=True)))
 
     @property
     def surfaces(self) -> tuple[SurfaceMaterial, ...]:

@@ -65,9 +65,10 @@ def _instances(shell: Shell, objects: Sequence[PlacedObject], first_row: Sequenc
     """One instance per part of an object; the parts share its materials and meaning."""
     body = {instance: row for row, instance in enumerate(bodies.instance.tolist())}
     parts = [(i, o, part) for i, o in enumerate(objects) for part in o.parts]
+    poses = [pose for o in objects for pose in o.poses]
     return Instances(
         model=(shell.model.key, *(part.key for _, _, part in parts)),
-        pose=np.stack([np.eye(3, 4), *(o.pose for _, o, _ in parts)]),
+        pose=np.stack([np.eye(3, 4), *poses]),
         object_id=np.array([-1, *(o.object_id for _, o, _ in parts)], np.int32),
         material=np.array([0, *(first_row[i] for i, _, _ in parts)], np.int32),
         semantic=np.array([0, *(len(shell.semantics) + i for i, _, _ in parts)], np.int32),
@@ -95,7 +96,8 @@ def _report(frame: Frame, shell: Shell, objects: Sequence[PlacedObject], levels:
         "triangles": sum(len(o.model.triangle) for o in objects) + len(shell.model.triangle),
         "colliders": len(levels.colliders.pos),
         "bodies": len(levels.bodies.mass),
-        "hinged_leaves": sum(len(o.hinged) for o in objects),
+        "hinged_leaves": sum(len(o.leaves) for o in objects),
+        "shut_leaves": sum(len(o.shut_leaves) for o in objects),
         "problems": len(house.problems),
         **levels.report,
     }

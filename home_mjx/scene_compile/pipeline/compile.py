@@ -12,6 +12,7 @@ from home_mjx.scene_compile.collision.movables import MovableOptions
 from home_mjx.scene_compile.lighting.lights import LightOptions, build_lights
 from home_mjx.scene_compile.navigation.build import build_navigation
 from home_mjx.scene_compile.navigation.free_space import NavigationOptions
+from home_mjx.scene_compile.objects.doorways import shut_outer_doors
 from home_mjx.scene_compile.objects.place import place_objects
 from home_mjx.scene_compile.pipeline.assemble import assemble
 from home_mjx.scene_compile.pipeline.levels import build_levels
@@ -69,10 +70,10 @@ def _compiled(house: House, metadata: Metadata, options: CompileOptions) -> Comp
     """The stages of the compiler, in order; each is one record."""
     frame = find_frame(house)
     shell = build_shell(frame)
-    objects = place_objects(frame, metadata)
+    objects = shut_outer_doors(place_objects(frame, metadata), frame.rooms)
     levels = build_levels(frame, shell, objects, options.colliders, options.movables, options.navigation)
     navigation = build_navigation(
-        house.id, frame.rooms, levels.spaces, options.navigation, levels.doorways, levels.stairs
+        house.id, frame.rooms, levels.spaces, options.navigation, levels.doorways, levels.stairs, levels.leaves
     )
     surfaces = build_surfaces(frame, shell, objects)
     lights = build_lights(objects, frame.rooms, metadata, options.lights)

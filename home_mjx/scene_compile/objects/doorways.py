@@ -1,0 +1,71 @@
+"""Doorways: where doors and arches lead, and which of them lead outdoors."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import count
+
+import numpy as np
+from jaxtyping import Float
+
+from home_mjx.scene_compile.geometry.polygons import smallest_room
+from home_mjx.scene_compile.objects.place import PlacedObject
+from home_mjx.schema.compiled import Rooms
+
+PORTALS = ("door", "garage_door", "arch")
+DEPTH = 0.15  # [m], of a doorway to either side of its wall's middle plane
+BESIDE = 0.35  # [m] from the middle of a doorway: there a room begins on either side
+MAX_LEAVES = 2  # of one doorway
+
+
+@dataclass(frozen=True)
+class Doorway:
+    """A door or an arch as a way from room to room.
+
+    Attributes:
+        footprint: As wide as the door, `DEPTH` to both sides of its wall; the first edge is along the wall [m].
+        level: Level index.
+        room: Room on either side; -1 outdoors.
+        leaf: Rows of the house's Doors, the largest leaves first; -1 none.
+    """
+
+    footprint: Float[np.ndarray, "4 2"]
+    level: int
+    room: tuple[int, int]
+    leaf: tuple[int, int] = (-1, -1)
+
+    @property
+    def leads_outdoors(self) -> bool:
+        """Whether there is no room on one side."""
+        return min(self.room) < 0
+
+
+def find_doorways(objects: Sequence[PlacedObject], rooms: Rooms) -> list[Doorway]:
+    """The doorways of all levels.
+
+    Args:
+        objects: All objects of the house; rows of its Doors are the leaves that turn, in this order.
+        rooms: Outlines.
+    """
+    rows, found = count(), []
+    for item in objects:
+        leaves = sorted([(-float(leaf.box.half[0].prod()), next(rows)) for leaf in item.leaves])
+        if item.info.coarse in PORTALS:
+            leaf = [row for _, row in leaves[:MAX_LEAVES]] + [-1] * MAX_LEAVES
+            found.append(replace(_doorway(item, rooms), leaf=(leaf[0], leaf[1])))
+    return found
+
+
+def shut_outer_doors(objects: Sequence[PlacedObject], rooms: Rooms) -> list[PlacedObject]:
+    """The objects, hinged doors that lead outdoors closed for good: agents stay in the rooms."""
+    return [replace(o, is_shut=True) if o.hinged and _doorway(o, rooms).leads_outdoors else o for o in objects]
+
+
+def _doorway(item: PlacedObject, rooms: Rooms) -> Doorway:
+    along, across = np.array([[np.cos(item.yaw), np.sin(item.yaw)], [-np.sin(item.yaw), np.cos(item.yaw)]])
+    points = item.triangles.reshape(-1, 3)[:, :2] @ along
+    middle = item.pose[:2, 3] @ across
+    ends = np.array([points.min(), points.max()])
+    corners = ends[[0, 1, 1, 0], None] * along + (middle + DEPTH * np.array([-1, -1, 1, 1]))[:, None] * across
+    beside = ends.mean() * along + (middle + BESIDE * np.array([[-1], [1]])) * across
+    first, second = smallest_room(rooms, np.flatnonzero(rooms.level == item.level), beside).tolist()
+    return Doorway(corners, item.level, (first, second))
