@@ -8,7 +8,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.physics.base.servo import FREE
 from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.fused import step_fused
-from home_mjx.physics.kinematic import step_kinematic
+from home_mjx.physics.kinematic.step import step_kinematic
 from home_mjx.physics.native.limits import LIMIT
 from home_mjx.physics.reference.house_model import house_doors, movable_bodies
 from home_mjx.physics.reference.lost import Lost

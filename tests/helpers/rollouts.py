@@ -5,7 +5,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from tiny_houses import Box, Door, TinyHouse, make_bank
+from tiny_houses import Box, TinyHouse, make_bank
 
 from home_mjx import physics
 from home_mjx.physics import PhysicsConfig, Template
@@ -39,11 +39,6 @@ SCENES = {
         floor=0.3,
         static=[Box((1.2, 0, 1.5), (0.05, 2, 1.2), yaw=0.3)],
         movable=[Box((0.5, 0.1 * k, 0.5 + 0.4 * k), (0.2, 0.15, 0.19), yaw=0.4 * k, mass=3 + 4 * k) for k in range(4)],
-    ),
-    "door": TinyHouse(doors=[Door((0.4, 0.5), yaw=-np.pi / 2, low=0.0, high=1.4)]),
-    "swing": TinyHouse(
-        movable=[Box((0.6, 0.1, 0.1), (0.1, 0.1, 0.1), mass=4)],
-        doors=[Door((1.0, -0.6), yaw=np.pi / 2, low=-1.6, high=0.3), Door((-1, 0), mass=30)],
     ),
 }
 ACTIONS = {"free": (1, 0, 1), "slide": (1, 1, 0), "fall": (0, 0, 0), "crowded": (1, 0.2, 0.1)}

@@ -15,7 +15,7 @@ from tiny_houses import Box, TinyHouse, make_bank
 import home_mjx
 from home_mjx import HouseBank, physics
 from home_mjx.physics import PhysicsConfig, Template
-from home_mjx.physics.kinematic import SLOP, Footprints
+from home_mjx.physics.kinematic.footprints import SLOP, Footprints
 from home_mjx.physics.reference.slots import Boxes
 
 CONFIG = PhysicsConfig(impl="kinematic")

@@ -58,7 +58,7 @@ def host_spec(template, house, slots=None):
         body.mass, body.inertia = door.mass, door.mass / 3 * np.array([y + z, x + z, x + y])
         hinge = spec.joint(f"door{h}")
         hinge.range = [door.low, door.high]
-        hinge.damping = DOOR_DRAG * (body.inertia[2] + door.mass * arm @ arm)
+        hinge.damping = [DOOR_DRAG * (body.inertia[2] + door.mass * arm @ arm), 0, 0]
     for i, name in enumerate(slot_names(template.layout) if slots is not None else []):
         geom = spec.geom(name)
         geom.pos, geom.quat, geom.size = (np.asarray(x[i], float) for x in (slots.pos, slots.quat, slots.half))

@@ -43,20 +43,19 @@ def _simulate(template, name):
     data = mujoco.MjData(model)
     data.qpos[2] = house.floor + config.body.height / 2
     layout = template.layout
-    agents, bodies, doors = [], [], []
+    agents, bodies = [], []
     for _ in range(LENGTH):
         for _ in range(config.timing.substeps):
             data.ctrl[:] = _control(config, model.dof_M0[3], ACTIONS.get(name, (1, 0, 0)), data)
             mujoco.mj_step(model, data)
         agents.append(data.qpos[:4].copy())
         bodies.append(data.qpos[layout.body_qpos].reshape(-1, 7).copy())
-        doors.append(data.qpos[layout.door_qpos].copy())
-    return np.array(agents), np.array(bodies), np.array(doors)
+    return np.array(agents), np.array(bodies)
 
 
 @pytest.mark.parametrize("name", ["wall", "slide", "light", "wardrobe", "sofa"])
 def test_agent_and_what_it_pushes_move_as_in_c(world, name):
-    agents, bodies, _ = _simulate(world.template, name)
+    agents, bodies = _simulate(world.template, name)
     scene, used = world.scene(name), len(SCENES[name].movable)
     assert_allclose(scene.agent_pos[:, 0], agents[:, :3], atol=2e-3)
     assert_allclose(scene.agent_yaw[:, 0], agents[:, 3], atol=1e-3)
@@ -64,7 +63,7 @@ def test_agent_and_what_it_pushes_move_as_in_c(world, name):
 
 
 def test_falling_boxes_follow_c_and_rest_where_they_do(world):
-    _, bodies, _ = _simulate(world.template, "fall")
+    _, bodies = _simulate(world.template, "fall")
     scene = world.scene("fall")
     assert_allclose(scene.body_pos, bodies[:, :, :3], atol=3e-3)
     assert_allclose(scene.body_pos[-1], bodies[-1, :, :3], atol=1e-4)
@@ -72,16 +71,5 @@ def test_falling_boxes_follow_c_and_rest_where_they_do(world):
 
 
 def test_tilted_boxes_come_to_rest_as_in_c(world):
-    _, bodies, _ = _simulate(world.template, "free")
+    _, bodies = _simulate(world.template, "free")
     assert_allclose(world.scene("free").body_pos[-1, :2], bodies[-1, :2, :3], atol=0.01)
-
-
-@pytest.mark.parametrize("name", ["door", "swing"])
-def test_doors_turn_as_in_c(world, name):
-    """An agent walks into a leaf, and pushes a box into another; each turns, one to the end of its way."""
-    agents, bodies, doors = _simulate(world.template, name)
-    scene, house = world.scene(name), SCENES[name]
-    assert_allclose(scene.agent_pos[:, 0], agents[:, :3], atol=3e-3)
-    assert_allclose(scene.door_angle[:, : len(house.doors)], doors[:, : len(house.doors)], atol=5e-3)
-    assert_allclose(scene.body_pos[:, : len(house.movable)], bodies[:, : len(house.movable), :3], atol=5e-3)
-    assert np.abs(scene.door_angle[-1, 0]) > 0.5

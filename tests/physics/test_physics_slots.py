@@ -74,7 +74,7 @@ def test_separation_never_exceeds_the_distance(rng):
 def test_slots_hold_the_nearest_boxes_and_park_the_others(rng, strict):
     owner, static = _row(_random_boxes(rng, 1, 0.3), 0), _random_boxes(rng, 40, 2.0)
     gap = np.asarray(separation(owner, static))
-    slots, _ = fill(owner, static, 6)
+    slots, _, _ = fill(owner, static, 6)
     nearest = np.argsort(gap)[:6]
     near = gap[nearest] < REACH
     assert near.any()
@@ -85,7 +85,7 @@ def test_slots_hold_the_nearest_boxes_and_park_the_others(rng, strict):
 def test_cut_boxes_keep_what_is_near_the_owner(rng, strict):
     owner, static = _row(_random_boxes(rng, 1, 0.3), 0), _random_boxes(rng, 40, 1.0)
     radius = np.linalg.norm(owner.half) + REACH
-    (slots, _), order = fill(owner, static, 40), np.argsort(np.asarray(separation(owner, static)))
+    (slots, _, _), order = fill(owner, static, 40), np.argsort(np.asarray(separation(owner, static)))
     points = np.asarray(owner.pos) + rng.normal(size=(500, 3)) * radius / 3
     points = points[np.linalg.norm(points - np.asarray(owner.pos), axis=1) < radius]
 
@@ -109,6 +109,6 @@ def test_box_just_out_of_reach_is_parked():
     static = Boxes(
         jnp.stack([x, jnp.zeros(2), jnp.zeros(2)], -1), jnp.tile(owner.quat[None], (2, 1)), jnp.full((2, 3), 0.1)
     )
-    slots, _ = fill(owner, static, 2)
+    slots, _, _ = fill(owner, static, 2)
     assert_allclose(slots.pos[0], static.pos[0])
     assert slots.pos[1, 2] < -100

@@ -16,10 +16,12 @@ from home_mjx.physics.reference.slots import Boxes
 from home_mjx.physics.reference.template_mjcf import (
     CORNER_RADIUS,
     CORNERS,
+    PARKED_ARM,
     PARKED_HEIGHT,
     PARKED_MASS,
     PARKED_RANGE,
     PARKED_SIZE,
+    PARKED_YAW,
 )
 
 
@@ -113,9 +115,9 @@ def house_doors(physics: Physics, house: Int[Array, ""]) -> Leaf:
     low, high = PARKED_RANGE
     parked = Leaf(
         pivot=jnp.stack([2 * row, 4 * one], axis=-1),
-        arm=jnp.stack([0.4 * one, 0.1 * one], axis=-1),
+        arm=one[:, None] * jnp.array([PARKED_ARM], jnp.float32),
         height=PARKED_HEIGHT * one,
-        yaw=0.5 * one,
+        yaw=PARKED_YAW * one,
         size=jnp.full((row.shape[0], 3), PARKED_SIZE, jnp.float32),
         mass=PARKED_MASS * one,
         low=low * one,
@@ -135,6 +137,7 @@ def with_doors(model: mjx.Model, layout: Layout, leaves: Leaf) -> mjx.Model:
     arm = jnp.concatenate([leaves.arm, flat[:, None]], axis=-1)
     turned = jnp.stack([jnp.cos(leaves.yaw / 2), flat, flat, jnp.sin(leaves.yaw / 2)], axis=-1)
     inertia, weight = leaves.inertia, leaves.inverse_weight
+    more = leaves.mass.sum() - jnp.float32(layout.num_doors * PARKED_MASS)
     limits = jnp.stack([leaves.low, leaves.high], axis=-1)
     upright = jnp.concatenate([flat[:, None] + 1, zero, flat[:, None]], axis=-1)
     boxes = jnp.concatenate([jnp.zeros_like(leaves.size), leaves.size], axis=-1)
@@ -144,7 +147,7 @@ def with_doors(model: mjx.Model, layout: Layout, leaves: Leaf) -> mjx.Model:
         body_ipos=model.body_ipos.at[at].set(arm),
         body_iquat=model.body_iquat.at[at].set(turned),
         body_mass=model.body_mass.at[at].set(leaves.mass),
-        body_subtreemass=model.body_subtreemass.at[at].set(leaves.mass),
+        body_subtreemass=model.body_subtreemass.at[at].set(leaves.mass).at[0].add(more),
         body_inertia=model.body_inertia.at[at].set(leaves.own_inertia),
         body_invweight0=model.body_invweight0.at[at].set(jnp.stack([weight, 1 / inertia / 3], axis=-1)),
         dof_invweight0=model.dof_invweight0.at[dof].set(1 / inertia),

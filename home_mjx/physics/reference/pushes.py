@@ -32,7 +32,7 @@ def find_pushes(template: Template, data: mjx.Data, slot_box: Int[Array, " s"]) 
     first, second = code[contact.geom[:, 0]], code[contact.geom[:, 1]]
     impulse = _normal_forces(data) * jnp.float32(template.config.timing.sim_dt)
     mobile = jnp.arange(template.layout.num_mobiles, dtype=jnp.int32)
-    is_first, is_second = first[:, None] == mobile, second[:, None] == mobile
+    is_first, is_second = first[:, None] == mobile[None], second[:, None] == mobile[None]
     own = jnp.where(is_first | is_second, impulse[:, None], 0.0)
     best = jnp.argmax(own, axis=0)
     strongest = own[best, mobile]

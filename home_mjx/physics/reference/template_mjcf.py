@@ -1,12 +1,14 @@
 """The one MJCF that all houses of a capacity share, built in code."""
 
 import itertools
+import math
 import xml.etree.ElementTree as ET
 
 import numpy as np
 
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.base.layout import Layout
+from home_mjx.physics.base.servo import DOOR_DRAG
 from home_mjx.scene_compile.mjcf.agent import AGENT_SOLREF, BODY_SOLREF, add_agent, add_motors
 
 PARKED_HEIGHT = 500.0  # [m]: unused bodies are parked this far above the house, unused slots this far below
@@ -15,6 +17,7 @@ PARKED_MASS = 1.0  # [kg]
 CORNER_RADIUS = 1e-3  # [m]
 LIMIT_SOLREF = "0.02 1"  # of hinges; MuJoCo's default
 PARKED_RANGE = (-1.0, 1.0)  # [rad]
+PARKED_ARM, PARKED_YAW = (0.4, 0.1), 0.5  # [m], [rad], of leaves: neither at the hinge nor upright, as with slots
 CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)), np.float32)
 
 
@@ -30,6 +33,7 @@ def template_mjcf(config: PhysicsConfig, layout: Layout, jacobian: str) -> str:
     more than 1 mm above the lowest one, so that a tilted box rocks for ever.
     """
     root = ET.Element("mujoco", model="home_mjx")
+    ET.SubElement(root, "compiler", angle="radian")
     _add_options(root, config, layout, jacobian)
     world = ET.SubElement(root, "worldbody")
     # Neither at the origin nor upright, or the compiler would mark them for shortcuts (`geom_sameframe`).
@@ -104,16 +108,18 @@ def _add_body(world: ET.Element, k: int) -> None:
 
 
 def _add_door(world: ET.Element, h: int) -> None:
-    """A leaf; its middle is off the hinge and turned, or the compiler would mark its frames for shortcuts."""
+    """A leaf that is parked."""
     body = ET.SubElement(world, "body", name=f"door{h}", pos=f"{2 * h} 4 {PARKED_HEIGHT}")
     low, high = PARKED_RANGE
     hinge = {"name": f"door{h}", "type": "hinge", "axis": "0 0 1", "limited": "true", "range": f"{low} {high}"}
-    ET.SubElement(body, "joint", hinge, damping="1", solreflimit=LIMIT_SOLREF)
-    off, turned = {"pos": "0.4 0.1 0.05"}, "0.8 0 0 0.6"
+    x, y = PARKED_ARM
     inertia = PARKED_MASS * 2 / 3 * PARKED_SIZE**2
+    damping = DOOR_DRAG * (inertia + PARKED_MASS * (x * x + y * y))
+    ET.SubElement(body, "joint", hinge, damping=str(damping), solreflimit=LIMIT_SOLREF)
+    at = {"pos": f"{x} {y} 0", "quat": f"{math.cos(PARKED_YAW / 2)} 0 0 {math.sin(PARKED_YAW / 2)}"}
     diagonal = f"{inertia} {inertia} {inertia}"
-    ET.SubElement(body, "inertial", off, quat=turned, mass=str(PARKED_MASS), diaginertia=diagonal)
-    ET.SubElement(body, "geom", _no_mask(f"door{h}") | off, type="box", size=_parked_size(), quat="0.6 0 0 0.8")
+    ET.SubElement(body, "inertial", at, mass=str(PARKED_MASS), diaginertia=diagonal)
+    ET.SubElement(body, "geom", _no_mask(f"door{h}") | at, type="box", size=_parked_size())
 
 
 def _add_pairs(contact: ET.Element, config: PhysicsConfig, layout: Layout) -> None:

@@ -1,4 +1,4 @@
-"""One environment's movable objects and agents, placed."""
+"""One environment's movable objects, doors and agents, placed."""
 
 import functools
 
@@ -23,6 +23,7 @@ def make_scene(
     agent_pos: Float[Array, "a 3"],
     agent_quat: Float[Array, "a 4"],
     executor: str | None = None,
+    door_angle: Float[Array, " h"] | None = None,
 ) -> Scene:
     """The scene of one environment.
 
@@ -34,9 +35,10 @@ def make_scene(
         agent_pos: Middle of every agent's capsule [m].
         agent_quat: Orientation of every agent, unit quaternions (w, x, y, z).
         executor: Of all rays in the scene, see `cast`.
+        door_angle: Of every door's leaf, about +z from as placed [rad]; None: as placed.
 
     Returns:
-        The scene; what moves are the bodies, then the agents.
+        The scene; what moves are the bodies, then the doors, then the agents.
 
     Example:
         >>> scene = make_scene(bank, house, body_pos, body_quat, agent_pos, agent_quat)  # doctest: +SKIP
@@ -45,23 +47,46 @@ def make_scene(
     house = bank.known_house(house)
     bodies = _bodies(bank, house, body_pos, body_quat)
     agents = _agents(bank.geometry, agent_pos, agent_quat)
-    moving = jax.tree.map(lambda b, a: jnp.concatenate([b, a]), bodies, agents)
+    doors = _doors(bank, house, jnp.zeros(bank.spec.num_doors, jnp.float32) if door_angle is None else door_angle)
+    moving = jax.tree.map(lambda *x: jnp.concatenate(x), bodies, doors, agents)
     return Scene(bank=bank, house=house, moving=moving, executor=executor)
 
 
 def _bodies(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "k 3"], quat: Float[Array, "k 4"]) -> Moving:
-    geometry, from_model = bank.geometry, bank.physics.body_from_model[house]
     valid = bank.physics.body_valid[house]
     instance = jnp.where(valid, bank.physics.body_instance[house], -1)
-    row = jnp.maximum(instance, 0)
-    model = jnp.maximum(geometry.instance_model[house, row], 0)
-    pose = jax.vmap(compose)(jax.vmap(rigid)(pos, quat), from_model)
-    # The map of a body that the house lacks may be anything, even singular.
+    pose = jax.vmap(compose)(jax.vmap(rigid)(pos, quat), bank.physics.body_from_model[house])
+    return _instances(bank, house, instance, pose)
+
+
+def _doors(bank: HouseBank, house: Int[Array, ""], angle: Float[Array, " h"]) -> Moving:
+    physics = bank.physics
+    instance = jnp.where(physics.door_valid[house], physics.door_instance[house], -1)
+    turn = jax.vmap(_about)(physics.door_pivot[house], angle)
+    placed = bank.geometry.instance_pose[house, jnp.maximum(instance, 0)]
+    return _instances(bank, house, instance, jax.vmap(compose)(turn, placed))
+
+
+def _about(pivot: Float[Array, "2"], angle: Float[Array, ""]) -> Float[Array, "3 4"]:
+    """The turn about the vertical line through a point of the plan."""
+    x, y = pivot
+    cos, sin = jnp.cos(angle), jnp.sin(angle)
+    zero, one = jnp.zeros_like(cos), jnp.ones_like(cos)
+    rows = [cos, -sin, zero, x - cos * x + sin * y, sin, cos, zero, y - sin * x - cos * y, zero, zero, one, zero]
+    return jnp.stack(rows).reshape(3, 4)
+
+
+def _instances(
+    bank: HouseBank, house: Int[Array, ""], instance: Int[Array, " d"], pose: Float[Array, "d 3 4"]
+) -> Moving:
+    """Instances of the house at other poses than in the bank; -1: none."""
+    geometry, valid, row = bank.geometry, instance >= 0, jnp.maximum(instance, 0)
+    # The map of one that the house lacks may be anything, even singular.
     pose = jnp.where(valid[:, None, None], pose, jnp.eye(3, 4, dtype=jnp.float32)[None])
     return _moving(
         geometry,
         instance,
-        model,
+        jnp.maximum(geometry.instance_model[house, row], 0),
         pose,
         object_id=jnp.where(valid, geometry.instance_object[house, row], -1),
         material=geometry.instance_material[house, row],

@@ -12,7 +12,7 @@ from home_mjx.core.pytree import Pytree, static
 
 
 class Moving(Pytree):
-    """Instances that move: D = movable objects, then agents. One environment's poses."""
+    """Instances that move: D = movable objects, then doors, then agents. One environment's poses."""
 
     instance: Int[Array, " d"]  # instance index in the house, I + a for agent a; -1 none
     model: Int[Array, " d"]  # library model

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from home_mjx.scene_compile.geometry.bvh import build_tree
 from home_mjx.scene_compile.geometry.mesh import bounds, transform
@@ -12,9 +12,15 @@ from home_mjx.schema.compiled import Instances, Model, Tree
 SLACK = 1e-4  # [m], by which boxes grow: rays meet an instance in its own frame, where they round differently
 
 
-def top_tree(instances: Instances, models: Mapping[str, Model]) -> Tree:
-    """A tree with one static instance per leaf; leaves hold instance indices."""
-    static = np.flatnonzero(instances.body < 0)
+def top_tree(instances: Instances, models: Mapping[str, Model], doors: Int[np.ndarray, " h"] | None = None) -> Tree:
+    """A tree with one static instance per leaf; leaves hold instance indices.
+
+    Args:
+        instances: Of a house; movable bodies are left out.
+        models: By key.
+        doors: Instances that turn, left out as well.
+    """
+    static = np.setdiff1d(np.flatnonzero(instances.body < 0), [] if doors is None else doors)
     boxes = np.array([instance_box(instances.pose[i], models[instances.model[i]].box) for i in static])
     tree, order = build_tree(boxes + np.array([[-SLACK], [SLACK]]), leaf_size=1)
     leaf = (tree.child < 0) & (tree.child != -1)

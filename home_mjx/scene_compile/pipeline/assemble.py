@@ -44,7 +44,7 @@ def assemble(
         offset=frame.offset,
         box=_bounds(instances, models),
         instances=instances,
-        top=top_tree(instances, models),
+        top=top_tree(instances, models, levels.doors.instance),
         materials=surfaces.materials,
         semantics=semantics,
         colliders=levels.colliders,

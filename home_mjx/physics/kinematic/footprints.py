@@ -1,28 +1,13 @@
-"""Agents without dynamics: they move as told and slide along what is in the way. Things stay unless held.
-
-What pure navigation needs, and what Habitat's agents do by default, at a small part of the cost of contacts.
-"""
-
-import math
+"""Upright boxes and capsules in the plan, and how an agent gets out of what it would be in."""
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from home_mjx.bank.records import Physics
 from home_mjx.core.pytree import Pytree
-from home_mjx.core.transforms import body_quat, quat_matrix, quat_multiply
-from home_mjx.physics.base.config import PhysicsConfig
-from home_mjx.physics.base.control import FORWARD_SPEED, HALF_LENGTH, RADIUS, TURN_RATE
-from home_mjx.physics.base.servo import DOOR_SPEED, FREE
-from home_mjx.physics.base.state import PhysicsState
-from home_mjx.physics.reference.house_model import house_doors
-from home_mjx.physics.reference.lost import Lost
 from home_mjx.physics.reference.slots import Boxes
-from home_mjx.physics.reference.template import Template
 
 ROUNDS = 3  # obstacles that an agent is moved out of, one after the other: a wall, a second one in a corner, a box
-STEP_HEIGHT = 0.05  # [m], what agents step over
 SLOP = 1e-3  # [m], that an agent may be in something after all rounds
 
 
@@ -72,85 +57,7 @@ class Agents(Pytree):
         return self.radius[self.me], self.length[self.me]
 
 
-def step_kinematic(
-    template: Template, physics: Physics, house: Int[Array, ""], state: PhysicsState, action: Float[Array, "a 3"]
-) -> tuple[PhysicsState, Lost]:
-    """One control step; see `dynamics.step_checked`. Nothing is lost; agents, driven doors and held things move."""
-    config, layout = template.config, template.layout
-    agents = state.qpos[layout.agent_qpos].reshape(-1, 4)
-    state = _turn_doors(template, physics, house, state)
-    boxes = _obstacles(template, physics, house, state)
-    steps = _num_steps(config)
-    table = jnp.asarray(template.agents, jnp.float32)
-    fastest = table[:, FORWARD_SPEED : TURN_RATE + 1]
-    wanted = jnp.clip(action, -1.0, 1.0) * fastest * jnp.float32(config.timing.ctrl_dt / steps)
-    sizes = table[:, RADIUS], table[:, HALF_LENGTH]
-    pos, yaw, touched = agents[:, :3], agents[:, 3], jnp.zeros(layout.num_agents, jnp.int32)
-    for _ in range(steps):
-        yaw = yaw + wanted[:, 2]
-        cos, sin = jnp.cos(yaw), jnp.sin(yaw)
-        x, y = cos * wanted[:, 0] - sin * wanted[:, 1], sin * wanted[:, 0] + cos * wanted[:, 1]
-        way = jnp.stack([x, y, jnp.zeros_like(x)], axis=-1)
-        slide = jax.vmap(lambda me, old, way, pos=pos: _slide(boxes, Agents(pos, *sizes, me), old, way))
-        pos, count = slide(jnp.arange(layout.num_agents, dtype=jnp.int32), pos, way)
-        touched = jnp.maximum(touched, count)
-    after = jnp.concatenate([pos, yaw[:, None]], axis=-1)
-    speed = (after - agents) / jnp.float32(config.timing.ctrl_dt)
-    qpos = state.qpos.at[layout.agent_qpos].set(after.reshape(-1))
-    still = jnp.zeros_like(state.qvel)
-    qvel = still.at[layout.agent_qpos].set(speed.reshape(-1))
-    qpos = _with_held(template, state, qpos)
-    no = jnp.zeros((), bool)
-    return state.replace(qpos=qpos, qvel=qvel, qacc=still, touched=touched), Lost(no, no, no)
-
-
-def _num_steps(config: PhysicsConfig) -> int:
-    """So many that an agent moves by less than its radius in each: it cannot pass through anything."""
-    dt = config.timing.ctrl_dt
-    return max(max(math.ceil(math.hypot(b.forward_speed, b.strafe_speed) * dt / b.radius) for b in config.agents), 1)
-
-
-def _obstacles(template: Template, physics: Physics, house: Array, state: PhysicsState) -> Footprints:
-    """Static boxes and movable bodies that agents do not step over."""
-    every = Footprints.of(Boxes(physics.collider_pos, physics.collider_quat, physics.collider_size))
-    static = jax.tree.map(lambda x: x[house], every)
-    bodies = state.qpos[template.layout.body_qpos].reshape(-1, 7)
-    movable = Footprints.of(Boxes(bodies[:, :3], bodies[:, 3:], physics.body_size[house]))
-    held = (jnp.arange(bodies.shape[0], dtype=jnp.int32)[:, None] == state.held[None]).any(axis=-1)
-    movable = movable.replace(bottom=jnp.where(held, jnp.inf, movable.bottom))
-    leaves = house_doors(physics, house)
-    shut = Footprints.of(Boxes(*leaves.turned(state.qpos[template.layout.door_qpos]), leaves.size))
-    every = jax.tree.map(lambda *x: jnp.concatenate(x), static, movable, shut)
-    low = every.top < physics.floor[house] + jnp.float32(STEP_HEIGHT)
-    return every.replace(bottom=jnp.where(low, jnp.inf, every.bottom))
-
-
-def _turn_doors(template: Template, physics: Physics, house: Array, state: PhysicsState) -> PhysicsState:
-    """Turns doors towards their goals."""
-    at, most = template.layout.door_qpos, jnp.float32(DOOR_SPEED * template.config.timing.ctrl_dt)
-    leaves, angle = house_doors(physics, house), state.qpos[at]
-    goal = jnp.clip(state.goal, leaves.low, leaves.high)
-    turned = angle + jnp.clip(goal - angle, -most, most)
-    return state.replace(qpos=state.qpos.at[at].set(jnp.where(state.goal < FREE, turned, angle)))
-
-
-def _with_held(template: Template, state: PhysicsState, qpos: Float[Array, " q"]) -> Float[Array, " q"]:
-    """Puts what agents hold into their hands."""
-    layout = template.layout
-    if not layout.num_bodies:
-        return qpos
-    rows = qpos[layout.body_qpos].reshape(-1, 7)
-    for a in range(layout.num_agents):
-        agent, grip = qpos[4 * a : 4 * a + 4], state.grip[a]
-        turn = body_quat(agent[3])
-        pos = agent[:3] + jnp.matmul(quat_matrix(turn), grip[:3], precision="highest")
-        row = jnp.concatenate([pos, quat_multiply(turn, grip[3:])])
-        body = jnp.where(state.held[a] >= 0, state.held[a], layout.num_bodies)
-        rows = rows.at[body].set(row, mode="drop")
-    return qpos.at[layout.body_qpos].set(rows.reshape(-1))
-
-
-def _slide(
+def slide(
     boxes: Footprints, agents: Agents, old: Float[Array, "3"], way: Float[Array, "3"]
 ) -> tuple[Float[Array, "3"], Int[Array, ""]]:
     """An agent's position after a short way, and how many obstacles it ran into."""

@@ -1,0 +1,49 @@
+"""Doors without dynamics: they turn to their goals, and give way to agents that walk into them."""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from home_mjx.physics.base.doors import Leaf
+from home_mjx.physics.base.servo import DOOR_SPEED, FREE
+from home_mjx.physics.reference.slots import Boxes
+
+NEAREST = 0.1  # [m], to the hinge, at which a leaf can be pushed
+
+
+def leaf_boxes(leaves: Leaf, angle: Float[Array, " h"]) -> Boxes:
+    """Where the leaves are."""
+    return Boxes(*leaves.turned(angle), leaves.size)
+
+
+def turn_to_goals(leaves: Leaf, angle: Float[Array, " h"], goal: Float[Array, " h"], dt: float) -> Float[Array, " h"]:
+    """Angles after a time `dt` [s]; only leaves that have a goal turn."""
+    most = jnp.float32(DOOR_SPEED * dt)
+    way = jnp.clip(jnp.clip(goal, leaves.low, leaves.high) - angle, -most, most)
+    return jnp.where(goal < FREE, angle + way, angle)
+
+
+def give_way(
+    leaves: Leaf, angle: Float[Array, " h"], pos: Float[Array, "a 3"], radius: Float[Array, " a"]
+) -> Float[Array, " h"]:
+    """Angles at which the leaves let agents be where they want to be, as far as hinges allow.
+
+    Args:
+        leaves: Of the house.
+        angle: [rad]
+        pos: Of the agents [m].
+        radius: Of the agents [m].
+    """
+    turned = angle + leaves.yaw
+    along = leaves.size[:, 0] >= leaves.size[:, 1]  # whether the leaf is long along its box's first axis
+    heading = jnp.where(along, turned, turned + jnp.float32(jnp.pi / 2))
+    u = jnp.stack([jnp.cos(heading), jnp.sin(heading)], axis=-1)
+    v = jnp.stack([-u[:, 1], u[:, 0]], axis=-1)
+    middle = leaves.turned(angle)[0][:, :2]
+    half_u, half_v = jnp.max(leaves.size[:, :2], axis=-1), jnp.min(leaves.size[:, :2], axis=-1)
+    gap = pos[None, :, :2] - middle[:, None]
+    along_u, along_v = (jnp.sum(gap * axis[:, None], axis=-1) for axis in (u, v))
+    lever = jnp.sum((pos[None, :, :2] - leaves.pivot[:, None]) * u[:, None], axis=-1)
+    depth = half_v[:, None] + radius[None] - jnp.abs(along_v)
+    met = (depth > 0) & (jnp.abs(along_u) <= half_u[:, None]) & (jnp.abs(lever) > NEAREST)
+    turn = -jnp.sign(along_v) * depth / jnp.where(met, lever, 1.0)
+    return jnp.clip(angle + jnp.sum(jnp.where(met, turn, 0.0), axis=-1), leaves.low, leaves.high)

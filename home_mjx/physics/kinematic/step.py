@@ -1,0 +1,88 @@
+"""A control step without dynamics."""
+
+import math
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+
+from home_mjx.bank.records import Physics
+from home_mjx.core.transforms import body_quat, quat_matrix, quat_multiply
+from home_mjx.physics.base.config import PhysicsConfig
+from home_mjx.physics.base.control import FORWARD_SPEED, HALF_LENGTH, RADIUS, TURN_RATE
+from home_mjx.physics.base.state import PhysicsState
+from home_mjx.physics.kinematic.footprints import Agents, Footprints, slide
+from home_mjx.physics.kinematic.leaves import give_way, leaf_boxes, turn_to_goals
+from home_mjx.physics.reference.house_model import house_doors
+from home_mjx.physics.reference.lost import Lost
+from home_mjx.physics.reference.slots import Boxes
+from home_mjx.physics.reference.template import Template
+
+STEP_HEIGHT = 0.05  # [m], what agents step over
+
+
+def step_kinematic(
+    template: Template, physics: Physics, house: Int[Array, ""], state: PhysicsState, action: Float[Array, "a 3"]
+) -> tuple[PhysicsState, Lost]:
+    """One control step; see `dynamics.step_checked`. Nothing is lost; agents, doors and held things move."""
+    config, layout = template.config, template.layout
+    agents, leaves = state.qpos[layout.agent_qpos].reshape(-1, 4), house_doors(physics, house)
+    angle = turn_to_goals(leaves, state.qpos[layout.door_qpos], state.goal, config.timing.ctrl_dt)
+    fixed, steps = _obstacles(template, physics, house, state), _num_steps(config)
+    table = jnp.asarray(template.agents, jnp.float32)
+    fastest, sizes = table[:, FORWARD_SPEED : TURN_RATE + 1], (table[:, RADIUS], table[:, HALF_LENGTH])
+    wanted = jnp.clip(action, -1.0, 1.0) * fastest * jnp.float32(config.timing.ctrl_dt / steps)
+    pos, yaw, touched = agents[:, :3], agents[:, 3], jnp.zeros(layout.num_agents, jnp.int32)
+    for _ in range(steps):
+        yaw = yaw + wanted[:, 2]
+        cos, sin = jnp.cos(yaw), jnp.sin(yaw)
+        x, y = cos * wanted[:, 0] - sin * wanted[:, 1], sin * wanted[:, 0] + cos * wanted[:, 1]
+        way = jnp.stack([x, y, jnp.zeros_like(x)], axis=-1)
+        angle = give_way(leaves, angle, pos + way, sizes[0])
+        boxes = jax.tree.map(lambda *x: jnp.concatenate(x), fixed, Footprints.of(leaf_boxes(leaves, angle)))
+        one = jax.vmap(lambda me, old, way, pos=pos, boxes=boxes: slide(boxes, Agents(pos, *sizes, me), old, way))
+        pos, count = one(jnp.arange(layout.num_agents, dtype=jnp.int32), pos, way)
+        touched = jnp.maximum(touched, count)
+    after = jnp.concatenate([pos, yaw[:, None]], axis=-1)
+    speed = (after - agents) / jnp.float32(config.timing.ctrl_dt)
+    still = jnp.zeros_like(state.qvel)
+    qpos = state.qpos.at[layout.agent_qpos].set(after.reshape(-1)).at[layout.door_qpos].set(angle)
+    qvel = still.at[layout.agent_qpos].set(speed.reshape(-1))
+    no = jnp.zeros((), bool)
+    moved = state.replace(qpos=_with_held(template, state, qpos), qvel=qvel, qacc=still, touched=touched)
+    return moved, Lost(no, no, no)
+
+
+def _num_steps(config: PhysicsConfig) -> int:
+    """So many that an agent moves by less than its radius in each: it cannot pass through anything."""
+    dt = config.timing.ctrl_dt
+    return max(1, *(math.ceil(math.hypot(b.forward_speed, b.strafe_speed) * dt / b.radius) for b in config.agents))
+
+
+def _obstacles(template: Template, physics: Physics, house: Array, state: PhysicsState) -> Footprints:
+    """Static boxes, and movable bodies that nobody holds; without what agents step over."""
+    every = Footprints.of(Boxes(physics.collider_pos, physics.collider_quat, physics.collider_size))
+    static = jax.tree.map(lambda x: x[house], every)
+    bodies = state.qpos[template.layout.body_qpos].reshape(-1, 7)
+    movable = Footprints.of(Boxes(bodies[:, :3], bodies[:, 3:], physics.body_size[house]))
+    held = (jnp.arange(bodies.shape[0], dtype=jnp.int32)[:, None] == state.held[None]).any(axis=-1)
+    movable = movable.replace(bottom=jnp.where(held, jnp.inf, movable.bottom))
+    both = jax.tree.map(lambda *x: jnp.concatenate(x), static, movable)
+    low = both.top < physics.floor[house] + jnp.float32(STEP_HEIGHT)
+    return both.replace(bottom=jnp.where(low, jnp.inf, both.bottom))
+
+
+def _with_held(template: Template, state: PhysicsState, qpos: Float[Array, " q"]) -> Float[Array, " q"]:
+    """Puts what agents hold into their hands."""
+    layout = template.layout
+    if not layout.num_bodies:
+        return qpos
+    rows = qpos[layout.body_qpos].reshape(-1, 7)
+    for a in range(layout.num_agents):
+        agent, grip = qpos[4 * a : 4 * a + 4], state.grip[a]
+        turn = body_quat(agent[3])
+        pos = agent[:3] + jnp.matmul(quat_matrix(turn), grip[:3], precision="highest")
+        row = jnp.concatenate([pos, quat_multiply(turn, grip[3:])])
+        body = jnp.where(state.held[a] >= 0, state.held[a], layout.num_bodies)
+        rows = rows.at[body].set(row, mode="drop")
+    return qpos.at[layout.body_qpos].set(rows.reshape(-1))
