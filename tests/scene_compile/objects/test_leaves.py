@@ -1,5 +1,7 @@
 """How far leaves turn: closed forms on plans, MuJoCo's distances in compiled houses."""
 
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from home_mjx.scene_compile.objects.doors import Leaf
 from home_mjx.scene_compile.objects.leaves import CLEARANCE, ajar_leaves, make_doors, swing
 from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.schema.compiled import CompiledHouse, PortalKind
+from home_mjx.schema.house import Box
 
 LENGTH, THICK = 0.8, 0.04  # [m]
 
@@ -134,9 +137,14 @@ def check_ranges(house: CompiledHouse) -> None:
 
 
 @pytest.fixture(scope="module")
-def houses(tmp_path_factory) -> list[CompiledHouse]:
+def dataset(tmp_path_factory):
     root = tmp_path_factory.mktemp("generated")
-    dataset = open_dataset(root) if generate_dataset(root, range(2)) else None
+    generate_dataset(root, range(2))
+    return open_dataset(root)
+
+
+@pytest.fixture(scope="module")
+def houses(dataset) -> list[CompiledHouse]:
     return [compile_house(dataset.load_house(i), dataset.metadata) for i in dataset.house_ids]
 
 
@@ -161,6 +169,47 @@ def test_every_door_between_rooms_names_its_leaf(houses):
         assert (portals.leaf[~inner] == -1).all()
         for pos, row in zip(portals.pos[inner], portals.leaf[inner, 0], strict=True):
             assert np.linalg.norm(doors.pivot[row] - pos[:2]) < 0.7  # half of a door that is 0.9 m wide, and some
+
+
+def test_shut_doors_between_rooms_can_be_pushed_open(dataset):
+    house = dataset.load_house(dataset.house_ids[0])
+    objects = tuple(replace(o, state=1) if house.others.get(o.other_key) else o for o in house.levels[0].objects)
+    shut = compile_house(replace(house, levels=(replace(house.levels[0], objects=objects),)), dataset.metadata)
+    np.testing.assert_array_equal(shut.doors.closed, 0)
+    assert (shut.navigation.room_hops >= 0).all()
+    check_ranges(shut)
+
+
+def test_a_jammed_door_is_no_way(dataset):
+    """A post of 10 cm at the free edge of a shut leaf: one could walk past it if the leaf were wide open."""
+    house = dataset.load_house(dataset.house_ids[0])
+    free = compile_house(house, dataset.metadata)
+    doors, row = free.doors, 0
+    along = _turn(doors.closed[row]) @ (doors.pos[row, :2] - doors.pivot[row])
+    along /= np.linalg.norm(along)
+    towards = _turn(doors.closed[row] / 2) @ (doors.pos[row, :2] - doors.pivot[row])
+    across = np.array([-along[1], along[0]])
+    across *= np.sign(across @ towards)
+    x, y, z = np.array([*(doors.pivot[row] + 0.72 * along + 0.15 * across), 1.0]) - free.offset
+    pose = np.eye(4)
+    pose[:3, 3] = x, z, -y
+    post = Box("0_999", 999, "levels[0].nodes[999]", None, np.array([0.1, 2.0, 0.1]), pose)
+    level = replace(house.levels[0], boxes=(*house.levels[0].boxes, post))
+    shut = tuple(replace(o, state=1) if o.index == _owner(free, row) else o for o in level.objects)
+    jammed = compile_house(replace(house, levels=(replace(level, objects=shut),)), dataset.metadata)
+    assert 0 < jammed.doors.high[row] - jammed.doors.low[row] < np.deg2rad(30)
+    (portal,) = np.flatnonzero(jammed.navigation.portals.leaf[:, 0] == row)
+    assert jammed.navigation.portals.width[portal] == 0
+    (portal,) = np.flatnonzero(free.navigation.portals.leaf[:, 0] == row)
+    assert free.navigation.portals.width[portal] > 0
+
+
+def _turn(angle: float) -> np.ndarray:
+    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+
+
+def _owner(house: CompiledHouse, row: int) -> int:
+    return int(house.instances.object_id[house.doors.instance[row]])
 
 
 def test_leaves_that_turn_are_no_static_boxes(houses):
