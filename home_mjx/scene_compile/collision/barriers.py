@@ -17,6 +17,7 @@ AROUND = 1.0  # [m], of the grid beyond the rooms
 # [m]: a gap counts if the axis of an agent comes through it that keeps so far from boxes: an agent of radius 0.1 m
 # that is pressed 3 cm into them, at the centres of the cells that it passes.
 PASSES = 0.035
+STANDS = 0.1  # [m]: only those parts of rooms count in which there is so much space around a place
 CLIMBS = 0.5  # [m] above the floor: what ends lower keeps nobody in
 REACHES = 1.5  # [m]: nor does what begins higher
 BETWEEN = 0.2  # [m]: rooms that are less than twice this apart have no outdoors between them
@@ -52,9 +53,10 @@ def find_barriers(
     room = smallest_room(rooms, here, place)
     rows, columns = ndimage.distance_transform_edt(room < 0, return_distances=False, return_indices=True)
     floor = rooms.floor[room[rows, columns]]
-    free = clearance(static, floor, x, y, (CLIMBS, REACHES), PASSES) > PASSES
+    space = clearance(static, floor, x, y, (CLIMBS, REACHES), STANDS)
+    free = space > PASSES
     indoors = _indoors(room >= 0, [inside_polygon(p, place) for p in passages])
-    inside = _parts_with(free & indoors, room >= 0)
+    inside = _parts_with(free & indoors, (room >= 0) & (space > STANDS))
     away = np.asarray(ndimage.distance_transform_edt(~indoors)) * CELL
     outside = _parts_with(free & ~indoors, away > POCKET)
     gaps = outside & ndimage.binary_dilation(inside, np.ones((3, 3)), BAND, mask=inside | outside)

@@ -75,8 +75,9 @@ def _area_vectors(triangles):
 
 def _assert_shows(model, data, house, instance):
     """The geoms of an instance are its triangles: corners, area and orientation of the faces."""
-    name = "architecture" if instance == ARCHITECTURE else f"object{house.instances.object_id[instance]}"
-    if instance in house.doors.instance:
+    owner = house.instances.object_id
+    name = "architecture" if instance == ARCHITECTURE else f"object{owner[instance]}"
+    if instance and owner[instance] == owner[instance - 1]:
         name += f"_leaf{instance}"
     library = house.models[house.instances.model[instance]]
     want = transform(house.instances.pose[instance], library.triangle.astype(float))

@@ -15,6 +15,7 @@ from home_mjx.scene_compile.navigation.geodesic import Link, distance_fields
 from home_mjx.scene_compile.navigation.portals import room_hops
 from home_mjx.scene_compile.navigation.regions import label_regions
 from home_mjx.scene_compile.navigation.stairs import find_stairs
+from home_mjx.scene_compile.objects.doorways import Doorway
 from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.scene_compile.pipeline.compile import CompileOptions, compile_house
 from home_mjx.schema.categories import COARSE
@@ -160,8 +161,8 @@ def three_rooms(door: bool) -> Navigation:
     rooms = rooms_of(outline(0, 0, 3, 2), outline(3, 0, 6, 2), outline(6, 0, 9, 2))
     wall = [box_set((6, 0.3, 1), (0.05, 0.3, 1)), box_set((6, 1.7, 1), (0.05, 0.3, 1))]
     wall += [] if door else [box_set((6, 1, 1), (0.05, 1, 1))]
-    doorway = np.array([[6.15, 0.6], [6.15, 1.4], [5.85, 1.4], [5.85, 0.6]])
-    outside = np.array([[9.15, 0.6], [9.15, 1.4], [8.85, 1.4], [8.85, 0.6]])
+    doorway = Doorway(np.array([[6.15, 0.6], [6.15, 1.4], [5.85, 1.4], [5.85, 0.6]]), 0, (1, 2), (3, -1))
+    outside = Doorway(np.array([[9.15, 0.6], [9.15, 1.4], [8.85, 1.4], [8.85, 0.6]]), 0, (2, -1))
     return build_navigation("x", rooms, [free_space(rooms, join(wall))], doorways=[[doorway, outside]])
 
 
@@ -175,6 +176,7 @@ def test_portals_are_doors_and_openings():
     assert portals.width[opening] == pytest.approx(2.0, abs=0.11)
     assert portals.width[door] == pytest.approx(0.8 - 2 * 0.15, abs=0.11)
     assert portals.width[outside] == 0
+    assert [portals.leaf[i].tolist() for i in (opening, door, outside)] == [[-1, -1], [3, -1], [-1, -1]]
 
 
 def test_hops_count_portals():

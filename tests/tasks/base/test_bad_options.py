@@ -13,6 +13,7 @@ import home_mjx
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.raycast_render.cameras.camera import Lens
 from home_mjx.raycast_render.shading.preset import Lit
+from home_mjx.scene_compile.collision.movables import MovableOptions
 from home_mjx.scene_compile.navigation.free_space import NavigationOptions
 from home_mjx.tasks.base.config import AgentCamera
 from home_mjx.tasks.base.options import make_config
@@ -29,6 +30,9 @@ REFUSED = {
     NavigationOptions: [
         ("cell", 0.0), ("cell", -0.1), ("step", NAN), ("agent_height", NAN), ("agent_height", -2.0),
         ("agent_radius", -1.0), ("margin", -1.0), ("num_goals", 0), ("num_starts", 0),
+    ],
+    MovableOptions: [
+        ("max_bodies", -1), ("reach", NAN), ("reach", -0.1), ("shrink", -0.1), ("seat", INF), ("largest", -1.0),
     ],
     Lit: [
         ("exposure", NAN), ("sun_elevation", NAN), ("sky", INF), ("sun", NAN), ("num_lights", -1), ("bounces", -1),
@@ -55,6 +59,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.raycast_render import Lens
 from home_mjx.raycast_render import Lit
 from home_mjx.scene_compile import CompileOptions
+from home_mjx.scene_compile import MovableOptions
 from home_mjx.scene_compile import NavigationOptions
 from home_mjx.datasets import ReadOptions
 from home_mjx.tasks import AgentCamera, make_config
@@ -86,6 +91,8 @@ calls |= {
     "looks": lambda: AgentCamera("scanner", looks="no"),
     "climb": lambda: NavigationOptions(climb="no"),
     "half a goal": lambda: NavigationOptions(num_goals=2.5),
+    "half a body": lambda: MovableOptions(max_bodies=2.5),
+    "a length in words": lambda: MovableOptions(reach="near"),
     "people": lambda: ReadOptions(people="no"),
     "id": lambda: make(None),
     "split": lambda: make("PointNav-v0", split=5),

@@ -1,0 +1,219 @@
+"""How far leaves turn: closed forms on plans, MuJoCo's distances in compiled houses."""
+
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pytest
+
+from home_mjx.datasets.procedural.dataset import generate_dataset
+from home_mjx.datasets.suncg.dataset import open_dataset
+from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, join, no_boxes
+from home_mjx.scene_compile.objects.doors import Leaf
+from home_mjx.scene_compile.objects.leaves import CLEARANCE, ajar_leaves, make_doors, swing
+from home_mjx.scene_compile.pipeline.compile import compile_house
+from home_mjx.schema.compiled import CompiledHouse, PortalKind
+from home_mjx.schema.house import Box
+
+LENGTH, THICK = 0.8, 0.04  # [m]
+
+
+def leaf(placed: float = 0.0, side: int = 1) -> Leaf:
+    """Hinged at the origin, closed along +x, opening to `side`; it stands `placed` radians open."""
+    shut = box_set((LENGTH / 2, 0, 1), (LENGTH / 2, THICK / 2, 1))
+    probe = Leaf(5, np.zeros(2), 0.0, 0.0, shut)
+    closed = -side * placed
+    return Leaf(5, np.zeros(2), closed, closed + side * np.pi / 2, probe.box_at(side * placed))
+
+
+def jambs(face: float = 0.0) -> BoxSet:
+    """The wall to both sides of the doorway, its face at y = `face`, 0.3 m thick."""
+    left = box_set((-1.003, face - 0.15, 1), (1, 0.15, 1))
+    right = box_set((LENGTH + 1.003, face - 0.15, 1), (1, 0.15, 1))
+    return join([left, right])
+
+
+@pytest.mark.parametrize("placed", [0.0, 0.4, 1.2])
+@pytest.mark.parametrize("side", [1, -1])
+def test_nothing_in_the_way_lets_a_leaf_turn_half_a_circle_to_one_side(placed, side):
+    low, high = swing(leaf(placed, side), no_boxes())
+    closed = -side * placed
+    assert closed == (low if side > 0 else high)
+    assert high - low == pytest.approx(np.pi, abs=np.deg2rad(1.01))
+    assert low <= 0 <= high
+
+
+@pytest.mark.parametrize("gap", [0.2, 0.5, 0.7])
+@pytest.mark.parametrize("placed", [0.0, 0.1])
+def test_a_leaf_stops_a_centimetre_before_a_wall(gap, placed):
+    """Its far corner is at height L sin q + t/2 cos q."""
+    wall = box_set((0, gap + 1, 1), (3, 1, 1))
+    low, high = swing(leaf(placed), join([jambs(), wall]))
+    q = np.linspace(0, np.pi / 2, 20_000)
+    expected = q[np.argmax(LENGTH * np.sin(q) + THICK / 2 * np.cos(q) > gap - CLEARANCE)]
+    assert high - low == pytest.approx(expected, abs=np.deg2rad(1.01))
+    assert high - low <= expected + 1e-3
+    assert low == -placed
+
+
+def test_a_leaf_on_the_face_of_its_wall_opens_until_it_lies_along_it():
+    low, high = swing(leaf(), jambs(face=0.0))
+    assert (low, high) == (0.0, pytest.approx(np.pi, abs=np.deg2rad(1.01)))
+
+
+def test_a_leaf_deep_in_its_wall_stops_at_the_corner_of_the_doorway():
+    low, high = swing(leaf(), jambs(face=0.2))
+    assert low == 0.0
+    assert np.deg2rad(85) < high < np.deg2rad(120)
+
+
+@pytest.mark.parametrize("bottom", [0.0, 2.5])
+def test_only_boxes_at_its_height_stop_a_leaf(bottom):
+    low, high = swing(leaf(), box_set((0, 0.5, bottom + 0.25), (0.1, 0.1, 0.25)))
+    assert (high - low < np.pi / 2) == (bottom == 0.0)
+
+
+def test_a_leaf_that_stands_free_can_turn_to_where_it_stands():
+    """Something thin stands between closed and as placed."""
+    low, high = swing(leaf(placed=1.5), box_set((0.5, 0.3, 1), (0.05, 0.05, 1)))
+    assert low == -1.5
+    assert high > 0.2
+
+
+def test_a_leaf_that_stands_in_something_is_held_before_it():
+    thing = box_set((0.0, 0.6, 1), (0.3, 0.1, 1))
+    stands = leaf(placed=np.pi / 2)
+    low, high = swing(stands, thing)
+    assert low == -np.pi / 2
+    assert high < np.deg2rad(-30)
+    doors = make_doors([stands], thing)
+    assert (doors.low[0], doors.high[0], doors.closed[0]) == (low, high, low)
+    assert doors.wide[0] == high  # 90 degrees cannot be reached
+
+
+def test_a_leaf_that_hardly_opens_is_in_the_way_as_far_open_as_it_can_be():
+    wall = box_set((0, 1.3, 1), (3, 1, 1))
+    shut = leaf()
+    (_, high) = swing(shut, wall)
+    assert high < np.deg2rad(30)
+    boxes = ajar_leaves([shut, leaf(side=-1)], wall)  # the other one opens away from the wall
+    assert len(boxes) == 1
+    np.testing.assert_allclose(boxes.center, shut.box_at(high).center)
+
+
+def _distances(house: CompiledHouse, row: int, angle: float) -> np.ndarray:
+    """MuJoCo's distance from a leaf at an angle to each static box; negative: depth."""
+    doors, boxes = house.doors, house.colliders
+    spec, kind = mujoco.MjSpec(), mujoco.mjtGeom.mjGEOM_BOX
+    arm = doors.pos[row, :2] - doors.pivot[row]
+    c, s = np.cos(angle), np.sin(angle)
+    pos = [*(doors.pivot[row] + np.array([[c, -s], [s, c]]) @ arm), doors.pos[row, 2]]
+    quat = np.zeros(4)
+    mujoco.mju_mulQuat(quat, np.array([np.cos(angle / 2), 0, 0, np.sin(angle / 2)]), doors.quat[row])
+    spec.worldbody.add_geom(type=kind, pos=pos, quat=quat, size=doors.size[row])
+    near = np.linalg.norm(boxes.pos[:, :2] - doors.pivot[row], axis=1) < 2.5
+    for p, q, size in zip(boxes.pos[near], boxes.quat[near], boxes.size[near], strict=True):
+        spec.worldbody.add_geom(type=kind, pos=p, quat=q, size=size)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    return np.array([mujoco.mj_geomDistance(model, data, 0, i, 1.0, None) for i in range(1, model.ngeom)])
+
+
+def check_ranges(house: CompiledHouse) -> None:
+    """Within its range a leaf keeps a centimetre from all that it keeps it from when it is closed; beyond, not."""
+    doors = house.doors
+    for row in range(len(doors.instance)):
+        low, high, closed = (float(v[row]) for v in (doors.low, doors.high, doors.closed))
+        assert closed in (low, high)
+        assert low <= doors.wide[row] <= high
+        apart = _distances(house, row, closed) > CLEARANCE * 1.5
+        for angle in np.linspace(low, high, 8):
+            assert _distances(house, row, angle)[apart].min() > CLEARANCE * 0.9
+        if high - low < np.deg2rad(178):
+            free_end, way = (high, 1) if closed == low else (low, -1)
+            now, beyond = (_distances(house, row, free_end + way * np.deg2rad(a)) for a in (0.0, 3.0))
+            assert beyond[apart].min() < CLEARANCE or (beyond < now - 1e-3)[~apart].any()
+
+
+@pytest.fixture(scope="module")
+def dataset(tmp_path_factory):
+    root = tmp_path_factory.mktemp("generated")
+    generate_dataset(root, range(2))
+    return open_dataset(root)
+
+
+@pytest.fixture(scope="module")
+def houses(dataset) -> list[CompiledHouse]:
+    return [compile_house(dataset.load_house(i), dataset.metadata) for i in dataset.house_ids]
+
+
+def test_leaves_of_generated_houses_turn_as_far_as_there_is_room(houses):
+    for house in houses:
+        check_ranges(house)
+        assert ((house.doors.low <= 0) & (house.doors.high >= 0)).all()
+
+
+@pytest.mark.real
+def test_leaves_of_the_real_house_turn_as_far_as_there_is_room(suncg_root):
+    dataset = open_dataset(suncg_root)
+    check_ranges(compile_house(dataset.load_house(dataset.house_ids[0]), dataset.metadata))
+
+
+def test_every_door_between_rooms_names_its_leaf(houses):
+    for house in houses:
+        doors, portals = house.doors, house.navigation.portals
+        inner = (portals.kind == PortalKind.DOOR) & (portals.room >= 0).all(axis=1)
+        assert sorted(portals.leaf[inner, 0].tolist()) == list(range(len(doors.instance)))
+        assert (portals.leaf[inner, 1] == -1).all()
+        assert (portals.leaf[~inner] == -1).all()
+        for pos, row in zip(portals.pos[inner], portals.leaf[inner, 0], strict=True):
+            assert np.linalg.norm(doors.pivot[row] - pos[:2]) < 0.7  # half of a door that is 0.9 m wide, and some
+
+
+def test_shut_doors_between_rooms_can_be_pushed_open(dataset):
+    house = dataset.load_house(dataset.house_ids[0])
+    objects = tuple(replace(o, state=1) if house.others.get(o.other_key) else o for o in house.levels[0].objects)
+    shut = compile_house(replace(house, levels=(replace(house.levels[0], objects=objects),)), dataset.metadata)
+    np.testing.assert_array_equal(shut.doors.closed, 0)
+    assert (shut.navigation.room_hops >= 0).all()
+    check_ranges(shut)
+
+
+def test_a_jammed_door_is_no_way(dataset):
+    """A post of 10 cm at the free edge of a shut leaf: one could walk past it if the leaf were wide open."""
+    house = dataset.load_house(dataset.house_ids[0])
+    free = compile_house(house, dataset.metadata)
+    doors, row = free.doors, 0
+    along = _turn(doors.closed[row]) @ (doors.pos[row, :2] - doors.pivot[row])
+    along /= np.linalg.norm(along)
+    towards = _turn(doors.closed[row] / 2) @ (doors.pos[row, :2] - doors.pivot[row])
+    across = np.array([-along[1], along[0]])
+    across *= np.sign(across @ towards)
+    x, y, z = np.array([*(doors.pivot[row] + 0.72 * along + 0.15 * across), 1.0]) - free.offset
+    pose = np.eye(4)
+    pose[:3, 3] = x, z, -y
+    post = Box("0_999", 999, "levels[0].nodes[999]", None, np.array([0.1, 2.0, 0.1]), pose)
+    level = replace(house.levels[0], boxes=(*house.levels[0].boxes, post))
+    shut = tuple(replace(o, state=1) if o.index == _owner(free, row) else o for o in level.objects)
+    jammed = compile_house(replace(house, levels=(replace(level, objects=shut),)), dataset.metadata)
+    assert 0 < jammed.doors.high[row] - jammed.doors.low[row] < np.deg2rad(30)
+    (portal,) = np.flatnonzero(jammed.navigation.portals.leaf[:, 0] == row)
+    assert jammed.navigation.portals.width[portal] == 0
+    (portal,) = np.flatnonzero(free.navigation.portals.leaf[:, 0] == row)
+    assert free.navigation.portals.width[portal] > 0
+
+
+def _turn(angle: float) -> np.ndarray:
+    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+
+
+def _owner(house: CompiledHouse, row: int) -> int:
+    return int(house.instances.object_id[house.doors.instance[row]])
+
+
+def test_leaves_that_turn_are_no_static_boxes(houses):
+    for house in houses:
+        doors = house.doors
+        assert np.linalg.norm(house.colliders.pos[:, None] - doors.pos, axis=-1).min() > 0.1
+        assert not set(house.instances.body[doors.instance].tolist()) - {-1}
