@@ -51,6 +51,8 @@ def reset(
         qacc=still,
         held=nothing,
         grip=jnp.tile(upright, (layout.num_agents, 1)),
+        spot=jnp.full((layout.num_agents, 3), jnp.inf, jnp.float32),
+        tries=jnp.zeros(layout.num_agents, jnp.int32),
         goal=jnp.full(layout.num_doors, FREE, jnp.float32),
         touched=jnp.zeros(layout.num_agents, jnp.int32),
         impulse=jnp.zeros(layout.num_mobiles, jnp.float32),
@@ -113,6 +115,11 @@ def body_pose(template: Template, state: PhysicsState) -> tuple[Float[Array, "k 
     """Centre [m] and orientation (wxyz) of each movable body; unused ones are parked high above the house."""
     bodies = state.qpos[template.layout.body_qpos].reshape(-1, 7)
     return bodies[:, :3], bodies[:, 3:]
+
+
+def door_angle(template: Template, state: PhysicsState) -> Float[Array, " h"]:
+    """How far each door's leaf is turned about +z from as placed [rad]."""
+    return state.qpos[template.layout.door_qpos]
 
 
 def door_pose(

@@ -19,6 +19,8 @@ class Body:
         strafe_speed: [m/s] at action 1.
         turn_rate: [rad/s] at action 1.
         push_force: Largest force of the motors, in any horizontal direction [N].
+        reach: Of the hand, from the body's axis [m].
+        lift: Heaviest thing that the hand takes [kg].
 
     Raises:
         ConfigError: A value cannot be used.
@@ -36,9 +38,21 @@ class Body:
     strafe_speed: float = 0.7
     turn_rate: float = 1.5708
     push_force: float = 300.0
+    reach: float = 1.0
+    lift: float = 10.0
 
     def __post_init__(self) -> None:
-        for name in ("radius", "height", "mass", "forward_speed", "strafe_speed", "turn_rate", "push_force"):
+        for name in (
+            "radius",
+            "height",
+            "mass",
+            "forward_speed",
+            "strafe_speed",
+            "turn_rate",
+            "push_force",
+            "reach",
+            "lift",
+        ):
             check_number(f"body.{name}", getattr(self, name), 1e-6)
         check_number("body.eye_height", self.eye_height, 0)
         if self.height <= 2 * self.radius:

@@ -18,6 +18,8 @@ class PhysicsState(Pytree):
     qacc: Float[Array, "*batch nv"]  # of the last physics step; the next one's solver begins there
     held: Int[Array, "*batch a"]  # movable body in each agent's hand; -1 none
     grip: Float[Array, "*batch a 7"]  # where it shall be in the agent's frame: position [m], quaternion
+    spot: Float[Array, "*batch a 3"]  # [m], where a hand puts down what it holds; inf: nowhere
+    tries: Int[Array, "*batch a"]  # control steps since it began to take or to put down
     goal: Float[Array, "*batch h"]  # [rad], angle that a door is driven to; `servo.FREE`: none
     touched: Int[Array, "*batch a"]  # contact points of each agent with anything but the floor, the most in a step
     impulse: Float[Array, "*batch m"]  # [N s], of all contacts of each mobile in the last control step

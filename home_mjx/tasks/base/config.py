@@ -22,6 +22,7 @@ CAMERA_KINDS = ("intrinsics", "pose", "valid")
 ID_KINDS = ("instance", "fine", "coarse", "nyu40", "room", "level", "material", "room_type", "size", "color")
 VECTOR_SENSORS = ("audio", "state")
 VIEW_KINDS = PIXEL_KINDS + ID_KINDS + CAMERA_KINDS
+DOOR_STATES = ("open", "closed", "placed", "random")
 SENSORS = VIEW_KINDS + VECTOR_SENSORS
 DEFAULT_SENSORS = ("rgb", "depth", "instance", "fine", "audio", "state")  # and what the task adds
 
@@ -89,6 +90,9 @@ class EnvConfig:
         look_rate: Fastest change of pitch [rad/s].
         pitch_max: Largest look up or down [rad].
         episode_length: Steps until truncation.
+        hands: Whether actions have three numbers more, to pick up, put down, drop and throw things and to turn doors.
+        doors: How doors stand at reset: "open" (wide), "closed", "placed" (as in the file) or "random" (each open or
+            closed, by key). Whatever stands before a leaf, agents can push it, or turn it with their hands.
         source_height: Sound source above the floor [m].
         clip: Name of the sound that the source plays, see `home_mjx.audio_jax.clip_samples`.
         executor: Ray executor, None for the platform's best.
@@ -112,6 +116,8 @@ class EnvConfig:
     look_rate: float = 1.5
     pitch_max: float = 1.0
     episode_length: int = 500
+    hands: bool = False
+    doors: str = "open"
     source_height: float = 1.0
     clip: str = "radio"
     executor: str | None = None
@@ -125,6 +131,8 @@ class EnvConfig:
             self._set(sensors=_names_in("sensors", self.sensors))
         self._set(cameras=_tuple("cameras", self.cameras))
         check_known("clip", [self.clip], CLIPS)
+        check_known("state of doors", [self.doors], DOOR_STATES)
+        check_flag("hands", self.hands)
         find_executor(self.executor)
         resolve(self.rgb_preset)
         self._check_numbers()

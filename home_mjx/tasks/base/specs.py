@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 ACTION_NAMES = ("forward", "left", "turn_left", "look_up")
+HAND_NAMES = ("pick", "throw", "turn_door")  # see `handling.hand_commands`
 
 
 @dataclass(frozen=True)

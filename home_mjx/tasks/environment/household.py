@@ -6,24 +6,27 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 from jax.typing import ArrayLike
-from jaxtyping import Array, Int
+from jaxtyping import Array, Float, Int
 
 from home_mjx import physics
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records import BankSpec
 from home_mjx.core.transforms import body_quat
 from home_mjx.errors import ConfigError
-from home_mjx.navigation.spawn import random_source, random_yaw, spread_starts
+from home_mjx.navigation.spawn import door_angles, random_source, random_yaw, spread_starts
+from home_mjx.physics import PhysicsState
+from home_mjx.physics.hands import obey, settle
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.keys import split, to_raw
 from home_mjx.tasks.base.pose import AgentPose
-from home_mjx.tasks.base.snapshot import Snapshot
-from home_mjx.tasks.base.specs import ACTION_NAMES, ArraySpec, Specs
+from home_mjx.tasks.base.snapshot import Snapshot, Touch
+from home_mjx.tasks.base.specs import ACTION_NAMES, HAND_NAMES, ArraySpec, Specs
 from home_mjx.tasks.base.state import EnvParams, Episodes, State, World
 from home_mjx.tasks.base.status import flags
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.environment.bound import BoundEnv
+from home_mjx.tasks.environment.handling import hand_commands
 from home_mjx.tasks.environment.usable import check_observations, check_task, checked_metrics, usable_action
 from home_mjx.tasks.sensors.choose import choose_sensors, sensor_names
 from home_mjx.tasks.suite.point_nav import PointNav
@@ -62,7 +65,7 @@ class HouseholdEnv:
         config = config or EnvConfig()
         self.config = config.replace(sensors=sensor_names(config, self.task))
         self.sensors = choose_sensors(self.config, self.task)
-        action = ArraySpec((self.action_size,), "float32", -1.0, 1.0, ", ".join(ACTION_NAMES))
+        action = ArraySpec((self.action_size,), "float32", -1.0, 1.0, ", ".join(self.action_names))
         self.action_spec = action.for_agents(self.num_agents)
         self.observation_spec = self._observation_spec()
 
@@ -77,9 +80,14 @@ class HouseholdEnv:
         return self.config.timing.ctrl_dt
 
     @property
+    def action_names(self) -> tuple[str, ...]:
+        """What the numbers of an action mean."""
+        return (*ACTION_NAMES, *HAND_NAMES) if self.config.hands else ACTION_NAMES
+
+    @property
     def action_size(self) -> int:
         """Numbers per agent, see `action_spec`."""
-        return len(ACTION_NAMES)
+        return len(self.action_names)
 
     def bind(self, bank: HouseBank | EnvParams) -> "BoundEnv[HouseholdEnv]":
         """The environment with its parameters: `reset(key)`, `step(state, action)`.
@@ -162,7 +170,7 @@ class HouseholdEnv:
     ) -> State:
         """`reset` without sensors: observations are zeros until `perceive`. For wrappers."""
         bank, config = params.bank, self.config
-        keep, draw, start_key, yaw_key, goal_key, source_key = split(to_raw(key), 6)
+        keep, draw, start_key, yaw_key, goal_key, source_key, door_key = split(to_raw(key), 7)
         number, row = self._row(params.tasks, episode, draw)
         if row is not None:
             house = row.house
@@ -184,7 +192,8 @@ class HouseholdEnv:
             sensors={sensor.name: sensor.init(config) for sensor in self.sensors},
             faults=jnp.zeros((), jnp.int32),
         )
-        data = physics.reset(self.template(bank), bank, house, pos, yaw)
+        angle = door_angles(bank, house, config.doors, door_key)
+        data = physics.reset(self.template(bank), bank, house, pos, yaw, angle)
         snapshot = self._snapshot(params, data, world)
         task = self.task.init(snapshot, goal_key, None if row is None else row.columns)
         no = jnp.zeros((), bool)
@@ -209,7 +218,9 @@ class HouseholdEnv:
         """
         bank, template = params.bank, self.template(params.bank)
         action = usable_action(action, self.num_agents, self.action_size)
-        data, lost = physics.step_checked(template, bank, state.world.house, state.physics, action[:, :3])
+        before = self._use_hands(params, state, action)
+        data, lost = physics.step_checked(template, bank, state.world.house, before, action[:, :3])
+        data = settle(template, bank, state.world.house, data)
         broken = physics.is_broken(data)
         data = physics.undo_where(broken, data, state.physics)
         look = action[:, 3] * jnp.float32(self.config.look_rate * self.dt)
@@ -255,15 +266,27 @@ class HouseholdEnv:
         bank, template = params.bank, self.template(params.bank)
         pos, yaw = physics.agent_pose(template, data)
         bodies, turned = physics.body_pose(template, data), jax.vmap(body_quat)(yaw)
+        angle = physics.door_angle(template, data)
         return Snapshot(
             step=world.step,
             key=world.key,
             pose=AgentPose(pos=pos, yaw=yaw, pitch=world.pitch),
             velocity=physics.agent_velocity(template, data),
             contact=physics.agent_contact(template, data),
+            held=data.held,
+            door_angle=angle,
+            touch=Touch(impulse=data.impulse, place=data.place, other=data.other),
             source=world.source,
-            scene=make_scene(bank, world.house, *bodies, pos, turned, executor=self.config.executor),
+            scene=make_scene(bank, world.house, *bodies, pos, turned, self.config.executor, angle),
         )
+
+    def _use_hands(self, params: EnvParams, state: State, action: Float[Array, "a n"]) -> PhysicsState:
+        """The physics with hands that have been told what to do."""
+        if not self.config.hands:
+            return state.physics
+        snapshot, template = self.snapshot(params, state), self.template(params.bank)
+        commands = hand_commands(self.config, snapshot, action[:, len(ACTION_NAMES) :])
+        return obey(template, params.bank, state.world.house, state.physics, commands)
 
     def template(self, bank: HouseBank) -> physics.Template:
         """The physics' model for banks of this capacity."""

@@ -1,0 +1,226 @@
+"""What agents do with their hands: pick up, carry, put down, drop, throw, open and close.
+
+A hand is empty, holds a body, or puts down what it holds:
+
+    empty  -- pick -->  holds  -- place -->  puts down  -- there -->  empty
+                        holds  -- drop, throw, or the thing is torn away -->  empty
+                        puts down  -- in vain -->  holds
+
+`obey` comes before a control step and `settle` after it.
+"""
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.core.pytree import Pytree
+from home_mjx.core.transforms import body_quat, quat_matrix, quat_multiply
+from home_mjx.physics.base.servo import FREE
+from home_mjx.physics.base.state import PhysicsState
+from home_mjx.physics.reference.house_model import MovableBodies, house_doors, movable_bodies
+from home_mjx.physics.reference.template import Template
+
+CARRY = 0.1  # [m], between an agent and what it carries
+LOW = 0.45  # [m], of what is carried below the eyes
+TORN = 0.5  # [m], from its grip, at which a thing is torn out of a hand
+PLACED = 0.03  # [m], from where a thing is to be put down, at which the hand opens
+GAP = 0.005  # [m], above the spot
+TRIES = 20  # control steps to put something down
+TURNED = 0.03  # [rad], from its goal, at which a door is let go
+THROW_IMPULSE = 20.0  # [N s]
+THROW_SPEED = 5.0  # [m/s]
+
+
+class Commands(Pytree):
+    """What each agent's hand is told for a control step; A agents."""
+
+    pick: Int[Array, " a"]  # movable body to take; -1 none
+    place: Float[Array, "a 3"]  # [m], point of a surface to put down what is held; inf: none
+    drop: Bool[Array, " a"]
+    throw: Float[Array, "a 3"]  # unit vector; 0: not
+    door: Int[Array, " a"]  # leaf to turn; -1 none
+    open: Bool[Array, " a"]  # to open it, or else to close it
+
+    @classmethod
+    def none(cls, num_agents: int) -> "Commands":
+        """Hands stay as they are."""
+        nothing, no = jnp.full(num_agents, -1, jnp.int32), jnp.zeros(num_agents, bool)
+        nowhere = jnp.full((num_agents, 3), jnp.inf, jnp.float32)
+        return cls(nothing, nowhere, no, jnp.zeros_like(nowhere), nothing, no)
+
+
+def obey(
+    template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState, commands: Commands
+) -> PhysicsState:
+    """Hands after their commands; what cannot be done is left undone.
+
+    A body is taken by an empty hand within its agent's `reach` if it weighs no more than `lift` and nobody holds it.
+    Doors are turned within reach. Whether anything is in the line of sight is for the caller to see.
+    """
+    bodies = movable_bodies(bank.physics, house)
+    for a in range(template.layout.num_agents):
+        if template.layout.num_bodies:
+            state = _release(template, bodies, state, a, commands)
+            state = _take(template, bodies, state, a, commands.pick[a])
+            state = _aim(template, bodies, state, a, commands.place[a])
+        if template.layout.num_doors:
+            state = _turn(template, bank, house, state, a, commands)
+    return state
+
+
+def settle(template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState) -> PhysicsState:
+    """Hands and doors after a control step: what has arrived is let go, what was torn away as well."""
+    if template.layout.num_bodies:
+        bodies = movable_bodies(bank.physics, house)
+        for a in range(template.layout.num_agents):
+            state = _settle_hand(template, bodies, state, a)
+    leaves = house_doors(bank.physics, house)
+    goal = jnp.clip(state.goal, leaves.low, leaves.high)
+    there = jnp.abs(state.qpos[template.layout.door_qpos] - goal) < jnp.float32(TURNED)
+    return state.replace(goal=jnp.where(there, jnp.float32(FREE), state.goal))
+
+
+def _body(template: Template, state: PhysicsState, body: Int[Array, ""]) -> tuple[Array, Array]:
+    """Position and orientation of a movable body."""
+    row = state.qpos[template.layout.body_qpos].reshape(-1, 7)[jnp.maximum(body, 0)]
+    return row[:3], row[3:]
+
+
+def _agent(state: PhysicsState, a: int) -> tuple[Array, Array]:
+    """Position and yaw of an agent."""
+    return state.qpos[4 * a : 4 * a + 3], state.qpos[4 * a + 3]
+
+
+def _release(
+    template: Template, bodies: MovableBodies, state: PhysicsState, a: int, commands: Commands
+) -> PhysicsState:
+    """Opens a hand that is to drop or to throw."""
+    held, aim = state.held[a], commands.throw[a]
+    throws = (held >= 0) & jnp.any(aim != 0)
+    mass = bodies.mass[jnp.maximum(held, 0)]
+    speed = jnp.minimum(jnp.float32(THROW_SPEED), jnp.float32(THROW_IMPULSE) / mass)
+    start = template.layout.body_qvel.start + 6 * jnp.maximum(held, 0)
+    rows = start + jnp.arange(3, dtype=jnp.int32)
+    thrown = state.qvel[4 * a : 4 * a + 3] + aim * speed
+    qvel = state.qvel.at[rows].set(jnp.where(throws, thrown, state.qvel[rows]))
+    opens = (held >= 0) & (throws | commands.drop[a])
+    return _opened(state.replace(qvel=qvel), a, opens)
+
+
+def _opened(state: PhysicsState, a: int, opens: Bool[Array, ""]) -> PhysicsState:
+    return state.replace(
+        held=state.held.at[a].set(jnp.where(opens, -1, state.held[a])),
+        spot=state.spot.at[a].set(jnp.where(opens, jnp.inf, state.spot[a])),
+    )
+
+
+def _take(template: Template, bodies: MovableBodies, state: PhysicsState, a: int, body: Int[Array, ""]) -> PhysicsState:
+    config, own = template.config.agents[a], jnp.clip(body, 0, template.layout.num_bodies - 1)
+    _, quat = _body(template, state, own)
+    near = _distance(template, bodies, state, a, own) <= jnp.float32(config.reach)
+    free = (state.held[a] < 0) & ~jnp.any(state.held == own)
+    takes = (body == own) & bodies.valid[own] & free & near & (bodies.mass[own] <= jnp.float32(config.lift))
+    _, yaw = _agent(state, a)
+    turned = quat_multiply(body_quat(-yaw), quat)
+    return state.replace(
+        held=state.held.at[a].set(jnp.where(takes, own, state.held[a])),
+        grip=state.grip.at[a].set(jnp.where(takes, _carried(template, bodies, a, own, turned), state.grip[a])),
+        spot=state.spot.at[a].set(jnp.where(takes, jnp.inf, state.spot[a])),
+        tries=state.tries.at[a].set(jnp.where(takes, 0, state.tries[a])),
+    )
+
+
+def _distance(
+    template: Template, bodies: MovableBodies, state: PhysicsState, a: int, body: Int[Array, ""]
+) -> Float[Array, ""]:
+    """From an agent's axis to the nearest point of a body's box [m], to 1 cm."""
+    at, _ = _agent(state, a)
+    pos, quat = _body(template, state, body)
+    matrix, half = quat_matrix(quat), jnp.float32(template.config.agents[a].height / 2)
+    heights = jnp.linspace(-half, half, 17)
+    points = at[None] + heights[:, None] * jnp.array([[0.0, 0.0, 1.0]], jnp.float32)
+    local = jnp.matmul(points - pos[None], matrix, precision="highest")
+    beyond = jnp.maximum(jnp.abs(local) - bodies.size[body][None], 0.0)
+    return jnp.min(jnp.linalg.norm(beyond, axis=-1))
+
+
+def _carried(
+    template: Template, bodies: MovableBodies, a: int, body: Int[Array, ""], turned: Float[Array, "4"]
+) -> Float[Array, "7"]:
+    """The grip with which an agent carries a body: before it, below its eyes, turned as it was."""
+    config, half = template.config.agents[a], bodies.size[body]
+    extent = jnp.matmul(jnp.abs(quat_matrix(turned)), half, precision="highest")
+    ahead = jnp.float32(config.radius + CARRY) + jnp.linalg.norm(extent[:2])
+    height = jnp.float32(config.eye_height - config.height / 2 - LOW)
+    return jnp.concatenate([jnp.stack([ahead, jnp.zeros_like(ahead), height]), turned])
+
+
+def _aim(
+    template: Template, bodies: MovableBodies, state: PhysicsState, a: int, spot: Float[Array, "3"]
+) -> PhysicsState:
+    """A hand begins to put down what it holds."""
+    at, _ = _agent(state, a)
+    away = jnp.linalg.norm(spot[:2] - at[:2])
+    starts = (state.held[a] >= 0) & jnp.all(jnp.isfinite(spot)) & (away <= jnp.float32(template.config.agents[a].reach))
+    state = state.replace(
+        spot=state.spot.at[a].set(jnp.where(starts, spot, state.spot[a])),
+        tries=state.tries.at[a].set(jnp.where(starts, 0, state.tries[a])),
+    )
+    return _follow(template, bodies, state, a)
+
+
+def _target(template: Template, bodies: MovableBodies, state: PhysicsState, a: int) -> Float[Array, "3"]:
+    """Where the middle of what an agent puts down shall be [m]."""
+    _, quat = _body(template, state, state.held[a])
+    half = bodies.size[jnp.maximum(state.held[a], 0)]
+    rise = jnp.matmul(jnp.abs(quat_matrix(quat)), half, precision="highest")[2] + jnp.float32(GAP)
+    return state.spot[a].at[2].add(rise)
+
+
+def _follow(template: Template, bodies: MovableBodies, state: PhysicsState, a: int) -> PhysicsState:
+    """The grip of a hand that puts down, as the agent moves: first above the spot, then down to it."""
+    at, yaw = _agent(state, a)
+    pos, _ = _body(template, state, state.held[a])
+    target = _target(template, bodies, state, a)
+    above = jnp.linalg.norm(pos[:2] - target[:2]) > jnp.float32(2 * PLACED)
+    target = jnp.where(above, target.at[2].set(jnp.maximum(target[2] + 0.1, pos[2])), target)
+    local = jnp.matmul(quat_matrix(body_quat(-yaw)), target - at, precision="highest")
+    puts = jnp.isfinite(state.spot[a, 0])
+    return state.replace(grip=state.grip.at[a, :3].set(jnp.where(puts, local, state.grip[a, :3])))
+
+
+def _settle_hand(template: Template, bodies: MovableBodies, state: PhysicsState, a: int) -> PhysicsState:
+    at, yaw = _agent(state, a)
+    pos, _ = _body(template, state, state.held[a])
+    puts = jnp.isfinite(state.spot[a, 0])
+    there = puts & (jnp.linalg.norm(pos - _target(template, bodies, state, a)) < jnp.float32(PLACED))
+    hand = at + jnp.matmul(quat_matrix(body_quat(yaw)), state.grip[a, :3], precision="highest")
+    # While it comes to the hand it is far away, but comes nearer.
+    torn = ~puts & (jnp.linalg.norm(pos - hand) > jnp.float32(TORN)) & (state.tries[a] > TRIES)
+    near = jnp.linalg.norm(pos - hand) < jnp.float32(TORN)
+    tries = jnp.where(near & ~puts, TRIES, state.tries[a]) + 1
+    tries = jnp.where(state.held[a] >= 0, tries, 0)
+    state = _opened(state.replace(tries=state.tries.at[a].set(tries)), a, there | torn)
+    vain = puts & (tries > TRIES) & (state.held[a] >= 0)
+    carried = _carried(template, bodies, a, jnp.maximum(state.held[a], 0), state.grip[a, 3:])
+    return state.replace(
+        spot=state.spot.at[a].set(jnp.where(vain, jnp.inf, state.spot[a])),
+        tries=state.tries.at[a].set(jnp.where(vain, 0, state.tries[a])),
+        grip=state.grip.at[a].set(jnp.where(vain, carried, state.grip[a])),
+    )
+
+
+def _turn(
+    template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState, a: int, commands: Commands
+) -> PhysicsState:
+    """A door within reach begins to open or to close."""
+    leaves, at = house_doors(bank.physics, house), _agent(state, a)[0]
+    door = jnp.clip(commands.door[a], 0, template.layout.num_doors - 1)
+    middle, quat = jax.tree.map(lambda x: x[door], leaves.turned(state.qpos[template.layout.door_qpos]))
+    local = jnp.matmul(at - middle, quat_matrix(quat), precision="highest")
+    beyond = jnp.maximum(jnp.abs(local[:2]) - leaves.size[door, :2], 0.0)
+    near = jnp.linalg.norm(beyond) <= jnp.float32(template.config.agents[a].reach)
+    turns = (commands.door[a] == door) & bank.physics.door_valid[house, door] & near
+    goal = jnp.where(commands.open[a], bank.physics.door_wide[house, door], bank.physics.door_closed[house, door])
+    return state.replace(goal=state.goal.at[door].set(jnp.where(turns, goal, state.goal[door])))
