@@ -3,19 +3,21 @@
 from collections.abc import Sequence
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 from scipy import ndimage
 
 from home_mjx.scene_compile.geometry.box_fit import narrowest_box
 from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, join, no_boxes
 from home_mjx.scene_compile.geometry.polygons import inside_polygon, smallest_room
+from home_mjx.scene_compile.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.navigation.free_space import clearance
 from home_mjx.schema.compiled import Rooms
 
 CELL = 0.05  # [m], of the grid on which gaps are found
+MOST_CELLS = 1 << 22  # of the grid: those of larger houses, 100 m x 100 m, are coarser
 AROUND = 1.0  # [m], of the grid beyond the rooms
-# [m]: a gap counts if the axis of an agent comes through it that keeps so far from boxes: an agent of radius 0.1 m
-# that is pressed 3 cm into them, at the centres of the cells that it passes.
+# [m] from boxes: cells nearer to them are closed. The axis of an agent of radius 0.1 m that is pressed 3 cm into boxes
+# keeps 7 cm from them, and half of the diagonal of a cell from its centre.
 PASSES = 0.035
 STANDS = 0.1  # [m]: only those parts of rooms count in which there is so much space around a place
 CLIMBS = 0.5  # [m] above the floor: what ends lower keeps nobody in
@@ -48,53 +50,66 @@ def find_barriers(
     if not len(points):
         return no_boxes()
     low, high = points.min(axis=0) - AROUND, points.max(axis=0) + AROUND
-    x, y = (np.arange(a + CELL / 2, b, CELL) for a, b in zip(low, high, strict=True))
+    cell = max(CELL, float(np.sqrt((high - low).prod() / MOST_CELLS)))
+    x, y = (np.arange(a + cell / 2, b, cell) for a, b in zip(low, high, strict=True))
     place = np.stack(np.meshgrid(x, y), axis=-1)
     room = smallest_room(rooms, here, place)
-    rows, columns = ndimage.distance_transform_edt(room < 0, return_distances=False, return_indices=True)
-    floor = rooms.floor[room[rows, columns]]
+    nearest = np.asarray(ndimage.distance_transform_edt(room < 0, return_distances=False, return_indices=True))
+    floor = rooms.floor[room[nearest[0], nearest[1]]]
     space = clearance(static, floor, x, y, (CLIMBS, REACHES), STANDS)
     free = space > PASSES
-    indoors = _indoors(room >= 0, [inside_polygon(p, place) for p in passages])
+    indoors = _indoors(room >= 0, cell) | np.any([inside_polygon(p, place) for p in passages], axis=0)
     inside = _parts_with(free & indoors, (room >= 0) & (space > STANDS))
-    away = np.asarray(ndimage.distance_transform_edt(~indoors)) * CELL
-    outside = _parts_with(free & ~indoors, away > POCKET)
+    outside = _parts_with(free & ~indoors, _distance(indoors, cell) > POCKET)
     gaps = outside & ndimage.binary_dilation(inside, np.ones((3, 3)), BAND, mask=inside | outside)
     bottom, top = rooms.floor[here].min(), max(rooms.floor[here].max() + HEIGHT, rooms.ceiling[here].max())
-    labels, count = ndimage.label(gaps, np.ones((3, 3)))
-    return join(_boxes(place[labels == i], (float(bottom), float(top)), longest) for i in range(1, count + 1))
+    part = _parts(gaps)
+    corners = cell / 2 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    bands = [place[part == i][:, None] + corners for i in range(1, part.max() + 1)]
+    return join(_boxes(band, (float(bottom), float(top)), longest) for band in bands)
 
 
-def _indoors(
-    room: Bool[np.ndarray, "ny nx"], passages: Sequence[Bool[np.ndarray, "ny nx"]]
-) -> Bool[np.ndarray, "ny nx"]:
-    """Rooms, what lies between them, and ways."""
-    apart = ndimage.distance_transform_edt(~room)
-    grown = np.asarray(apart) * CELL <= BETWEEN
-    closed = np.asarray(ndimage.distance_transform_edt(grown)) * CELL > BETWEEN
-    return np.any([room, closed, *passages], axis=0)
+def _indoors(room: Bool[np.ndarray, "ny nx"], cell: float) -> Bool[np.ndarray, "ny nx"]:
+    """Rooms, and what lies between them."""
+    grown = _distance(room, cell) <= BETWEEN
+    return room | (_distance(~grown, cell) > BETWEEN)
+
+
+def _distance(cells: Bool[np.ndarray, "ny nx"], cell: float) -> Float[np.ndarray, "ny nx"]:
+    """Distance of every cell to the nearest of some [m]."""
+    return np.asarray(ndimage.distance_transform_edt(~cells)) * cell
 
 
 def _parts_with(cells: Bool[np.ndarray, "ny nx"], wanted: Bool[np.ndarray, "ny nx"]) -> Bool[np.ndarray, "ny nx"]:
     """The connected parts of some cells that hold a wanted one."""
-    labels, _ = ndimage.label(cells, np.ones((3, 3)))
-    return cells & np.isin(labels, labels[cells & wanted])
+    part = _parts(cells)
+    return cells & np.isin(part, part[cells & wanted])
 
 
-def _boxes(cells: Float[np.ndarray, "n 2"], heights: tuple[float, float], longest: float) -> BoxSet:
-    """Thin upright boxes, in any direction, that together hold some cells; a bent band is cut into straight ones."""
-    corners = cells[:, None] + CELL / 2 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
-    box = narrowest_box(np.concatenate([np.c_[corners.reshape(-1, 2), np.full(4 * len(cells), z)] for z in heights]))
+def _parts(cells: Bool[np.ndarray, "ny nx"]) -> Int[np.ndarray, "ny nx"]:
+    """Number of the connected part of each cell, corners count; 0 elsewhere."""
+    part = np.zeros(cells.shape, np.int32)
+    ndimage.label(cells, np.ones((3, 3)), output=part)
+    return part
+
+
+def _boxes(band: Float[np.ndarray, "n 4 2"], heights: tuple[float, float], longest: float) -> BoxSet:
+    """Thin upright boxes, in any direction, that together hold cells; a bent band of these is cut into straight ones.
+
+    Args:
+        band: Corners of the cells [m].
+        heights: Where the boxes begin and end [m].
+        longest: Most length of a box [m].
+    """
+    corners = band.reshape(-1, 2)
+    box = narrowest_box(np.concatenate([np.c_[corners, np.full(len(corners), z)] for z in heights]))
     long = int(box.half[0, 1] > box.half[0, 0])
-    if len(cells) == 1 or (box.half[0, 1 - long] <= THIN and 2 * box.half[0, long] <= longest):
+    if len(band) == 1 or (box.half[0, 1 - long] <= THIN and 2 * box.half[0, long] <= longest):
         return box
-    axis = np.array(
-        [np.cos(box.yaw[0]), np.sin(box.yaw[0])] if long == 0 else [-np.sin(box.yaw[0]), np.cos(box.yaw[0])]
-    )
-    first = cells @ axis <= np.median(cells @ axis)
-    if first.all():
-        first = cells @ axis < np.median(cells @ axis)
-    return join([_boxes(cells[first], heights, longest), _boxes(cells[~first], heights, longest)])
+    along = (band.mean(axis=1) - box.center[0, :2]) @ yaw_matrix(float(box.yaw[0]))[:2, long]
+    pieces = max(2, int(np.ceil(2 * box.half[0, long] / longest)))
+    piece = np.digitize(along, box.half[0, long] * np.linspace(-1, 1, pieces + 1)[1:-1])
+    return join(_boxes(band[piece == i], heights, longest) for i in np.unique(piece))
 
 
 def fence(rooms: Rooms) -> BoxSet:
