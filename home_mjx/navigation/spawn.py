@@ -34,19 +34,3 @@ def random_source(bank: HouseBank, house: Int[Array, ""], height: float, key: Ar
 def random_yaw(key: Array, shape: tuple[int, ...] = ()) -> Float[Array, "*n"]:
     """Headings, every one as likely as any other [rad]."""
     return jax.random.uniform(key, shape, jnp.float32, -jnp.pi, jnp.pi)
-
-
-def door_angles(bank: HouseBank, house: Int[Array, ""], state: str, key: Array) -> Float[Array, " h"]:
-    """Angles of a house's doors from as placed [rad].
-
-    Args:
-        bank: The houses.
-        house: Index of the house.
-        state: "open", "closed", "placed", or "random": each open or closed.
-        key: Random key.
-    """
-    wide, closed = bank.physics.door_wide[house], bank.physics.door_closed[house]
-    shut = jax.random.bernoulli(key, 0.5, wide.shape)
-    return {"open": wide, "closed": closed, "placed": jnp.zeros_like(wide), "random": jnp.where(shut, closed, wide)}[
-        state
-    ]

@@ -6,7 +6,7 @@ exactly. Where there is no such function MJX steps.
 
 import functools
 from collections.abc import Callable, Sequence
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import jax
 import jax.numpy as jnp
@@ -109,7 +109,7 @@ def _without_gradient(step: Step) -> Step:
     guarded = jax.custom_jvp(step)
 
     @guarded.defjvp
-    def refuse(primals: tuple[Array, ...], tangents: tuple[Array, ...]) -> NoReturn:
+    def refuse(primals: Any, tangents: Any) -> NoReturn:
         raise ConfigError(
             "the fused physics step has no gradient",
             element="PhysicsConfig.impl",

@@ -74,6 +74,9 @@ class Navigation(Pytree):
     portal_kind: Int[Array, "h portals"] = array(
         "compiled.PortalKind; -1 padding", source="navigation.portals.kind", fill=-1
     )
+    portal_leaf: Int[Array, "h portals 2"] = array(
+        "leaves of doors that close it; -1 none", source="navigation.portals.leaf", fill=-1
+    )
     room_hops: Int[Array, "h rooms rooms"] = array(
         "portals on the way from room to room; -1 no way", source="navigation.room_hops", fill=-1, dtype=np.int16
     )

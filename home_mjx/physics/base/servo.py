@@ -22,6 +22,7 @@ HAND_ACCELERATION = 30.0  # [m/s^2]; a thing pressed against a wall so is 4 mm i
 HAND_FORCE = 300.0  # [N]
 HAND_STIFFNESS = 1500.0  # [N/m], of the arm that holds back an agent
 HAND_SLACK = 0.05  # [m], by which a thing may lag behind without that
+HAND_LEASH = 0.3  # [m]; what is farther away still comes to the hand, and holds back nobody
 DOOR_DRAG = 1.5  # [1/s], of a hinge: the part of its speed that a leaf loses per second
 DOOR_TIME = 0.3  # [s]
 DOOR_SPEED = 2.0  # [rad/s]
@@ -77,7 +78,8 @@ def hand_accelerations(
     upright = quat_matrix(held.quat)[2]
     angular = _cut((rate * upright + miss * _reach(miss, HAND_SPIN, time) - held.spin) / time, jnp.float32(HAND_TWIST))
     far = _length(gap[:2])
-    back = jnp.float32(HAND_STIFFNESS) * jnp.maximum(far - jnp.float32(HAND_SLACK), 0.0) / far
+    lag = jnp.where(far < jnp.float32(HAND_LEASH), jnp.maximum(far - jnp.float32(HAND_SLACK), 0.0), 0.0)
+    back = jnp.float32(HAND_STIFFNESS) * lag / far
     return linear, angular, -back * gap[:2]
 
 

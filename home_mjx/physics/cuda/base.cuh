@@ -44,7 +44,7 @@ constexpr int FREE = 1000000000;                                      // goal of
 constexpr real HEAVY = 1e20;                                          // mass against which a hinge lets nothing move
 constexpr int LOST_STATIC = 0, LOST_POINTS = 1;
 constexpr int LINE_STEPS = 40;
-constexpr int NUM_NUMBERS = 32;
+constexpr int NUM_NUMBERS = 33;
 constexpr real ALIKE = 0.99, ALIKE_FACTOR = 0.95;  // see native/box_box.py
 constexpr real REACH = 0.1;                        // [m], see native/contacts.py
 
@@ -52,5 +52,5 @@ struct Numbers {
   real sim_dt, substeps, gravity, control, response_time, friction, max_body_speed, max_body_spin, agent_stiffness,
       agent_damping, body_stiffness, body_damping, limit_stiffness, limit_damping, impedance_low, impedance_high,
       impedance_width, iterations, corner_radius, on_ramp, hand_time, hand_speed, hand_spin, hand_twist, hand_acceleration,
-      hand_force, hand_stiffness, hand_slack, door_drag, door_time, door_speed, door_torque;
+      hand_force, hand_stiffness, hand_slack, hand_leash, door_drag, door_time, door_speed, door_torque;
 };

@@ -68,7 +68,8 @@ INLINE void carry(const Env& e, int a, int m, const float* grip) {
   real* out = e.smooth + 6 * m;
   for (int k = 0; k < 3; ++k) out[k] = cut * wanted[k];
   const real far = sqrt(gap.x * gap.x + gap.y * gap.y);
-  const real back = n.hand_stiffness * fmax(real(0), far - n.hand_slack) / ((far + real(1e-12)) * e.mass[6 * a]);
+  const real lag = far < n.hand_leash ? fmax(real(0), far - n.hand_slack) : 0;
+  const real back = n.hand_stiffness * lag / ((far + real(1e-12)) * e.mass[6 * a]);
   e.smooth[6 * a] -= back * gap.x, e.smooth[6 * a + 1] -= back * gap.y;
   const real hc = cos(e.quat[4 * a] / 2), hs = sin(e.quat[4 * a] / 2);
   const real w = hc * grip[3] - hs * grip[6], x = hc * grip[4] - hs * grip[5];

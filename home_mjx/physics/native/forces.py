@@ -114,7 +114,8 @@ def _carry(work, numbers, a, m, grip):
     smooth = shifted(work.smooth, 6 * m)
     smooth[0], smooth[1], smooth[2] = x * cut, y * cut, z * cut
     far = sqrt(gapx * gapx + gapy * gapy)
-    back = numbers.hand_stiffness * max(0.0, far - numbers.hand_slack) / ((far + 1e-12) * work.mass[6 * a])
+    lag = max(0.0, far - numbers.hand_slack) if far < numbers.hand_leash else 0.0
+    back = numbers.hand_stiffness * lag / ((far + 1e-12) * work.mass[6 * a])
     work.smooth[6 * a] -= back * gapx
     work.smooth[6 * a + 1] -= back * gapy
     _twist(work, numbers, m, _miss(work, a, m, grip), spin)

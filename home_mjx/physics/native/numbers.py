@@ -44,6 +44,7 @@ class Numbers(NamedTuple):
     hand_force: float
     hand_stiffness: float
     hand_slack: float
+    hand_leash: float
     door_drag: float
     door_time: float
     door_speed: float
@@ -79,6 +80,7 @@ def numbers_of(config: PhysicsConfig) -> Numbers:
         hand_force=servo.HAND_FORCE,
         hand_stiffness=servo.HAND_STIFFNESS,
         hand_slack=servo.HAND_SLACK,
+        hand_leash=servo.HAND_LEASH,
         door_drag=servo.DOOR_DRAG,
         door_time=servo.DOOR_TIME,
         door_speed=servo.DOOR_SPEED,

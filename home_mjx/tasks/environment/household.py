@@ -13,7 +13,8 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records import BankSpec
 from home_mjx.core.transforms import body_quat
 from home_mjx.errors import ConfigError
-from home_mjx.navigation.spawn import door_angles, random_source, random_yaw, spread_starts
+from home_mjx.navigation.doors import door_angles
+from home_mjx.navigation.spawn import random_source, random_yaw, spread_starts
 from home_mjx.physics import PhysicsState
 from home_mjx.physics.hands import obey, settle
 from home_mjx.raycast_render.scene.scene import make_scene
