@@ -13,7 +13,7 @@ from home_mjx.scene_compile.semantics.vocabulary import number_of
 from home_mjx.schema.semantic import Semantic
 
 EYE = np.array([0, 0, 1.4])  # [m]
-ENOUGH = 150  # pixels
+ENOUGH, SAMPLE = 150, 100  # pixels
 
 
 @jax.jit
@@ -51,9 +51,12 @@ def test_objects_have_the_colours_that_are_seen(generated_bank):
     for i, (fine, *colors) in zip(ids.tolist(), rows.tolist(), strict=True):
         if fine == number_of(Semantic.FINE, "window"):
             continue  # glass counts little, by its opacity, but covers most pixels
-        difference = ciede2000(np.median(linear_to_lab(seen[i].astype(float)), axis=0)[None], palette)
+        lab = linear_to_lab(seen[i].astype(float))
         named = [color for color in colors if color >= 0]
-        assert difference[named].min() < 16
+        # Most pixels, not their median: that of a picture may be a colour which is nowhere in it.
+        gaps = [ciede2000(pixel[None], palette[named]).min() for pixel in lab[:: len(lab) // SAMPLE]]
+        assert np.mean(np.array(gaps) < 16) > 0.65
+        difference = ciede2000(np.median(lab, axis=0)[None], palette)
         right.append(int(difference.argmin()) in named)
     assert len(right) >= 10
     assert np.mean(right) > 0.8
