@@ -7,9 +7,9 @@ from jaxtyping import Array, Bool, Float, Int
 from home_mjx.bank.bank import HouseBank
 from home_mjx.physics.base.servo import FREE
 from home_mjx.physics.base.state import PhysicsState
+from home_mjx.physics.base.touch import NOTHING
 from home_mjx.physics.fused import step_fused
 from home_mjx.physics.kinematic.step import step_kinematic
-from home_mjx.physics.native.limits import LIMIT
 from home_mjx.physics.reference.house_model import house_doors, movable_bodies
 from home_mjx.physics.reference.lost import Lost
 from home_mjx.physics.reference.step import step_mjx
@@ -57,7 +57,7 @@ def reset(
         touched=jnp.zeros(layout.num_agents, jnp.int32),
         impulse=jnp.zeros(layout.num_mobiles, jnp.float32),
         place=jnp.zeros((layout.num_mobiles, 3), jnp.float32),
-        other=jnp.full(layout.num_mobiles, LIMIT, jnp.int32),
+        other=jnp.full(layout.num_mobiles, NOTHING, jnp.int32),
     )
 
 

@@ -13,7 +13,7 @@ from tiny_houses import NUM_DOORS, Box, Door, TinyHouse, make_bank
 from home_mjx import physics
 from home_mjx.physics import PhysicsConfig, Template
 from home_mjx.physics.base.servo import FREE
-from home_mjx.physics.native.limits import FLOOR, LIMIT, STATIC
+from home_mjx.physics.base.touch import FLOOR, NOTHING, STATIC
 
 SCENES = [
     TinyHouse(doors=[Door((0.4, 0.5), yaw=-np.pi / 2, low=0.0, high=1.4)]),
@@ -135,7 +135,7 @@ def test_what_was_touched_is_told(fused):
     pushed = others[:, 0, door] == 0
     assert pushed.any()
     assert (impulse[:, 0, door][pushed] > 0).all()
-    assert others[-1, 2, 1] == LIMIT  # in the hand
+    assert others[-1, 2, 1] == NOTHING  # in the hand
     assert (others[5:, 2, 2] == STATIC).all()  # on the table, which is static box 0
     assert_allclose(impulse[10:, 2, 2], 9.81 * template.config.timing.ctrl_dt, rtol=0.02)
-    assert (others[:, 0, door + 1 : door + NUM_DOORS] == LIMIT).all()
+    assert (others[:, 0, door + 1 : door + NUM_DOORS] == NOTHING).all()

@@ -38,14 +38,14 @@ constexpr int POINTS_PER_MOBILE = 24; // contact points that there is room for
 constexpr int CONTACT_WORDS = 52;     // of memory that a contact takes, as in launch.py
 constexpr int SMALL_ISLAND = 6;       // mobiles whose Hessian fits into shared memory, as in launch.py
 // The second mobile of a contact with what does not move; static box c is STATIC - c.
-constexpr int LIMIT = -1, FLOOR = -2, STATIC = -3;
+constexpr int LIMIT = -1, NOTHING = -1, FLOOR = -2, STATIC = -3;
 constexpr int AGENT_COLUMNS = 8, DOOR_COLUMNS = 13, RAMP_COLUMNS = 8;  // of the tables, see native/limits.py
 constexpr int FREE = 1000000000;                                      // goal of a door that nothing drives
 constexpr real HEAVY = 1e20;                                          // mass against which a hinge lets nothing move
 constexpr int LOST_STATIC = 0, LOST_POINTS = 1;
 constexpr int LINE_STEPS = 40;
 constexpr int NUM_NUMBERS = 33;
-constexpr real ALIKE = 0.99, ALIKE_FACTOR = 0.95;  // see native/box_box.py
+constexpr real ALIKE = 0.99, ALIKE_FACTOR = 0.95;  // see native/shapes/box_box.py
 constexpr real REACH = 0.1;                        // [m], see native/contacts.py
 
 struct Numbers {

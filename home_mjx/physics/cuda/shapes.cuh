@@ -1,4 +1,4 @@
-// Contact points of pairs of shapes: what native/box_box.py and native/capsule.py do, in the same order.
+// Contact points of pairs of shapes: what native/shapes/box_box.py and native/shapes/capsule.py do, in the same order.
 
 struct Vec {
   real x, y, z;

@@ -7,9 +7,9 @@ from typing import no_type_check
 from numba import njit
 
 from home_mjx.core.native.memory import shifted
-from home_mjx.physics.native.box_box import box_box
-from home_mjx.physics.native.capsule import capsule_box, capsule_capsule
 from home_mjx.physics.native.limits import AGENT_COLUMNS, DOOR_COLUMNS, FLOOR, LIMIT, NEAR, STATIC
+from home_mjx.physics.native.shapes.box_box import box_box
+from home_mjx.physics.native.shapes.capsule import capsule_box, capsule_capsule
 from home_mjx.physics.native.work import LOST_POINTS, LOST_STATIC, NUM_CONTACTS
 
 REACH = 0.1  # [m]: static boxes up to this far are kept, until their mobile has moved as much

@@ -11,8 +11,6 @@ from numba.np.unsafe.ndarray import to_fixed_tuple
 from home_mjx.core.native import ffi, memory
 from home_mjx.core.native.memory import pointer_to, symbol_address
 from home_mjx.physics.native import (
-    box_box,
-    capsule,
     constraint,
     contacts,
     forces,
@@ -24,6 +22,7 @@ from home_mjx.physics.native import (
 )
 from home_mjx.physics.native import work as native_work
 from home_mjx.physics.native.numbers import Numbers
+from home_mjx.physics.native.shapes import box_box, capsule
 from home_mjx.physics.native.step import load_agents, load_house, step_env
 from home_mjx.physics.native.work import free_work, make_work
 

@@ -6,7 +6,7 @@ from jaxtyping import Array, Float, Int
 from mujoco import mjx
 
 from home_mjx.core.pytree import Pytree
-from home_mjx.physics.native.limits import FLOOR, LIMIT, STATIC
+from home_mjx.physics.base.touch import FLOOR, NOTHING, STATIC
 from home_mjx.physics.reference.template import Template
 
 
@@ -41,7 +41,7 @@ def find_pushes(template: Template, data: mjx.Data, slot_box: Int[Array, " s"]) 
         impulse=own.sum(axis=0),
         strongest=strongest,
         place=jnp.where((strongest > 0)[:, None], contact.pos[best], 0.0),
-        other=jnp.where(strongest > 0, other, LIMIT),
+        other=jnp.where(strongest > 0, other, NOTHING),
     )
 
 

@@ -16,7 +16,8 @@ import numpy as np
 from numba import njit, types
 
 from home_mjx.core.native.memory import stack_of
-from home_mjx.physics.native.limits import MOST_POINTS
+
+MOST_POINTS = 16  # of a pair of shapes
 
 NEARLY_PARALLEL = 1e-15  # of edges: length of the cross product of their directions
 PREFER_FACES = 1 - 1e-12  # an edge axis must overlap less than this times the best face axis
