@@ -29,6 +29,7 @@ GAP = 0.005  # [m], above the spot
 TRIES = 20  # control steps to put something down
 TURNED = 0.03  # [rad], from its goal, at which a door is let go
 THROW_IMPULSE = 20.0  # [N s]
+FALLS = 1e-3  # [m/s], of what is let go
 THROW_SPEED = 5.0  # [m/s]
 
 
@@ -105,11 +106,14 @@ def _release(
     thrown = state.qvel[4 * a : 4 * a + 3] + aim * speed
     qvel = state.qvel.at[rows].set(jnp.where(throws, thrown, state.qvel[rows]))
     opens = (held >= 0) & (throws | commands.drop[a])
-    return _opened(state.replace(qvel=qvel), a, opens)
+    return _opened(template, state.replace(qvel=qvel), a, opens)
 
 
-def _opened(state: PhysicsState, a: int, opens: Bool[Array, ""]) -> PhysicsState:
+def _opened(template: Template, state: PhysicsState, a: int, opens: Bool[Array, ""]) -> PhysicsState:
+    """What a hand lets go begins to fall, which tells kinematic physics of it."""
+    row = template.layout.body_qvel.start + 6 * jnp.maximum(state.held[a], 0) + 2
     return state.replace(
+        qvel=state.qvel.at[row].add(jnp.where(opens, jnp.float32(-FALLS), 0.0)),
         held=state.held.at[a].set(jnp.where(opens, -1, state.held[a])),
         spot=state.spot.at[a].set(jnp.where(opens, jnp.inf, state.spot[a])),
     )
@@ -201,7 +205,7 @@ def _settle_hand(template: Template, bodies: MovableBodies, state: PhysicsState,
     near = jnp.linalg.norm(pos - hand) < jnp.float32(TORN)
     tries = jnp.where(near & ~puts, TRIES, state.tries[a]) + 1
     tries = jnp.where(state.held[a] >= 0, tries, 0)
-    state = _opened(state.replace(tries=state.tries.at[a].set(tries)), a, there | torn)
+    state = _opened(template, state.replace(tries=state.tries.at[a].set(tries)), a, there | torn)
     vain = puts & (tries > TRIES) & (state.held[a] >= 0)
     carried = _carried(template, bodies, a, jnp.maximum(state.held[a], 0), state.grip[a, 3:])
     return state.replace(

@@ -11,6 +11,7 @@ from home_mjx.core.transforms import body_quat, quat_matrix, quat_multiply
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.base.control import FORWARD_SPEED, HALF_LENGTH, RADIUS, TURN_RATE
 from home_mjx.physics.base.state import PhysicsState
+from home_mjx.physics.kinematic.falling import drop_loose
 from home_mjx.physics.kinematic.footprints import Agents, Footprints, slide
 from home_mjx.physics.kinematic.leaves import give_way, leaf_boxes, turn_to_goals
 from home_mjx.physics.reference.house_model import house_doors
@@ -49,7 +50,10 @@ def step_kinematic(
     qpos = state.qpos.at[layout.agent_qpos].set(after.reshape(-1)).at[layout.door_qpos].set(angle)
     qvel = still.at[layout.agent_qpos].set(speed.reshape(-1))
     no = jnp.zeros((), bool)
-    moved = state.replace(qpos=_with_held(template, state, qpos), qvel=qvel, qacc=still, touched=touched)
+    qpos = _with_held(template, state, qpos)
+    if layout.num_bodies:
+        qpos = drop_loose(template, physics, house, state, qpos, fixed)
+    moved = state.replace(qpos=qpos, qvel=qvel, qacc=still, touched=touched)
     return moved, Lost(no, no, no)
 
 

@@ -1,0 +1,54 @@
+"""Things that hands have let go: they lie at once on what is below them."""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+
+from home_mjx.bank.records import Physics
+from home_mjx.core.transforms import quat_matrix
+from home_mjx.physics.base.state import PhysicsState
+from home_mjx.physics.kinematic.footprints import Footprints
+from home_mjx.physics.reference.template import Template
+
+SUNK = 0.02  # [m], by which what carries a thing may reach into it
+
+
+def drop_loose(
+    template: Template,
+    physics: Physics,
+    house: Int[Array, ""],
+    state: PhysicsState,
+    qpos: Float[Array, " q"],
+    boxes: Footprints,
+) -> Float[Array, " q"]:
+    """Positions after the things that begin to fall have fallen, one per hand.
+
+    Args:
+        template: The model.
+        physics: The houses.
+        house: Index of the house.
+        state: At the start of the step: what is loose has a speed there.
+        qpos: Positions after the step.
+        boxes: What may carry them: static boxes, then the movable bodies.
+    """
+    layout = template.layout
+    rows = qpos[layout.body_qpos].reshape(-1, 7)
+    speed = jnp.max(jnp.abs(state.qvel[layout.body_qvel].reshape(-1, 6)), axis=-1)
+    for _ in range(layout.num_agents):
+        body = jnp.argmax(speed)
+        pos, quat = rows[body, :3], rows[body, 3:]
+        half = jnp.matmul(jnp.abs(quat_matrix(quat)), physics.body_size[house, body], precision="highest")[2]
+        own = jnp.arange(boxes.x.shape[0], dtype=jnp.int32) == boxes.x.shape[0] - layout.num_bodies + body
+        others = boxes.replace(top=jnp.where(own, jnp.inf, boxes.top))
+        height = _support(others, pos, pos[2] - half)
+        height = jnp.maximum(height, physics.floor[house])
+        rows = rows.at[body, 2].set(jnp.where(speed[body] > 0, height + half, pos[2]))
+        speed = speed.at[body].set(0.0)
+    return qpos.at[layout.body_qpos].set(rows.reshape(-1))
+
+
+def _support(boxes: Footprints, pos: Float[Array, "3"], bottom: Float[Array, ""]) -> Float[Array, ""]:
+    """Highest top of a box under a point [m]; -inf if there is none."""
+    x, y = pos[0] - boxes.x, pos[1] - boxes.y
+    u, v = boxes.cos * x + boxes.sin * y, boxes.cos * y - boxes.sin * x
+    under = (jnp.abs(u) <= boxes.half_u) & (jnp.abs(v) <= boxes.half_v) & (boxes.top <= bottom + jnp.float32(SUNK))
+    return jnp.max(jnp.where(under, boxes.top, -jnp.inf))
