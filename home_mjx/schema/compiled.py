@@ -130,6 +130,26 @@ class Doors:
 
 
 @dataclass(frozen=True)
+class Ramps:
+    """Slopes that stand for flights of stairs: static boxes, the upper side of each from floor to floor."""
+
+    object_id: Int[np.ndarray, " f"]  # Semantic.OBJECT of the stairs
+    pos: Float[np.ndarray, "f 3"]  # [m], centre
+    quat: Float[np.ndarray, "f 4"]  # wxyz; the box's x axis points uphill
+    size: Float[np.ndarray, "f 3"]  # [m], half extents
+    slope: Float[np.ndarray, " f"]  # [rad], above the horizontal
+    up: Float[np.ndarray, "f 2"]  # unit direction uphill in the plan
+    collider: Int[np.ndarray, " f"]  # row of Colliders with the same box
+
+    @staticmethod
+    def none() -> "Ramps":
+        """No stairs."""
+        box = {"pos": np.zeros((0, 3)), "quat": np.zeros((0, 4)), "size": np.zeros((0, 3))}
+        rows = np.zeros(0, np.int32)
+        return Ramps(rows, **box, slope=np.zeros(0), up=np.zeros((0, 2)), collider=rows)
+
+
+@dataclass(frozen=True)
 class Planes:
     """Rectangles of walls, floors and ceilings that mirror sound, facing the room."""
 
@@ -172,14 +192,16 @@ class Portals:
 
 FIELD_UNIT = 0.0025  # [m], of stored geodesic distances
 FIELD_FAR = 65535  # stored distance where there is no path
+BELOW_FLOOR = 0.3  # [m]: a point so far below the lowest floor of a level still counts as on that level
 
 
 @dataclass(frozen=True)
 class Navigation:
     """Where an agent can stand: one grid per level that has rooms, the lowest first; row = y, column = x.
 
-    Starts and goals lie in region 0, the home region: the largest one of the ground floor, and where agents climb
-    stairs, of the levels that are joined to it. Its cells are numbered in the order of the grids.
+    Region 0 is the home region: the largest one of the ground floor and, where agents climb stairs, of the levels that
+    are joined to it. Its cells are numbered in the order of the grids. Ramps are part of it: of each, what lies more
+    than `BELOW_FLOOR` below the upper level is in the grid of the lower one. Starts and goals lie on floors.
     """
 
     origin: Float[np.ndarray, " 2"]  # [m], corner of cell (0, 0) of every grid
@@ -191,6 +213,7 @@ class Navigation:
     region: Int[np.ndarray, "l ny nx"]  # connected region where the agent's axis may be, larger before smaller; -1 none
     region_area: Float[np.ndarray, " n"]  # [m^2]
     room: Int[np.ndarray, "l ny nx"]  # room index; -1 outside
+    height: Float[np.ndarray, " c"]  # [m], of the floor or ramp under each home cell
     start: Float[np.ndarray, "s 3"]  # [m], sampled points of the home region, on the floor
     goal: Float[np.ndarray, "g 3"]
     field: UInt16[np.ndarray, "c g"]  # [FIELD_UNIT], geodesic distance of each home cell to each goal; FIELD_FAR
@@ -233,6 +256,7 @@ class CompiledHouse:
     models: Mapping[str, Model]
     report: Mapping[str, int]  # counts: levels, rooms, objects, parts, triangles, ...
     doors: Doors = field(default_factory=Doors.none)
+    ramps: Ramps = field(default_factory=Ramps.none)
     lights: LightTable = field(default_factory=LightTable.none)
     gloss: Gloss = field(default_factory=lambda: Gloss.matt(0))  # of the first rows of `materials`; the rest is matt
     # Ids of objects that could be pushed if they did not stand in something.

@@ -10,12 +10,11 @@ from jaxtyping import Bool, Float
 from home_mjx.scene_compile.architecture.shell import Shell, Wall
 from home_mjx.scene_compile.architecture.slabs import wall_boxes
 from home_mjx.scene_compile.geometry.box_fit import components, fit_boxes, narrowest_box
-from home_mjx.scene_compile.geometry.boxes import BoxSet, box_of, footprint, join, no_boxes
+from home_mjx.scene_compile.geometry.boxes import BoxSet, footprint, join, no_boxes
 from home_mjx.scene_compile.geometry.mesh import bounds
 from home_mjx.scene_compile.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.objects.doorways import PORTALS
 from home_mjx.scene_compile.objects.place import PlacedObject
-from home_mjx.schema.compiled import Rooms
 
 SOFT = ("curtain", "rug")  # an agent walks through or over them
 FITTING = 0.2  # [m]: handles and hinges of a door are smaller
@@ -48,16 +47,6 @@ def wall_colliders(shell: Shell, options: ColliderOptions) -> BoxSet:
         if isinstance(part, Wall):
             walls.setdefault(int(partition), []).append(part.slab)
     return join(wall_boxes(slabs, options.wall_length) for slabs in walls.values())
-
-
-def floor_colliders(rooms: Rooms, floor: float, options: ColliderOptions) -> BoxSet:
-    """Slabs under rooms whose floor lies above the ground floor, which itself is a plane."""
-    raised = np.flatnonzero((rooms.floor > floor + options.step) & (rooms.floor < floor + options.height))
-    slabs = []
-    for room in raised:
-        low, high = rooms.polygon[room].min(axis=0), rooms.polygon[room].max(axis=0)
-        slabs.append(box_of(np.array([[*low, floor], [*high, rooms.floor[room]]])))
-    return join(slabs)
 
 
 def object_colliders(item: PlacedObject, floor: float, options: ColliderOptions) -> tuple[BoxSet, list[BoxSet]]:
@@ -162,16 +151,13 @@ def passable_leaves(leaves: Sequence[BoxSet], free_area: Callable[[BoxSet], floa
 
 
 def not_hidden(boxes: BoxSet) -> Bool[np.ndarray, " n"]:
-    """All boxes but those that nothing on the floor can touch before it touches another one.
-
-    A box is such if its footprint lies in that of another which begins no higher: what reaches up to the first one
-    from the floor meets the second one on the way, as a vase on a table is behind the table's edge.
-    """
+    """All boxes but those that lie in another one: nothing can touch them."""
     kept = np.ones(len(boxes), bool)
     corners = np.array([footprint(boxes, i) for i in range(len(boxes))]).reshape(-1, 4, 2)
     for i in range(len(boxes)):
         local = (corners - boxes.center[i, :2]) @ yaw_matrix(boxes.yaw[i])[:2, :2]
-        inside = (abs(local) <= boxes.half[i, :2] + 1e-6).all(axis=(1, 2)) & (boxes.bottom >= boxes.bottom[i] - 1e-6)
+        inside = (abs(local) <= boxes.half[i, :2] + 1e-6).all(axis=(1, 2))
+        inside &= (boxes.bottom >= boxes.bottom[i] - 1e-6) & (boxes.top <= boxes.top[i] + 1e-6)
         inside[i] = False
         if kept[i]:
             kept &= ~inside

@@ -13,7 +13,7 @@ from home_mjx.scene_compile.collision.colliders import (
     passable_leaves,
 )
 from home_mjx.scene_compile.collision.movables import Candidate
-from home_mjx.scene_compile.geometry.boxes import BoxSet, join, no_boxes
+from home_mjx.scene_compile.geometry.boxes import BoxSet, distinct, join, no_boxes
 from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.compiled import Colliders
 
@@ -48,9 +48,7 @@ class LevelBoxes:
         return join([self.walls, *(leaf.box for leaf in self.loose), self.hinged])
 
 
-def level_boxes(
-    walls: BoxSet, objects: Sequence[PlacedObject], floor: float, options: ColliderOptions, with_leaves: bool
-) -> LevelBoxes:
+def level_boxes(walls: BoxSet, objects: Sequence[PlacedObject], floor: float, options: ColliderOptions) -> LevelBoxes:
     """The boxes that something on a floor can touch.
 
     Args:
@@ -58,10 +56,9 @@ def level_boxes(
         objects: Those that may reach into the level.
         floor: Height of the level's floor [m].
         options: How boxes are fitted.
-        with_leaves: Whether leaves whose hinges are not known are there; without, these doors are wide open.
     """
     fitted = {o.object_id: object_colliders(o, floor, options) for o in objects}
-    loose = [LooseLeaf(i, leaf) for i, (_, leaves) in fitted.items() for leaf in leaves] if with_leaves else []
+    loose = [LooseLeaf(i, leaf) for i, (_, leaves) in fitted.items() for leaf in leaves]
     return LevelBoxes(
         keep_reachable(walls, floor, options),
         {object_id: boxes for object_id, (boxes, _) in fitted.items()},
@@ -117,17 +114,31 @@ def find_obstacles(boxes: LevelBoxes, moving: Sequence[Candidate], free_area: Ca
     return Obstacles(boxes, moving, [leaf for leaf in boxes.loose if any(leaf.box is box for box in kept)])
 
 
-def static_colliders(obstacles: Obstacles, fence: BoxSet) -> Colliders:
-    """The boxes that stay, without those behind others; the barriers and then the fence are the last.
+def static_colliders(levels: Sequence[Obstacles], floors: BoxSet, unseen: BoxSet) -> Colliders:
+    """The boxes of all levels that stay, without those that lie in others; the invisible ones are the last.
 
     Args:
-        obstacles: Of the level.
-        fence: Around the lot.
+        levels: What is in the way on each.
+        floors: Of all levels.
+        unseen: Fences, railings and guards; barriers of the levels come before them.
     """
-    standing = obstacles.standing
-    counts = [(-1, len(obstacles.boxes.walls)), *((i, len(b)) for i, b in standing.items())]
-    counts += [(leaf.object_id, 1) for leaf in obstacles.felt]
-    counts += [(-1, len(obstacles.barriers) + len(fence))]
-    boxes = join([obstacles.static, fence])
-    shown = not_hidden(boxes) | (np.arange(len(boxes)) >= len(boxes) - len(obstacles.barriers) - len(fence))
+    objects, loose = (
+        by_object([level.standing for level in levels]),
+        {id(leaf.box): leaf for level in levels for leaf in level.felt}.values(),
+    )
+    walls = distinct(join(level.boxes.walls for level in levels))
+    barriers = join([*(level.barriers for level in levels), unseen])
+    counts = [(-1, len(floors) + len(walls)), *((i, len(b)) for i, b in objects.items())]
+    counts += [(leaf.object_id, 1) for leaf in loose] + [(-1, len(barriers))]
+    boxes = join([floors, walls, *objects.values(), *(leaf.box for leaf in loose), barriers])
+    shown = not_hidden(boxes) | (np.arange(len(boxes)) >= len(boxes) - len(barriers))
     return boxes[shown].colliders(np.repeat(*np.array(counts, np.int32).T)[shown])
+
+
+def by_object(levels: Sequence[Mapping[int, BoxSet]]) -> dict[int, BoxSet]:
+    """Boxes by object id: those that something on any of the levels can touch."""
+    found: dict[int, list[BoxSet]] = {}
+    for level in levels:
+        for object_id, boxes in level.items():
+            found.setdefault(object_id, []).append(boxes)
+    return {object_id: distinct(join(boxes)) for object_id, boxes in found.items()}

@@ -1,28 +1,35 @@
-"""Which objects can be pushed: a few boxes that stand free on the ground floor."""
+"""Objects that can be moved: their categories, limits, and bodies, one box each."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
-from jaxtyping import Float
 
 from home_mjx.core.checks import check_number
-from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, footprint, join, overlap
+from home_mjx.scene_compile.geometry.boxes import BoxSet, join
 from home_mjx.scene_compile.geometry.mesh import bounds, compose, invert
 from home_mjx.scene_compile.geometry.rotations import yaw_matrix, yaw_quat
-from home_mjx.scene_compile.objects.masses import object_mass
 from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.compiled import Bodies
 from home_mjx.schema.house import Object
 
-# Categories of what stands on the floor without being fixed to the house.
+# Categories of what stands or lies somewhere without being fixed to the house.
 MOVABLE_COARSE = {
-    *("bed", "bench_chair", "chair", "desk", "dresser", "dressing_table", "ottoman", "plant", "shoes_cabinet"),
-    *("shelving", "sofa", "stand", "storage_bench", "table", "toy", "trash_can", "tv_stand", "vase"),
-    "wardrobe_cabinet",
+    *("bed", "bench_chair", "books", "candle", "cart", "chair", "clock", "computer", "decoration", "desk", "dresser"),
+    *("dressing_table", "kitchenware", "magazines", "music", "ottoman", "pillow", "plant", "shelving", "shoes"),
+    *("shoes_cabinet", "sofa", "stand", "storage_bench", "table", "television", "toy", "trash_can", "trinket"),
+    *("tripod", "tv_stand", "vase", "wardrobe_cabinet"),
 }
-MOVABLE_FINE = {"container", "containers", "floor_lamp", "loudspeaker", "pedestal_fan", "trash_can"}
-FIXED_FINE = {"bunker_bed", "chair_set", "fish_tank"}
+MOVABLE_FINE = {
+    *("amplifier", "beer", "bottle", "bread", "cake", "camera", "cellphone", "chessboard", "coffee_kettle"),
+    *("coffee_machine", "container", "containers", "cooker", "cup", "cutting_board", "fishbowl", "floor_lamp", "food"),
+    *("food_processor", "food_tray", "fruit_bowl", "glass", "hair_dryer", "hanger", "helmet", "ipad", "iron", "jug"),
+    *("kettle", "keyboard", "knife_rack", "laptop", "loudspeaker", "microwave", "mortar_and_pestle", "pan"),
+    *("pedestal_fan", "place_setting", "plates", "playstation", "soap_dish", "soap_dispenser", "stationary_container"),
+    *("table_lamp", "teapot", "telephone", "toaster", "toiletries", "trash_can", "tricycle", "utensil_holder"),
+    *("vacuum_cleaner", "weight_scale", "xbox"),
+}
+FIXED_FINE = {"bunker_bed", "chair_set", "drumset", "fish_tank", "piano"}
 
 
 @dataclass(frozen=True)
@@ -30,26 +37,31 @@ class MovableOptions:
     """Which objects become bodies.
 
     Attributes:
-        max_bodies: Most bodies of a house; the lightest objects go first. 0: nothing moves.
-        reach: A movable object stands within this of the floor [m].
+        max_bodies: Most bodies of a house; the lightest objects go first.
+        reach: An object stands on a floor, or lies on what is below it, if it ends within this of it [m].
         shrink: Most that each side of its box may be drawn in to stand free [m].
         seat: Least height of a box whose top is lowered to fit under something, as a chair's under a table [m].
         largest: Longest edge of a movable object [m].
+        smallest: Shortest edge of a movable object [m]: sheets and plates stay where they are.
 
     Raises:
-        ConfigError: A value cannot be used.
+        ConfigError: A value is not a number of its range.
+
+    Example:
+        >>> MovableOptions(max_bodies=0).max_bodies  # nothing moves
+        0
     """
 
-    max_bodies: int = 8
+    max_bodies: int = 32
     reach: float = 0.05
     shrink: float = 0.05
     seat: float = 0.35
     largest: float = 2.6
+    smallest: float = 0.01
 
     def __post_init__(self) -> None:
-        check_number("max_bodies", self.max_bodies, 0, whole=True)
-        for name in ("reach", "shrink", "seat", "largest"):
-            check_number(name, getattr(self, name), 0)
+        for option in fields(self):
+            check_number(f"movables.{option.name}", getattr(self, option.name), 0, whole=option.name == "max_bodies")
 
 
 @dataclass(frozen=True)
@@ -58,138 +70,18 @@ class Candidate:
 
     item: PlacedObject
     box: BoxSet
-    mass: float
+    mass: float  # [kg]
+    floor: float | None  # [m], height of the floor that it stands on; None: something else carries it
 
 
-def choose_movables(
-    objects: Sequence[PlacedObject],
-    static: Mapping[int, BoxSet],
-    walls: BoxSet,
-    floor: float,
-    ground_level: int,
-    options: MovableOptions,
-) -> tuple[list[Candidate], list[int]]:
-    """The objects that become bodies, lightest first, and ids of those that cannot since they stand in something.
-
-    Args:
-        objects: All objects of the house.
-        static: Boxes of each object while it cannot be moved, by object id.
-        walls: Boxes of the architecture.
-        floor: Height of the ground floor [m].
-        ground_level: The level on it.
-        options: Limits.
-    """
-    supports = _supports(objects)
-    free = [
-        Candidate(o, _on_floor(o.box, floor), object_mass(o))
-        for o in objects
-        if o.level == ground_level and o.object_id not in supports and _may_move(o, floor, options)
-    ]
-    candidates = sorted(free, key=lambda c: (c.mass, c.item.object_id))
-    standing = _settle(candidates, objects, static, walls, options)
-    ids = [c.item.object_id for c in standing[: options.max_bodies]]
-    # Those that are left over are obstacles with boxes of their own, which may reach a little farther.
-    chosen = _settle([c for c in candidates if c.item.object_id in ids], objects, static, walls, options)
-    free_ids = {c.item.object_id for c in standing}
-    return chosen, [c.item.object_id for c in candidates if c.item.object_id not in free_ids]
-
-
-def _may_move(item: PlacedObject, floor: float, options: MovableOptions) -> bool:
-    """By category, size and place: what hangs, is built in or stands outside stays."""
+def may_move(item: PlacedObject, options: MovableOptions) -> bool:
+    """By category and size: what is built in or stands outside stays; what hangs on a wall is left out later."""
     if not isinstance(item.node, Object) or item.room < 0 or item.info.fine in FIXED_FINE:
         return False
     if item.info.coarse not in MOVABLE_COARSE and item.info.fine not in MOVABLE_FINE:
         return False
-    low, high = bounds(item.triangles)
-    return bool(abs(low[2] - floor) <= options.reach and (high - low).max() <= options.largest)
-
-
-def _supports(objects: Sequence[PlacedObject], gap: float = 0.03) -> set[int]:
-    """Ids of the objects that carry another one."""
-    boxes = np.array([bounds(o.triangles) for o in objects]).reshape(-1, 2, 3)
-    carriers = set()
-    for low, high in boxes:
-        middle = (low + high)[:2] / 2
-        over = ((boxes[:, 0, :2] < middle) & (boxes[:, 1, :2] > middle)).all(axis=1)
-        on = over & (low[2] > boxes[:, 0, 2] + gap) & (low[2] < boxes[:, 1, 2] + gap)
-        carriers |= {o.object_id for o, below in zip(objects, on, strict=True) if below}
-    return carriers
-
-
-def _on_floor(box: BoxSet, floor: float) -> BoxSet:
-    """The box with its underside on the floor."""
-    low, high = floor, box.top[0]
-    center, half = box.center.copy(), box.half.copy()
-    center[0, 2], half[0, 2] = (low + high) / 2, (high - low) / 2
-    return BoxSet(center, half, box.yaw)
-
-
-def _settle(
-    candidates: list[Candidate],
-    objects: Sequence[PlacedObject],
-    static: Mapping[int, BoxSet],
-    walls: BoxSet,
-    options: MovableOptions,
-) -> list[Candidate]:
-    """The candidates whose boxes touch nothing, drawn in a little if need be; the others stay where they are."""
-    moving = list(candidates)
-    while True:
-        ids = {c.item.object_id for c in moving}
-        fixed = join([walls, *(static[o.object_id] for o in objects if o.object_id not in ids)])
-        standing: list[Candidate] = []
-        for c in moving:
-            box = _draw_in(c.box, join([fixed, *(s.box for s in standing)]), options)
-            if box is not None:
-                standing.append(Candidate(c.item, box, c.mass))
-        if len(standing) == len(moving):
-            return standing
-        # Those that failed are obstacles now, so the rest must be looked at again.
-        moving = [c for c in moving if any(s.item is c.item for s in standing)]
-
-
-def _draw_in(box: BoxSet, obstacles: BoxSet, options: MovableOptions, gap: float = 1e-3) -> BoxSet | None:
-    """The box drawn in until it is `gap` away from every obstacle; None if the limits do not allow it."""
-    low, high = -box.half[0].copy(), box.half[0].copy()
-    for i in _near(box, obstacles):
-        now = _cut(box, low, high)
-        if overlap(now, obstacles[i : i + 1])[0] <= -gap or obstacles.bottom[i] >= now.top[0]:
-            continue
-        below = obstacles.bottom[i] - gap - box.center[0, 2]
-        if below - low[2] >= options.seat:
-            high[2] = below
-        else:
-            _draw_side(box, obstacles, i, low, high, gap)
-    drawn = np.maximum(box.half[0] - high, low + box.half[0])[:2]
-    if (drawn > options.shrink).any() or (high - low < 0.5 * 2 * box.half[0])[:2].any():
-        return None
-    return _cut(box, low, high)
-
-
-def _draw_side(
-    box: BoxSet, obstacles: BoxSet, index: int, low: Float[np.ndarray, "3"], high: Float[np.ndarray, "3"], gap: float
-) -> None:
-    """Moves the one of four sides that has the shortest way to get clear of an obstacle."""
-    corners = (footprint(obstacles, index) - box.center[0, :2]) @ yaw_matrix(box.yaw[0])[:2, :2]
-    ways = np.array([high[:2] - corners.min(axis=0), corners.max(axis=0) - low[:2]])
-    side, axis = divmod(int(ways.argmin()), 2)
-    if side == 0:
-        high[axis] -= ways[0, axis] + gap
-    else:
-        low[axis] += ways[1, axis] + gap
-
-
-def _cut(box: BoxSet, low: Float[np.ndarray, "3"], high: Float[np.ndarray, "3"]) -> BoxSet:
-    """The part of a box between two corners in its own frame."""
-    center = box.center[0] + yaw_matrix(box.yaw[0]) @ ((low + high) / 2)
-    return box_set(center, (high - low) / 2, box.yaw[0])
-
-
-def _near(box: BoxSet, obstacles: BoxSet) -> list[int]:
-    """Rows of the obstacles whose bounding circles and heights overlap those of a box."""
-    apart = np.linalg.norm(obstacles.center[:, :2] - box.center[0, :2], axis=1)
-    reach = np.linalg.norm(obstacles.half[:, :2], axis=1) + np.linalg.norm(box.half[0, :2])
-    level = (obstacles.bottom < box.top[0]) & (obstacles.top > box.bottom[0])
-    return np.flatnonzero((apart < reach) & level).tolist()
+    edges = np.ptp(bounds(item.triangles), axis=0)
+    return bool(edges.max() <= options.largest and edges.min() >= options.smallest)
 
 
 def make_bodies(chosen: Sequence[Candidate]) -> Bodies:

@@ -68,6 +68,12 @@ def join(sets: Iterable[BoxSet]) -> BoxSet:
     return BoxSet(*(np.concatenate([getattr(s, name) for s in sets]) for name in ("center", "half", "yaw")))
 
 
+def distinct(boxes: BoxSet) -> BoxSet:
+    """Each of the boxes once, in their order."""
+    _, first = np.unique(np.c_[boxes.center, boxes.half, boxes.yaw], axis=0, return_index=True)
+    return boxes[np.sort(first)]
+
+
 def box_of(points: Float[np.ndarray, "n 3"], yaw: float = 0.0) -> BoxSet:
     """The smallest box around points with the given yaw."""
     turn = yaw_matrix(yaw)

@@ -158,10 +158,10 @@ def _looking_along_x() -> dict[str, str]:
 
 
 def _add_static_boxes(world: ET.Element, house: CompiledHouse, exact: bool) -> None:
-    """All colliders but, if exact, those of objects, which have their own here."""
-    boxes = house.colliders
+    """All colliders but, if exact, those of objects, which have their own here; stairs are ramps all the same."""
+    boxes, ramps = house.colliders, set(house.ramps.collider.tolist())
     for i, (pos, quat, size) in enumerate(zip(boxes.pos, boxes.quat, boxes.size, strict=True)):
-        if not exact or boxes.object_id[i] < 0:
+        if not exact or boxes.object_id[i] < 0 or i in ramps:
             add_box(world, f"static{i}", size, pos=numbers(pos), quat=numbers(quat))
 
 
@@ -178,7 +178,7 @@ def _add_instance(world: ET.Element, house: CompiledHouse, instance: int, assets
         place = {"pos": numbers(pose[:, 3]), "quat": _quat(rotation)}
         element = ET.SubElement(world, "body", place, name=name)
         _add_visuals(element, house, instance, assets, stretch)
-        if exact and house.instances.object_id[instance] in house.colliders.object_id and instance != ARCHITECTURE:
+        if exact and house.instances.object_id[instance] in _solid_objects(house):
             _add_pieces(element, house, instance, assets, stretch)
     else:
         element = _add_movable(world, house, body, name)
@@ -188,6 +188,11 @@ def _add_instance(world: ET.Element, house: CompiledHouse, instance: int, assets
         _add_visuals(element, house, instance, assets, stretch, **place)
         if not exact or not _add_pieces(element, house, instance, assets, stretch, **place, **MEETS_LEAVES):
             add_box(element, name, house.bodies.size[body], **MEETS_LEAVES)
+
+
+def _solid_objects(house: CompiledHouse) -> set[int]:
+    """Ids of the objects that can be touched, but no stairs: agents climb the ramps over them."""
+    return set(house.colliders.object_id.tolist()) - set(house.ramps.object_id.tolist()) - {-1}
 
 
 def _name(house: CompiledHouse, instance: int) -> str:

@@ -49,11 +49,11 @@ def part_overlaps(root: ET.Element, files: Mapping[str, bytes]) -> list[dict[str
 
 
 def _onto_floor(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> Float[np.ndarray, "3"]:
-    """The way down or up that puts the lowest point of a body's colliders onto the floor plane."""
+    """The way down or up that puts the lowest point of a body's colliders onto the floor plane; none for others."""
     mujoco.mj_kinematics(model, data)
     floor = model.geom("floor").pos[2]
     shift = np.array([0.0, 0.0, floor - _lowest(model, data, body)])
-    shift[2] = np.clip(shift[2], -FARTHEST, FARTHEST)
+    shift[2] = shift[2] if abs(shift[2]) <= FARTHEST else 0.0  # it lies on something else
     _put(model, data, body, shift)
     return shift
 

@@ -11,8 +11,9 @@ from home_mjx.scene_compile.navigation.free_space import FreeSpace, NavigationOp
 from home_mjx.scene_compile.navigation.geodesic import distance_fields
 from home_mjx.scene_compile.navigation.portals import find_portals, room_hops
 from home_mjx.scene_compile.navigation.regions import label_regions
-from home_mjx.scene_compile.navigation.stairs import Stairs, stair_links
+from home_mjx.scene_compile.navigation.stairs import stair_links
 from home_mjx.scene_compile.objects.doorways import Doorway
+from home_mjx.scene_compile.objects.stairs import Flight
 from home_mjx.schema.compiled import FIELD_FAR, FIELD_UNIT, Navigation, Rooms
 
 DEFAULT_OPTIONS = NavigationOptions()
@@ -25,7 +26,7 @@ def build_navigation(
     spaces: Sequence[FreeSpace],
     options: NavigationOptions = DEFAULT_OPTIONS,
     doorways: Sequence[Sequence[Doorway]] = (),
-    stairs: Sequence[Stairs] = (),
+    flights: Sequence[Flight] = (),
     leaves: Sequence[BoxSet] = (),
 ) -> Navigation:
     """Regions, portals, starts, goals and distance fields on the free space of a house.
@@ -36,18 +37,24 @@ def build_navigation(
         spaces: Where an agent can stand on each level that has rooms, the lowest first; there it can stand somewhere.
         options: Counts.
         doorways: Of each level; none by default.
-        stairs: Flights between the levels.
+        flights: Stairs between the levels, on which agents walk.
         leaves: Boxes of each level where leaves may stand: no start and no goal is in them, but ways lead through.
     """
     ground = spaces[0]
     standable, room = np.stack([s.standable for s in spaces]), np.stack([s.room for s in spaces])
     centres = ground.x, ground.y
-    links = stair_links(stairs, standable, centres)
-    region, area = label_regions(standable, links if options.climb else (), options.cell)
+    height, on_ramp = np.stack([s.height for s in spaces]), np.stack([s.on_ramp for s in spaces])
+    ways = stair_links(flights, standable, centres)
+    links = [link for way in ways for link in way]
+    region, area = label_regions(standable, links, options.cell)
     home = region == 0
-    portals = find_portals(rooms, room, standable, centres, doorways or [[] for _ in spaces], links)
+    reach = options.agent_radius + options.margin
+    climbed = [
+        (f, max(f.width - 2 * reach, options.cell) if way else 0.0) for f, way in zip(flights, ways, strict=True)
+    ]
+    portals = find_portals(rooms, room, standable, centres, doorways or [[] for _ in spaces], climbed)
     rng = np.random.default_rng(int.from_bytes(hashlib.sha256(house_id.encode()).digest()[:8], "little"))
-    drawn = _beside_leaves(home, spaces, rooms, leaves, options)
+    drawn = _beside_leaves(home & ~on_ramp, spaces, rooms, leaves, options)
     goals = _spread_goals(drawn, room, options.num_goals, rng)
     cells = rng.permutation(np.argwhere(drawn))[np.arange(options.num_starts) % drawn.sum()]
     jitter = rng.uniform(-0.5, 0.5, (options.num_starts, 2)) * options.margin
@@ -61,9 +68,10 @@ def build_navigation(
         region=region,
         region_area=area,
         room=room,
+        height=height[home],
         start=_place(ground, rooms, room, cells, jitter),
         goal=_place(ground, rooms, room, goals, np.zeros((len(goals), 2))),
-        field=_stored(distance_fields(home, goals, options.cell, links)),
+        field=_stored(distance_fields(home, goals, options.cell, links, height)),
         portals=portals,
         room_hops=room_hops(portals, len(rooms.type)),
     )

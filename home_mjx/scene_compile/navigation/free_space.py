@@ -11,6 +11,7 @@ from scipy import ndimage
 from home_mjx.core.checks import check_flag, check_number
 from home_mjx.scene_compile.geometry.boxes import BoxSet, footprint_distance
 from home_mjx.scene_compile.geometry.polygons import inside_polygon, smallest_room
+from home_mjx.scene_compile.objects.stairs import Flight
 from home_mjx.schema.compiled import Rooms
 
 
@@ -26,8 +27,8 @@ class NavigationOptions:
         step: Obstacles lower than this above the floor do not count [m].
         num_starts: Start points drawn.
         num_goals: Goals, each with a distance field.
-        climb: Whether agents take stairs: then starts and goals lie on all levels that stairs join. The physics has
-            no upper floors yet, so by default they lie on the ground floor.
+        climb: Whether agents take stairs: then starts and goals lie on all levels that stairs join; otherwise stairs
+            are obstacles, and starts and goals lie on the ground floor.
     """
 
     cell: float = 0.1
@@ -37,7 +38,7 @@ class NavigationOptions:
     step: float = 0.03
     num_starts: int = 256
     num_goals: int = 32
-    climb: bool = False
+    climb: bool = True
 
     def __post_init__(self) -> None:
         check_number("cell", self.cell, 0.01, 10)
@@ -58,6 +59,8 @@ class FreeSpace:
     y: Float[np.ndarray, " ny"]
     room: Int[np.ndarray, "ny nx"]
     standable: Bool[np.ndarray, "ny nx"]
+    height: Float[np.ndarray, "ny nx"]  # [m], of the floor or ramp in a room; anything elsewhere
+    on_ramp: Bool[np.ndarray, "ny nx"]
 
     @cached_property
     def free(self) -> Bool[np.ndarray, "ny nx"]:
@@ -75,6 +78,8 @@ def free_space(
     passages: Sequence[Float[np.ndarray, "4 2"]] = (),
     options: NavigationOptions = NavigationOptions(),
     level: int | None = None,
+    upstairs: Sequence[Flight] = (),
+    downstairs: Sequence[Flight] = (),
 ) -> FreeSpace:
     """Rooms of a level, and where in them an agent can stand.
 
@@ -84,15 +89,26 @@ def free_space(
         passages: Footprints of doorways, interior as well where rooms leave a gap between them [m].
         options: Sizes.
         level: Level index; None for the lowest that has rooms.
+        upstairs: Flights that begin here.
+        downstairs: Flights that end here.
     """
     level = int(rooms.level.min()) if level is None else level
     here = np.flatnonzero(rooms.level == level)
     origin, x, y = _grid(rooms.polygon, options.cell)
-    room = _label_rooms(rooms, here, passages, x, y)
+    treads = [flight.part(flight.run, flight.run + flight.landing) for flight in downstairs]
+    room = _label_rooms(rooms, here, [*passages, *treads], x, y)
+    height, on_ramp, closed = rooms.floor[room], np.zeros(room.shape, bool), np.zeros(room.shape, bool)
+    points = np.stack(np.meshgrid(x, y), axis=-1)
+    for flight, end in [*((f, 0) for f in upstairs), *((f, 1) for f in downstairs)]:
+        over, beyond = flight.contains(points), flight.along(points) - flight.split
+        room, height = np.where(over, flight.room[end], room), np.where(over, flight.surface(points), height)
+        # Both levels have the cells around the split, where one goes on in the other.
+        here_too = (beyond > -1.5 * options.cell) if end else (beyond < 1.5 * options.cell)
+        on_ramp, closed = on_ramp | over, closed | (over & ~here_too)
     reach = options.agent_radius + options.margin
-    away = clearance(obstacles, rooms.floor[room], x, y, (options.step, options.agent_height), reach)
-    standable = (room >= 0) & (away >= reach)
-    return FreeSpace(level, origin, x, y, room.astype(np.int16), standable)
+    away = clearance(obstacles, height, x, y, (options.step, options.agent_height), reach)
+    standable = (room >= 0) & (away >= reach) & ~closed
+    return FreeSpace(level, origin, x, y, room.astype(np.int16), standable, height, on_ramp)
 
 
 def _grid(

@@ -21,7 +21,11 @@ class Link:
 
 
 def distance_fields(
-    free: Bool[np.ndarray, "l ny nx"], goals: Int[np.ndarray, "g 3"], cell: float, links: Sequence[Link] = ()
+    free: Bool[np.ndarray, "l ny nx"],
+    goals: Int[np.ndarray, "g 3"],
+    cell: float,
+    links: Sequence[Link] = (),
+    height: Float[np.ndarray, "l ny nx"] | None = None,
 ) -> Float[np.ndarray, "c g"]:
     """Length of the shortest 8-connected path over free cells to each goal; no corner is cut.
 
@@ -30,12 +34,14 @@ def distance_fields(
         goals: Grid, row and column of each goal; free cells.
         cell: [m].
         links: Ways between grids; those that do not begin and end at free cells do not count.
+        height: Of the cells [m]; None: all lie equally high.
 
     Returns:
         Of each free cell, in the order of the grids [m]; inf where there is no path.
     """
     number = np.where(free, np.cumsum(free).reshape(free.shape) - 1, -1)
-    edges = [_neighbours(free, number, step, cell) for step in STEPS]
+    height = np.zeros(free.shape) if height is None else height
+    edges = [_neighbours(free, number, height, step, cell) for step in STEPS]
     edges += [(number[link.start][None], number[link.end][None], np.array([link.length])) for link in links]
     sources, targets, lengths = (np.concatenate(parts) for parts in zip(*edges, strict=True))
     known = (sources >= 0) & (targets >= 0)
@@ -44,7 +50,11 @@ def distance_fields(
 
 
 def _neighbours(
-    free: Bool[np.ndarray, "l ny nx"], number: Int[np.ndarray, "l ny nx"], step: tuple[int, int], cell: float
+    free: Bool[np.ndarray, "l ny nx"],
+    number: Int[np.ndarray, "l ny nx"],
+    height: Float[np.ndarray, "l ny nx"],
+    step: tuple[int, int],
+    cell: float,
 ) -> tuple[Int[np.ndarray, " e"], Int[np.ndarray, " e"], Float[np.ndarray, " e"]]:
     """Pairs of free cells that are one step apart, and how long it is."""
     here, there = _shifted(*step)
@@ -52,7 +62,8 @@ def _neighbours(
     if all(step):
         for corner in ((step[0], 0), (0, step[1])):
             way &= free[_corner(step, corner)]
-    return number[here][way], number[there][way], np.full(int(way.sum()), cell * np.hypot(*step))
+    length = np.hypot(cell * np.hypot(*step), height[here][way] - height[there][way])
+    return number[here][way], number[there][way], length
 
 
 def _shifted(dy: int, dx: int) -> tuple[tuple, tuple]:

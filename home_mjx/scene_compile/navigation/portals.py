@@ -9,8 +9,8 @@ from scipy.sparse.csgraph import connected_components, shortest_path
 from scipy.spatial import KDTree
 
 from home_mjx.scene_compile.geometry.polygons import inside_polygon
-from home_mjx.scene_compile.navigation.geodesic import Link
 from home_mjx.scene_compile.objects.doorways import Doorway
+from home_mjx.scene_compile.objects.stairs import Flight
 from home_mjx.schema.compiled import PortalKind, Portals, Rooms
 
 NO_LEAF = (-1, -1)
@@ -25,7 +25,7 @@ def find_portals(
     standable: Bool[np.ndarray, "l ny nx"],
     centres: tuple[Float[np.ndarray, " nx"], Float[np.ndarray, " ny"]],
     doorways: Sequence[Sequence[Doorway]],
-    links: Sequence[Link] = (),
+    flights: Sequence[tuple[Flight, float]] = (),
 ) -> Portals:
     """Portals of all levels.
 
@@ -35,14 +35,14 @@ def find_portals(
         standable: Where an agent's axis may be.
         centres: x and y of the cells [m].
         doorways: Of each level.
-        links: Stairs.
+        flights: Stairs, and the width of each that an agent's axis can cross, 0 if none [m].
     """
     rows: list[Row] = []
     for grid, doors in enumerate(doorways):
         found = _crossings(rooms, room[grid], standable[grid], centres)
         rows += [_named(row, doors) for row in found]
         rows += _closed(rooms, [door for door in doors if not any(_inside(door, row) for row in found)])
-    rows += [_stairs(rooms, room, centres, link) for link in links]
+    rows += [_stairs(*flight) for flight in flights]
     if not rows:
         pair = np.zeros((0, 2), np.int32)
         return Portals(pair, np.zeros((0, 3)), np.zeros(0), np.zeros(0, np.int32), pair)
@@ -105,16 +105,9 @@ def _closed(rooms: Rooms, doors: Sequence[Doorway]) -> list[Row]:
     return rows
 
 
-def _stairs(
-    rooms: Rooms,
-    room: Int[np.ndarray, "l ny nx"],
-    centres: tuple[Float[np.ndarray, " nx"], Float[np.ndarray, " ny"]],
-    link: Link,
-) -> Row:
-    a, b = int(room[link.start]), int(room[link.end])
-    _, row, column = link.start
-    at = (float(centres[0][column]), float(centres[1][row]), float(rooms.floor[a]))
-    return (a, b), at, float(centres[0][1] - centres[0][0]), PortalKind.STAIRS, NO_LEAF
+def _stairs(flight: Flight, width: float) -> Row:
+    x, y = flight.foot.tolist()
+    return flight.room, (x, y, flight.low), width, PortalKind.STAIRS, NO_LEAF
 
 
 def room_hops(portals: Portals, num_rooms: int) -> Int[np.ndarray, "r r"]:

@@ -55,6 +55,7 @@ def assemble(
         models=models,
         report=_report(frame, shell, objects, levels),
         doors=levels.doors,
+        ramps=levels.ramps,
         lights=lights,
         gloss=surfaces.gloss,
         stuck=levels.stuck,

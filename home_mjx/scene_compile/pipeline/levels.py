@@ -1,8 +1,4 @@
-"""The levels of a house: what stops bodies on them, and where agents can stand. One loop, the ground floor among them.
-
-Only the ground floor has physics: there objects move, and floors of raised rooms are boxes.
-Agents that climb find the upper floors with nothing but walls and furniture, and every door open or passable.
-"""
+"""The levels of a house: what stops bodies on them, on what they stand, and where agents can stand."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -13,24 +9,29 @@ from jaxtyping import Int
 from home_mjx.scene_compile.architecture.frame import Frame
 from home_mjx.scene_compile.architecture.shell import Shell
 from home_mjx.scene_compile.collision.barriers import fence, find_barriers
-from home_mjx.scene_compile.collision.colliders import ColliderOptions, floor_colliders, wall_colliders
+from home_mjx.scene_compile.collision.choose import choose_movables
+from home_mjx.scene_compile.collision.colliders import ColliderOptions, wall_colliders
+from home_mjx.scene_compile.collision.edges import edge_barriers
+from home_mjx.scene_compile.collision.floors import FloorPlan, plan_floors
 from home_mjx.scene_compile.collision.level import (
     LevelBoxes,
     Obstacles,
+    by_object,
     find_obstacles,
     level_boxes,
     static_colliders,
 )
-from home_mjx.scene_compile.collision.movables import Candidate, MovableOptions, choose_movables, make_bodies
-from home_mjx.scene_compile.geometry.boxes import BoxSet, footprint, join
+from home_mjx.scene_compile.collision.movables import Candidate, MovableOptions, make_bodies
+from home_mjx.scene_compile.collision.ramps import guards, make_ramps, sills, with_ramps
+from home_mjx.scene_compile.geometry.boxes import BoxSet, distinct, join
 from home_mjx.scene_compile.navigation.free_space import FreeSpace, NavigationOptions, free_space
 from home_mjx.scene_compile.navigation.nowhere import nowhere_to_stand
-from home_mjx.scene_compile.navigation.stairs import Stairs, find_stairs
 from home_mjx.scene_compile.objects.doorways import Doorway, find_doorways
 from home_mjx.scene_compile.objects.leaves import ajar_leaves, make_doors
 from home_mjx.scene_compile.objects.place import PlacedObject
+from home_mjx.scene_compile.objects.stairs import CATEGORY, Flight, find_flights
 from home_mjx.scene_compile.pipeline.limits import check_levels
-from home_mjx.schema.compiled import Bodies, Colliders, Doors, Rooms
+from home_mjx.schema.compiled import Bodies, Colliders, Doors, Ramps, Rooms
 
 
 @dataclass(frozen=True)
@@ -38,37 +39,30 @@ class Site:
     """A level that has rooms, before anything is known of what is in the way there.
 
     Attributes:
+        grid: Its number among those that have rooms, the lowest first.
         number: Level index.
-        floor: Height of the lowest of its rooms' floors [m].
-        is_ground: Whether it is the lowest.
-        objects: Those that may reach into it.
-        walls: Boxes of the architecture that may.
+        plan: Its floors.
+        objects: Those that may reach into it, but no stairs that agents climb.
         doorways: Of its doors.
-        holes: Over stairs from below, where nobody can stand.
+        upstairs: Flights that begin here.
+        downstairs: Flights that end here.
     """
 
+    grid: int
     number: int
-    floor: float
-    is_ground: bool
+    plan: FloorPlan
     objects: Sequence[PlacedObject]
-    walls: BoxSet
     doorways: Sequence[Doorway]
-    holes: BoxSet
+    upstairs: Sequence[Flight]
+    downstairs: Sequence[Flight]
 
+    def floors(self, step: float) -> BoxSet:
+        """Boxes of its floors; those that are no more than a step above the ground floor's plane are that plane [m]."""
+        return self.plan.boxes(self.plan.lowest + step if self.grid == 0 else -np.inf)
 
-@dataclass(frozen=True)
-class Level:
-    """What was found on a level.
-
-    Attributes:
-        obstacles: What is in an agent's way.
-        space: Where an agent can stand.
-        stuck: Ids of objects that could be pushed if they did not stand in something.
-    """
-
-    obstacles: Obstacles
-    space: FreeSpace
-    stuck: Sequence[int]
+    def raised(self, step: float) -> BoxSet:
+        """Boxes of the floors to which one cannot step up from the level's lowest floor."""
+        return self.plan.boxes(self.plan.lowest + step)
 
 
 @dataclass(frozen=True)
@@ -79,19 +73,21 @@ class Levels:
         spaces: Free space of each level that has rooms, the lowest first.
         doorways: Of each of these levels.
         leaves: Boxes of the leaves of each of these levels that turn, as placed, closed and wide open.
-        stairs: Flights between them.
-        colliders: Static boxes of the ground floor; barriers, and a fence of four boxes, are the last.
-        bodies: Objects that can be pushed.
+        flights: Stairs between them that agents climb.
+        colliders: Static boxes of all levels; the last are barriers, a fence of four boxes, and the ramps.
+        ramps: The slopes of the flights.
+        bodies: Objects that can be moved.
         doors: Leaves that turn, of all levels.
-        stuck: Ids of objects that could be pushed if they did not stand in something.
+        stuck: Ids of objects that could be moved if they stood free.
         report: Counts.
     """
 
     spaces: Sequence[FreeSpace]
     doorways: Sequence[Sequence[Doorway]]
     leaves: Sequence[BoxSet]
-    stairs: Sequence[Stairs]
+    flights: Sequence[Flight]
     colliders: Colliders
+    ramps: Ramps
     bodies: Bodies
     doors: Doors
     stuck: Int[np.ndarray, " n"]
@@ -113,91 +109,120 @@ def build_levels(
         shell: Walls.
         objects: Of all levels.
         colliders: How boxes are fitted.
-        movables: What can be pushed.
+        movables: What can be moved.
         navigation: Size of an agent and of a cell.
 
     Raises:
         DatasetError: The house is too large, see `limits`, or an agent can stand nowhere on its ground floor.
     """
     check_levels(frame, shell, navigation.cell)
-    numbers = np.unique(frame.rooms.level).tolist()
-    floors = np.array([frame.rooms.floor[frame.rooms.level == number].min() for number in numbers])
-    stairs = find_stairs(objects, numbers, floors)
-    walls = wall_colliders(shell, colliders)
-    doorways = find_doorways(objects, frame.rooms)
-    sites = [
-        _site(grid, number, float(floor), frame.rooms, objects, walls, doorways, stairs, colliders)
-        for grid, (number, floor) in enumerate(zip(numbers, floors, strict=True))
-    ]
-    levels = [_level(site, frame.rooms, colliders, movables, navigation) for site in sites]
-    ground = levels[0].obstacles
-    static = join(level.obstacles.static for level in levels)
-    doors = make_doors([leaf for o in objects for leaf in o.leaves], static)
-    stuck = [object_id for level in levels for object_id in level.stuck]
+    rooms, walls = frame.rooms, wall_colliders(shell, colliders)
+    sites = find_sites(rooms, objects, navigation.climb)
+    flights = [flight for site in sites for flight in site.upstairs]
+    floors = join([*(site.floors(colliders.step) for site in sites), sills(flights)])
+    sides = guards(flights)
+    boxes = [level_boxes(walls, site.objects, site.plan.lowest, colliders) for site in sites]
+    fixed = join([*(b.fixed for b in boxes), floors, sides])
+    moving, stuck = choose_movables(objects, by_object([b.objects for b in boxes]), fixed, rooms, movables)
+    found = [_obstacles(site, b, moving, rooms, colliders, navigation) for site, b in zip(sites, boxes, strict=True)]
+    static = join(level.static for level in found)
+    rails = edge_barriers([s.plan for s in sites], floors, flights, join([static, sides]), sites[0].plan.lowest)
+    unseen = join([sides, rails, fence(rooms)])
+    fixtures = static_colliders(found, floors, unseen)
+    ramps = make_ramps(flights, len(fixtures.pos))
+    leaves = [leaf for o in objects for leaf in o.leaves]
+    doors, blocked = make_doors(leaves, static), join([sides, rails, ajar_leaves(leaves, static)])
     return Levels(
-        spaces=[level.space for level in levels],
+        spaces=_spaces(sites, found, blocked, rooms, colliders, navigation),
         doorways=[site.doorways for site in sites],
-        leaves=[_leaf_boxes(objects, doors, number) for number in numbers],
-        stairs=stairs,
-        colliders=static_colliders(ground, fence(frame.rooms)),
-        bodies=make_bodies(ground.moving),
+        leaves=[_leaf_boxes(objects, doors, site.number) for site in sites],
+        flights=flights,
+        colliders=with_ramps(fixtures, ramps),
+        ramps=ramps,
+        bodies=make_bodies(moving),
         doors=doors,
         stuck=np.array(stuck, np.int32),
         report={
             "movable_but_stuck": len(stuck),
-            "leaves_not_solid": len(ground.boxes.loose) - len(ground.felt),
-            "barriers": len(ground.barriers),
+            "leaves_not_solid": sum(len(level.boxes.loose) - len(level.felt) for level in found),
+            "barriers": sum(len(level.barriers) for level in found) + len(rails),
+            "floor_boxes": len(floors),
+            "stairs": sum(o.info.coarse == CATEGORY for o in objects),
+            "ramps": len(flights),
         },
     )
 
 
-def _site(
-    grid: int,
-    number: int,
-    floor: float,
+def find_sites(rooms: Rooms, objects: Sequence[PlacedObject], climb: bool) -> list[Site]:
+    """The levels that have rooms, the lowest first; objects of other levels reach into the ground floor only.
+
+    Args:
+        rooms: Outlines and floors.
+        objects: Of all levels.
+        climb: Whether agents take stairs.
+    """
+    numbers = np.unique(rooms.level).tolist()
+    lowest = np.array([rooms.floor[rooms.level == number].min() for number in numbers])
+    flights = find_flights(objects, rooms, numbers, lowest) if climb else []
+    climbed = {flight.object_id for flight in flights}
+    doorways, sites = find_doorways(objects, rooms), []
+    for grid, number in enumerate(numbers):
+        here = [doorway for doorway in doorways if doorway.level == number]
+        sites.append(
+            Site(
+                grid=grid,
+                number=number,
+                plan=plan_floors(rooms, number, [d.footprint for d in here if not d.leads_outdoors], flights, grid),
+                objects=[o for o in objects if o.object_id not in climbed and (grid == 0 or o.level == number)],
+                doorways=here,
+                upstairs=[flight for flight in flights if flight.lower == grid],
+                downstairs=[flight for flight in flights if flight.upper == grid],
+            )
+        )
+    return sites
+
+
+def _obstacles(
+    site: Site,
+    boxes: LevelBoxes,
+    moving: Sequence[Candidate],
     rooms: Rooms,
-    objects: Sequence[PlacedObject],
-    walls: BoxSet,
-    doorways: Sequence[Doorway],
-    stairs: Sequence[Stairs],
-    options: ColliderOptions,
-) -> Site:
-    """The level of a grid; objects of other levels reach into the ground floor only."""
-    holes = join(flight.hole for flight in stairs if flight.upper == grid)
-    here = [doorway for doorway in doorways if doorway.level == number]
-    if grid == 0:
-        return Site(number, floor, True, objects, join([walls, floor_colliders(rooms, floor, options)]), here, holes)
-    return Site(number, floor, False, [o for o in objects if o.level == number], walls, here, holes)
+    colliders: ColliderOptions,
+    navigation: NavigationOptions,
+) -> Obstacles:
+    """What is in the way on a level, and barriers where it ends without a wall outdoors."""
+    sides = join([guards([*site.upstairs, *site.downstairs]), site.raised(colliders.step)])
 
+    def free_area(around: BoxSet) -> float:
+        return _space(site, join([around, sides]), rooms, navigation).free.sum() * navigation.cell**2
 
-def _level(
-    site: Site, rooms: Rooms, colliders: ColliderOptions, movables: MovableOptions, navigation: NavigationOptions
-) -> Level:
-    """What is in the way on a level, what of it moves, and where an agent can stand between."""
-    boxes = level_boxes(site.walls, site.objects, site.floor, colliders, with_leaves=site.is_ground)
-    moving, stuck = _moving(site, boxes, movables)
-    gaps = [doorway.footprint for doorway in site.doorways]
-
-    def space(around: BoxSet) -> FreeSpace:
-        return free_space(rooms, join([around, site.holes]), gaps, navigation, site.number)
-
-    obstacles = find_obstacles(boxes, moving, lambda around: space(around).free.sum() * navigation.cell**2)
+    obstacles = find_obstacles(boxes, moving, free_area)
     indoors = [doorway.footprint for doorway in site.doorways if not doorway.leads_outdoors]
-    indoors += [footprint(site.holes, i) for i in range(len(site.holes))]
+    indoors += [flight.outline for flight in (*site.upstairs, *site.downstairs)]
     barriers = find_barriers(rooms, site.number, obstacles.static, indoors, colliders.wall_length)
-    obstacles = replace(obstacles, barriers=barriers)
-    ajar = ajar_leaves([leaf for o in site.objects if o.level == site.number for leaf in o.leaves], obstacles.static)
-    left = space(join([obstacles.all, ajar]))
-    if site.is_ground and not left.standable.any():
-        raise nowhere_to_stand(space(boxes.walls), navigation)
-    return Level(obstacles, left, stuck)
+    return replace(obstacles, barriers=barriers)
 
 
-def _moving(site: Site, boxes: LevelBoxes, options: MovableOptions) -> tuple[list[Candidate], list[int]]:
-    """The objects of a level that can be pushed, and ids of those that could be if they did not stand in something."""
-    if not site.is_ground:
-        return [], []
-    return choose_movables(site.objects, boxes.objects, boxes.fixed, site.floor, site.number, options)
+def _space(site: Site, around: BoxSet, rooms: Rooms, options: NavigationOptions) -> FreeSpace:
+    """Where an agent can stand on a level between some boxes."""
+    gaps = [doorway.footprint for doorway in site.doorways]
+    return free_space(rooms, around, gaps, options, site.number, site.upstairs, site.downstairs)
+
+
+def _spaces(
+    sites: Sequence[Site],
+    obstacles: Sequence[Obstacles],
+    rails: BoxSet,
+    rooms: Rooms,
+    colliders: ColliderOptions,
+    options: NavigationOptions,
+) -> list[FreeSpace]:
+    """Where an agent can stand on each level; stairs lead past what is on the next one."""
+    around = distinct(join([*(level.all for level in obstacles), rails]))
+    spaces = [_space(site, join([around, site.raised(colliders.step)]), rooms, options) for site in sites]
+    if not spaces[0].standable.any():
+        raise nowhere_to_stand(_space(sites[0], obstacles[0].boxes.walls, rooms, options), options)
+    return spaces
 
 
 def _leaf_boxes(objects: Sequence[PlacedObject], doors: Doors, level: int) -> BoxSet:

@@ -7,19 +7,20 @@ import pytest
 from tiny_dataset import HOUSE_ID, ROOM_PARTS, edit_house, object_node, write_mesh, write_tiny_dataset
 
 from home_mjx.datasets.suncg.dataset import open_dataset
-from home_mjx.scene_compile.geometry.boxes import box_set, join, no_boxes
+from home_mjx.scene_compile.collision.ramps import guards
+from home_mjx.scene_compile.geometry.boxes import box_set, join
 from home_mjx.scene_compile.geometry.mesh import box_triangles, make_model
 from home_mjx.scene_compile.navigation.build import build_navigation
 from home_mjx.scene_compile.navigation.free_space import NavigationOptions, free_space
 from home_mjx.scene_compile.navigation.geodesic import Link, distance_fields
 from home_mjx.scene_compile.navigation.portals import room_hops
 from home_mjx.scene_compile.navigation.regions import label_regions
-from home_mjx.scene_compile.navigation.stairs import find_stairs
 from home_mjx.scene_compile.objects.doorways import Doorway
 from home_mjx.scene_compile.objects.place import PlacedObject
+from home_mjx.scene_compile.objects.stairs import find_flights
 from home_mjx.scene_compile.pipeline.compile import CompileOptions, compile_house
 from home_mjx.schema.categories import COARSE
-from home_mjx.schema.compiled import FIELD_UNIT, Navigation, PortalKind, Rooms
+from home_mjx.schema.compiled import BELOW_FLOOR, FIELD_UNIT, Navigation, PortalKind, Rooms
 from home_mjx.schema.house import ModelInfo, Object
 
 UP = 2.8  # [m], of the upper floor
@@ -51,31 +52,36 @@ def stairs_at(x: float, y: float, level: int = 0) -> PlacedObject:
     )
 
 
-def two_storeys(climb: bool, stairs: PlacedObject | None = None) -> Navigation:
+ROOMS = rooms_of(outline(0, 0, 6, 4), outline(0, 0, 6, 4), level=(0, 1))
+
+
+def two_storeys(climb: bool = True, stairs: PlacedObject | None = None) -> Navigation:
     """A 6 x 4 m room on each level, joined by stairs along the middle."""
     stairs = stairs or stairs_at(1.0, 2.0)
-    rooms = rooms_of(outline(0, 0, 6, 4), outline(0, 0, 6, 4), level=(0, 1))
-    flights = find_stairs([stairs], [0, 1], np.array([0, UP]))
-    below = free_space(rooms, stairs.box)
-    above = free_space(rooms, join([no_boxes(), *(f.hole for f in flights)]), level=1)
-    return build_navigation("x", rooms, [below, above], NavigationOptions(climb=climb), stairs=flights)
+    flights = find_flights([stairs], ROOMS, [0, 1], np.array([0, UP])) if climb else []
+    sides = guards(flights) if flights else stairs.box
+    below = free_space(ROOMS, sides, upstairs=flights)
+    above = free_space(ROOMS, sides, level=1, downstairs=flights)
+    return build_navigation("x", ROOMS, [below, above], flights=flights)
 
 
 def test_the_category_exists():
     assert "stairs" in COARSE
 
 
-def test_a_flight_has_its_foot_below_and_its_head_above():
-    (flight,) = find_stairs([stairs_at(1.0, 2.0)], [0, 1], np.array([0, UP]))
-    np.testing.assert_allclose(flight.foot, [1.0 + 2 * RUN, 2.0], atol=2 * RUN)
-    np.testing.assert_allclose(flight.head, [1.0 + (STEPS - 2) * RUN, 2.0], atol=2 * RUN)
-    assert flight.foot[0] < flight.head[0] - 1.5
-    assert flight.length == pytest.approx(np.hypot(flight.head[0] - flight.foot[0], UP))
+def test_a_flight_is_the_slope_through_the_middles_of_the_treads():
+    (flight,) = find_flights([stairs_at(1.0, 2.0)], ROOMS, [0, 1], np.array([0, UP]))
+    np.testing.assert_allclose(flight.foot, [1.0 - RUN / 2, 2.0], atol=0.01)
+    np.testing.assert_allclose([flight.run, flight.landing], [STEPS * RUN, RUN / 2], atol=0.01)
+    np.testing.assert_allclose([flight.low, flight.high, flight.width, flight.yaw], [0, UP, WIDTH, 0], atol=0.01)
+    assert flight.room == (0, 1)
+    middles = np.array([[1.0 + RUN * (i + 0.5), 2.0] for i in range(STEPS - 1)])
+    np.testing.assert_allclose(flight.surface(middles), UP / STEPS * np.arange(1, STEPS), atol=0.01)
 
 
 @pytest.mark.parametrize(("level", "floor"), [(0, 4.0), (1, UP), (0, 1.5)])
 def test_stairs_that_end_at_no_floor_lead_nowhere(level, floor):
-    assert find_stairs([stairs_at(1.0, 2.0, level)], [0, 1], np.array([0, floor])) == []
+    assert find_flights([stairs_at(1.0, 2.0, level)], ROOMS, [0, 1], np.array([0, floor])) == []
 
 
 def test_agents_that_climb_reach_both_storeys_over_the_stairs():
@@ -102,25 +108,40 @@ def test_agents_that_do_not_climb_stay_on_the_ground_floor():
     assert (n.region[1] >= 0).any()
 
 
-def test_nobody_stands_over_the_stairwell():
-    n = two_storeys(climb=True)
-    row, column = (int((v - o) / n.cell) for v, o in zip((2.0, 2.5), n.origin[::-1], strict=True))
-    assert n.region[1, row, column] == -1
-    assert n.region[0, row, column] == -1
+def test_the_slope_is_in_one_grid_below_and_in_the_other_above():
+    """They share the cells at the height from which on a point counts as on the upper level."""
+    n = two_storeys()
+    row = int((2.0 - n.origin[1]) / n.cell)
+    x = n.origin[0] + (np.arange(n.region.shape[2]) + 0.5) * n.cell
+    z = UP * (x - 1.0 + RUN / 2) / (STEPS * RUN)
+    on = (z > 0) & (z < UP)
+    margin = 2 * n.cell * UP / (STEPS * RUN)
+    for level, side in ((0, 1), (1, -1)):
+        free = n.region[level, row] == 0
+        assert free[on & (side * (UP - BELOW_FLOOR - z) > 0)].all()
+        assert not free[on & (side * (UP - BELOW_FLOOR - z) < -margin)].any()
 
 
 def test_stairs_are_portals():
-    n = two_storeys(climb=False)
+    n = two_storeys()
     assert n.portals.kind.tolist() == [PortalKind.STAIRS]
     assert n.portals.room.tolist() == [[0, 1]]
+    np.testing.assert_allclose(n.portals.width, WIDTH - 2 * 0.15, atol=1e-6)
     assert n.room_hops.tolist() == [[0, 1], [1, 0]]
 
 
-def test_stairs_out_of_reach_join_nothing():
-    n = two_storeys(climb=True, stairs=stairs_at(8.0, 2.0))
+def test_stairs_outside_of_rooms_join_nothing():
+    n = two_storeys(stairs=stairs_at(8.0, 2.0))
     assert len(n.region_area) == 2
     assert len(n.portals.width) == 0
     assert n.room_hops.tolist() == [[0, -1], [-1, 0]]
+
+
+def test_height_is_a_part_of_the_way():
+    """Along a slope of 3 in 4, by hand."""
+    free, height = np.ones((1, 1, 4), bool), 0.75 * np.arange(4.0)[None, None]
+    field = distance_fields(free, np.array([[0, 0, 0]]), 1.0, (), height)[:, 0]
+    np.testing.assert_allclose(field, [0, 1.25, 2.5, 3.75])
 
 
 def test_a_link_shortens_the_way():
@@ -233,7 +254,7 @@ def test_a_house_of_two_levels_is_compiled(tmp_path, climb):
     assert n.level.tolist() == [0, 1]
     np.testing.assert_allclose(n.floor, [0.05, UP + 0.05], atol=1e-6)
     assert set(n.place[:, 0].tolist()) == ({0, 1} if climb else {0})
-    assert (n.portals.kind == PortalKind.STAIRS).sum() == 1
-    assert n.room_hops.tolist() == [[0, 1], [1, 0]]
+    assert (n.portals.kind == PortalKind.STAIRS).sum() == int(climb)
+    assert n.room_hops.tolist() == ([[0, 1], [1, 0]] if climb else [[0, -1], [-1, 0]])
     assert (n.room[1] == 1).any()
     assert set(np.unique(n.start[:, 2]).round(2).tolist()) == ({0.05, 2.85} if climb else {0.05})

@@ -11,6 +11,8 @@ from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.schema.compiled import CompiledHouse
 from home_mjx.schema.semantic import Semantic
 
+TOUCH = 2e-4  # [m]: what lies on something touches it
+
 
 @pytest.fixture(scope="module")
 def houses(tmp_path_factory) -> list[CompiledHouse]:
@@ -52,7 +54,7 @@ def test_nobody_starts_where_a_leaf_may_stand(houses):
 def test_bodies_stand_free(houses):
     for house in houses:
         assert len(house.bodies.mass) > 0
-        assert mujoco_contacts(house) == []
+        assert [c for c in mujoco_contacts(house) if c[2] < -TOUCH] == []
 
 
 def test_a_way_through_a_wall_crosses_one_partition(houses):

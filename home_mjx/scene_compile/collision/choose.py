@@ -1,0 +1,58 @@
+"""Which objects move: what stands or lies free on a floor or on other objects."""
+
+from collections.abc import Mapping, Sequence
+
+from home_mjx.scene_compile.collision.movables import Candidate, MovableOptions, may_move
+from home_mjx.scene_compile.collision.settle import carriers_first, find_support, loads_of, settle
+from home_mjx.scene_compile.geometry.boxes import BoxSet, join
+from home_mjx.scene_compile.objects.masses import object_mass
+from home_mjx.scene_compile.objects.place import PlacedObject
+from home_mjx.schema.compiled import Rooms
+
+
+def choose_movables(
+    objects: Sequence[PlacedObject],
+    static: Mapping[int, BoxSet],
+    fixed: BoxSet,
+    rooms: Rooms,
+    options: MovableOptions,
+) -> tuple[list[Candidate], list[int]]:
+    """The objects that become bodies, lightest first, and ids of those that could be moved if they stood free.
+
+    What carries other objects is a body only if all of these are: nothing is left hanging in the air.
+
+    Args:
+        objects: All objects of the house.
+        static: Boxes of each object while it cannot be moved, by object id.
+        fixed: Boxes that stay where they are, whichever objects move.
+        rooms: For the heights of their floors.
+        options: Limits.
+    """
+    loads = loads_of(objects, options.reach)
+    everything = join([fixed, *static.values()])
+    free = [_candidate(o, rooms, options) for o in objects if may_move(o, options)]
+    resting = [c for c in free if c.floor is not None or find_support(c.box, everything, options.reach) is not None]
+    candidates = sorted(resting, key=lambda c: (c.mass, c.item.object_id))
+    standing = settle(candidates, loads, static, fixed, options)
+    ids = set(_first(standing, loads, options.max_bodies))
+    # Those that are left over are obstacles with boxes of their own, which may reach a little farther.
+    chosen = settle([c for c in candidates if c.item.object_id in ids], loads, static, fixed, options)
+    free_ids = {c.item.object_id for c in standing}
+    stuck = [c.item.object_id for c in candidates if c.item.object_id not in free_ids]
+    return sorted(chosen, key=lambda c: (c.mass, c.item.object_id)), stuck
+
+
+def _candidate(item: PlacedObject, rooms: Rooms, options: MovableOptions) -> Candidate:
+    floor = float(rooms.floor[item.room])
+    on_floor = bool(abs(item.box.bottom[0] - floor) <= options.reach)
+    return Candidate(item, item.box, object_mass(item), floor if on_floor else None)
+
+
+def _first(standing: Sequence[Candidate], loads: Mapping[int, Sequence[int]], most: int) -> list[int]:
+    """Ids of the lightest objects; what carries others comes after the heaviest of them, so all of them are in."""
+    mass: dict[int, float] = {}
+    for c in reversed(carriers_first(standing, loads)):
+        own = c.item.object_id
+        mass[own] = max([c.mass, *(mass.get(i, 0.0) for i in loads.get(own, ()))])
+    # Sorting is stable, and what lies on others is counted before them.
+    return sorted(mass, key=lambda i: mass[i])[:most]

@@ -1,0 +1,126 @@
+"""Edges from which one could fall: where a floor ends without a wall. Each gets an invisible barrier."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from home_mjx.scene_compile.collision.floors import SLAB, FloorPlan, top_under
+from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, footprint_distance, join
+from home_mjx.scene_compile.objects.stairs import Flight
+
+STEP_DOWN = 0.3  # [m]: from a floor that ends lower above the next one nobody falls
+RAIL = 1.1  # [m], height of a barrier
+THICKNESS = 0.06  # [m], of a barrier
+SPACING = 0.05  # [m], of the points at which an edge is looked at
+OUTSIDE = 0.05  # [m] beyond an edge, where one would fall
+WALL_REACH = 0.08  # [m] from an edge to the wall that closes it: outlines of rooms run in or beside walls
+
+
+@dataclass(frozen=True)
+class Edge:
+    """A straight edge of a floor.
+
+    Attributes:
+        start: One end [m].
+        end: The other.
+        out: Unit direction away from the floor.
+        height: Of the floor [m].
+    """
+
+    start: Float[np.ndarray, "2"]
+    end: Float[np.ndarray, "2"]
+    out: Float[np.ndarray, "2"]
+    height: float
+
+    @property
+    def points(self) -> Float[np.ndarray, "n 2"]:
+        """Points along it, no farther apart than `SPACING` [m], its ends left out."""
+        count = max(int(np.ceil(np.linalg.norm(self.end - self.start) / SPACING)), 1)
+        return self.start + (np.arange(count) + 0.5)[:, None] / count * (self.end - self.start)
+
+    def part(self, first: int, last: int) -> "Edge":
+        """The part around a range of its points."""
+        way = (self.end - self.start) / len(self.points)
+        return Edge(self.start + first * way, self.start + last * way, self.out, self.height)
+
+    @property
+    def barrier(self) -> BoxSet:
+        """An upright box just beyond the edge; a little longer, so that barriers meet at corners."""
+        way = self.end - self.start
+        length = float(np.linalg.norm(way))
+        middle = (self.start + self.end) / 2 + self.out * THICKNESS / 2
+        low, high = self.height - SLAB, self.height + RAIL
+        half = [length / 2 + THICKNESS, THICKNESS / 2, (high - low) / 2]
+        return box_set([*middle, (low + high) / 2], half, float(np.arctan2(way[1], way[0])))
+
+
+def edge_barriers(
+    plans: Sequence[FloorPlan], floors: BoxSet, flights: Sequence[Flight], walls: BoxSet, ground: float
+) -> BoxSet:
+    """Barriers along all edges over a drop that no wall closes.
+
+    Args:
+        plans: Floors of the levels.
+        floors: Their boxes.
+        flights: Stairs, on which one walks down.
+        walls: What closes an edge: walls, windows, barriers that are there.
+        ground: Height of the plane below everything [m].
+    """
+    found = []
+    for plan in plans:
+        for edge in _edges(plan):
+            found += _runs(edge, _over_a_drop(edge, floors, flights, ground) & ~_closed(edge, walls))
+    return join(edge.barrier for edge in found)
+
+
+def _edges(plan: FloorPlan) -> Iterator[Edge]:
+    """Straight runs of cell sides with a floor on one side and a drop on the other."""
+    padded = np.pad(plan.height, 1, constant_values=-np.inf)
+    lines = plan.u, plan.v
+    for axis in (0, 1):  # across u, then across v
+        turned = padded[1:-1] if axis == 0 else padded[:, 1:-1].T
+        for side in (1, -1):
+            inner, outer = (turned[:, :-1], turned[:, 1:])[::side]
+            over = inner > outer + STEP_DOWN
+            for line in range(over.shape[1]):
+                yield from _along(
+                    plan, lines[axis][line], lines[1 - axis], np.where(over, inner, -np.inf)[:, line], axis, side
+                )
+
+
+def _along(
+    plan: FloorPlan, at: float, stops: Float[np.ndarray, " n"], height: Float[np.ndarray, " m"], axis: int, side: int
+) -> Iterator[Edge]:
+    """The edges on one line: of neighbouring cells with one height."""
+    breaks = np.flatnonzero(np.concatenate([[True], height[1:] != height[:-1], [True]]))
+    for first, last in zip(breaks[:-1].tolist(), breaks[1:].tolist(), strict=True):
+        if np.isfinite(height[first]):
+            ends = np.array([[at, stops[first]], [at, stops[last]]])
+            out = np.array([float(side), 0.0])
+            ends, out = (ends, out) if axis == 0 else (ends[:, ::-1], out[::-1])
+            start, end = plan.world(ends)
+            yield Edge(start, end, plan.world(out), float(height[first]))
+
+
+def _over_a_drop(edge: Edge, floors: BoxSet, flights: Sequence[Flight], ground: float) -> Bool[np.ndarray, " n"]:
+    beyond = edge.points + OUTSIDE * edge.out
+    below = np.maximum(top_under(floors, beyond, edge.height + STEP_DOWN), ground)
+    for flight in flights:
+        below = np.where(flight.contains(beyond), np.maximum(below, flight.surface(beyond)), below)
+    return edge.height - below > STEP_DOWN
+
+
+def _closed(edge: Edge, walls: BoxSet) -> Bool[np.ndarray, " n"]:
+    """Whether something as high as a railing stands on each point."""
+    closed = np.zeros(len(edge.points), bool)
+    for i in np.flatnonzero((walls.bottom < edge.height + RAIL / 2) & (walls.top > edge.height + RAIL / 2)).tolist():
+        closed |= footprint_distance(walls, i, edge.points) < WALL_REACH
+    return closed
+
+
+def _runs(edge: Edge, wanted: Bool[np.ndarray, " n"]) -> list[Edge]:
+    """The parts of an edge whose points are wanted."""
+    ends = np.flatnonzero(np.diff(np.concatenate([[False], wanted, [False]]).astype(int)))
+    return [edge.part(int(first), int(last)) for first, last in ends.reshape(-1, 2)]

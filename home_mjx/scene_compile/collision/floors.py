@@ -1,0 +1,136 @@
+"""Floors as collision boxes: the rooms of a level with doorways between them, and with holes where stairs come up."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, join
+from home_mjx.scene_compile.geometry.polygons import inside_polygon, polygon_distance, smallest_room
+from home_mjx.scene_compile.geometry.rectangles import cell_centers, cluster, cover
+from home_mjx.scene_compile.geometry.rotations import plane_matrix, yaw_matrix
+from home_mjx.scene_compile.objects.stairs import Flight
+from home_mjx.schema.compiled import Rooms
+
+SLAB = 0.15  # [m], thickness of a floor
+SNAP = 0.01  # [m]: corners nearer than this lie on one line
+SLANTED = 0.02  # [m]: an edge that strays less from a line along it is straight
+PARALLEL = 0.01  # [rad]
+STRIP = 0.1  # [m], greatest width of the strips along an edge that is slanted
+
+Polygon = Float[np.ndarray, "_ 2"]
+
+
+@dataclass(frozen=True)
+class FloorPlan:
+    """The floors of one level as cells between lines of the plan, turned so that most walls run along these.
+
+    Attributes:
+        yaw: Of the lines [rad].
+        u: Lines across the first axis [m], ascending.
+        v: Lines across the second.
+        height: Floor of each cell [m], row = v; -inf where there is none.
+        lowest: Height of the level's lowest floor [m].
+    """
+
+    yaw: float
+    u: Float[np.ndarray, " nu"]
+    v: Float[np.ndarray, " nv"]
+    height: Float[np.ndarray, "_ _"]
+    lowest: float
+
+    def world(self, local: Float[np.ndarray, "*p 2"]) -> Float[np.ndarray, "*p 2"]:
+        """Points of the turned plan in the world."""
+        return local @ plane_matrix(self.yaw).T
+
+    def boxes(self, above: float = -np.inf) -> BoxSet:
+        """The floors as boxes, as high as the level's lowest floor and `SLAB` more.
+
+        Args:
+            above: Floors that are no higher are left out [m].
+        """
+        found = []
+        for height in np.unique(self.height[self.height > above]).tolist():
+            bottom = self.lowest - SLAB
+            for u0, v0, u1, v1 in _fewest(self.u, self.v, self.height == height).tolist():
+                middle = self.world(np.array([(u0 + u1) / 2, (v0 + v1) / 2]))
+                half = [(u1 - u0) / 2, (v1 - v0) / 2, (height - bottom) / 2]
+                found.append(box_set([*middle, (height + bottom) / 2], half, self.yaw))
+        return join(found)
+
+
+def _fewest(
+    u: Float[np.ndarray, " nu"], v: Float[np.ndarray, " nv"], solid: Bool[np.ndarray, "_ _"]
+) -> Float[np.ndarray, "r 4"]:
+    """The cover by rectangles, grown along either axis first, that has fewer of them."""
+    upright, lying = cover(u, v, solid), cover(v, u, solid.T)[:, [1, 0, 3, 2]]
+    return min(upright, lying, key=len)
+
+
+def plan_floors(
+    rooms: Rooms, level: int, doorways: Sequence[Float[np.ndarray, "4 2"]], flights: Sequence[Flight], grid: int
+) -> FloorPlan:
+    """The floors of a level: of each room, of doorways that lie between rooms, and the top treads of stairs.
+
+    Args:
+        rooms: Outlines and floors.
+        level: Level index.
+        doorways: Footprints of its doors [m].
+        flights: Stairs of the house.
+        grid: The level's grid.
+    """
+    here = np.flatnonzero(rooms.level == level)
+    holes = [f.outline for f in flights if f.upper == grid]
+    treads = [(f.part(f.run, f.run + f.landing), f.high) for f in flights if f.upper == grid and f.landing > SNAP]
+    gaps = [(way, _nearest_floor(rooms, here, way.mean(axis=0))) for way in doorways] + treads
+    outlines = [*(rooms.polygon[r] for r in here if len(rooms.polygon[r])), *(p for p, _ in gaps), *holes]
+    lowest = float(rooms.floor[here].min())
+    if not outlines:
+        return FloorPlan(0.0, np.zeros(1), np.zeros(1), np.zeros((0, 0)), lowest)
+    yaw = _main_direction(outlines)
+    u, v = _lines([p @ plane_matrix(yaw) for p in outlines])
+    centers = cell_centers(u, v) @ plane_matrix(yaw).T
+    room = smallest_room(rooms, here, centers)
+    height = np.where(room >= 0, rooms.floor[room], -np.inf)
+    for outline, floor in gaps:
+        height = np.where(np.isinf(height) & inside_polygon(outline, centers), floor, height)
+    for hole in holes:
+        height[inside_polygon(hole, centers)] = -np.inf
+    return FloorPlan(yaw, u, v, np.round(height, 4), lowest)
+
+
+def _nearest_floor(rooms: Rooms, here: Int[np.ndarray, " r"], point: Float[np.ndarray, "2"]) -> float:
+    away = [polygon_distance(rooms.polygon[r], point) for r in here]
+    return float(rooms.floor[here[int(np.argmin(away))]])
+
+
+def _main_direction(outlines: Sequence[Polygon]) -> float:
+    """Direction along or across which most of the edges run [rad], from -45 to 45 degrees."""
+    edge = np.concatenate([np.roll(p, -1, axis=0) - p for p in outlines])
+    length, yaw = np.hypot(*edge.T), np.arctan2(edge[:, 1], edge[:, 0])
+    stray = abs(np.sin(2 * (yaw[:, None] - yaw))) / 2  # of a direction from being along or across another
+    best = int(np.argmax((length * (stray < PARALLEL)).sum(axis=1) + 1e-6 * length))
+    return float((yaw[best] + np.pi / 4) % (np.pi / 2) - np.pi / 4)
+
+
+def _lines(outlines: Sequence[Polygon]) -> tuple[Float[np.ndarray, " nu"], Float[np.ndarray, " nv"]]:
+    """Lines through all corners, and through points along slanted edges."""
+    points = []
+    for outline in outlines:
+        for a, b in zip(outline, np.roll(outline, -1, axis=0), strict=True):
+            stray = float(abs(b - a).min())
+            count = int(np.ceil(stray / STRIP)) if stray > SLANTED else 1
+            points.append(a + (b - a) * np.linspace(0, 1, count + 1)[:, None])
+    u, v = np.concatenate(points).T
+    return cluster(u, SNAP), cluster(v, SNAP)
+
+
+def top_under(boxes: BoxSet, points: Float[np.ndarray, "p 2"], most: float) -> Float[np.ndarray, " p"]:
+    """Height of the highest box under each point that ends no higher than `most` [m]; -inf where there is none."""
+    height = np.full(len(points), -np.inf)
+    for i in np.flatnonzero(boxes.top <= most).tolist():
+        local = (points - boxes.center[i, :2]) @ yaw_matrix(boxes.yaw[i])[:2, :2]
+        inside = (abs(local) <= boxes.half[i, :2]).all(axis=1)
+        height[inside] = np.maximum(height[inside], boxes.top[i])
+    return height

@@ -1,0 +1,177 @@
+"""Puts movable objects onto what carries them, free of everything around: a box each, drawn in a little if need be."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from home_mjx.scene_compile.collision.movables import Candidate, MovableOptions
+from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, footprint, join, overlap
+from home_mjx.scene_compile.geometry.mesh import bounds
+from home_mjx.scene_compile.geometry.rotations import yaw_matrix
+from home_mjx.scene_compile.objects.place import PlacedObject
+
+GAP = 0.03  # [m]: what ends lower above the underside of another object stands beside it, not on it
+LEVEL = 0.002  # [m]: upper sides that differ by less carry an object together
+REST = 0.3  # of the half extents of a box, around its middle: what carries it must lie below all of this
+TOUCH = 2e-4  # [m]: boxes that overlap by less in height only touch
+
+
+def loads_of(objects: Sequence[PlacedObject], reach: float) -> dict[int, list[int]]:
+    """Ids of the objects that lie on or in each object, by its id; by their bounding boxes.
+
+    Args:
+        objects: All objects of a house.
+        reach: An object lies on another up to this above it [m].
+    """
+    boxes = np.array([bounds(o.triangles) for o in objects]).reshape(-1, 2, 3)
+    loads: dict[int, list[int]] = {}
+    for item, (low, high) in zip(objects, boxes, strict=True):
+        middle = (low + high)[:2] / 2
+        over = ((boxes[:, 0, :2] < middle) & (boxes[:, 1, :2] > middle)).all(axis=1)
+        on = over & (low[2] > boxes[:, 0, 2] + GAP) & (low[2] < boxes[:, 1, 2] + reach)
+        for row in np.flatnonzero(on).tolist():
+            loads.setdefault(objects[row].object_id, []).append(item.object_id)
+    return loads
+
+
+def carriers_first(candidates: Sequence[Candidate], loads: Mapping[int, Sequence[int]]) -> list[Candidate]:
+    """The candidates in their order, but each after those that carry it."""
+    carriers = {load: {i for i, on in loads.items() if load in on} for load in {j for on in loads.values() for j in on}}
+    depth: dict[int, int] = {}
+
+    def depth_of(object_id: int) -> int:
+        if object_id not in depth:
+            depth[object_id] = 0  # two objects in one another: neither is below
+            depth[object_id] = 1 + max((depth_of(i) for i in carriers.get(object_id, ())), default=-1)
+        return depth[object_id]
+
+    return sorted(candidates, key=lambda c: depth_of(c.item.object_id))
+
+
+def settle(
+    candidates: Sequence[Candidate],
+    loads: Mapping[int, Sequence[int]],
+    static: Mapping[int, BoxSet],
+    fixed: BoxSet,
+    options: MovableOptions,
+) -> list[Candidate]:
+    """The candidates that rest and touch nothing else, with the boxes that do; the others stay where they are.
+
+    Args:
+        candidates: Objects that may become bodies, those that may draw others in first.
+        loads: Ids of what lies on or in each object.
+        static: Boxes of each object while it cannot be moved, by object id.
+        fixed: Boxes that stay.
+        options: Limits.
+    """
+    height = {c.item.object_id: float(c.item.box.bottom[0]) for c in candidates}
+    moving = carriers_first([c for c in candidates if _bears_on_top(c, loads, height, options.reach)], loads)
+    while True:
+        ids = {c.item.object_id for c in moving}
+        around = join([fixed, *(boxes for i, boxes in static.items() if i not in ids)])
+        standing, failed = _stand(moving, loads, around, options)
+        if not failed:
+            return standing
+        # Those that failed are obstacles now, so the rest must be looked at again.
+        moving = [c for c in moving if c.item.object_id not in failed]
+
+
+def _bears_on_top(
+    carrier: Candidate, loads: Mapping[int, Sequence[int]], height: Mapping[int, float], reach: float
+) -> bool:
+    """Whether all that an object carries can move and lies on its top: one box has no shelves."""
+    top = float(carrier.item.box.top[0])
+    return all(abs(height.get(i, np.inf) - top) <= reach for i in loads.get(carrier.item.object_id, ()))
+
+
+def _stand(
+    moving: Sequence[Candidate], loads: Mapping[int, Sequence[int]], around: BoxSet, options: MovableOptions
+) -> tuple[list[Candidate], set[int]]:
+    """Those of the candidates that stand, and ids of those that cannot; what these carry is in neither."""
+    ids = {c.item.object_id for c in moving}
+    standing: list[Candidate] = []
+    failed: set[int] = set()
+    for c in moving:
+        if any(c.item.object_id in loads.get(i, ()) for i in failed):
+            continue
+        obstacles = join([around, *(s.box for s in standing)])
+        base = c.floor if c.floor is not None else find_support(c.item.box, obstacles, options.reach)
+        box = None if base is None else _draw_in(_put(c.item.box, base, c.floor is not None), obstacles, options)
+        if box is None or not ids.issuperset(loads.get(c.item.object_id, ())):
+            failed.add(c.item.object_id)
+        else:
+            standing.append(Candidate(c.item, box, c.mass, c.floor))
+    return standing, failed
+
+
+def _put(box: BoxSet, base: float, stretch: bool) -> BoxSet:
+    """The box with its underside at a height: moved there or, to keep its top where it is, stretched."""
+    top = float(box.top[0]) if stretch else base + 2 * float(box.half[0, 2])
+    return box_set([*box.center[0, :2], (base + top) / 2], [*box.half[0, :2], (top - base) / 2], box.yaw)
+
+
+def find_support(box: BoxSet, obstacles: BoxSet, reach: float) -> float | None:
+    """Height of the upper sides that carry a box [m]; None if they do not reach well around below its middle."""
+    points = box.center[0, :2] + (REST * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [0, 0]]) * box.half[0, :2]) @ (
+        yaw_matrix(box.yaw[0])[:2, :2].T
+    )
+    near = obstacles[abs(obstacles.top - box.bottom[0]) <= reach]
+    below = _over(near, points)
+    if not below.any():
+        return None
+    height = float(near.top[below.any(axis=1)].max())
+    return height if below[near.top > height - LEVEL].any(axis=0).all() else None
+
+
+def _over(boxes: BoxSet, points: Float[np.ndarray, "p 2"]) -> Bool[np.ndarray, "n p"]:
+    """Whether each point is in the footprint of each box."""
+    away = points - boxes.center[:, None, :2]
+    c, s = np.cos(boxes.yaw)[:, None], np.sin(boxes.yaw)[:, None]
+    along, across = c * away[..., 0] + s * away[..., 1], c * away[..., 1] - s * away[..., 0]
+    return (abs(along) <= boxes.half[:, :1]) & (abs(across) <= boxes.half[:, 1:2])
+
+
+def _draw_in(box: BoxSet, obstacles: BoxSet, options: MovableOptions, gap: float = 1e-3) -> BoxSet | None:
+    """The box drawn in until it is `gap` away from every obstacle; None if the limits do not allow it."""
+    low, high = -box.half[0].copy(), box.half[0].copy()
+    for i in _near(box, obstacles):
+        now = _cut(box, low, high)
+        if overlap(now, obstacles[i : i + 1])[0] <= -gap or obstacles.bottom[i] >= now.top[0]:
+            continue
+        below = obstacles.bottom[i] - gap - box.center[0, 2]
+        if below - low[2] >= options.seat:
+            high[2] = below
+        else:
+            _draw_side(box, obstacles, i, low, high, gap)
+    drawn = np.maximum(box.half[0] - high, low + box.half[0])[:2]
+    if (drawn > options.shrink).any() or (high - low < 0.5 * 2 * box.half[0])[:2].any():
+        return None
+    return _cut(box, low, high)
+
+
+def _draw_side(
+    box: BoxSet, obstacles: BoxSet, index: int, low: Float[np.ndarray, "3"], high: Float[np.ndarray, "3"], gap: float
+) -> None:
+    """Moves the one of four sides that has the shortest way to get clear of an obstacle."""
+    corners = (footprint(obstacles, index) - box.center[0, :2]) @ yaw_matrix(box.yaw[0])[:2, :2]
+    ways = np.array([high[:2] - corners.min(axis=0), corners.max(axis=0) - low[:2]])
+    side, axis = divmod(int(ways.argmin()), 2)
+    if side == 0:
+        high[axis] -= ways[0, axis] + gap
+    else:
+        low[axis] += ways[1, axis] + gap
+
+
+def _cut(box: BoxSet, low: Float[np.ndarray, "3"], high: Float[np.ndarray, "3"]) -> BoxSet:
+    """The part of a box between two corners in its own frame."""
+    center = box.center[0] + yaw_matrix(box.yaw[0]) @ ((low + high) / 2)
+    return box_set(center, (high - low) / 2, box.yaw[0])
+
+
+def _near(box: BoxSet, obstacles: BoxSet) -> list[int]:
+    """Rows of the obstacles whose bounding circles and heights overlap those of a box."""
+    apart = np.linalg.norm(obstacles.center[:, :2] - box.center[0, :2], axis=1)
+    reach = np.linalg.norm(obstacles.half[:, :2], axis=1) + np.linalg.norm(box.half[0, :2])
+    level = (obstacles.bottom < box.top[0] - TOUCH) & (obstacles.top > box.bottom[0] + TOUCH)
+    return np.flatnonzero((apart < reach) & level).tolist()
