@@ -96,8 +96,9 @@ def random_position(bank: HouseBank, house: Int[Array, ""], key: Array, margin: 
 
 
 def cell_position(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, ""]) -> Float[Array, "3"]:
-    """Middle of a numbered cell on its level's floor [m]."""
-    return place_position(bank, house, bank.navigation.place[cell].astype(jnp.int32))
+    """Middle of a numbered cell on the floor or ramp there [m]."""
+    middle = place_position(bank, house, bank.navigation.place[cell].astype(jnp.int32))
+    return middle.at[2].set(bank.navigation.height[cell])
 
 
 def place_position(bank: HouseBank, house: Int[Array, ""], place: Int[Array, "3"]) -> Float[Array, "3"]:

@@ -18,7 +18,6 @@ from home_mjx.core.native.platforms import cover_all
 from home_mjx.core.native.varying import varying_false
 from home_mjx.errors import ConfigError
 from home_mjx.physics.base.doors import Leaf, door_table
-from home_mjx.physics.base.ramps import ramp_tables
 from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.batched import Step, batched
 from home_mjx.physics.cpu import cpu_available, step_cpu
@@ -80,8 +79,8 @@ def _house_arrays(physics: Physics) -> tuple[Array, ...]:
     half = jnp.where(above[..., None], physics.collider_size, jnp.float32(-1.0))
     valid = physics.body_valid.astype(jnp.int32)
     bodies = (valid, physics.body_size, physics.body_mass, physics.body_inertia)
-    doors, ramps = door_table(Leaf.of(physics)), ramp_tables(physics)
-    return (physics.collider_pos, physics.collider_quat, half, *bodies, doors, ramps, physics.floor)
+    doors = door_table(Leaf.of(physics))
+    return (physics.collider_pos, physics.collider_quat, half, *bodies, doors, physics.ramp, physics.floor)
 
 
 @functools.cache

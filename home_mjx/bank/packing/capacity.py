@@ -43,6 +43,7 @@ AXES: Mapping[str, Axis] = {
     "instances": Axis(lambda h: max(len(h.instances.model), 1 + int(h.instances.object_id.max())), 32),
     "bodies": Axis(lambda h: len(h.bodies.mass), 8),
     "doors": Axis(lambda h: len(h.doors.mass), 8),
+    "ramps": Axis(lambda h: len(h.ramps.slope), 1),
     "colliders": Axis(lambda h: len(h.colliders.pos), 64),
     "planes": Axis(lambda h: len(h.planes.material), 16),
     "starts": Axis(lambda h: len(h.navigation.start), 256, drawn=True),

@@ -29,6 +29,15 @@ def inertia(at: HouseAt) -> Float[np.ndarray, "k 3"]:
     return box_inertia(bodies.mass.astype(np.float32), bodies.size.astype(np.float32))
 
 
+def ramp_rows(at: HouseAt) -> Float[np.ndarray, "r 8"]:
+    """Each ramp's footprint and slope, see `Physics.ramp`."""
+    ramps = at.house.ramps
+    slope = ramps.slope[:, None]
+    top = ramps.pos + ramps.size[:, 2:] * np.concatenate([-np.sin(slope) * ramps.up, np.cos(slope)], axis=1)
+    halves = ramps.size[:, :1] * np.cos(slope), ramps.size[:, 1:2]
+    return np.concatenate([top[:, :2], ramps.up, *halves, top[:, 2:], np.tan(slope)], axis=1)
+
+
 def is_door(at: HouseAt) -> Bool[np.ndarray, " n"]:
     """True for each leaf of a door."""
     return np.ones(len(at.house.doors.mass), bool)
@@ -66,3 +75,9 @@ class Physics(Pytree):
     door_quat: Float[Array, "h doors 4"] = array("wxyz, about z only", source="doors.quat", fill=UPRIGHT)
     door_size: Float[Array, "h doors 3"] = array("[m], half extents", source="doors.size", fill=SMALL)
     door_mass: Float[Array, "h doors"] = array("[kg]", source="doors.mass", fill=1)
+    ramp: Float[Array, "h ramps 8"] = array(
+        "middle of its top in plan (2) [m], direction uphill (2), half length and width in plan [m], height of the "
+        "middle [m], rise per length; padding has a negative length",
+        source=ramp_rows,
+        fill=np.array([0.0, 0.0, 1.0, 0.0, -1.0, -1.0, 0.0, 0.0]),
+    )

@@ -47,6 +47,7 @@ class Navigation(Pytree):
         "row of `place` and `field`; -1 where agents cannot be", source=cell_numbers, fill=-1
     )
     place: Int[Array, "cell 3"] = array("level, row and column", source="navigation.place", dtype=np.int16)
+    height: Float[Array, " cell"] = array("[m], of the floor or ramp", source="navigation.height")
     field: UInt16[Array, "cell goals"] = array(
         "[FIELD_UNIT], geodesic distance to each goal of the cell's house; FIELD_FAR no path",
         source=goal_fields,

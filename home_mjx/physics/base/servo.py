@@ -108,7 +108,7 @@ def ramp_acceleration(
     Where it stands on one, `g tan(slope)` uphill balances what the ramp's normal force does.
 
     Args:
-        ramps: Rows of `ramp_table`.
+        ramps: Rows of `bank.physics.ramp`.
         agent: Row of `control.agent_table`.
         pos: Centre of its capsule [m].
     """

@@ -22,7 +22,7 @@ def drive_mobiles(work, numbers, control, ramp, num_ramps):
         work: Arrays, see `work.Work`.
         numbers: See `numbers.Numbers`.
         control: Actions (a, 3), bodies held by the agents (a) or -1, grips (a, 7), goals of the doors (h).
-        ramp: (num_ramps, RAMP_COLUMNS), see `ramps.ramp_table`.
+        ramp: (num_ramps, RAMP_COLUMNS), see `bank.physics.ramp`.
         num_ramps: Of the house.
     """
     action, held, grip, goal = control
@@ -62,7 +62,7 @@ def _drive_agent(work, numbers, a, action):
 @compiled
 @no_type_check
 def _climb(work, numbers, a, ramp, num_ramps):
-    """Holds an agent on a ramp, where its contact has no friction; see `ramps`."""
+    """Holds an agent on a ramp, where its contact has no friction; see `base.servo`."""
     radius = work.agent[AGENT_COLUMNS * a]
     bottom = work.pos[3 * a + 2] - work.radius[a]
     for r in range(num_ramps):

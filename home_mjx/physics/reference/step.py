@@ -10,7 +10,6 @@ from mujoco import mjx
 
 from home_mjx.bank.records import Physics
 from home_mjx.physics.base.doors import Leaf
-from home_mjx.physics.base.ramps import ramp_table
 from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.reference.applied import with_forces
 from home_mjx.physics.reference.house_model import (
@@ -34,7 +33,7 @@ def step_mjx(
     """One control step; see `dynamics.step_checked`."""
     bodies, leaves = movable_bodies(physics, house), house_doors(physics, house)
     static = static_boxes(template, physics, house)
-    parts = bodies, leaves, ramp_table(physics, house)
+    parts = bodies, leaves, physics.ramp[house]
     model = house_model(template.model, template.layout, bodies, physics.floor[house])
     model = with_doors(model, template.layout, leaves)
 
