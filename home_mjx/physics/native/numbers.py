@@ -5,10 +5,8 @@ from typing import NamedTuple
 from home_mjx.physics.base import servo
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.reference.template_mjcf import CORNER_RADIUS, LIMIT_SOLREF
-from home_mjx.scene_compile.mjcf.agent import AGENT_SOLREF, BODY_SOLREF
+from home_mjx.scene_compile.mjcf import agent
 
-# MuJoCo's defaults.
-IMPEDANCE_LOW, IMPEDANCE_HIGH, IMPEDANCE_WIDTH = 0.9, 0.95, 0.001
 ITERATIONS = 50  # of Newton's method, which ends by itself: most physics steps take one to three
 BY_FORCE = 1.0  # `control`
 
@@ -63,12 +61,12 @@ def numbers_of(config: PhysicsConfig) -> Numbers:
         friction=config.friction,
         max_body_speed=config.max_body_speed,
         max_body_spin=config.max_body_spin,
-        **_spring("agent", AGENT_SOLREF, dt),
-        **_spring("body", BODY_SOLREF, dt),
+        **_spring("agent", agent.AGENT_SOLREF, dt),
+        **_spring("body", agent.BODY_SOLREF, dt),
         **_spring("limit", LIMIT_SOLREF, dt),
-        impedance_low=IMPEDANCE_LOW,
-        impedance_high=IMPEDANCE_HIGH,
-        impedance_width=IMPEDANCE_WIDTH,
+        impedance_low=agent.SOLIMP[0],
+        impedance_high=agent.SOLIMP[1],
+        impedance_width=agent.SOLIMP[2],
         iterations=ITERATIONS,
         corner_radius=CORNER_RADIUS,
         on_ramp=servo.ON_RAMP,
@@ -92,5 +90,5 @@ def _spring(kind: str, solref: str, sim_dt: float) -> dict[str, float]:
     """MuJoCo's stiffness and damping of a `solref` (time constant and damping ratio); see "Solver parameters"."""
     constant, ratio = (float(x) for x in solref.split())
     constant = max(constant, 2 * sim_dt)
-    stiffness = 1 / (IMPEDANCE_HIGH * constant * ratio) ** 2
-    return {f"{kind}_stiffness": stiffness, f"{kind}_damping": 2 / (IMPEDANCE_HIGH * constant)}
+    stiffness = 1 / (agent.SOLIMP[1] * constant * ratio) ** 2
+    return {f"{kind}_stiffness": stiffness, f"{kind}_damping": 2 / (agent.SOLIMP[1] * constant)}

@@ -9,7 +9,7 @@ import numpy as np
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.base.servo import DOOR_DRAG
-from home_mjx.scene_compile.mjcf.agent import AGENT_SOLREF, BODY_SOLREF, add_agent, add_motors
+from home_mjx.scene_compile.mjcf.agent import AGENT_SOLREF, BODY_SOLREF, add_agent, add_motors, solimp
 
 PARKED_HEIGHT = 500.0  # [m]: unused bodies are parked this far above the house, unused slots this far below
 PARKED_SIZE = 0.1  # [m], half extent
@@ -72,7 +72,7 @@ def _add_agent(world: ET.Element, config: PhysicsConfig, a: int) -> None:
 def _add_pair(contact: ET.Element, config: PhysicsConfig, first: str, second: str, agent: bool) -> None:
     kind = {"condim": "1", "solref": AGENT_SOLREF} if agent else {"condim": "3", "solref": BODY_SOLREF}
     friction = f"{config.friction} {config.friction}"
-    ET.SubElement(contact, "pair", kind, geom1=first, geom2=second, friction=friction)
+    ET.SubElement(contact, "pair", kind, geom1=first, geom2=second, friction=friction, solimp=solimp())
 
 
 def _add_options(root: ET.Element, config: PhysicsConfig, layout: Layout, jacobian: str) -> None:
@@ -115,7 +115,7 @@ def _add_door(world: ET.Element, h: int) -> None:
     x, y = PARKED_ARM
     inertia = PARKED_MASS * 2 / 3 * PARKED_SIZE**2
     damping = DOOR_DRAG * (inertia + PARKED_MASS * (x * x + y * y))
-    ET.SubElement(body, "joint", hinge, damping=str(damping), solreflimit=LIMIT_SOLREF)
+    ET.SubElement(body, "joint", hinge, damping=str(damping), solreflimit=LIMIT_SOLREF, solimplimit=solimp())
     at = {"pos": f"{x} {y} 0", "quat": f"{math.cos(PARKED_YAW / 2)} 0 0 {math.sin(PARKED_YAW / 2)}"}
     diagonal = f"{inertia} {inertia} {inertia}"
     ET.SubElement(body, "inertial", at, mass=str(PARKED_MASS), diaginertia=diagonal)

@@ -13,7 +13,7 @@ from home_mjx.core.files import replace_folder
 from home_mjx.errors import ConfigError
 from home_mjx.scene_compile.architecture.rooms import ground_floor
 from home_mjx.scene_compile.geometry.boxes import box_inertia
-from home_mjx.scene_compile.mjcf.agent import AGENT_SOLREF, BODY_SOLREF, add_agent, add_motors
+from home_mjx.scene_compile.mjcf.agent import AGENT_SOLREF, BODY_SOLREF, add_agent, add_motors, solimp
 from home_mjx.scene_compile.mjcf.assets import MjcfAssets, numbers, safe_name
 from home_mjx.scene_compile.mjcf.boxes import COLLIDER, MEETS_LEAVES, add_box, add_leaf, add_piece
 from home_mjx.scene_compile.mjcf.lights import add_lamps
@@ -69,7 +69,7 @@ def to_mjcf(
     center, extent = house.box.mean(axis=0), float(np.ptp(house.box, axis=0).max())
     ET.SubElement(root, "statistic", center=numbers(center), extent=f"{extent:.6g}")
     default = ET.SubElement(root, "default")
-    ET.SubElement(default, "geom", condim="3", friction=f"{friction} 0.005 0.0001", solref=BODY_SOLREF)
+    ET.SubElement(default, "geom", condim="3", friction=f"{friction} 0.005 0.0001", solref=BODY_SOLREF, solimp=solimp())
     world = ET.Element("worldbody")
     _add_surroundings(world, house)
     add_lamps(world, house)
@@ -256,7 +256,7 @@ def _is_ceiling(house: CompiledHouse, instance: int, slot: int) -> bool:
 
 def _add_agent(root: ET.Element, world: ET.Element, house: CompiledHouse, shape: Body) -> None:
     """Adds an agent, frictionless towards everything, and a keyframe in which it stands at the first start point."""
-    look = {"condim": "1", "priority": "1", "solref": AGENT_SOLREF, "group": COLLIDER}
+    look = {"condim": "1", "priority": "1", "solref": AGENT_SOLREF, "solimp": solimp(), "group": COLLIDER}
     body = add_agent(world, shape, "agent0", **look, **MEETS_LEAVES)
     eye = f"0 0 {shape.eye_height - shape.height / 2:.9g}"
     ET.SubElement(body, "camera", _looking_along_x(), name="agent0_eye", pos=eye)
