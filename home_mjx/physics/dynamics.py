@@ -5,7 +5,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.physics.base.servo import FREE
+from home_mjx.physics.base.layout import Layout
+from home_mjx.physics.base.servo import FREE, GRAVITY
 from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.base.touch import NOTHING
 from home_mjx.physics.fused import step_fused
@@ -16,6 +17,7 @@ from home_mjx.physics.reference.step import step_mjx
 from home_mjx.physics.reference.template import Template
 
 STEPS = {"fused": step_fused, "jax": step_mjx, "kinematic": step_kinematic}
+AWAKE = 1e-6  # [rad/s^2], of doors that do not sleep
 ABSURD = 1e6  # [m], [rad] and per second
 
 
@@ -48,7 +50,7 @@ def reset(
     return PhysicsState(
         qpos=jnp.concatenate([agents.reshape(-1), placed.reshape(-1), angle]),
         qvel=still,
-        qacc=still,
+        qacc=_falling(layout),
         held=nothing,
         grip=jnp.tile(upright, (layout.num_agents, 1)),
         spot=jnp.full((layout.num_agents, 3), jnp.inf, jnp.float32),
@@ -59,6 +61,13 @@ def reset(
         place=jnp.zeros((layout.num_mobiles, 3), jnp.float32),
         other=jnp.full(layout.num_mobiles, NOTHING, jnp.int32),
     )
+
+
+def _falling(layout: Layout) -> Float[Array, " v"]:
+    """Accelerations of what has not come to rest yet: what has zeros sleeps."""
+    bodies = jnp.zeros((layout.num_bodies, 6), jnp.float32).at[:, 2].set(-GRAVITY)
+    agents, doors = jnp.zeros(4 * layout.num_agents, jnp.float32), jnp.full(layout.num_doors, AWAKE, jnp.float32)
+    return jnp.concatenate([agents, bodies.reshape(-1), doors])
 
 
 def step(

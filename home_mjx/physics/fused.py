@@ -22,7 +22,7 @@ from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.batched import Step, batched
 from home_mjx.physics.cpu import cpu_available, step_cpu
 from home_mjx.physics.cuda.launch import cuda_available, step_cuda
-from home_mjx.physics.native.numbers import numbers_of
+from home_mjx.physics.native.data.numbers import numbers_of
 from home_mjx.physics.reference.lost import Lost
 from home_mjx.physics.reference.slots import Boxes
 from home_mjx.physics.reference.step import step_mjx
@@ -68,8 +68,22 @@ def _step_native(
     qpos, qvel, qacc, touched, lost, push, other = (x[0] for x in results)
     no = jnp.zeros((), bool)
     pushed = {"impulse": push[:, 0], "place": push[:, 1:], "other": other}
+    pushed = _with_sleepers(template, state, (qvel, qacc), pushed)
     state = state.replace(qpos=qpos, qvel=qvel, qacc=qacc, touched=touched, **pushed)
     return state, Lost(static_boxes=lost[0] > 0, contact_pairs=no, contact_points=lost[1] > 0)
+
+
+def _with_sleepers(
+    template: Template, before: PhysicsState, rates: tuple[Array, Array], pushed: dict[str, Array]
+) -> dict[str, Array]:
+    """What touched what; of sleepers it is known from when they were awake."""
+    layout = template.layout
+    moves = (rates[0] != 0) | (rates[1] != 0)
+    free = moves[layout.body_qvel].reshape(-1, 6).any(axis=-1)
+    moves = jnp.concatenate([jnp.ones(layout.num_agents, bool), free, moves[layout.door_qvel]])
+    kept = ~moves & (pushed["impulse"] == 0)
+    old = {name: getattr(before, name) for name in pushed}
+    return jax.tree.map(lambda a, b: jnp.where(kept.reshape(-1, *[1] * (b.ndim - 1)), a, b), old, pushed)
 
 
 def _house_arrays(physics: Physics) -> tuple[Array, ...]:

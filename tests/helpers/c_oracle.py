@@ -12,9 +12,9 @@ from home_mjx.physics import PhysicsConfig
 from home_mjx.physics.base import servo
 from home_mjx.physics.base.control import YAW_INERTIA, agent_table
 from home_mjx.physics.base.layout import Layout
-from home_mjx.physics.native.numbers import numbers_of
+from home_mjx.physics.native.data.numbers import numbers_of
+from home_mjx.physics.native.data.work import NEWTON_STEPS, NUM_CONTACTS, free_work, make_work
 from home_mjx.physics.native.step import load_agents, load_house, step_env
-from home_mjx.physics.native.work import NEWTON_STEPS, NUM_CONTACTS, free_work, make_work
 from home_mjx.physics.reference.template_mjcf import CORNER_RADIUS, template_mjcf
 
 floats, ints = pointer_to(types.float64), pointer_to(types.int64)
@@ -81,7 +81,7 @@ class Oracle:
         self.static, self.bodies, self.mass = static, bodies, mass
         self.model = self._model()
         self.data = mujoco.MjData(self.model)
-        self.numbers = numbers_of(config)
+        self.numbers = numbers_of(config)._replace(sleep=0.0)
         self.door_rows = self._door_rows()
         self.driven = np.full(self.agents, -1), np.zeros((self.agents, 7)), np.full(len(doors.mass), servo.FREE)
         self.ramps = np.zeros((0, 8))

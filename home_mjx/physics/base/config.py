@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, field
 
-from home_mjx.core.checks import check_number, check_type
+from home_mjx.core.checks import check_flag, check_number, check_type
 from home_mjx.errors import ConfigError
 from home_mjx.schema.agent import Body
 from home_mjx.schema.timing import Timing
@@ -12,7 +12,7 @@ IMPLS = ("fused", "jax", "kinematic")
 WARP = ". MJX-Warp is not offered: its agents fall through the floor"
 JACOBIANS = ("auto", "dense", "sparse")
 CONTROLS = ("velocity", "force")
-NOT_NUMBERS = ("impl", "jacobian", "control", "body", "bodies", "timing")
+NOT_NUMBERS = ("impl", "jacobian", "control", "sleep", "body", "bodies", "timing")
 WHOLE = (
     "num_agents", "iterations", "ls_iterations", "agent_slots", "body_slots", "max_geom_pairs", "max_contact_points"
 )  # fmt: skip
@@ -40,6 +40,7 @@ class PhysicsConfig:
         max_geom_pairs: Pairs of one kind (box and box, capsule and box) that are tested at once, those nearest by
             bounding spheres; None: two per body or four per agent.
         max_contact_points: Contact points of agents, and of bodies, the deepest; None: six per body or eight per agent.
+        sleep: Whether the fused step leaves out what has come to rest until something touches it.
         jacobian: MuJoCo's option; "auto" is sparse on CPU, where it is a third faster, and dense elsewhere.
         impl: "fused": all physics steps of a step in one compiled function on CPUs and NVIDIA GPUs, MJX elsewhere; no
             gradients. "jax": MJX everywhere, with forward-mode gradients (`jax.jvp`); reverse mode needs
@@ -69,12 +70,14 @@ class PhysicsConfig:
     body_slots: int = 4
     max_geom_pairs: int | None = None
     max_contact_points: int | None = None
+    sleep: bool = True
     jacobian: str = "auto"
     impl: str = "fused"
 
     def __post_init__(self) -> None:
         self._check_choices()
         self._check_numbers()
+        check_flag("sleep", self.sleep)
         check_type("body", self.body, Body)
         check_type("timing", self.timing, Timing)
         self._check_bodies()

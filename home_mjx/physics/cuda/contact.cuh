@@ -23,6 +23,7 @@ struct Env {
   // A door's angle and an agent's yaw are the first number of quat. All mobiles have six numbers of velocity; of a door,
   // which turns about its own z, the others are held by HEAVY masses.
   real *pos, *quat, *rot, *vel, *acc, *smooth, *half, *mass, *inverse, *radius, *impulse;
+  int *there, *calm, *wakes, *list, *pairs;  // list: of what is awake; pairs: of mobiles near each other
   int *used, *num_near, *island, *members, *rows, *end, *offset, *order, *counts;
   real *near, *near_from, *small, *large;  // memory for Newton's method: small is shared
   const float *agent, *door;  // tables: of the agents, of the house's doors

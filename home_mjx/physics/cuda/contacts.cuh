@@ -158,47 +158,85 @@ INLINE void at_limits(const Env& e, int m, Points& points) {
   }
 }
 
+// Lists what is awake; returns how many.
+__device__ int list_awake(const Env& e) {
+  int count = 0;
+  for (int base = 0; base < e.mobiles; base += WARP_SIZE) {
+    const int m = base + LANE;
+    const bool awake = m < e.mobiles && e.used[m];
+    const unsigned mask = warp_ballot(awake);
+    if (awake) e.list[count + count_bits(mask & ((1u << LANE) - 1))] = m;
+    count += count_bits(mask);
+  }
+  sync_warp();
+  return count;
+}
+
+// Pairs of mobiles whose bounding spheres meet, first + second * mobiles; the first is awake, the second is if it comes
+// later. Doors do not meet each other.
+__device__ int list_pairs(const Env& e, int awake) {
+  int count = 0;
+  for (int base = 0; base < awake * e.mobiles; base += WARP_SIZE) {
+    const int pair = base + LANE, m = e.list[pair < awake * e.mobiles ? pair / e.mobiles : 0], other = pair % e.mobiles;
+    bool near = pair < awake * e.mobiles && e.there[other] && other != m && (m < e.free || other < e.free);
+    near = near && (!e.used[other] || other < m);
+    if (near) {
+      real square = 0;
+      for (int k = 0; k < 3; ++k) square += (e.pos[3 * m + k] - e.pos[3 * other + k]) * (e.pos[3 * m + k] - e.pos[3 * other + k]);
+      const real reach = e.radius[m] + e.radius[other];
+      near = square <= reach * reach;
+    }
+    const unsigned mask = warp_ballot(near);
+    const int place = count + count_bits(mask & ((1u << LANE) - 1));
+    if (near && place < PAIRS_PER_MOBILE * e.mobiles)
+      e.pairs[place] = e.used[other] ? other + m * e.mobiles : m + other * e.mobiles;
+    count += count_bits(mask);
+  }
+  sync_warp();
+  if (count <= PAIRS_PER_MOBILE * e.mobiles) return count;
+  if (LANE == 0) e.counts[LOST_POINTS] = 1;
+  return PAIRS_PER_MOBILE * e.mobiles;
+}
+
 // All contacts of an environment; returns their number.
 __device__ int find_contacts(const Env& e, const House& house, real floor) {
   keep_near(e, house);
+  const int awake = list_awake(e), pairs = list_pairs(e, awake);
   int statics = 0;
   for (int m = 0; m < e.free; ++m) statics += e.used[m] ? e.num_near[m] : 0;
-  const int free_pairs = e.free * (e.free - 1) / 2, mobile_pairs = free_pairs + (e.mobiles - e.free) * e.free, total = e.mobiles + statics + mobile_pairs;
+  const int total = awake + statics + pairs;
   int count = 0;
   for (int base = 0; base < total; base += WARP_SIZE) {
     int pair = base + LANE, first = -1, second = STATIC;
     real friction = 0;
     Points points;
     points.count = 0;
-    if (pair < e.mobiles) {
-      if (!e.used[pair]) {
-      } else if (pair < e.free) {
-        first = pair, second = FLOOR, on_floor(e, pair, floor, points);
+    if (pair < awake) {
+      first = e.list[pair];
+      if (first < e.free) second = FLOOR, on_floor(e, first, floor, points);
+      else second = LIMIT, at_limits(e, first, points);
+    } else if (pair < total) {  // a box, static or another mobile's
+      Box box;
+      if ((pair -= awake) < statics) {
+        int m = 0;
+        while (!e.used[m] || pair >= e.num_near[m]) pair -= e.used[m] ? e.num_near[m] : 0, ++m;
+        const int number = int(e.near[NEAR * m + pair]);
+        first = m, second = STATIC - number, box = static_box(house, number);
       } else {
-        first = pair, second = LIMIT, at_limits(e, pair, points);
+        const int both = e.pairs[pair - statics];
+        first = both % e.mobiles, second = both / e.mobiles;
+        if (second >= e.agents) box = mobile_box(e, second);
       }
-    } else if ((pair -= e.mobiles) < statics) {
-      int m = 0;
-      while (!e.used[m] || pair >= e.num_near[m]) pair -= e.used[m] ? e.num_near[m] : 0, ++m;
-      first = m;
-      const int box = int(e.near[NEAR * m + pair]);
-      second = STATIC - box, with_box(e, m, static_box(house, box), points);
-    } else if ((pair -= statics) < mobile_pairs) {
-      if (pair < free_pairs) {
-        second = 1;
-        while (pair >= second) pair -= second, ++second;
-        first = pair;
+      if (second >= 0 && second < e.agents) {
+        const Vec a = {e.pos[3 * first], e.pos[3 * first + 1], e.pos[3 * first + 2]};
+        const Vec b = {e.pos[3 * second], e.pos[3 * second + 1], e.pos[3 * second + 2]};
+        capsule_capsule(a, b, e.agent + AGENT_COLUMNS * first, e.agent + AGENT_COLUMNS * second, points);
       } else {
-        second = e.free + (pair - free_pairs) / e.free, first = (pair - free_pairs) % e.free;
+        with_box(e, first, box, points);
       }
-      const Vec a = {e.pos[3 * first], e.pos[3 * first + 1], e.pos[3 * first + 2]};
-      const Vec b = {e.pos[3 * second], e.pos[3 * second + 1], e.pos[3 * second + 2]};
-      const real reach = e.radius[first] + e.radius[second];
-      if (e.used[first] && e.used[second] && dot(b - a, b - a) <= reach * reach) {
-        if (second < e.agents)
-          capsule_capsule(a, b, e.agent + AGENT_COLUMNS * first, e.agent + AGENT_COLUMNS * second, points);
-        else
-          with_box(e, first, mobile_box(e, second), points);
+      if (second >= 0 && !e.used[second]) {
+        if (points.count) e.wakes[second] = 1;
+        second = SLEEPER - second;
       }
     }
     if (first >= e.agents && second != LIMIT) friction = e.numbers.friction;

@@ -11,14 +11,15 @@ import numpy as np
 from jaxtyping import Array
 
 from home_mjx.core.native.platforms import PTX_TARGET, problem_of, ptx_for_all, works
-from home_mjx.physics.native.limits import BODY_DOFS, NEAR, POINTS_PER_MOBILE
+from home_mjx.physics.native.data.limits import BODY_DOFS, NEAR, POINTS_PER_MOBILE
 
-FILES = ("base.cuh", "shapes.cuh", "contact.cuh", "contacts.cuh", "solver.cuh", "forces.cuh", "step.cu")
+FILES = ("base.cuh", "shapes.cuh", "contact.cuh", "contacts.cuh", "solver.cuh", "forces.cuh", "sleep.cuh", "step.cu")
 SOURCES = tuple(Path(__file__).with_name(name) for name in FILES)
 WARP = 32
 ACTION = 16  # number of that operand
 CONTACT_WORDS, SMALL_ISLAND = 52, 6  # as in base.cuh
-SHARED_REALS, SHARED_INTS = 47, 7 + POINTS_PER_MOBILE  # per mobile, as step.cu lays them out
+PAIRS_PER_MOBILE = 16  # as in base.cuh
+SHARED_REALS, SHARED_INTS = 47, 11 + POINTS_PER_MOBILE  # per mobile, as step.cu lays them out
 
 
 def step_cuda(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]) -> Sequence[Array]:
@@ -26,7 +27,7 @@ def step_cuda(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]
     (houses, statics), bodies, doors, ramps = operands[0].shape[:2], *(operands[i].shape[1] for i in (3, 7, 8))
     envs, agents = operands[ACTION].shape[:2]
     mobiles = agents + bodies + doors
-    words = (NEAR + 12) * mobiles + _newton_words(mobiles) + CONTACT_WORDS * POINTS_PER_MOBILE * mobiles
+    words = (NEAR + 12 + PAIRS_PER_MOBILE + CONTACT_WORDS * POINTS_PER_MOBILE) * mobiles + _newton_words(mobiles)
     scratch = jax.ShapeDtypeStruct((envs, words), jnp.float32)
     sizes = (envs, houses, statics, bodies, agents, doors, ramps, 4 * words)
     constants = jnp.concatenate([jnp.full(1, size, jnp.int32) for size in sizes])

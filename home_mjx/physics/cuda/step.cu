@@ -13,7 +13,7 @@ INLINE void load(const Env& e, int m, const float* qpos, const float* qvel, cons
   for (int k = 0; k < 9; ++k) e.rot[9 * m + k] = k % 4 == 0;
   if (m < e.agents) {
     const float* agent = e.agent + AGENT_COLUMNS * m;
-    e.used[m] = 1, e.radius[m] = agent[0] + agent[1], e.inverse[m] = 1 / real(agent[2]);
+    e.there[m] = 1, e.radius[m] = agent[0] + agent[1], e.inverse[m] = 1 / real(agent[2]);
     for (int k = 0; k < 3; ++k) {
       pos[k] = qpos[4 * m + k], vel[k] = qvel[4 * m + k], acc[k] = qacc[4 * m + k];
       vel[3 + k] = k == 2 ? qvel[4 * m + 3] : 0, acc[3 + k] = 0;
@@ -25,7 +25,7 @@ INLINE void load(const Env& e, int m, const float* qpos, const float* qvel, cons
   real square = 0, length = 0;
   if (m < e.free) {
     const int q = 4 * e.agents + 7 * b, v = 4 * e.agents + 6 * b;
-    e.used[m] = body_valid[b] != 0, e.inverse[m] = 1 / real(body_mass[b]);
+    e.there[m] = body_valid[b] != 0, e.inverse[m] = 1 / real(body_mass[b]);
     for (int k = 0; k < 4; ++k) length += real(qpos[q + 3 + k]) * qpos[q + 3 + k];
     for (int k = 0; k < 4; ++k) quat[k] = qpos[q + 3 + k] / sqrt(length);
     for (int k = 0; k < 6; ++k) vel[k] = qvel[v + k], acc[k] = qacc[v + k];
@@ -36,7 +36,7 @@ INLINE void load(const Env& e, int m, const float* qpos, const float* qvel, cons
   } else {
     const float* door = e.door + DOOR_COLUMNS * h;
     const int q = 4 * e.agents + 7 * bodies + h, v = 4 * e.agents + 6 * bodies + h;
-    e.used[m] = door[6] >= 0, e.inverse[m] = door[10], quat[0] = qpos[q];
+    e.there[m] = door[6] >= 0, e.inverse[m] = door[10], quat[0] = qpos[q];
     for (int k = 0; k < 3; ++k) half[k] = door[6 + k];
     for (int k = 0; k < 6; ++k) vel[k] = acc[k] = 0, mass[k] = HEAVY;
     vel[5] = qvel[v], acc[5] = qacc[v], mass[5] = door[9];
@@ -93,7 +93,7 @@ INLINE void note_pushes(const Env& e, int count, float* push, int* other) {
       if ((c.first != m && c.second != m) || impulse == 0) continue;
       e.impulse[2 * m] += impulse;
       if (impulse <= e.impulse[2 * m + 1]) continue;
-      e.impulse[2 * m + 1] = impulse, other[m] = c.first == m ? c.second : c.first;
+      e.impulse[2 * m + 1] = impulse, other[m] = c.first != m ? c.first : c.second <= SLEEPER ? SLEEPER - c.second : c.second;
       for (int k = 0; k < 3; ++k) push[4 * m + 1 + k] = c.pos[k];
     }
 }
@@ -117,9 +117,10 @@ extern "C" __global__ void __launch_bounds__(WARP_SIZE, BLOCKS) step_physics(
   int* whole = reinterpret_cast<int*>(at);
   e.used = whole, e.num_near = whole + M, e.island = whole + 2 * M, e.members = whole + 3 * M;
   e.rows = whole + 4 * M, e.end = whole + 5 * M, e.offset = whole + 6 * M, e.counts = whole + 7 * M;
-  e.order = e.counts + 2;
+  e.there = e.counts + 2, e.calm = e.there + M, e.wakes = e.calm + M, e.list = e.wakes + M, e.order = e.list + M;
   real* own = reinterpret_cast<real*>(scratch + size_t(env) * sizes[7]);
   e.near = own, own += NEAR * M, e.near_from = own, own += 12 * M, e.large = own, own += newton_words(D);
+  e.pairs = reinterpret_cast<int*>(own), own += PAIRS_PER_MOBILE * M;
   e.contacts = reinterpret_cast<Contact*>(own);
   for (int i = 0; i < NUM_NUMBERS; ++i) reinterpret_cast<real*>(&e.numbers)[i] = numbers[i];
   const int house = houses[env] < 0 ? 0 : houses[env] < num_houses ? houses[env] : num_houses - 1;
@@ -142,13 +143,17 @@ extern "C" __global__ void __launch_bounds__(WARP_SIZE, BLOCKS) step_physics(
     for (int k = 0; k < 4; ++k) push[4 * m + k] = 0;
   }
   sync_warp();
+  find_sleepers(e, control);
   for (int substep = 0; substep < int(e.numbers.substeps); ++substep) {
     for (int m = LANE; m < M; m += WARP_SIZE)
-      if (e.used[m]) {
+      if (e.used[m] || (substep == 0 && e.there[m])) {
         if (m >= e.free) place_leaf(e, m);
         else if (m >= e.agents) rotation(e.quat + 4 * m, e.rot + 9 * m);
-        smooth(e, m, control, ramps, num_ramps);
       }
+    sync_warp();
+    wake_near(e);
+    for (int m = LANE; m < M; m += WARP_SIZE)
+      if (e.used[m]) smooth(e, m, control, ramps, num_ramps);
     sync_warp();
     for (int a = LANE; a < e.agents; a += WARP_SIZE) hold(e, a, control);
     sync_warp();
@@ -159,7 +164,9 @@ extern "C" __global__ void __launch_bounds__(WARP_SIZE, BLOCKS) step_physics(
     for (int m = LANE; m < M; m += WARP_SIZE)
       if (e.used[m]) move(e, m);
     sync_warp();
+    wake_touched(e);
   }
+  fall_asleep(e);
   for (int m = LANE; m < M; m += WARP_SIZE) {
     store(e, m, qpos, new_qpos, new_qvel, new_qacc);
     push[4 * m] = e.impulse[2 * m];

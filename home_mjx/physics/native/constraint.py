@@ -10,8 +10,8 @@ from typing import no_type_check
 from numba import njit
 
 from home_mjx.core.native.memory import shifted
-from home_mjx.physics.native.limits import DOOR_COLUMNS, LIMIT
-from home_mjx.physics.native.work import NUM_CONTACTS
+from home_mjx.physics.native.data.limits import DOOR_COLUMNS, LIMIT
+from home_mjx.physics.native.data.work import NUM_CONTACTS
 
 TINY = 1e-15  # MuJoCo's mjMINVAL
 

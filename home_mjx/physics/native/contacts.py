@@ -7,10 +7,10 @@ from typing import no_type_check
 from numba import njit
 
 from home_mjx.core.native.memory import shifted
-from home_mjx.physics.native.limits import AGENT_COLUMNS, DOOR_COLUMNS, FLOOR, LIMIT, NEAR, STATIC
+from home_mjx.physics.native.data.limits import AGENT_COLUMNS, DOOR_COLUMNS, FLOOR, LIMIT, NEAR, SLEEPER, STATIC
+from home_mjx.physics.native.data.work import LOST_POINTS, LOST_STATIC, NUM_CONTACTS
 from home_mjx.physics.native.shapes.box_box import box_box
 from home_mjx.physics.native.shapes.capsule import capsule_box, capsule_capsule
-from home_mjx.physics.native.work import LOST_POINTS, LOST_STATIC, NUM_CONTACTS
 
 REACH = 0.1  # [m]: static boxes up to this far are kept, until their mobile has moved as much
 
@@ -30,9 +30,11 @@ def find_contacts(work, numbers, floor):
                 _with_house(work, numbers, m, floor)
             else:
                 _at_limits(work, m)
-            for other in range(min(m, work.num_free)):
-                if work.used[other]:
+            for other in range(work.num_free if m >= work.num_free else work.num_mobiles):
+                if work.used[other] and other < m:
                     _with_mobile(work, numbers, other, m)
+                elif work.there[other] and not work.used[other]:
+                    _with_sleeper(work, numbers, m, other)
 
 
 @compiled
@@ -89,7 +91,8 @@ def _keep_near(work, m):
                 along += work.static_rot[9 * c + 3 * j + k] * (work.pos[3 * m + j] - work.static_pos[3 * c + j])
             beyond = max(abs(along) - work.static_half[3 * c + k], 0.0)
             square += beyond * beyond
-        if square < reach * reach and not _apart(work, m, c, REACH):
+        pos, rot = shifted(work.static_pos, 3 * c), shifted(work.static_rot, 9 * c)
+        if square < reach * reach and not apart(work, m, pos, rot, shifted(work.static_half, 3 * c), REACH):
             if count == NEAR:
                 work.counts[LOST_STATIC] = 1
                 break
@@ -118,20 +121,20 @@ def _moved(work, m):
 
 @compiled
 @no_type_check
-def _apart(work, m, c, reach):
-    """Whether one of the six face axes separates a mobile's box from a static one by more than `reach`."""
+def apart(work, m, pos, rot, half, reach):
+    """Whether one of the six face axes separates a mobile's box from another one by more than `reach`."""
     for k in range(3):
         own, other, along, across = 0.0, 0.0, 0.0, 0.0
         for j in range(3):
             cosine, sine = 0.0, 0.0
             for i in range(3):
-                cosine += work.rot[9 * m + 3 * i + k] * work.static_rot[9 * c + 3 * i + j]
-                sine += work.rot[9 * m + 3 * i + j] * work.static_rot[9 * c + 3 * i + k]
-            own += abs(cosine) * work.static_half[3 * c + j]
+                cosine += work.rot[9 * m + 3 * i + k] * rot[3 * i + j]
+                sine += work.rot[9 * m + 3 * i + j] * rot[3 * i + k]
+            own += abs(cosine) * half[j]
             other += abs(sine) * work.half[3 * m + j]
-            along += work.rot[9 * m + 3 * j + k] * (work.pos[3 * m + j] - work.static_pos[3 * c + j])
-            across += work.static_rot[9 * c + 3 * j + k] * (work.pos[3 * m + j] - work.static_pos[3 * c + j])
-        if abs(along) - work.half[3 * m + k] - own > reach or abs(across) - work.static_half[3 * c + k] - other > reach:
+            along += work.rot[9 * m + 3 * j + k] * (work.pos[3 * m + j] - pos[j])
+            across += rot[3 * j + k] * (work.pos[3 * m + j] - pos[j])
+        if abs(along) - work.half[3 * m + k] - own > reach or abs(across) - half[k] - other > reach:
             return True
     return False
 
@@ -175,9 +178,9 @@ def _body_on_floor(work, numbers, m, floor):
 @no_type_check
 def _with_static(work, numbers, m, c):
     """Contacts of a mobile and a static box."""
-    if m < work.num_agents and _apart(work, m, c, 0.0):
-        return
     pos, rot, half = shifted(work.static_pos, 3 * c), shifted(work.static_rot, 9 * c), shifted(work.static_half, 3 * c)
+    if m < work.num_agents and apart(work, m, pos, rot, half, 0.0):
+        return
     _with_box(work, numbers, m, STATIC - c, pos, rot, half)
 
 
@@ -200,6 +203,23 @@ def _with_mobile(work, numbers, a, b):
     own = shifted(work.pos, 3 * a)
     count = capsule_capsule(own, one[0], one[1], pos, two[0], two[1], work.points, work.normals)
     _add_round(work, a, b, count)
+
+
+@compiled
+@no_type_check
+def _with_sleeper(work, numbers, m, other):
+    """Contacts with something that sleeps: it does not move now, but wakes for the next physics step."""
+    square = 0.0
+    for k in range(3):
+        step = work.pos[3 * other + k] - work.pos[3 * m + k]
+        square += step * step
+    reach = work.radius[m] + work.radius[other]
+    if square <= reach * reach:
+        before = work.counts[NUM_CONTACTS]
+        pos, rot, half = shifted(work.pos, 3 * other), shifted(work.rot, 9 * other), shifted(work.half, 3 * other)
+        _with_box(work, numbers, m, SLEEPER - other, pos, rot, half)
+        if work.counts[NUM_CONTACTS] > before:
+            work.wakes[other] = 1
 
 
 @compiled

@@ -7,8 +7,8 @@ from typing import no_type_check
 from numba import njit
 
 from home_mjx.core.native.memory import shifted
-from home_mjx.physics.native.limits import AGENT_COLUMNS, DOOR_COLUMNS, FREE, RAMP_COLUMNS
-from home_mjx.physics.native.numbers import BY_FORCE
+from home_mjx.physics.native.data.limits import AGENT_COLUMNS, DOOR_COLUMNS, FREE, RAMP_COLUMNS
+from home_mjx.physics.native.data.numbers import BY_FORCE
 
 compiled = njit(error_model="numpy")
 

@@ -10,21 +10,13 @@ from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from home_mjx.core.native import ffi, memory
 from home_mjx.core.native.memory import pointer_to, symbol_address
-from home_mjx.physics.native import (
-    constraint,
-    contacts,
-    forces,
-    limits,
-    motion,
-    numbers,
-    solver,
-    step,
-)
-from home_mjx.physics.native import work as native_work
-from home_mjx.physics.native.numbers import Numbers
+from home_mjx.physics.native import constraint, contacts, forces, motion, sleep, solver, step
+from home_mjx.physics.native.data import limits, numbers
+from home_mjx.physics.native.data import work as native_work
+from home_mjx.physics.native.data.numbers import Numbers
+from home_mjx.physics.native.data.work import free_work, make_work
 from home_mjx.physics.native.shapes import box_box, capsule
 from home_mjx.physics.native.step import load_agents, load_house, step_env
-from home_mjx.physics.native.work import free_work, make_work
 
 # Operands and results, in order.
 COLLIDER_POS, COLLIDER_QUAT, COLLIDER_HALF, BODY_VALID, BODY_SIZE, BODY_MASS, BODY_INERTIA = range(7)
@@ -55,6 +47,7 @@ def build_handler() -> tuple[Any, Any]:
         limits,
         motion,
         numbers,
+        sleep,
         solver,
         step,
         native_work,

@@ -7,21 +7,21 @@ from typing import no_type_check
 from numba import njit
 
 from home_mjx.core.native.memory import shifted
-from home_mjx.physics.native.limits import DOOR_COLUMNS
+from home_mjx.physics.native.data.limits import DOOR_COLUMNS
 
 compiled = njit(error_model="numpy")
 
 
 @compiled
 @no_type_check
-def place_mobiles(work):
-    """The axes of all mobiles, and where the leaves of doors are at their angles."""
+def place_mobiles(work, also_sleepers):
+    """The axes of mobiles, and where the leaves of doors are at their angles."""
     for a in range(work.num_agents):
         for k in range(3):
             for j in range(3):
                 work.rot[9 * a + 3 * k + j] = 1.0 if k == j else 0.0
     for m in range(work.num_agents, work.num_mobiles):
-        if work.used[m]:
+        if work.used[m] or (also_sleepers and work.there[m]):
             if m < work.num_free:
                 rotation(shifted(work.quat, 4 * m), shifted(work.rot, 9 * m))
             else:

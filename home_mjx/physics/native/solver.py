@@ -17,7 +17,7 @@ from numba import njit
 
 from home_mjx.core.native.memory import shifted
 from home_mjx.physics.native.constraint import contact_velocity, edge_value, num_rows
-from home_mjx.physics.native.work import NEWTON_STEPS, NUM_CONTACTS, dofs
+from home_mjx.physics.native.data.work import NEWTON_STEPS, NUM_CONTACTS, dofs
 
 ENOUGH = 1e-9  # of the slope of the cost that a line search leaves, against that at its start
 LINE_STEPS = 40

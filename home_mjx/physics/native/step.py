@@ -9,11 +9,12 @@ from numba import njit
 from home_mjx.core.native.memory import shifted
 from home_mjx.physics.native.constraint import contact_velocity, edge_value, make_rows, num_rows
 from home_mjx.physics.native.contacts import find_contacts, forget_near
+from home_mjx.physics.native.data.limits import AGENT_COLUMNS, DOOR_COLUMNS, FLOOR, LIMIT, SLEEPER
+from home_mjx.physics.native.data.work import LOST_POINTS, LOST_STATIC, NUM_CONTACTS
 from home_mjx.physics.native.forces import drive_mobiles
-from home_mjx.physics.native.limits import AGENT_COLUMNS, DOOR_COLUMNS, FLOOR, LIMIT
 from home_mjx.physics.native.motion import move_mobiles, place_mobiles, rotation
+from home_mjx.physics.native.sleep import fall_asleep, find_sleepers, note_moves, wake_near, wake_touched
 from home_mjx.physics.native.solver import solve
-from home_mjx.physics.native.work import LOST_POINTS, LOST_STATIC, NUM_CONTACTS
 
 compiled = njit(error_model="numpy")
 
@@ -39,7 +40,7 @@ def load_house(work, static, bodies, door):
             rotation(shifted(collider_quat, 4 * c), shifted(work.static_rot, 9 * c))
     for m in range(work.num_agents, work.num_free):
         b = m - work.num_agents
-        work.used[m] = 1 if body_valid[b] else 0
+        work.there[m] = 1 if body_valid[b] else 0
         square = 0.0
         for k in range(3):
             work.half[3 * m + k] = body_size[3 * b + k]
@@ -57,7 +58,7 @@ def load_house(work, static, bodies, door):
 @no_type_check
 def _load_door(work, m, door):
     """A door's leaf; see `doors.door_table`."""
-    work.used[m] = 1 if door[6] >= 0 else 0
+    work.there[m] = 1 if door[6] >= 0 else 0
     square = 0.0
     for k in range(3):
         work.half[3 * m + k] = door[6 + k]
@@ -78,7 +79,7 @@ def load_agents(work, table):
             table[AGENT_COLUMNS * a + 2],
             table[AGENT_COLUMNS * a + 3],
         )
-        work.used[a] = 1
+        work.there[a] = 1
         work.half[3 * a] = work.half[3 * a + 1] = radius
         work.half[3 * a + 2] = work.radius[a] = radius + length
         work.inverse[a] = 1 / mass
@@ -110,8 +111,10 @@ def step_env(work, numbers, ground, state, control, result, report):
     forget_near(work)
     work.counts[LOST_STATIC] = work.counts[LOST_POINTS] = 0
     _start_report(work, touched, push, other)
-    for _ in range(int(numbers.substeps)):
-        place_mobiles(work)
+    find_sleepers(work, numbers, control[1], control[3])
+    for substep in range(int(numbers.substeps)):
+        place_mobiles(work, substep == 0)
+        wake_near(work, numbers)
         drive_mobiles(work, numbers, control, ramp, num_ramps)
         find_contacts(work, numbers, floor)
         make_rows(work, numbers)
@@ -119,6 +122,9 @@ def step_env(work, numbers, ground, state, control, result, report):
         move_mobiles(work, numbers)
         _count_touched(work, touched)
         _note_pushes(work, numbers, push, other)
+        note_moves(work, numbers)
+        wake_touched(work)
+    fall_asleep(work)
     _store(work, qpos, result)
     lost[0], lost[1] = work.counts[LOST_STATIC], work.counts[LOST_POINTS]
 
@@ -217,7 +223,7 @@ def _note_pushes(work, numbers, push, other):
         if b == LIMIT or impulse == 0:
             continue
         for side in range(2):
-            m, partner = (a, b) if side == 0 else (b, a)
+            m, partner = (a, SLEEPER - b if b <= SLEEPER else b) if side == 0 else (b, a)
             if m < 0:
                 continue
             work.push[2 * m] += impulse

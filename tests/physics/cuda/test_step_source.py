@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from c_oracle import Boxes, Oracle
-from heaps import RAMPS, heap
+from heaps import AGENTS, BODIES, DOORS, RAMPS, heap
 
-from home_mjx.physics.cuda.launch import CONTACT_WORDS, SMALL_ISLAND, SOURCES
-from home_mjx.physics.native import limits
-from home_mjx.physics.native.numbers import Numbers
+from home_mjx.physics.cuda.launch import CONTACT_WORDS, PAIRS_PER_MOBILE, SMALL_ISLAND, SOURCES
+from home_mjx.physics.native.data import limits
+from home_mjx.physics.native.data.numbers import Numbers
 
 WHOLE = 3, 12, 17, 20  # operands of whole numbers
 SHIM = Path(__file__).parents[2] / "helpers" / "physics_shim.h"
@@ -58,8 +58,8 @@ def step(library, oracle: Oracle, qpos, qvel, action, substeps: int):
     agents, bodies, static = oracle.agents, len(oracle.mass), len(oracle.static.pos)
     numbers, doors = oracle.numbers._replace(substeps=float(substeps)), oracle.door_rows
     valid, house = np.ones(bodies), np.zeros(1)
-    sizes = np.array([1, 1, static, bodies, agents, len(doors), len(RAMPS), 0])
-    inputs = [*oracle.static, valid, oracle.bodies.half, oracle.mass, oracle.inertia, doors, RAMPS, np.zeros(1)]
+    sizes = np.array([1, 1, static, bodies, agents, len(doors), len(oracle.ramps), 0])
+    inputs = [*oracle.static, valid, oracle.bodies.half, oracle.mass, oracle.inertia, doors, oracle.ramps, np.zeros(1)]
     inputs += [oracle.table, numbers, house, qpos, qvel, np.zeros(len(qvel)), action, *oracle.driven, sizes]
     inputs = [np.ascontiguousarray(x, np.int32 if i in WHOLE else np.float32) for i, x in enumerate(inputs)]
     mobiles = agents + bodies + len(doors)
@@ -89,11 +89,43 @@ def test_a_heap_moves_as_on_a_cpu(library, substeps):
         assert found[6].tolist() == oracle.other.tolist()
 
 
+def test_what_sleeps_wakes_as_on_a_cpu(library):
+    """Half of the bodies and doors sleep; agents and the others run into some of them."""
+    rng, woken, asleep = np.random.default_rng(12), 0, 0
+    for number in range(20):
+        substeps = 1 + 4 * (number % 2)
+        oracle, *state = heap(rng)
+        in_single(oracle)
+        oracle.numbers = oracle.numbers._replace(sleep=1.0)
+        qpos, qvel, action = (np.asarray(x, np.float32).astype(float) for x in state)
+        still = rng.uniform(size=BODIES) < 0.5
+        qvel[4 * AGENTS : 4 * AGENTS + 6 * BODIES].reshape(-1, 6)[still] = 0
+        qvel[4 * AGENTS + 6 * BODIES :][rng.uniform(size=DOORS) < 0.5] = 0
+        truth = oracle.fused(qpos, qvel, action, substeps)
+        found = step(library, oracle, qpos, qvel, action, substeps)
+        for value, want in zip(found[:3], truth[:3], strict=True):
+            np.testing.assert_allclose(value, want, atol=3e-7 * np.abs(want).max())
+        assert found[6].tolist() == oracle.other.tolist()
+        moves = truth[1][4 * AGENTS : 4 * AGENTS + 6 * BODIES].reshape(-1, 6).any(axis=1)
+        woken, asleep = woken + (moves & still).sum(), asleep + (~moves & still).sum()
+    assert woken > 5
+    assert asleep > 5
+
+
 def test_sizes_and_numbers_are_those_of_the_other_step():
     text = SOURCES[0].read_text()
     found = {name: int(value) for name, value in re.findall(r"(\w+) = (-?\d+)[,;]", text)}
-    own = {name: value for name, value in vars(limits).items() if name.isupper() and not name.endswith("_DOFS")}
-    own |= {"CONTACT_WORDS": CONTACT_WORDS, "SMALL_ISLAND": SMALL_ISLAND, "NUM_NUMBERS": len(Numbers._fields)}
+    own = {
+        name: value
+        for name, value in vars(limits).items()
+        if name.isupper() and not name.endswith(("_DOFS", "NOTHING"))
+    }
+    own |= {
+        "CONTACT_WORDS": CONTACT_WORDS,
+        "SMALL_ISLAND": SMALL_ISLAND,
+        "PAIRS_PER_MOBILE": PAIRS_PER_MOBILE,
+        "NUM_NUMBERS": len(Numbers._fields),
+    }
     assert {name: found[name] for name in own} == own
     record = re.search(r"struct Numbers \{\s*real ([^;]*);", text)
     assert record is not None

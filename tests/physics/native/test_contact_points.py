@@ -6,7 +6,7 @@ from c_oracle import contacts_of, floats, ordered, place, two_geoms
 from mujoco import mj_forward
 from numba import njit
 
-from home_mjx.physics.native.limits import MOST_POINTS
+from home_mjx.physics.native.data.limits import MOST_POINTS
 from home_mjx.physics.native.shapes.box_box import box_box
 from home_mjx.physics.native.shapes.capsule import capsule_box, capsule_capsule
 

@@ -9,6 +9,8 @@ from home_mjx.scene_compile.mjcf import agent
 
 ITERATIONS = 50  # of Newton's method, which ends by itself: most physics steps take one to three
 BY_FORCE = 1.0  # `control`
+# What is slower than this for a control step, and not pulled, has come to rest.
+REST_SPEED, REST_SPIN, REST_PULL = 2e-3, 1e-2, 0.1  # [m/s], [rad/s], [m/s^2]
 
 
 class Numbers(NamedTuple):
@@ -33,6 +35,10 @@ class Numbers(NamedTuple):
     impedance_width: float
     iterations: float
     corner_radius: float
+    sleep: float  # 1: what has come to rest is left out
+    rest_speed: float
+    rest_spin: float
+    rest_pull: float
     on_ramp: float
     hand_time: float
     hand_speed: float
@@ -69,6 +75,10 @@ def numbers_of(config: PhysicsConfig) -> Numbers:
         impedance_width=agent.SOLIMP[2],
         iterations=ITERATIONS,
         corner_radius=CORNER_RADIUS,
+        sleep=float(config.sleep),
+        rest_speed=REST_SPEED,
+        rest_spin=REST_SPIN,
+        rest_pull=REST_PULL,
         on_ramp=servo.ON_RAMP,
         hand_time=servo.hand_time(config),
         hand_speed=servo.HAND_SPEED,

@@ -11,7 +11,7 @@ from numba import njit, types
 
 from home_mjx.core.native.ffi import WORD, allocate, release
 from home_mjx.core.native.memory import address_of, pointer_to
-from home_mjx.physics.native.limits import (
+from home_mjx.physics.native.data.limits import (
     AGENT_COLUMNS,
     AGENT_DOFS,
     BODY_DOFS,
@@ -44,7 +44,10 @@ class Work(NamedTuple):
     smooth: Pointer  # (m, 6) acceleration without contacts
     half: Pointer  # (m, 3) half extents of bodies
     mass: Pointer  # (m, 6) diagonal of the mass matrix
-    used: Pointer  # (m) 0: parked
+    used: Pointer  # (m) 1: is stepped; 0: sleeps, or is parked
+    there: Pointer  # (m) 0: parked
+    calm: Pointer  # (m) 1: has hardly moved in this control step
+    wakes: Pointer  # (m) 1: was touched in its sleep
     inverse: Pointer  # (m) of the mass that a contact meets at the mobile's centre: MuJoCo's `body_invweight0`
     radius: Pointer  # (m) of the bounding sphere
     agent: Pointer  # (a, AGENT_COLUMNS), see `control.agent_table`
@@ -116,6 +119,9 @@ def _carve(at, num_agents, num_bodies, num_doors, num_static):
     half, at = floats(at), at + WORD * (3 * m)
     mass, at = floats(at), at + WORD * (6 * m)
     used, at = ints(at), at + WORD * m
+    there, at = ints(at), at + WORD * m
+    calm, at = ints(at), at + WORD * m
+    wakes, at = ints(at), at + WORD * m
     inverse, at = floats(at), at + WORD * m
     radius, at = floats(at), at + WORD * m
     agent, at = floats(at), at + WORD * (AGENT_COLUMNS * num_agents)
@@ -163,6 +169,9 @@ def _carve(at, num_agents, num_bodies, num_doors, num_static):
         half,
         mass,
         used,
+        there,
+        calm,
+        wakes,
         inverse,
         radius,
         agent,

@@ -1,0 +1,63 @@
+// What has come to rest sleeps: what native/sleep.py does.
+
+INLINE real length_of(const real* v) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+
+INLINE void find_sleepers(const Env& e, const Control& control) {
+  for (int m = LANE; m < e.mobiles; m += WARP_SIZE) {
+    bool calm = m >= e.agents && e.numbers.sleep > 0, still = true;
+    for (int a = 0; a < e.agents; ++a) calm = calm && control.held[a] != m - e.agents;
+    if (m >= e.free) calm = calm && absolute(control.goal[m - e.free]) >= FREE;
+    for (int k = 0; k < 6; ++k) still = still && e.vel[6 * m + k] == 0 && e.acc[6 * m + k] == 0;
+    e.wakes[m] = 0, e.calm[m] = calm, e.used[m] = e.there[m] && !(calm && still);
+  }
+  sync_warp();
+}
+
+INLINE void wake(const Env& e, int m) {
+  e.used[m] = 1, e.calm[m] = 0, e.wakes[m] = 0, e.acc[6 * m + (m < e.free ? 2 : 5)] = -AWAKE;
+}
+
+// Before a physics step: what agents and fast mobiles may touch in it wakes.
+__device__ void wake_near(const Env& e) {
+  bool any = false;
+  for (int m = LANE; m < e.mobiles; m += WARP_SIZE) any |= e.there[m] && !e.used[m];
+  if (!warp_ballot(any)) return;
+  const int awake = list_awake(e);
+  for (int base = 0; base < awake * e.mobiles; base += WARP_SIZE) {
+    const int pair = base + LANE, m = e.list[pair < awake * e.mobiles ? pair / e.mobiles : 0], other = pair % e.mobiles;
+    if (pair >= awake * e.mobiles || (m >= e.agents && e.calm[m]) || !e.there[other] || e.used[other]) continue;
+    if (m >= e.free && other >= e.free) continue;
+    const real *vel = e.vel + 6 * m, fast = m < e.free ? length_of(vel) + length_of(vel + 3) * e.radius[m]
+                                                       : 2 * absolute(vel[5]) * e.radius[m];
+    const real near = WAKE_NEAR + 2 * e.numbers.sim_dt * fast, far = e.radius[m] + e.radius[other] + near;
+    real square = 0;
+    for (int k = 0; k < 3; ++k) square += (e.pos[3 * m + k] - e.pos[3 * other + k]) * (e.pos[3 * m + k] - e.pos[3 * other + k]);
+    if (square <= far * far && !apart(mobile_box(e, m), mobile_box(e, other), near)) e.wakes[other] = 1;
+  }
+  sync_warp();
+  for (int m = e.agents + LANE; m < e.mobiles; m += WARP_SIZE)
+    if (e.wakes[m]) wake(e, m);
+  sync_warp();
+}
+
+// After a physics step: what was touched wakes, what moves is not calm.
+INLINE void wake_touched(const Env& e) {
+  for (int m = e.agents + LANE; m < e.mobiles; m += WARP_SIZE) {
+    const real *vel = e.vel + 6 * m, *acc = e.acc + 6 * m;
+    const bool fast = (m < e.free && length_of(vel) > e.numbers.rest_speed) || length_of(vel + 3) > e.numbers.rest_spin;
+    if (fast || (m < e.free && length_of(acc) > e.numbers.rest_pull)) e.calm[m] = 0;
+    if (e.wakes[m]) wake(e, m);
+  }
+  sync_warp();
+}
+
+// After a control step: islands whose mobiles all are calm sleep.
+INLINE void fall_asleep(const Env& e) {
+  for (int m = LANE; m < e.mobiles; m += WARP_SIZE)
+    if (e.used[m] && !e.calm[m]) e.wakes[e.island[m]] = 1;
+  sync_warp();
+  for (int m = e.agents + LANE; m < e.mobiles; m += WARP_SIZE)
+    if (e.used[m] && !e.wakes[e.island[m]])
+      for (int k = 0; k < 6; ++k) e.vel[6 * m + k] = e.acc[6 * m + k] = 0;
+  sync_warp();
+}

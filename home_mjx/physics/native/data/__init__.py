@@ -1,0 +1,1 @@
+"""What the fused step works on: sizes, numbers and memory."""
