@@ -82,7 +82,7 @@ def rows_of(house: CompiledHouse) -> dict[str, int]:
         "node": len(own.tree.child) + len(house.top.child),
         "material": len(house.materials.mask),
         "semantic": len(house.semantics),
-        "cell": len(house.navigation.field),
+        "cell": len(house.navigation.field) + len(house.navigation.fringe.field),
     }
 
 
