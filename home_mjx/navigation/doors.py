@@ -8,39 +8,46 @@ from home_mjx.bank.bank import HouseBank
 
 
 def door_angles(bank: HouseBank, house: Int[Array, ""], state: str, key: Array) -> Float[Array, " h"]:
-    """Angles of a house's doors from as placed [rad].
+    """Angles of a house's doors from as placed [rad], each between the least and the greatest that its leaf can have.
 
     Args:
         bank: The houses.
         house: Index of the house.
-        state: "open", "closed", "placed", or "random": each open or closed.
+        state: "open" (wide), "closed", "placed" (as in the file, or as near as it can be), or "random": each leaf open
+            or closed.
         key: Random key.
     """
-    wide, closed = bank.physics.door_wide[house], bank.physics.door_closed[house]
+    physics, house = bank.physics, bank.known_house(house)
+    wide, closed = physics.door_wide[house], physics.door_closed[house]
     shut = jax.random.bernoulli(key, 0.5, wide.shape)
     known = {"open": wide, "closed": closed, "placed": jnp.zeros_like(wide), "random": jnp.where(shut, closed, wide)}
-    return known[state]
+    return jnp.clip(known[state], physics.door_low[house], physics.door_high[house])
 
 
 def open_portals(bank: HouseBank, house: Int[Array, ""], door_angle: Float[Array, " h"]) -> Bool[Array, " p"]:
     """Which portals an agent can pass as doors stand: those without a door, and those of which a leaf is open enough.
 
-    A leaf of width w that is turned by t from closed leaves a gap of 2 w sin(t / 2) between its edge and the frame.
+    A leaf of width w that is turned by t from closed leaves a gap of 2 w sin(t / 2) between its edge and the frame,
+    or the other leaf while that is closed. Two leaves that are both open too little do not count together.
 
     Args:
         bank: The houses.
         house: Index of the house.
         door_angle: Of each leaf from as placed [rad].
+
+    Returns:
+        False for padding, and for portals that agents cannot pass however doors stand.
     """
-    physics, navigation = bank.physics, bank.navigation
+    physics, navigation, house = bank.physics, bank.navigation, bank.known_house(house)
     width = 2 * jnp.max(physics.door_size[house, :, :2], axis=-1)
     turned = jnp.abs(door_angle - physics.door_closed[house])
     gap = 2 * width * jnp.sin(jnp.minimum(turned, jnp.float32(jnp.pi)) / 2)
     passed = gap > jnp.float32(2 * bank.spec.agent_radius)
     leaf = navigation.portal_leaf[house]
-    by_leaf = (leaf >= 0) & passed[jnp.maximum(leaf, 0)]
+    number = jnp.arange(passed.shape[0], dtype=jnp.int32)  # of leaves; a bank may have none
+    by_leaf = jnp.any((leaf[..., None] == number[None, None]) & passed[None, None], axis=(1, 2))
     no_leaf = jnp.all(leaf < 0, axis=-1)
-    return (navigation.portal_width[house] > 0) & (no_leaf | by_leaf.any(axis=-1))
+    return (navigation.portal_width[house] > 0) & (no_leaf | by_leaf)
 
 
 def joined_rooms(bank: HouseBank, house: Int[Array, ""], door_angle: Float[Array, " h"]) -> Bool[Array, "r r"]:
@@ -51,10 +58,14 @@ def joined_rooms(bank: HouseBank, house: Int[Array, ""], door_angle: Float[Array
         house: Index of the house.
         door_angle: Of each leaf from as placed [rad].
 
+    Returns:
+        Symmetric; every room is joined to itself. With all doors wide open it is `room_hops >= 0`.
+
     Example:
         >>> joined_rooms(bank, house, state.snapshot.door_angle)[bedroom, kitchen]  # doctest: +SKIP
         Array(False, dtype=bool)
     """
+    house = bank.known_house(house)
     rooms, count = bank.navigation.portal_room[house], bank.navigation.room_type.shape[1]
     passed = open_portals(bank, house, door_angle) & jnp.all(rooms >= 0, axis=-1)
     a, b = (jnp.where(passed, rooms[:, k], count) for k in range(2))

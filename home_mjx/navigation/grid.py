@@ -3,14 +3,15 @@
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.schema.compiled import FIELD_FAR, FIELD_UNIT
+from home_mjx.schema.compiled import BELOW_FLOOR, FIELD_FAR, FIELD_UNIT
 
-# The agent's axis may stand a little inside a cell that is not free, so its neighbours count as well.
+# The best way may begin over a neighbour of the cell that holds the point.
 _OFFSETS = [(dy, dx) for dy in (-1, 0, 1) for dx in (-1, 0, 1)]
-_BELOW = 0.3  # [m]: a point this far below a floor still counts as on it
+_MIDDLE = _OFFSETS.index((0, 0))
+HOME, NOWHERE = 0, 3  # ranks of cells
 
 
 def cell_of(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "3"]) -> Int[Array, "3"]:
@@ -20,7 +21,7 @@ def cell_of(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "3"]) -> I
     """
     navigation, house = bank.navigation, bank.known_house(house)
     levels, rows, columns = navigation.room.shape[1:]
-    above = pos[2] >= navigation.floor[house] - jnp.float32(_BELOW)
+    above = pos[2] >= navigation.floor[house] - jnp.float32(BELOW_FLOOR)
     level = jnp.maximum(jnp.sum(above.astype(jnp.int32)) - 1, 0)
     index = jnp.floor((pos[:2] - navigation.origin[house]) / jnp.float32(bank.spec.cell)).astype(jnp.int32)
     return jnp.clip(jnp.stack([level, index[1], index[0]]), 0, jnp.array([levels, rows, columns], jnp.int32) - 1)
@@ -37,6 +38,10 @@ def geodesic_distance(
 ) -> Float[Array, "..."]:
     """Length of the shortest path from a point to a goal, or to every goal if `goal` is None.
 
+    It is the best of the 3 × 3 cells around the point plus the way to that cell's centre. Close to what stands, and
+    where a thing was moved away, the distances of the home region are continued without a step: see
+    `scene_compile.navigation.fringe`. Elsewhere it is that of the nearest cell plus the straight way to it.
+
     Args:
         bank: The houses.
         house: Index of the house.
@@ -44,35 +49,74 @@ def geodesic_distance(
         pos: The point [m], world frame.
 
     Returns:
-        [m]; the best of the 3 × 3 cells around the point plus the way to that cell's centre; inf if none is reachable.
+        [m]; finite, since all goals lie in the home region.
     """
     navigation, house = bank.navigation, bank.known_house(house)
-    level, row, column = cell_of(bank, house, pos)
-    rows, columns = navigation.room.shape[2:]
-    offsets = jnp.array(_OFFSETS, jnp.int32)
-    y = jnp.clip(row + offsets[:, 0], 0, rows - 1)
-    x = jnp.clip(column + offsets[:, 1], 0, columns - 1)
+    level, y, x = _around(bank, cell_of(bank, house, pos))
     cell = navigation.cell[house, level, y, x]
-    around = stored_distance(bank, cell, goal)
-    centre = (jnp.stack([x, y], axis=-1).astype(jnp.float32) + 0.5) * jnp.float32(bank.spec.cell)
+    rank = _rank(bank, house, cell)
+    # Where a thing stands in the way, distances in its place are other than beside it.
+    usable = (rank <= rank[_MIDDLE]) & (rank < NOWHERE)
+    usable = usable.at[_MIDDLE].set(True)
+    nearest = navigation.place[_row(cell[_MIDDLE])]
+    plan = jnp.stack([x, y], axis=-1).at[_MIDDLE].set(nearest[:0:-1].astype(jnp.int32))
+    centre = (plan.astype(jnp.float32) + 0.5) * jnp.float32(bank.spec.cell)
     way = jnp.linalg.norm(centre + (navigation.origin[house] - pos[:2])[None], axis=-1)
+    way = jnp.where(usable, way, jnp.float32(jnp.inf))
+    around = stored_distance(bank, cell, goal)
     return jnp.min(around + way.reshape(way.shape + (1,) * (around.ndim - 1)), axis=0)
 
 
+def near_home(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "3"]) -> Bool[Array, ""]:
+    """Whether a point lies in or beside a cell of the home region, from which there are paths to all goals.
+
+    Args:
+        bank: The houses.
+        house: Index of the house.
+        pos: The point [m], world frame.
+    """
+    house = bank.known_house(house)
+    level, y, x = _around(bank, cell_of(bank, house, pos))
+    return jnp.any(_rank(bank, house, bank.navigation.cell[house, level, y, x]) == HOME)
+
+
+def _around(bank: HouseBank, place: Int[Array, "3"]) -> tuple[Int[Array, ""], Int[Array, " n"], Int[Array, " n"]]:
+    """Level, rows and columns of the 3 × 3 cells around one, clipped to the grid."""
+    rows, columns = bank.navigation.room.shape[2:]
+    offsets = jnp.array(_OFFSETS, jnp.int32)
+    return place[0], jnp.clip(place[1] + offsets[:, 0], 0, rows - 1), jnp.clip(place[2] + offsets[:, 1], 0, columns - 1)
+
+
+def _rank(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Int[Array, "*n"]:
+    """Of entries of `Navigation.cell`: `HOME`, 1 free as things stand, 2 where a thing stands, `NOWHERE`."""
+    navigation = bank.navigation
+    number = cell - navigation.first_cell[house]
+    ends = jnp.stack([navigation.num_cells[house], navigation.num_free[house]])
+    rank = jnp.sum((number[..., None] >= ends.reshape((1,) * number.ndim + (2,))).astype(jnp.int32), axis=-1)
+    return jnp.where(cell >= 0, rank, NOWHERE)
+
+
+def _row(cell: Int[Array, "*n"]) -> Int[Array, "*n"]:
+    """Of entries of `Navigation.cell`: the row of `field` and `place` that counts there."""
+    return jnp.where(cell >= 0, cell, ~cell)
+
+
 def stored_distance(bank: HouseBank, cell: Int[Array, " n"], goal: Int[Array, ""] | None) -> Float[Array, "n ..."]:
-    """Geodesic distance from numbered cells to a goal of their house, or to all [m]; inf for cell -1."""
-    rows = jnp.maximum(cell, 0)
-    stored = bank.navigation.field[rows] if goal is None else bank.navigation.field[rows, goal]
-    none = (cell < 0).reshape(cell.shape + (1,) * (stored.ndim - 1))
-    far = none | (stored == jnp.uint16(FIELD_FAR))
-    return jnp.where(far, jnp.float32(jnp.inf), stored.astype(jnp.float32) * jnp.float32(FIELD_UNIT))
+    """Distance from cells, as `Navigation.cell` numbers them, to a goal of their house, or to all [m]."""
+    stored = bank.navigation.field[_row(cell)] if goal is None else bank.navigation.field[_row(cell), goal]
+    metres = stored.astype(jnp.float32) * jnp.float32(FIELD_UNIT)
+    return jnp.where(stored == jnp.uint16(FIELD_FAR), jnp.float32(jnp.inf), metres)
 
 
 def ground_fields(bank: HouseBank, house: int) -> Float[np.ndarray, "g ny nx"]:
-    """Geodesic distance of every cell of a house's ground floor to each goal [m], on the host; inf where no path is."""
-    cell = np.asarray(bank.navigation.cell[house, 0])
-    stored = np.asarray(stored_distance(bank, jnp.asarray(cell.ravel()), None))
-    return stored.T.reshape(-1, *cell.shape)
+    """Geodesic distance of every cell of a house's ground floor to each goal [m], on the host.
+
+    It is inf where no path of the home region is: there agents cannot stand, unless something is moved.
+    """
+    cell = bank.navigation.cell[house, 0]
+    stored = np.asarray(stored_distance(bank, cell.ravel(), None))
+    known = np.asarray(_rank(bank, jnp.asarray(house), cell) == HOME).ravel()
+    return np.where(known[:, None], stored, np.inf).T.reshape(-1, *cell.shape)
 
 
 def random_position(bank: HouseBank, house: Int[Array, ""], key: Array, margin: float = 0.05) -> Float[Array, "3"]:

@@ -22,10 +22,12 @@ from home_mjx.physics.dynamics import (
     step_checked,
     undo_where,
 )
+from home_mjx.physics.hands import Commands, obey, settle
 from home_mjx.physics.reference.lost import Lost
 from home_mjx.physics.reference.template import Template
 
 __all__ = [
+    "Commands",
     "Lost",
     "PhysicsConfig",
     "PhysicsState",
@@ -37,7 +39,9 @@ __all__ = [
     "door_angle",
     "door_pose",
     "is_broken",
+    "obey",
     "reset",
+    "settle",
     "step",
     "step_checked",
     "undo_where",

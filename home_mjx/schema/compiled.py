@@ -196,6 +196,20 @@ BELOW_FLOOR = 0.3  # [m]: a point so far below the lowest floor of a level still
 
 
 @dataclass(frozen=True)
+class Fringe:
+    """Cells beside the home region that agents can come to: close to walls, and where things stand that can be moved.
+
+    They are numbered after the home cells.
+    """
+
+    narrow: int  # the first so many are free as things stand, with less room than in the home region
+    place: Int[np.ndarray, "e 3"]  # grid, row and column
+    height: Float[np.ndarray, " e"]  # [m], of the floor or ramp
+    field: UInt16[np.ndarray, "e g"]  # [FIELD_UNIT], distances of the home region continued: see `navigation.fringe`
+    nearest: Int[np.ndarray, "l ny nx"]  # of every cell: its number, or that of the nearest cell that has one
+
+
+@dataclass(frozen=True)
 class Navigation:
     """Where an agent can stand: one grid per level that has rooms, the lowest first; row = y, column = x.
 
@@ -217,6 +231,7 @@ class Navigation:
     start: Float[np.ndarray, "s 3"]  # [m], sampled points of the home region, on the floor
     goal: Float[np.ndarray, "g 3"]
     field: UInt16[np.ndarray, "c g"]  # [FIELD_UNIT], geodesic distance of each home cell to each goal; FIELD_FAR
+    fringe: Fringe
     portals: Portals
     room_hops: Int[np.ndarray, "r r"]  # least number of portals between two rooms; -1 no way
 

@@ -93,10 +93,12 @@ def house_navigation(bank: HouseBank, house: int) -> dict:
     """All that the bank says of one house's navigation, free of numbers that run through all houses."""
     n = bank.navigation
     names = {f.name for f in dataclasses.fields(n)} - {"first_cell", "cell", "place", "field"}
-    first, count = int(n.first_cell[house]), int(n.num_cells[house])
-    cell = np.asarray(n.cell[house])
+    cell, first, home = np.asarray(n.cell[house]), int(n.first_cell[house]), int(n.num_cells[house])
+    count = int((cell >= 0).sum())
     assert sorted(cell[cell >= 0].tolist()) == list(range(first, first + count))
-    own = {"cell": np.where(cell >= 0, cell - first, -1)}
+    np.testing.assert_array_equal((cell >= 0) & (cell < first + home), np.asarray(n.region[house]) == 0)
+    own = {"cell": np.where(cell >= 0, cell - first, ~(~cell - first))}
+    assert (own["cell"] >= ~(count - 1)).all()
     own |= {name: np.asarray(getattr(n, name))[first : first + count] for name in ("place", "field")}
     return own | {name: np.asarray(getattr(n, name))[house] for name in names}
 

@@ -141,7 +141,9 @@ def build_house(
         bodies=_bodies(furniture, boxes, instances.pose[1:]),
         planes=planes,
         rooms=rooms,
-        navigation=build_navigation(name, rooms, [free_space(rooms, join([shell, boxes]))]),
+        navigation=build_navigation(
+            name, rooms, [free_space(rooms, join([shell, boxes]), fixed=join([shell, boxes[fixed]]))]
+        ),
         models={m.key: m for m in models},
         report={"levels": 1, "rooms": len(rooms.type), "objects": len(furniture)},
     )

@@ -41,11 +41,6 @@ def test_distances_at_cell_centres_are_those_of_the_field(bank, houses):
         np.testing.assert_array_equal(one, found[:, 3])
 
 
-def test_no_way_is_infinite(bank):
-    outside = jnp.array([50.0, 0.0, 0.0])
-    assert np.isinf(strictly(geodesic_distance, bank, jnp.int32(0), jnp.int32(0), outside))
-
-
 def test_rooms_of_points(bank):
     points = np.array([[-2, 0, 0], [2, 0, 0.8], [0.0, 9, 0]], np.float32)
     assert strictly(jax.vmap(lambda p: room_of(bank, jnp.int32(0), p)), points).tolist() == [0, 1, -1]

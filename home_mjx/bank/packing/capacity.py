@@ -26,23 +26,27 @@ class Axis:
         smallest: Lengths are this times a power of two.
         block: Lengths are multiples of this instead.
         drawn: An option of the compiler gives the length, not the house.
+        optional: The length is 0 where no house has any: what is done for each of them is then left out of programs.
     """
 
     count: Callable[[CompiledHouse], int]
     smallest: int = 1
     block: int | None = None
     drawn: bool = False
+    optional: bool = False
 
     def rounded(self, count: int) -> int:
         """The least length of this axis that holds `count`."""
+        if self.optional and not count:
+            return 0
         return size_class(count, self.smallest) if self.block is None else -(-count // self.block) * self.block
 
 
 AXES: Mapping[str, Axis] = {
     # Agents take the object ids from `instances` on, so every object's id must lie below it.
     "instances": Axis(lambda h: max(len(h.instances.model), 1 + int(h.instances.object_id.max())), 32),
-    "bodies": Axis(lambda h: len(h.bodies.mass), 8),
-    "doors": Axis(lambda h: len(h.doors.mass), 8),
+    "bodies": Axis(lambda h: len(h.bodies.mass), 8, optional=True),
+    "doors": Axis(lambda h: len(h.doors.mass), 8, optional=True),
     "ramps": Axis(lambda h: len(h.ramps.slope), 1),
     "colliders": Axis(lambda h: len(h.colliders.pos), 64),
     "planes": Axis(lambda h: len(h.planes.material), 16),
@@ -82,7 +86,7 @@ def rows_of(house: CompiledHouse) -> dict[str, int]:
         "node": len(own.tree.child) + len(house.top.child),
         "material": len(house.materials.mask),
         "semantic": len(house.semantics),
-        "cell": len(house.navigation.field),
+        "cell": len(house.navigation.field) + len(house.navigation.fringe.field),
     }
 
 

@@ -15,26 +15,50 @@ def first_cell(at: HouseAt) -> int:
 
 
 def num_cells(at: HouseAt) -> int:
-    """Cells in which agents can be."""
+    """Cells of a house's home region."""
     return len(at.house.navigation.field)
 
 
-def cell_numbers(at: HouseAt) -> Int[np.ndarray, "l ny nx"]:
-    """Numbers of the cells in which agents can be, in the order of the grids; -1 elsewhere."""
-    free = at.house.navigation.free
-    return np.where(free, at.start["cell"] + np.cumsum(free).reshape(free.shape) - 1, -1)
+def num_free(at: HouseAt) -> int:
+    """Cells of a house that are free as things stand."""
+    return num_cells(at) + at.house.navigation.fringe.narrow
+
+
+def cell_numbers(at: HouseAt) -> Int[np.ndarray, "levels grid_rows grid_columns"]:
+    """Numbers of the cells that agents can come to; elsewhere and in the padding ~ that of the nearest one."""
+    navigation = at.house.navigation
+    nearest, own = navigation.fringe.nearest, navigation.free
+    own[tuple(navigation.fringe.place.T)] = True
+    sizes = at.sizes["levels"], at.sizes["grid_rows"], at.sizes["grid_columns"]
+    beyond = [(0, size - length) for size, length in zip(sizes, nearest.shape, strict=True)]
+    number = at.start["cell"] + np.pad(nearest, beyond, mode="edge")
+    return np.where(np.pad(own, beyond), number, ~number)
+
+
+def cell_places(at: HouseAt) -> Int[np.ndarray, "c 3"]:
+    """Places of a house's cells."""
+    navigation = at.house.navigation
+    return np.concatenate([navigation.place, navigation.fringe.place])
+
+
+def cell_heights(at: HouseAt) -> Float[np.ndarray, " c"]:
+    """Heights of the floor or ramp under a house's cells [m]."""
+    navigation = at.house.navigation
+    return np.concatenate([navigation.height, navigation.fringe.height])
 
 
 def goal_fields(at: HouseAt) -> UInt16[np.ndarray, "c g"]:
     """Distances to the goals, which are taken in turn as often as a bank has goals."""
-    field = at.house.navigation.field
+    navigation = at.house.navigation
+    field = np.concatenate([navigation.field, navigation.fringe.field])
     return field[:, np.arange(at.sizes["goals"]) % field.shape[1]]
 
 
 class Navigation(Pytree):
     """Grids of every house and level, starts, goals, portals; see `compiled.Navigation`.
 
-    Cells in which agents can be (those of the home region) are numbered through all houses.
+    The cells that agents can come to are numbered through all houses: of each house first those of the home region,
+    then those that are free as things stand but close to something, then those where things stand that can be moved.
     """
 
     origin: Float[Array, "h 2"] = array("[m], corner of cell (0, 0) of a house's grids", source="navigation.origin")
@@ -42,12 +66,13 @@ class Navigation(Pytree):
         "[m], of each level that has rooms, from below; inf padding", source="navigation.floor", fill=np.inf
     )
     first_cell: Int[Array, " h"] = array("row of `place` and `field` of a house's first cell", source=first_cell)
-    num_cells: Int[Array, " h"] = array("cells in which agents can be", source=num_cells)
+    num_cells: Int[Array, " h"] = array("cells of the home region, the first of a house's", source=num_cells)
+    num_free: Int[Array, " h"] = array("those, and the next that are free as things stand", source=num_free)
     cell: Int[Array, "h levels grid_rows grid_columns"] = array(
-        "row of `place` and `field`; -1 where agents cannot be", source=cell_numbers, fill=-1
+        "row of `place` and `field`; where agents cannot come to, ~ the row of the nearest cell", source=cell_numbers
     )
-    place: Int[Array, "cell 3"] = array("level, row and column", source="navigation.place", dtype=np.int16)
-    height: Float[Array, " cell"] = array("[m], of the floor or ramp", source="navigation.height")
+    place: Int[Array, "cell 3"] = array("level, row and column", source=cell_places, dtype=np.int16)
+    height: Float[Array, " cell"] = array("[m], of the floor or ramp", source=cell_heights)
     field: UInt16[Array, "cell goals"] = array(
         "[FIELD_UNIT], geodesic distance to each goal of the cell's house; FIELD_FAR no path",
         source=goal_fields,

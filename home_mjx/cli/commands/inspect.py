@@ -39,10 +39,11 @@ def run(args: argparse.Namespace) -> int:
     compiled = load_compiled_house(args)
     problems = [f"{problem.element}: {problem.message}" for problem in house.problems]
     taken = bank_usage([compiled])
+    fields = compiled.navigation.field.nbytes + compiled.navigation.fringe.field.nbytes
     if args.json:
         record = {"id": house.id, "version": house.version, "path": str(house.path), "problems": problems}
         sizes = {"house": taken.houses[house.id], "models": taken.models, "textures": taken.textures}
-        sizes["fields"] = compiled.navigation.field.nbytes
+        sizes["fields"] = fields
         record["stuck"] = compiled.stuck.tolist()
         sys.stdout.write(json.dumps({**record, "counts": dict(compiled.report), "bytes": sizes}) + "\n")
         return 0
@@ -50,7 +51,7 @@ def run(args: argparse.Namespace) -> int:
     for name, count in compiled.report.items():
         _row(name.replace("_", " "), count)
     _row("bytes of the house alone", taken.houses[house.id])
-    _row("  of which distance fields", compiled.navigation.field.nbytes)
+    _row("  of which distance fields", fields)
     _row("bytes of its models", sum(taken.models.values()))
     for key in sorted(taken.models, key=lambda key: -taken.models[key])[:3]:
         _row(f"  {key}", taken.models[key])

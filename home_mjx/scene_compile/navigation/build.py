@@ -8,13 +8,14 @@ from jaxtyping import Bool, Float, Int, UInt16
 
 from home_mjx.scene_compile.geometry.boxes import BoxSet
 from home_mjx.scene_compile.navigation.free_space import FreeSpace, NavigationOptions, clearance
+from home_mjx.scene_compile.navigation.fringe import continued_fields, nearest_numbers
 from home_mjx.scene_compile.navigation.geodesic import distance_fields
 from home_mjx.scene_compile.navigation.portals import find_portals, room_hops
 from home_mjx.scene_compile.navigation.regions import label_regions
 from home_mjx.scene_compile.navigation.stairs import stair_links
 from home_mjx.scene_compile.objects.doorways import Doorway
 from home_mjx.scene_compile.objects.stairs import Flight
-from home_mjx.schema.compiled import FIELD_FAR, FIELD_UNIT, Navigation, Rooms
+from home_mjx.schema.compiled import FIELD_FAR, FIELD_UNIT, Fringe, Navigation, Rooms
 
 DEFAULT_OPTIONS = NavigationOptions()
 LEVEL_APART = 1000  # [cells], between levels where goals are spread
@@ -58,6 +59,7 @@ def build_navigation(
     goals = _spread_goals(drawn, room, options.num_goals, rng)
     cells = rng.permutation(np.argwhere(drawn))[np.arange(options.num_starts) % drawn.sum()]
     jitter = rng.uniform(-0.5, 0.5, (options.num_starts, 2)) * options.margin
+    field = distance_fields(home, goals, options.cell, links, height)
     return Navigation(
         origin=ground.origin,
         cell=options.cell,
@@ -71,7 +73,8 @@ def build_navigation(
         height=height[home],
         start=_place(ground, rooms, room, cells, jitter),
         goal=_place(ground, rooms, room, goals, np.zeros((len(goals), 2))),
-        field=_stored(distance_fields(home, goals, options.cell, links, height)),
+        field=_stored(field),
+        fringe=_fringe(spaces, home, field, options.cell),
         portals=portals,
         room_hops=room_hops(portals, len(rooms.type)),
     )
@@ -90,6 +93,20 @@ def _beside_leaves(
         heights = (options.step, options.agent_height)
         cells &= clearance(boxes, rooms.floor[space.room], space.x, space.y, heights, reach) >= reach
     return found if found.any() else home
+
+
+def _fringe(
+    spaces: Sequence[FreeSpace], home: Bool[np.ndarray, "l ny nx"], field: Float[np.ndarray, "c g"], cell: float
+) -> Fringe:
+    """The cells beside the home region, and which cell counts in each; distances as `field` has them [m]."""
+    grids = ("narrow", "enterable", "standable", "room", "height")
+    *around, standable, room, height = (np.stack([getattr(s, name) for s in spaces]) for name in grids)
+    parts = continued_fields(home, around, standable, room, height, field, cell)
+    place, distance = (np.concatenate(part) for part in zip(*parts, strict=True))
+    number = np.where(home, np.cumsum(home).reshape(home.shape) - 1, -1)
+    number[tuple(place.T)] = len(field) + np.arange(len(place))
+    nearest = nearest_numbers(number, room).astype(np.int32)
+    return Fringe(len(parts[0][0]), place.astype(np.int16), height[tuple(place.T)], _stored(distance), nearest)
 
 
 def _stored(distance: Float[np.ndarray, "c g"]) -> UInt16[np.ndarray, "c g"]:

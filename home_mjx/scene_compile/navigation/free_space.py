@@ -59,6 +59,8 @@ class FreeSpace:
     y: Float[np.ndarray, " ny"]
     room: Int[np.ndarray, "ny nx"]
     standable: Bool[np.ndarray, "ny nx"]
+    narrow: Bool[np.ndarray, "ny nx"]  # where its axis may be without the margin
+    enterable: Bool[np.ndarray, "ny nx"]  # also where things stand that can be moved
     height: Float[np.ndarray, "ny nx"]  # [m], of the floor or ramp in a room; anything elsewhere
     on_ramp: Bool[np.ndarray, "ny nx"]
 
@@ -80,6 +82,7 @@ def free_space(
     level: int | None = None,
     upstairs: Sequence[Flight] = (),
     downstairs: Sequence[Flight] = (),
+    fixed: BoxSet | None = None,
 ) -> FreeSpace:
     """Rooms of a level, and where in them an agent can stand.
 
@@ -91,6 +94,7 @@ def free_space(
         level: Level index; None for the lowest that has rooms.
         upstairs: Flights that begin here.
         downstairs: Flights that end here.
+        fixed: Obstacles that cannot be moved; None: none can.
     """
     level = int(rooms.level.min()) if level is None else level
     here = np.flatnonzero(rooms.level == level)
@@ -106,9 +110,16 @@ def free_space(
         here_too = (beyond > -1.5 * options.cell) if end else (beyond < 1.5 * options.cell)
         on_ramp, closed = on_ramp | over, closed | (over & ~here_too)
     reach = options.agent_radius + options.margin
-    away = clearance(obstacles, height, x, y, (options.step, options.agent_height), reach)
-    standable = (room >= 0) & (away >= reach) & ~closed
-    return FreeSpace(level, origin, x, y, room.astype(np.int16), standable, height, on_ramp)
+    heights = options.step, options.agent_height
+    away = clearance(obstacles, height, x, y, heights, reach)
+    inside, sure = (room >= 0) & ~closed, away >= reach
+    # An agent's axis may be beside the cell's centre.
+    near = max(options.agent_radius - options.cell / 2, 0)
+    narrow = inside & (sure | (away > near))
+    enterable = (
+        narrow | (inside & (clearance(fixed, height, x, y, heights, reach) > near)) if fixed is not None else narrow
+    )
+    return FreeSpace(level, origin, x, y, room.astype(np.int16), inside & sure, narrow, enterable, height, on_ramp)
 
 
 def _grid(

@@ -40,13 +40,28 @@ def distance_fields(
         Of each free cell, in the order of the grids [m]; inf where there is no path.
     """
     number = np.where(free, np.cumsum(free).reshape(free.shape) - 1, -1)
-    height = np.zeros(free.shape) if height is None else height
-    edges = [_neighbours(free, number, height, step, cell) for step in STEPS]
+    edges = [grid_edges(free, np.zeros(free.shape) if height is None else height, cell)]
     edges += [(number[link.start][None], number[link.end][None], np.array([link.length])) for link in links]
     sources, targets, lengths = (np.concatenate(parts) for parts in zip(*edges, strict=True))
     known = (sources >= 0) & (targets >= 0)
     graph = csr_matrix((lengths[known], (sources[known], targets[known])), shape=(int(free.sum()),) * 2)
     return dijkstra(graph, directed=False, indices=number[tuple(goals.T)]).T
+
+
+def grid_edges(
+    free: Bool[np.ndarray, "l ny nx"], height: Float[np.ndarray, "l ny nx"], cell: float
+) -> tuple[Int[np.ndarray, " e"], Int[np.ndarray, " e"], Float[np.ndarray, " e"]]:
+    """Pairs of free cells that are one step apart, each pair once, and how long the step is [m]; no corner is cut.
+
+    Args:
+        free: Cells that may be crossed; they are numbered in the order of the grids.
+        height: Of the cells [m].
+        cell: [m].
+    """
+    number = np.where(free, np.cumsum(free).reshape(free.shape) - 1, -1)
+    edges = [_neighbours(free, number, height, step, cell) for step in STEPS]
+    sources, targets, lengths = (np.concatenate(parts) for parts in zip(*edges, strict=True))
+    return sources, targets, lengths
 
 
 def _neighbours(

@@ -203,10 +203,12 @@ def _obstacles(
     return replace(obstacles, barriers=barriers)
 
 
-def _space(site: Site, around: BoxSet, rooms: Rooms, options: NavigationOptions) -> FreeSpace:
-    """Where an agent can stand on a level between some boxes."""
+def _space(
+    site: Site, around: BoxSet, rooms: Rooms, options: NavigationOptions, fixed: BoxSet | None = None
+) -> FreeSpace:
+    """Where an agent can stand on a level between some boxes, of which some cannot be moved (None: all)."""
     gaps = [doorway.footprint for doorway in site.doorways]
-    return free_space(rooms, around, gaps, options, site.number, site.upstairs, site.downstairs)
+    return free_space(rooms, around, gaps, options, site.number, site.upstairs, site.downstairs, fixed)
 
 
 def _spaces(
@@ -218,8 +220,13 @@ def _spaces(
     options: NavigationOptions,
 ) -> list[FreeSpace]:
     """Where an agent can stand on each level; stairs lead past what is on the next one."""
-    around = distinct(join([*(level.all for level in obstacles), rails]))
-    spaces = [_space(site, join([around, site.raised(colliders.step)]), rooms, options) for site in sites]
+    around, fixed = (
+        distinct(join([*boxes, rails])) for boxes in zip(*((o.all, o.static) for o in obstacles), strict=True)
+    )
+    spaces = []
+    for site in sites:
+        raised = site.raised(colliders.step)
+        spaces.append(_space(site, join([around, raised]), rooms, options, join([fixed, raised])))
     if not spaces[0].standable.any():
         raise nowhere_to_stand(_space(sites[0], obstacles[0].boxes.walls, rooms, options), options)
     return spaces

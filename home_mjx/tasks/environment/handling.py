@@ -37,13 +37,14 @@ def hand_commands(config: EnvConfig, snapshot: Snapshot, action: Float[Array, "a
     leaf = bank.physics.door_valid[house][None] & (bank.physics.door_instance[house][None] == hit.instance[:, None])
     holds = snapshot.held >= 0
     puts = (pick > PRESSED) & holds & fixed & (normals(snapshot.scene, view, hit)[:, 2] > LEVEL)
-    turns = (jnp.abs(turn) > PRESSED) & leaf.any(axis=-1)
+    number = jnp.where(leaf, jnp.arange(leaf.shape[1], dtype=jnp.int32)[None], -1)
+    door = jnp.max(number, axis=-1, initial=-1)  # also of no doors
     return Commands(
         pick=jnp.where((pick > PRESSED) & ~holds, body, -1),
         place=jnp.where(puts[:, None], eyes + view * hit.t[:, None], jnp.inf),
         drop=pick < -PRESSED,
         throw=jnp.where((throw > PRESSED)[:, None], view, 0.0),
-        door=jnp.where(turns, jnp.argmax(leaf, axis=-1).astype(jnp.int32), -1),
+        door=jnp.where(jnp.abs(turn) > PRESSED, door, -1),
         open=turn > 0,
     )
 

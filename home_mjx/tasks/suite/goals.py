@@ -9,7 +9,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import DatasetError
-from home_mjx.navigation.grid import cell_of, geodesic_distance, place_position, random_position
+from home_mjx.navigation.grid import cell_of, geodesic_distance, near_home, place_position, random_position
 from home_mjx.navigation.spawn import random_yaw
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.state import Episodes
@@ -49,11 +49,10 @@ def sample_goal(
 
 
 def possible(bank: HouseBank, episode: Episodes) -> Bool[Array, ""]:
-    """Whether the start lies on a floor, within the grid, in or beside a cell that has a path to the goal."""
+    """Whether the start lies on a floor, within the grid, in or beside a cell from which paths lead to the goals."""
     off = place_position(bank, episode.house, cell_of(bank, episode.house, episode.start)) - episode.start
     near = jnp.all(jnp.abs(off) < jnp.array([bank.spec.cell, bank.spec.cell, ON_FLOOR], jnp.float32))
-    length = geodesic_distance(bank, episode.house, episode.columns["goal"], episode.start)
-    return near & jnp.isfinite(length)
+    return near & near_home(bank, episode.house, episode.start)
 
 
 def to_json(bank: HouseBank, house: int, columns: dict[str, Any]) -> dict[str, Any]:

@@ -76,9 +76,8 @@ class PointNav(Task):
         return PointNavState(goal=goal, distance=distance, reached=nobody, arrived=nobody)
 
     def update(self, snapshot: Snapshot, state: PointNavState) -> PointNavState:
-        """The distance is kept where none is known: on space that a pushed object has freed."""
+        """How far it is now, and who has arrived."""
         distance = self._distance(snapshot, state.goal)
-        distance = jnp.where(jnp.isfinite(distance), distance, state.distance)
         there = distance <= jnp.float32(self.success_radius)
         return state.replace(distance=distance, reached=state.reached | there, arrived=there & ~state.reached)
 
