@@ -1,15 +1,16 @@
-"""Things that hands have let go: they lie at once on what is below them."""
+"""What is below: for things that hands have let go, and for agents on stairs and upper floors."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from home_mjx.bank.records import Physics
 from home_mjx.core.transforms import quat_matrix
+from home_mjx.physics.base.servo import ON_RAMP
 from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.kinematic.footprints import Footprints
 from home_mjx.physics.reference.template import Template
 
-SUNK = 0.02  # [m], by which what carries a thing may reach into it
+SUNK = 0.05  # [m], by which what carries something may reach into it: what agents step on
 
 
 def drop_loose(
@@ -44,6 +45,36 @@ def drop_loose(
         rows = rows.at[body, 2].set(jnp.where(speed[body] > 0, height + half, pos[2]))
         speed = speed.at[body].set(0.0)
     return qpos.at[layout.body_qpos].set(rows.reshape(-1))
+
+
+def ground_below(
+    boxes: Footprints,
+    ramps: Float[Array, "r 8"],
+    floor: Float[Array, ""],
+    pos: Float[Array, "3"],
+    foot: Float[Array, ""],
+) -> tuple[Float[Array, ""], Float[Array, ""]]:
+    """What an agent stands on: a floor, a ramp, or a box that it steps on.
+
+    Args:
+        boxes: Static boxes.
+        ramps: Rows of `bank.physics.ramp`.
+        floor: Of the ground floor [m].
+        pos: Of the agent [m].
+        foot: Its lowest point [m].
+
+    Returns:
+        Its height [m], and how much higher things may be that do not stop the agent [m]: 0, and on a ramp more, as it
+        ends at a floor whose edge the agent meets before it is as high.
+    """
+    x, y, up_x, up_y, half_u, half_v, middle, slope = ramps.T
+    along = (pos[0] - x) * up_x + (pos[1] - y) * up_y
+    across = (pos[1] - y) * up_x - (pos[0] - x) * up_y
+    surface = middle + along * slope
+    on = (jnp.abs(along) <= half_u) & (jnp.abs(across) <= half_v) & (jnp.abs(surface - foot) < jnp.float32(ON_RAMP))
+    highest = jnp.max(jnp.where(on, surface, -jnp.inf))
+    height = jnp.maximum(jnp.maximum(_support(boxes, pos, foot), highest), floor)
+    return height, jnp.where(jnp.any(on), jnp.float32(ON_RAMP), 0.0)
 
 
 def _support(boxes: Footprints, pos: Float[Array, "3"], bottom: Float[Array, ""]) -> Float[Array, ""]:

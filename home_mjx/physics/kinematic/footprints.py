@@ -23,6 +23,10 @@ class Footprints(Pytree):
     bottom: Float[Array, "*n"]  # [m]
     top: Float[Array, "*n"]
 
+    def passed_by(self, height: Float[Array, ""]) -> "Footprints":
+        """Without what ends below a height [m]."""
+        return self.replace(bottom=jnp.where(self.top <= height, jnp.inf, self.bottom))
+
     @classmethod
     def of(cls, boxes: Boxes) -> "Footprints":
         """Exact for boxes with a vertical axis; others get the smallest such box around them with the same heading."""

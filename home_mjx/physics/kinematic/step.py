@@ -11,7 +11,7 @@ from home_mjx.core.transforms import body_quat, quat_matrix, quat_multiply
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.base.control import FORWARD_SPEED, HALF_LENGTH, RADIUS, TURN_RATE
 from home_mjx.physics.base.state import PhysicsState
-from home_mjx.physics.kinematic.falling import drop_loose
+from home_mjx.physics.kinematic.falling import drop_loose, ground_below
 from home_mjx.physics.kinematic.footprints import Agents, Footprints, slide
 from home_mjx.physics.kinematic.leaves import give_way, leaf_boxes, turn_to_goals
 from home_mjx.physics.reference.house_model import house_doors
@@ -20,6 +20,7 @@ from home_mjx.physics.reference.slots import Boxes
 from home_mjx.physics.reference.template import Template
 
 STEP_HEIGHT = 0.05  # [m], what agents step over
+LEANS = 0.02  # from which on a box is a ramp: least of the vertical part of an axis and what it lacks to 1
 
 
 def step_kinematic(
@@ -33,6 +34,10 @@ def step_kinematic(
     table = jnp.asarray(template.agents, jnp.float32)
     fastest, sizes = table[:, FORWARD_SPEED : TURN_RATE + 1], (table[:, RADIUS], table[:, HALF_LENGTH])
     wanted = jnp.clip(action, -1.0, 1.0) * fastest * jnp.float32(config.timing.ctrl_dt / steps)
+    level = _static(physics, house, upright=False)
+    half, floor, ramps = table[:, RADIUS] + table[:, HALF_LENGTH], physics.floor[house], physics.ramp[house]
+    stand = jax.vmap(lambda at, h: ground_below(level, ramps, floor, at, at[2] - h))
+    step_up = stand(agents[:, :3], half)[1]
     pos, yaw, touched = agents[:, :3], agents[:, 3], jnp.zeros(layout.num_agents, jnp.int32)
     for _ in range(steps):
         yaw = yaw + wanted[:, 2]
@@ -41,8 +46,14 @@ def step_kinematic(
         way = jnp.stack([x, y, jnp.zeros_like(x)], axis=-1)
         angle = give_way(leaves, angle, pos + way, sizes[0])
         boxes = jax.tree.map(lambda *x: jnp.concatenate(x), fixed, Footprints.of(leaf_boxes(leaves, angle)))
-        one = jax.vmap(lambda me, old, way, pos=pos, boxes=boxes: slide(boxes, Agents(pos, *sizes, me), old, way))
+        one = jax.vmap(
+            lambda me, old, way, pos=pos, boxes=boxes, step_up=step_up: slide(
+                boxes.passed_by(old[2] - half[me] + step_up[me]), Agents(pos, *sizes, me), old, way
+            )
+        )
         pos, count = one(jnp.arange(layout.num_agents, dtype=jnp.int32), pos, way)
+        ground, step_up = stand(pos, half)
+        pos = pos.at[:, 2].set(ground + half)
         touched = jnp.maximum(touched, count)
     after = jnp.concatenate([pos, yaw[:, None]], axis=-1)
     speed = (after - agents) / jnp.float32(config.timing.ctrl_dt)
@@ -65,8 +76,7 @@ def _num_steps(config: PhysicsConfig) -> int:
 
 def _obstacles(template: Template, physics: Physics, house: Array, state: PhysicsState) -> Footprints:
     """Static boxes, and movable bodies that nobody holds; without what agents step over."""
-    every = Footprints.of(Boxes(physics.collider_pos, physics.collider_quat, physics.collider_size))
-    static = jax.tree.map(lambda x: x[house], every)
+    static = _static(physics, house, upright=True)
     bodies = state.qpos[template.layout.body_qpos].reshape(-1, 7)
     movable = Footprints.of(Boxes(bodies[:, :3], bodies[:, 3:], physics.body_size[house]))
     held = (jnp.arange(bodies.shape[0], dtype=jnp.int32)[:, None] == state.held[None]).any(axis=-1)
@@ -74,6 +84,17 @@ def _obstacles(template: Template, physics: Physics, house: Array, state: Physic
     both = jax.tree.map(lambda *x: jnp.concatenate(x), static, movable)
     low = both.top < physics.floor[house] + jnp.float32(STEP_HEIGHT)
     return both.replace(bottom=jnp.where(low, jnp.inf, both.bottom))
+
+
+def _static(physics: Physics, house: Array, upright: bool) -> Footprints:
+    """The static boxes of a house, without ramps: as obstacles if `upright`, or else as what carries."""
+    boxes = Boxes(physics.collider_pos, physics.collider_quat, physics.collider_size)
+    every = Footprints.of(boxes)
+    steep = jnp.stack([jnp.abs(axis[2]) for axis in boxes.axes], axis=-1)
+    leans = jnp.max(jnp.minimum(steep, 1 - steep), axis=-1) > jnp.float32(LEANS)
+    side = "bottom" if upright else "top"
+    every = every.replace(**{side: jnp.where(leans, jnp.inf, getattr(every, side))})
+    return jax.tree.map(lambda x: x[house], every)
 
 
 def _with_held(template: Template, state: PhysicsState, qpos: Float[Array, " q"]) -> Float[Array, " q"]:

@@ -19,7 +19,7 @@ from home_mjx.physics import PhysicsState
 from home_mjx.physics.hands import obey, settle
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.tasks.base.config import EnvConfig
-from home_mjx.tasks.base.keys import split, to_raw
+from home_mjx.tasks.base.keys import DOORS, fold, split, to_raw
 from home_mjx.tasks.base.pose import AgentPose
 from home_mjx.tasks.base.snapshot import Snapshot, Touch
 from home_mjx.tasks.base.specs import ACTION_NAMES, HAND_NAMES, ArraySpec, Specs
@@ -171,7 +171,7 @@ class HouseholdEnv:
     ) -> State:
         """`reset` without sensors: observations are zeros until `perceive`. For wrappers."""
         bank, config = params.bank, self.config
-        keep, draw, start_key, yaw_key, goal_key, source_key, door_key = split(to_raw(key), 7)
+        keep, draw, start_key, yaw_key, goal_key, source_key = split(to_raw(key), 6)
         number, row = self._row(params.tasks, episode, draw)
         if row is not None:
             house = row.house
@@ -193,7 +193,7 @@ class HouseholdEnv:
             sensors={sensor.name: sensor.init(config) for sensor in self.sensors},
             faults=jnp.zeros((), jnp.int32),
         )
-        angle = door_angles(bank, house, config.doors, door_key)
+        angle = door_angles(bank, house, config.doors, fold(to_raw(key), DOORS))
         data = physics.reset(self.template(bank), bank, house, pos, yaw, angle)
         snapshot = self._snapshot(params, data, world)
         task = self.task.init(snapshot, goal_key, None if row is None else row.columns)
