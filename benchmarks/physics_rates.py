@@ -28,9 +28,11 @@ def main() -> None:
     parser.add_argument("--houses")
     parser.add_argument("--num-houses", type=int, default=64)
     parser.add_argument("--num-envs", type=int, default=4096)
+    parser.add_argument("--max-bodies", type=int, default=32)
     parser.add_argument("--with-mjx", action="store_true", help="MJX as well; it compiles for 20 s")
     args = parser.parse_args()
-    bank = home_mjx.make("PointNav-v0", args.houses, num_houses=args.num_houses, sensors=("state",)).params.bank
+    options = {"num_houses": args.num_houses, "max_bodies": args.max_bodies, "sensors": ("state",)}
+    bank = home_mjx.make("PointNav-v0", args.houses, **options).params.bank
     for impl in ("kinematic", "fused", *(("jax",) if args.with_mjx else ())):
         for houses, agents in ((without_bodies(bank), 1), (bank, 1), (bank, 4), (bank, 8)):
             record = measure(houses, PhysicsConfig(impl=impl, num_agents=agents), args.num_envs)
@@ -39,9 +41,10 @@ def main() -> None:
 
 
 def without_bodies(bank: HouseBank) -> HouseBank:
-    """The houses without movable bodies."""
-    arrays = {name: value[:, :0] for name, value in vars(bank.physics).items() if name.startswith("body_")}
-    return bank.replace(physics=bank.physics.replace(**arrays), spec=dataclasses.replace(bank.spec, num_bodies=0))
+    """The houses without movable bodies and doors."""
+    arrays = {name: value[:, :0] for name, value in vars(bank.physics).items() if name.startswith(("body_", "door_"))}
+    spec = dataclasses.replace(bank.spec, num_bodies=0, num_doors=0)
+    return bank.replace(physics=bank.physics.replace(**arrays), spec=spec)
 
 
 def measure(bank: HouseBank, config: PhysicsConfig, num_envs: int) -> dict:

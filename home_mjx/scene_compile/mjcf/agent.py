@@ -10,7 +10,7 @@ AGENT_SOLREF = "0.02 1"
 BODY_SOLREF = "0.05 1"
 # Impedance of all contacts and limits: least, greatest, and width of the curve between [m]. Stiffer than MuJoCo's 0.9
 # and 0.95, which let an agent press a light box several centimetres into a wall.
-SOLIMP = (0.95, 0.99, 0.001)
+SOLIMP = (0.95, 0.98, 0.001)
 
 
 def solimp() -> str:
@@ -18,7 +18,7 @@ def solimp() -> str:
 
     Example:
         >>> solimp()
-        '0.95 0.99 0.001'
+        '0.95 0.98 0.001'
     """
     return " ".join(map(str, SOLIMP))
 

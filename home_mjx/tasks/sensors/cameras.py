@@ -54,8 +54,8 @@ def _spec(config: EnvConfig, view: AgentCamera, kind: str) -> ArraySpec:
 
 def eye_position(config: EnvConfig, pose: AgentPose) -> Float[Array, "a 3"]:
     """Camera and ears of every agent [m]; the pose is the capsule's centre."""
-    rise = jnp.array([0.0, 0.0, config.body.eye_height - config.body.height / 2], jnp.float32)
-    return pose.pos + rise[None]
+    rise = jnp.array([body.eye_height - body.height / 2 for body in config.physics.agents], jnp.float32)
+    return pose.pos.at[:, 2].add(rise)
 
 
 def agent_ids(bank: HouseBank, num_agents: int) -> Array:
