@@ -12,6 +12,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.schema.categories import fine_index
+from home_mjx.tasks import Status
 from home_mjx.tasks.base.options import make_config
 from home_mjx.tasks.base.pose import AgentPose
 from home_mjx.tasks.base.state import EnvParams
@@ -37,12 +38,12 @@ def env(generated_bank: HouseBank) -> BoundEnv:
 
 @pytest.fixture(scope="session")
 def reset(env):
-    return checked(jax.jit(jax.vmap(env.core.reset, (None, 0, 0))))
+    return checked(jax.jit(jax.vmap(env.core.reset, (None, 0, 0))), Status.RESPONSE_CUT)
 
 
 @pytest.fixture(scope="session")
 def step(env):
-    return checked(jax.jit(jax.vmap(env.core.step, (None, 0, 0))))
+    return checked(jax.jit(jax.vmap(env.core.step, (None, 0, 0))), Status.RESPONSE_CUT)
 
 
 def keys(num: int = NUM_ENVS, seed: int = 0) -> jax.Array:
@@ -100,7 +101,7 @@ def test_step_is_traced_once_for_all_houses_and_banks(env, other_bank):
         traces += 1
         return env.core.step(params, state, action)
 
-    step = checked(jax.jit(jax.vmap(counted, (None, 0, 0))))
+    step = checked(jax.jit(jax.vmap(counted, (None, 0, 0))), Status.RESPONSE_CUT)
     reset = jax.jit(jax.vmap(env.core.reset, (None, 0, 0)))
     positions = []
     for bank in (env.bank, other_bank):
