@@ -15,7 +15,7 @@ _kept: list[object] = []  # compiled functions that XLA may call until the proce
 
 
 def step_cpu(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]) -> Sequence[Array]:
-    """Steps environments (e ...); operands and results in the order of `native.handler`."""
+    """Steps environments (e ...); operands and results in the order of `native.data.operands`."""
     return jax.ffi.ffi_call(TARGET, results)(*operands)
 
 

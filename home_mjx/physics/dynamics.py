@@ -7,17 +7,16 @@ from jaxtyping import Array, Bool, Float, Int
 from home_mjx.bank.bank import HouseBank
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.base.servo import FREE, GRAVITY
-from home_mjx.physics.base.state import PhysicsState
+from home_mjx.physics.base.state import AWAKE, PhysicsState
 from home_mjx.physics.base.touch import NOTHING
 from home_mjx.physics.fused import step_fused
 from home_mjx.physics.kinematic.step import step_kinematic
-from home_mjx.physics.reference.house_model import house_doors, movable_bodies
+from home_mjx.physics.reference.house_model import movable_bodies
 from home_mjx.physics.reference.lost import Lost
 from home_mjx.physics.reference.step import step_mjx
 from home_mjx.physics.reference.template import Template
 
 STEPS = {"fused": step_fused, "jax": step_mjx, "kinematic": step_kinematic}
-AWAKE = 1e-6  # [rad/s^2], of doors that do not sleep
 ABSURD = 1e6  # [m], [rad] and per second
 
 
@@ -129,13 +128,6 @@ def body_pose(template: Template, state: PhysicsState) -> tuple[Float[Array, "k 
 def door_angle(template: Template, state: PhysicsState) -> Float[Array, " h"]:
     """How far each door's leaf is turned about +z from as placed [rad]."""
     return state.qpos[template.layout.door_qpos]
-
-
-def door_pose(
-    template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState
-) -> tuple[Float[Array, "h 3"], Float[Array, "h 4"]]:
-    """Middle [m] and orientation (wxyz) of each door's leaf; unused ones are parked high above the house."""
-    return house_doors(bank.physics, house).turned(state.qpos[template.layout.door_qpos])
 
 
 def agent_contact(template: Template, state: PhysicsState) -> Bool[Array, " a"]:

@@ -23,6 +23,7 @@ from home_mjx.physics.batched import Step, batched
 from home_mjx.physics.cpu import cpu_available, step_cpu
 from home_mjx.physics.cuda.launch import cuda_available, step_cuda
 from home_mjx.physics.native.data.numbers import numbers_of
+from home_mjx.physics.native.data.operands import BODY_VALID, NUM_RESULTS, NUM_SHARED
 from home_mjx.physics.reference.lost import Lost
 from home_mjx.physics.reference.slots import Boxes
 from home_mjx.physics.reference.step import step_mjx
@@ -30,11 +31,7 @@ from home_mjx.physics.reference.template import Template
 
 STEPS = {"cpu": step_cpu, "cuda": step_cuda}
 PLATFORMS = {"cpu": cpu_available, "cuda": cuda_available}
-NUM_RESULTS = 7
 NUM_LOST = 2  # flags: static boxes, contact points
-NUM_SHARED = 12  # arrays that all environments share: the houses', the agents', and the template's numbers
-NUM_OWN = 8  # arrays of an environment
-BODY_VALID = 3  # number of that operand
 
 
 def step_fused(
@@ -87,7 +84,7 @@ def _with_sleepers(
 
 
 def _house_arrays(physics: Physics) -> tuple[Array, ...]:
-    """In the order of `native.handler`; boxes that do not rise above the floor get a negative size."""
+    """In the order of `operands`; boxes that do not rise above the floor get a negative size."""
     boxes = Boxes(physics.collider_pos, physics.collider_quat, physics.collider_size)
     above = boxes.rise_above(physics.floor[:, None])
     half = jnp.where(above[..., None], physics.collider_size, jnp.float32(-1.0))
@@ -105,7 +102,7 @@ def _batched(platform: str) -> Step:
 def _run(step: Callable[..., Sequence[Array]], *operands: Array) -> tuple[Array, ...]:
     """Environments (e ...) by compiled code, in the types that it takes; an empty batch never reaches it."""
     given = [x.astype(jnp.int32 if jnp.issubdtype(x.dtype, jnp.integer) else jnp.float32) for x in operands]
-    _, qpos, qvel, qacc, action, _, _, goal = given[-NUM_OWN:]
+    _, qpos, qvel, qacc, action, _, _, goal = given[NUM_SHARED:]
     envs, agents = action.shape[:2]
     mobiles = agents + given[BODY_VALID].shape[1] + goal.shape[1]
     results = [jax.ShapeDtypeStruct(x.shape, jnp.float32) for x in (qpos, qvel, qacc)]

@@ -18,6 +18,7 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import body_quat, quat_matrix, quat_multiply
 from home_mjx.physics.base.servo import FREE
 from home_mjx.physics.base.state import PhysicsState
+from home_mjx.physics.dynamics import agent_pose, body_pose, door_angle
 from home_mjx.physics.reference.house_model import MovableBodies, house_doors, movable_bodies
 from home_mjx.physics.reference.template import Template
 
@@ -78,19 +79,20 @@ def settle(template: Template, bank: HouseBank, house: Int[Array, ""], state: Ph
             state = _settle_hand(template, bodies, state, a)
     leaves = house_doors(bank.physics, house)
     goal = jnp.clip(state.goal, leaves.low, leaves.high)
-    there = jnp.abs(state.qpos[template.layout.door_qpos] - goal) < jnp.float32(TURNED)
+    there = jnp.abs(door_angle(template, state) - goal) < jnp.float32(TURNED)
     return state.replace(goal=jnp.where(there, jnp.float32(FREE), state.goal))
 
 
 def _body(template: Template, state: PhysicsState, body: Int[Array, ""]) -> tuple[Array, Array]:
     """Position and orientation of a movable body."""
-    row = state.qpos[template.layout.body_qpos].reshape(-1, 7)[jnp.maximum(body, 0)]
-    return row[:3], row[3:]
+    pos, quat = body_pose(template, state)
+    return pos[jnp.maximum(body, 0)], quat[jnp.maximum(body, 0)]
 
 
-def _agent(state: PhysicsState, a: int) -> tuple[Array, Array]:
+def _agent(template: Template, state: PhysicsState, a: int) -> tuple[Array, Array]:
     """Position and yaw of an agent."""
-    return state.qpos[4 * a : 4 * a + 3], state.qpos[4 * a + 3]
+    pos, yaw = agent_pose(template, state)
+    return pos[a], yaw[a]
 
 
 def _release(
@@ -125,7 +127,7 @@ def _take(template: Template, bodies: MovableBodies, state: PhysicsState, a: int
     near = _distance(template, bodies, state, a, own) <= jnp.float32(config.reach)
     free = (state.held[a] < 0) & ~jnp.any(state.held == own)
     takes = (body == own) & bodies.valid[own] & free & near & (bodies.mass[own] <= jnp.float32(config.lift))
-    _, yaw = _agent(state, a)
+    _, yaw = _agent(template, state, a)
     turned = quat_multiply(body_quat(-yaw), quat)
     return state.replace(
         held=state.held.at[a].set(jnp.where(takes, own, state.held[a])),
@@ -139,7 +141,7 @@ def _distance(
     template: Template, bodies: MovableBodies, state: PhysicsState, a: int, body: Int[Array, ""]
 ) -> Float[Array, ""]:
     """From an agent's axis to the nearest point of a body's box [m], to 1 cm."""
-    at, _ = _agent(state, a)
+    at, _ = _agent(template, state, a)
     pos, quat = _body(template, state, body)
     matrix, half = quat_matrix(quat), jnp.float32(template.config.agents[a].height / 2)
     heights = jnp.linspace(-half, half, 17)
@@ -164,7 +166,7 @@ def _aim(
     template: Template, bodies: MovableBodies, state: PhysicsState, a: int, spot: Float[Array, "3"]
 ) -> PhysicsState:
     """A hand begins to put down what it holds."""
-    at, _ = _agent(state, a)
+    at, _ = _agent(template, state, a)
     away = jnp.linalg.norm(spot[:2] - at[:2])
     starts = (state.held[a] >= 0) & jnp.all(jnp.isfinite(spot)) & (away <= jnp.float32(template.config.agents[a].reach))
     state = state.replace(
@@ -184,7 +186,7 @@ def _target(template: Template, bodies: MovableBodies, state: PhysicsState, a: i
 
 def _follow(template: Template, bodies: MovableBodies, state: PhysicsState, a: int) -> PhysicsState:
     """The grip of a hand that puts down, as the agent moves: first above the spot, then down to it."""
-    at, yaw = _agent(state, a)
+    at, yaw = _agent(template, state, a)
     pos, _ = _body(template, state, state.held[a])
     target = _target(template, bodies, state, a)
     above = jnp.linalg.norm(pos[:2] - target[:2]) > jnp.float32(2 * PLACED)
@@ -195,7 +197,7 @@ def _follow(template: Template, bodies: MovableBodies, state: PhysicsState, a: i
 
 
 def _settle_hand(template: Template, bodies: MovableBodies, state: PhysicsState, a: int) -> PhysicsState:
-    at, yaw = _agent(state, a)
+    at, yaw = _agent(template, state, a)
     pos, _ = _body(template, state, state.held[a])
     puts = jnp.isfinite(state.spot[a, 0])
     there = puts & (jnp.linalg.norm(pos - _target(template, bodies, state, a)) < jnp.float32(PLACED))
@@ -219,9 +221,9 @@ def _turn(
     template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState, a: int, commands: Commands
 ) -> PhysicsState:
     """A door within reach begins to open or to close."""
-    leaves, at = house_doors(bank.physics, house), _agent(state, a)[0]
+    leaves, at = house_doors(bank.physics, house), _agent(template, state, a)[0]
     door = jnp.clip(commands.door[a], 0, template.layout.num_doors - 1)
-    middle, quat = jax.tree.map(lambda x: x[door], leaves.turned(state.qpos[template.layout.door_qpos]))
+    middle, quat = jax.tree.map(lambda x: x[door], leaves.turned(door_angle(template, state)))
     local = jnp.matmul(at - middle, quat_matrix(quat), precision="highest")
     beyond = jnp.maximum(jnp.abs(local[:2]) - leaves.size[door, :2], 0.0)
     near = jnp.linalg.norm(beyond) <= jnp.float32(template.config.agents[a].reach)

@@ -112,15 +112,22 @@ def ramp_acceleration(
         agent: Row of `control.agent_table`.
         pos: Centre of its capsule [m].
     """
-    x, y, up_x, up_y, half_u, half_v, middle, slope = ramps.T
-    along = (pos[0] - x) * up_x + (pos[1] - y) * up_y
-    across = (pos[1] - y) * up_x - (pos[0] - x) * up_y
+    _, _, up_x, up_y, half_u, half_v, _, slope = ramps.T
+    along, across, surface = over_ramps(ramps, pos)
     sine = slope / jnp.sqrt(1 + slope * slope)
-    above = pos[2] - agent[RADIUS] - agent[HALF_LENGTH] - (middle + along * slope)
+    above = pos[2] - agent[RADIUS] - agent[HALF_LENGTH] - surface
     stands = (along >= -half_u - 0.3 * agent[RADIUS]) & (along <= half_u - agent[RADIUS] * sine)
     stands &= (jnp.abs(across) <= half_v) & (jnp.abs(above) < ON_RAMP)
     uphill = jnp.where(stands, jnp.float32(GRAVITY) * slope, 0.0)
     return jnp.stack([jnp.sum(uphill * up_x), jnp.sum(uphill * up_y)])
+
+
+def over_ramps(ramps: Float[Array, "r 8"], pos: Float[Array, "3"]) -> tuple[Array, Array, Array]:
+    """Where a point is over each ramp: uphill and across from its middle, and the height of its top there [m]."""
+    x, y, up_x, up_y, _, _, middle, slope = ramps.T
+    along = (pos[0] - x) * up_x + (pos[1] - y) * up_y
+    across = (pos[1] - y) * up_x - (pos[0] - x) * up_y
+    return along, across, middle + along * slope
 
 
 def _length(vector: Array) -> Array:

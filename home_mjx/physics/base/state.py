@@ -4,6 +4,8 @@ from jaxtyping import Array, Float, Int
 
 from home_mjx.core.pytree import Pytree
 
+AWAKE = 1e-6  # [m/s^2], [rad/s^2]: least acceleration of what does not sleep
+
 
 class PhysicsState(Pytree):
     """Poses and speeds of an environment's agents, movable bodies and doors; see `layout.Layout`.

@@ -40,7 +40,7 @@ constexpr int POINTS_PER_MOBILE = 24; // contact points that there is room for
 constexpr int CONTACT_WORDS = 52;     // of memory that a contact takes, as in launch.py
 constexpr int SMALL_ISLAND = 6;       // mobiles whose Hessian fits into shared memory, as in launch.py
 // The second mobile of a contact with what does not move; static box c is STATIC - c.
-constexpr int LIMIT = -1, NOTHING = -1, FLOOR = -2, STATIC = -3;
+constexpr int LIMIT = -1, FLOOR = -2, STATIC = -3;
 constexpr int AGENT_COLUMNS = 8, DOOR_COLUMNS = 13, RAMP_COLUMNS = 8;  // of the tables, see native/data/limits.py
 constexpr int FREE = 1000000000;                                      // goal of a door that nothing drives
 constexpr real WAKE_NEAR = 0.01;  // [m]
@@ -55,6 +55,7 @@ constexpr real REACH = 0.1;                        // [m], see native/contacts.p
 struct Numbers {
   real sim_dt, substeps, gravity, control, response_time, friction, max_body_speed, max_body_spin, agent_stiffness,
       agent_damping, body_stiffness, body_damping, limit_stiffness, limit_damping, impedance_low, impedance_high,
-      impedance_width, iterations, corner_radius, sleep, rest_speed, rest_spin, rest_pull, on_ramp, hand_time, hand_speed, hand_spin, hand_twist, hand_acceleration,
-      hand_force, hand_stiffness, hand_slack, hand_leash, door_drag, door_time, door_speed, door_torque;
+      impedance_width, iterations, corner_radius, sleep, rest_speed, rest_spin, rest_pull, on_ramp,
+      hand_time, hand_speed, hand_spin, hand_twist, hand_acceleration, hand_force, hand_stiffness, hand_slack,
+      hand_leash, door_drag, door_time, door_speed, door_torque;
 };

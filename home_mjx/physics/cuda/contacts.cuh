@@ -172,6 +172,17 @@ __device__ int list_awake(const Env& e) {
   return count;
 }
 
+// Whether the bounding spheres of two mobiles come nearer than `reach`.
+INLINE bool spheres_meet(const Env& e, int a, int b, real reach) {
+  real square = 0;
+  for (int k = 0; k < 3; ++k) {
+    const real step = e.pos[3 * a + k] - e.pos[3 * b + k];
+    square += step * step;
+  }
+  const real far = e.radius[a] + e.radius[b] + reach;
+  return square <= far * far;
+}
+
 // Pairs of mobiles whose bounding spheres meet, first + second * mobiles; the first is awake, the second is if it comes
 // later. Doors do not meet each other.
 __device__ int list_pairs(const Env& e, int awake) {
@@ -180,12 +191,7 @@ __device__ int list_pairs(const Env& e, int awake) {
     const int pair = base + LANE, m = e.list[pair < awake * e.mobiles ? pair / e.mobiles : 0], other = pair % e.mobiles;
     bool near = pair < awake * e.mobiles && e.there[other] && other != m && (m < e.free || other < e.free);
     near = near && (!e.used[other] || other < m);
-    if (near) {
-      real square = 0;
-      for (int k = 0; k < 3; ++k) square += (e.pos[3 * m + k] - e.pos[3 * other + k]) * (e.pos[3 * m + k] - e.pos[3 * other + k]);
-      const real reach = e.radius[m] + e.radius[other];
-      near = square <= reach * reach;
-    }
+    near = near && spheres_meet(e, m, other, 0);
     const unsigned mask = warp_ballot(near);
     const int place = count + count_bits(mask & ((1u << LANE) - 1));
     if (near && place < PAIRS_PER_MOBILE * e.mobiles)

@@ -60,7 +60,9 @@ INLINE void carry(const Env& e, int a, int m, const float* grip) {
   const real c = cos(e.quat[4 * a]), s = sin(e.quat[4 * a]), spin = e.vel[6 * a + 5];
   const real *va = e.vel + 6 * a, *vm = e.vel + 6 * m;
   const Vec arm = {c * grip[0] - s * grip[1], s * grip[0] + c * grip[1], grip[2]};
-  const Vec gap = Vec{e.pos[3 * a], e.pos[3 * a + 1], e.pos[3 * a + 2]} + arm - Vec{e.pos[3 * m], e.pos[3 * m + 1], e.pos[3 * m + 2]};
+  const Vec agent = {e.pos[3 * a], e.pos[3 * a + 1], e.pos[3 * a + 2]};
+  const Vec thing = {e.pos[3 * m], e.pos[3 * m + 1], e.pos[3 * m + 2]};
+  const Vec gap = agent + arm - thing;
   const Vec carried = {va[0] - spin * arm.y - vm[0], va[1] + spin * arm.x - vm[1], va[2] - vm[2]};
   const Vec wanted = carried + reach(n, length_of(gap), n.hand_speed) * gap;
   const real most = fmin(n.hand_acceleration, n.hand_force / e.mass[6 * m]);

@@ -12,11 +12,11 @@ from jaxtyping import Array
 
 from home_mjx.core.native.platforms import PTX_TARGET, problem_of, ptx_for_all, works
 from home_mjx.physics.native.data.limits import BODY_DOFS, NEAR, POINTS_PER_MOBILE
+from home_mjx.physics.native.data.operands import ACTION, BODY_VALID, COLLIDER_POS, DOOR, RAMP
 
 FILES = ("base.cuh", "shapes.cuh", "contact.cuh", "contacts.cuh", "solver.cuh", "forces.cuh", "sleep.cuh", "step.cu")
 SOURCES = tuple(Path(__file__).with_name(name) for name in FILES)
 WARP = 32
-ACTION = 16  # number of that operand
 CONTACT_WORDS, SMALL_ISLAND = 52, 6  # as in base.cuh
 PAIRS_PER_MOBILE = 16  # as in base.cuh
 SHARED_REALS, SHARED_INTS = 47, 11 + POINTS_PER_MOBILE  # per mobile, as step.cu lays them out
@@ -24,7 +24,8 @@ SHARED_REALS, SHARED_INTS = 47, 11 + POINTS_PER_MOBILE  # per mobile, as step.cu
 
 def step_cuda(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]) -> Sequence[Array]:
     """Steps environments (e ...); operands and results as those of `cpu.step_cpu`."""
-    (houses, statics), bodies, doors, ramps = operands[0].shape[:2], *(operands[i].shape[1] for i in (3, 7, 8))
+    houses, statics = operands[COLLIDER_POS].shape[:2]
+    bodies, doors, ramps = (operands[i].shape[1] for i in (BODY_VALID, DOOR, RAMP))
     envs, agents = operands[ACTION].shape[:2]
     mobiles = agents + bodies + doors
     words = (NEAR + 12 + PAIRS_PER_MOBILE + CONTACT_WORDS * POINTS_PER_MOBILE) * mobiles + _newton_words(mobiles)

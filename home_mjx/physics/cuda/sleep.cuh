@@ -29,10 +29,8 @@ __device__ void wake_near(const Env& e) {
     if (m >= e.free && other >= e.free) continue;
     const real *vel = e.vel + 6 * m, fast = m < e.free ? length_of(vel) + length_of(vel + 3) * e.radius[m]
                                                        : 2 * absolute(vel[5]) * e.radius[m];
-    const real near = WAKE_NEAR + 2 * e.numbers.sim_dt * fast, far = e.radius[m] + e.radius[other] + near;
-    real square = 0;
-    for (int k = 0; k < 3; ++k) square += (e.pos[3 * m + k] - e.pos[3 * other + k]) * (e.pos[3 * m + k] - e.pos[3 * other + k]);
-    if (square <= far * far && !apart(mobile_box(e, m), mobile_box(e, other), near)) e.wakes[other] = 1;
+    const real near = WAKE_NEAR + 2 * e.numbers.sim_dt * fast;
+    if (spheres_meet(e, m, other, near) && !apart(mobile_box(e, m), mobile_box(e, other), near)) e.wakes[other] = 1;
   }
   sync_warp();
   for (int m = e.agents + LANE; m < e.mobiles; m += WARP_SIZE)

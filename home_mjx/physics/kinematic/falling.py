@@ -5,7 +5,7 @@ from jaxtyping import Array, Float, Int
 
 from home_mjx.bank.records import Physics
 from home_mjx.core.transforms import quat_matrix
-from home_mjx.physics.base.servo import ON_RAMP
+from home_mjx.physics.base.servo import ON_RAMP, over_ramps
 from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.kinematic.footprints import Footprints
 from home_mjx.physics.reference.template import Template
@@ -67,10 +67,8 @@ def ground_below(
         Its height [m], and how much higher things may be that do not stop the agent [m]: 0, and on a ramp more, as it
         ends at a floor whose edge the agent meets before it is as high.
     """
-    x, y, up_x, up_y, half_u, half_v, middle, slope = ramps.T
-    along = (pos[0] - x) * up_x + (pos[1] - y) * up_y
-    across = (pos[1] - y) * up_x - (pos[0] - x) * up_y
-    surface = middle + along * slope
+    half_u, half_v = ramps[:, 4], ramps[:, 5]
+    along, across, surface = over_ramps(ramps, pos)
     on = (jnp.abs(along) <= half_u) & (jnp.abs(across) <= half_v) & (jnp.abs(surface - foot) < jnp.float32(ON_RAMP))
     highest = jnp.max(jnp.where(on, surface, -jnp.inf))
     height = jnp.maximum(jnp.maximum(_support(boxes, pos, foot), highest), floor)

@@ -176,6 +176,18 @@ def _body_on_floor(work, numbers, m, floor):
 
 @compiled
 @no_type_check
+def spheres_meet(work, a, b, reach):
+    """Whether the bounding spheres of two mobiles come nearer than `reach`."""
+    square = 0.0
+    for k in range(3):
+        step = work.pos[3 * b + k] - work.pos[3 * a + k]
+        square += step * step
+    far = work.radius[a] + work.radius[b] + reach
+    return square <= far * far
+
+
+@compiled
+@no_type_check
 def _with_static(work, numbers, m, c):
     """Contacts of a mobile and a static box."""
     pos, rot, half = shifted(work.static_pos, 3 * c), shifted(work.static_rot, 9 * c), shifted(work.static_half, 3 * c)
@@ -188,12 +200,7 @@ def _with_static(work, numbers, m, c):
 @no_type_check
 def _with_mobile(work, numbers, a, b):
     """Contacts of two mobiles, the first of which comes first in the list."""
-    square = 0.0
-    for k in range(3):
-        step = work.pos[3 * b + k] - work.pos[3 * a + k]
-        square += step * step
-    reach = work.radius[a] + work.radius[b]
-    if square > reach * reach:
+    if not spheres_meet(work, a, b, 0.0):
         return
     pos = shifted(work.pos, 3 * b)
     if b >= work.num_agents:
@@ -209,12 +216,7 @@ def _with_mobile(work, numbers, a, b):
 @no_type_check
 def _with_sleeper(work, numbers, m, other):
     """Contacts with something that sleeps: it does not move now, but wakes for the next physics step."""
-    square = 0.0
-    for k in range(3):
-        step = work.pos[3 * other + k] - work.pos[3 * m + k]
-        square += step * step
-    reach = work.radius[m] + work.radius[other]
-    if square <= reach * reach:
+    if spheres_meet(work, m, other, 0.0):
         before = work.counts[NUM_CONTACTS]
         pos, rot, half = shifted(work.pos, 3 * other), shifted(work.rot, 9 * other), shifted(work.half, 3 * other)
         _with_box(work, numbers, m, SLEEPER - other, pos, rot, half)

@@ -10,19 +10,44 @@ from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from home_mjx.core.native import ffi, memory
 from home_mjx.core.native.memory import pointer_to, symbol_address
+from home_mjx.physics.base import servo, state, touch
 from home_mjx.physics.native import constraint, contacts, forces, motion, sleep, solver, step
-from home_mjx.physics.native.data import limits, numbers
+from home_mjx.physics.native.data import limits, numbers, operands
 from home_mjx.physics.native.data import work as native_work
 from home_mjx.physics.native.data.numbers import Numbers
+from home_mjx.physics.native.data.operands import (
+    ACTION,
+    AGENT,
+    BODY_INERTIA,
+    BODY_MASS,
+    BODY_SIZE,
+    BODY_VALID,
+    COLLIDER_HALF,
+    COLLIDER_POS,
+    COLLIDER_QUAT,
+    DOOR,
+    FLOOR,
+    GOAL,
+    GRIP,
+    HELD,
+    HOUSE,
+    LOST,
+    NEW_QACC,
+    NEW_QPOS,
+    NEW_QVEL,
+    NUMBERS,
+    OTHER,
+    PUSH,
+    QACC,
+    QPOS,
+    QVEL,
+    RAMP,
+    TOUCHED,
+)
 from home_mjx.physics.native.data.work import free_work, make_work
 from home_mjx.physics.native.shapes import box_box, capsule
 from home_mjx.physics.native.step import load_agents, load_house, step_env
 
-# Operands and results, in order.
-COLLIDER_POS, COLLIDER_QUAT, COLLIDER_HALF, BODY_VALID, BODY_SIZE, BODY_MASS, BODY_INERTIA = range(7)
-DOOR, RAMP, FLOOR, AGENT, NUMBERS = range(7, 12)
-HOUSE, QPOS, QVEL, QACC, ACTION, HELD, GRIP, GOAL = range(12, 20)
-NEW_QPOS, NEW_QVEL, NEW_QACC, TOUCHED, LOST, PUSH, OTHER = range(7)
 CHUNK = 16  # environments that a thread takes at once
 TASK = "home_mjx_step_task"
 BYTES = 4  # of a number
@@ -47,10 +72,14 @@ def build_handler() -> tuple[Any, Any]:
         limits,
         motion,
         numbers,
+        operands,
         sleep,
         solver,
         step,
         native_work,
+        servo,
+        state,
+        touch,
     )
     digest = ffi.digest(*(part.__file__ for part in parts))
 

@@ -11,12 +11,12 @@ from typing import no_type_check
 from numba import njit
 
 from home_mjx.core.native.memory import shifted
-from home_mjx.physics.native.contacts import apart
+from home_mjx.physics.base.state import AWAKE
+from home_mjx.physics.native.contacts import apart, spheres_meet
 from home_mjx.physics.native.data.limits import FREE
 from home_mjx.physics.native.data.work import dofs
 
 WAKE_NEAR = 0.01  # [m]
-AWAKE = 1e-6  # [m/s^2], acceleration that tells what was woken from what sleeps
 
 compiled = njit(error_model="numpy")
 
@@ -86,13 +86,8 @@ def wake_near(work, numbers):
 @compiled
 @no_type_check
 def _comes_near(work, m, other, reach):
-    square = 0.0
-    for k in range(3):
-        step = work.pos[3 * other + k] - work.pos[3 * m + k]
-        square += step * step
-    far = work.radius[m] + work.radius[other] + reach
     pos, rot, half = shifted(work.pos, 3 * other), shifted(work.rot, 9 * other), shifted(work.half, 3 * other)
-    return square <= far * far and not apart(work, m, pos, rot, half, reach)
+    return spheres_meet(work, m, other, reach) and not apart(work, m, pos, rot, half, reach)
 
 
 @compiled
