@@ -66,6 +66,7 @@ class TinyHouse:
     movable: Sequence[Box] = ()
     doors: Sequence[Door] = ()
     ramp: Sequence[float] = (0, 0, 1, 0, -1, -1, 0, 0)  # a row of `Physics.ramp`
+    ramp_collider: int = -1  # its row of `static`
     floor: float = 0.0
 
 
@@ -95,6 +96,7 @@ def _physics(house: TinyHouse, num_bodies: int) -> dict[str, np.ndarray]:
         "body_inertia": _table([b.inertia for b in movable], num_bodies, nothing),
         "body_from_model": np.tile(np.eye(3, 4, dtype=np.float32), (num_bodies, 1, 1)),
         "ramp": np.array([house.ramp], np.float32),
+        "ramp_collider": np.array([house.ramp_collider], np.int32),
         "door_valid": np.arange(NUM_DOORS) < len(doors),
         "door_instance": np.full(NUM_DOORS, -1, np.int32),
         "door_pivot": _table([d.pivot for d in doors], NUM_DOORS, (0.0, 0.0)),

@@ -20,6 +20,7 @@ HOUSE = TinyHouse(
         Box((1 + RUN + 1.5, 0, RISE - 0.1), (1.5, 1.5, 0.1)),
     ],
     movable=[Box((1 + RUN + 2, 0.8, RISE + 0.201), (0.2, 0.2, 0.2), mass=3)],
+    ramp_collider=0,
     ramp=(TOP[0], 0, 1, 0, RUN / 2, 0.6, RISE / 2, np.tan(SLOPE)),
 )
 

@@ -81,3 +81,6 @@ class Physics(Pytree):
         source=ramp_rows,
         fill=np.array([0.0, 0.0, 1.0, 0.0, -1.0, -1.0, 0.0, 0.0]),
     )
+    ramp_collider: Int[Array, "h ramps"] = array(
+        "static box with the same top; -1 padding", source="ramps.collider", fill=-1
+    )

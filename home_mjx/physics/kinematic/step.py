@@ -20,7 +20,6 @@ from home_mjx.physics.reference.slots import Boxes
 from home_mjx.physics.reference.template import Template
 
 STEP_HEIGHT = 0.05  # [m], what agents step over
-LEANS = 0.02  # from which on a box is a ramp: least of the vertical part of an axis and what it lacks to 1
 
 
 def step_kinematic(
@@ -34,7 +33,7 @@ def step_kinematic(
     table = jnp.asarray(template.agents, jnp.float32)
     fastest, sizes = table[:, FORWARD_SPEED : TURN_RATE + 1], (table[:, RADIUS], table[:, HALF_LENGTH])
     wanted = jnp.clip(action, -1.0, 1.0) * fastest * jnp.float32(config.timing.ctrl_dt / steps)
-    level = _static(physics, house, upright=False)
+    level = _static(physics, house, obstacles=False)
     half, floor, ramps = table[:, RADIUS] + table[:, HALF_LENGTH], physics.floor[house], physics.ramp[house]
     stand = jax.vmap(lambda at, h: ground_below(level, ramps, floor, at, at[2] - h))
     step_up = stand(agents[:, :3], half)[1]
@@ -76,7 +75,7 @@ def _num_steps(config: PhysicsConfig) -> int:
 
 def _obstacles(template: Template, physics: Physics, house: Array, state: PhysicsState) -> Footprints:
     """Static boxes, and movable bodies that nobody holds; without what agents step over."""
-    static = _static(physics, house, upright=True)
+    static = _static(physics, house, obstacles=True)
     bodies = state.qpos[template.layout.body_qpos].reshape(-1, 7)
     movable = Footprints.of(Boxes(bodies[:, :3], bodies[:, 3:], physics.body_size[house]))
     held = (jnp.arange(bodies.shape[0], dtype=jnp.int32)[:, None] == state.held[None]).any(axis=-1)
@@ -86,14 +85,13 @@ def _obstacles(template: Template, physics: Physics, house: Array, state: Physic
     return both.replace(bottom=jnp.where(low, jnp.inf, both.bottom))
 
 
-def _static(physics: Physics, house: Array, upright: bool) -> Footprints:
-    """The static boxes of a house, without ramps: as obstacles if `upright`, or else as what carries."""
-    boxes = Boxes(physics.collider_pos, physics.collider_quat, physics.collider_size)
-    every = Footprints.of(boxes)
-    steep = jnp.stack([jnp.abs(axis[2]) for axis in boxes.axes], axis=-1)
-    leans = jnp.max(jnp.minimum(steep, 1 - steep), axis=-1) > jnp.float32(LEANS)
-    side = "bottom" if upright else "top"
-    every = every.replace(**{side: jnp.where(leans, jnp.inf, getattr(every, side))})
+def _static(physics: Physics, house: Array, obstacles: bool) -> Footprints:
+    """The static boxes of a house, without ramps: as obstacles, or else as what carries."""
+    every = Footprints.of(Boxes(physics.collider_pos, physics.collider_quat, physics.collider_size))
+    row = jnp.arange(every.x.shape[1], dtype=jnp.int32)
+    is_ramp = jnp.any(row[None, :, None] == physics.ramp_collider[:, None], axis=-1)
+    side = "bottom" if obstacles else "top"
+    every = every.replace(**{side: jnp.where(is_ramp, jnp.inf, getattr(every, side))})
     return jax.tree.map(lambda x: x[house], every)
 
 
