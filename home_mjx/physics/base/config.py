@@ -87,8 +87,8 @@ class PhysicsConfig:
         """The body of each agent.
 
         Example:
-            >>> [body.radius for body in PhysicsConfig(num_agents=2).agents]
-            [0.1, 0.1]
+            >>> len(PhysicsConfig(num_agents=2).agents)
+            2
         """
         return self.bodies or (self.body,) * self.num_agents
 
