@@ -1,8 +1,10 @@
 """Physics alone, by implementation and number of agents: milliseconds per control step of a batch.
 
-    python benchmarks/physics_rates.py [--houses ROOT] [--num-houses 64] [--num-envs 4096] [--with-mjx]
+    python benchmarks/physics_rates.py [--houses ROOT] [--num-houses 64] [--num-envs 4096] [--with-mjx] [--curves]
 
-Actions are drawn at each step; 20 steps are one program; medians of five calls. One JSON object a line.
+Actions are drawn at each step; 20 steps are one program; medians of five calls. One JSON object a line. With `--curves`
+also by number of bodies, with everything asleep beside an idle agent, and with all bodies dropped from 1 m at the
+beginning of each call.
 """
 
 import argparse
@@ -20,6 +22,8 @@ from home_mjx.bench.timing import device_name
 from home_mjx.physics import PhysicsConfig, Template
 
 STEPS, CALLS = 20, 5
+COUNTS = (0, 1, 2, 4, 8, 16, 32)  # of bodies, for the curve
+DROP = 1.0  # [m]
 
 
 def main() -> None:
@@ -29,49 +33,82 @@ def main() -> None:
     parser.add_argument("--num-houses", type=int, default=64)
     parser.add_argument("--num-envs", type=int, default=4096)
     parser.add_argument("--max-bodies", type=int, default=32)
+    parser.add_argument("--curves", action="store_true", help="by number of bodies, at rest, and falling")
     parser.add_argument("--with-mjx", action="store_true", help="MJX as well; it compiles for 20 s")
     args = parser.parse_args()
     options = {"num_houses": args.num_houses, "max_bodies": args.max_bodies, "sensors": ("state",)}
     bank = home_mjx.make("PointNav-v0", args.houses, **options).params.bank
+    cases = [(with_bodies(bank, 0, 0), 1, "drawn"), (bank, 1, "drawn"), (bank, 4, "drawn"), (bank, 8, "drawn")]
     for impl in ("kinematic", "fused", *(("jax",) if args.with_mjx else ())):
-        for houses, agents in ((without_bodies(bank), 1), (bank, 1), (bank, 4), (bank, 8)):
-            record = measure(houses, PhysicsConfig(impl=impl, num_agents=agents), args.num_envs)
-            record |= {"bodies": houses.spec.num_bodies, "houses": args.houses or f"{bank.num_houses} generated"}
-            print(json.dumps(record | {"device": device_name()}), flush=True)
+        for houses, agents, kind in cases + (curve(bank) if args.curves and impl == "fused" else []):
+            record = measure(houses, PhysicsConfig(impl=impl, num_agents=agents), args.num_envs, kind)
+            record |= {"bodies": houses.spec.num_bodies, "doors": houses.spec.num_doors}
+            record |= {"houses": args.houses or f"{bank.num_houses} generated", "device": device_name()}
+            print(json.dumps(record), flush=True)
 
 
-def without_bodies(bank: HouseBank) -> HouseBank:
-    """The houses without movable bodies and doors."""
-    arrays = {name: value[:, :0] for name, value in vars(bank.physics).items() if name.startswith(("body_", "door_"))}
-    spec = dataclasses.replace(bank.spec, num_bodies=0, num_doors=0)
+def curve(bank: HouseBank) -> list[tuple[HouseBank, int, str]]:
+    """Cases of other numbers of bodies, of agents, and of what they do."""
+    counts = [count for count in COUNTS if count <= bank.spec.num_bodies]
+    bodies = [(with_bodies(bank, count, 0), 1, "drawn") for count in counts]
+    return [*bodies, (bank, 2, "drawn"), (bank, 1, "rest"), (bank, 1, "falling")]
+
+
+def with_bodies(bank: HouseBank, bodies: int, doors: int) -> HouseBank:
+    """The houses with their first bodies and doors only."""
+    counts = {"body_": bodies, "door_": doors}
+    arrays = {
+        name: value[:, :count]
+        for prefix, count in counts.items()
+        for name, value in vars(bank.physics).items()
+        if name.startswith(prefix)
+    }
+    spec = dataclasses.replace(bank.spec, num_bodies=bodies, num_doors=doors)
     return bank.replace(physics=bank.physics.replace(**arrays), spec=spec)
 
 
-def measure(bank: HouseBank, config: PhysicsConfig, num_envs: int) -> dict:
-    """The record of one case."""
+def measure(bank: HouseBank, config: PhysicsConfig, num_envs: int, kind: str) -> dict:
+    """The record of one case: actions drawn, everything at rest, or all bodies falling."""
     template, agents = Template(config, bank.spec), config.num_agents
     house = jnp.arange(num_envs) % bank.num_houses
     starts = bank.navigation.start[house][:, jnp.arange(agents) % bank.navigation.start.shape[1]]
     yaw = jnp.zeros((num_envs, agents))
     state = jax.jit(jax.vmap(lambda *args: physics.reset(template, bank, *args)))(house, starts, yaw)
     actions = jax.random.uniform(jax.random.key(1), (STEPS, num_envs, agents, 3), minval=-1.0)
+    actions = actions if kind == "drawn" else jnp.zeros_like(actions)
     step = jax.vmap(lambda bank, *args: physics.step(template, bank, *args), (None, 0, 0, 0))
 
     def walk(bank, state, actions):
+        state = dropped(template, state) if kind == "falling" else state
         return jax.lax.scan(lambda state, action: (step(bank, house, state, action), None), state, actions)[0]
 
     begun = time.perf_counter()
     program = jax.jit(walk).lower(bank, state, actions).compile()
     compiled, times = time.perf_counter() - begun, []
-    for _ in range(CALLS + 1):  # the first one is not counted
+    for _ in range(CALLS + 1):  # the first one is not counted; in it all comes to rest
         begun = time.perf_counter()
         state = jax.block_until_ready(program(bank, state, actions))
         times.append((time.perf_counter() - begun) / STEPS)
     seconds = statistics.median(times[1:])
-    record = {"case": f"physics/{config.impl}", "agents": agents, "num_envs": num_envs, "compile_s": round(compiled, 1)}
+    record = {
+        "case": f"physics/{config.impl}",
+        "agents": agents,
+        "does": kind,
+        "num_envs": num_envs,
+        "compile_s": round(compiled, 1),
+    }
     rate = num_envs / seconds
     record |= {"ms": round(1e3 * seconds, 3), "env_steps_per_s": round(rate)}
     return record | {"physics_steps_per_s": round(rate * config.timing.substeps)}
+
+
+def dropped(template: Template, state: physics.PhysicsState) -> physics.PhysicsState:
+    """All bodies `DROP` higher, and awake."""
+    height, speed = (
+        slice(part.start + 2, part.stop, step)
+        for part, step in ((template.layout.body_qpos, 7), (template.layout.body_qvel, 6))
+    )
+    return state.replace(qpos=state.qpos.at[:, height].add(DROP), qacc=state.qacc.at[:, speed].set(-9.81))
 
 
 if __name__ == "__main__":

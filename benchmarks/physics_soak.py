@@ -2,11 +2,13 @@
 
     python benchmarks/physics_soak.py [--houses ROOT] [--num-houses 1000] [--num-envs 4096] [--steps 2500]
 
-Four kinds of agents, a quarter of the environments each: actions drawn at each step, actions held for two seconds,
-agents that chase the nearest body, and agents that drive at full speed and turn when they touch something. Looked for
-after every step: numbers that are not finite, agents and bodies outside of the house or below its floor, depths of
-agents and bodies in static boxes, lost contacts. Depths come from a formula of their own (the separating axis
-theorem), not from the contacts. One JSON object a line; failures name kind, environment, house, step and mobile.
+Six kinds of agents, in turns over the environments: actions drawn at each step; actions held for two seconds; agents
+that chase the nearest thing; that drive at full speed and turn when they touch something; that pick things up and throw
+them, so that heaps arise; that turn doors to and fro beside themselves and walk into them. Doors stand as drawn.
+
+Looked for after every step: numbers that are not finite, mobiles outside of the house or with their middle below its
+floor, lost contacts, and depths of mobiles in the house and in one another (`soak_look.py`). One JSON object a line;
+failures name kind, environment, house, step and mobile: the same arguments repeat them.
 """
 
 import argparse
@@ -18,30 +20,33 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
+from soak_look import Boxes, boxes, look
 
 import home_mjx
 from home_mjx import HouseBank, physics
 from home_mjx.bench.timing import device_name
-from home_mjx.core.transforms import quat_matrix
-from home_mjx.physics import PhysicsConfig, PhysicsState, Template
+from home_mjx.navigation import door_angles
+from home_mjx.physics import Commands, PhysicsConfig, PhysicsState, Template
+from home_mjx.physics.base.doors import Leaf
 from home_mjx.schema.timing import Timing
 
-KINDS = ("drawn", "held", "chases", "turns")
+KINDS = ("drawn", "held", "chases", "turns", "throws", "doors")
 DEEP = 0.02  # [m], that may not last longer than one step
-WORST = 10  # failures that are printed
+WORST = 12  # failures that are printed
 
 
 class Seen(NamedTuple):
-    """Of every environment so far."""
+    """Of every environment's mobiles so far; `[0]` in the house, `[1]` in other mobiles."""
 
-    depth: jax.Array  # (e m) [m], deepest
-    deep: jax.Array  # (e m) steps on end deeper than DEEP
-    longest: jax.Array  # (e m) most of them
-    when: jax.Array  # (e m) step of the deepest
-    outside: jax.Array  # (e m) steps outside of the house
-    below: jax.Array  # (e m) steps below the floor
-    broken: jax.Array  # (e) steps that were not finite
-    lost: jax.Array  # (e) steps in which contacts were lost
+    now: np.ndarray  # (2, e, m) [m], depth
+    depth: np.ndarray  # (2, e, m) [m], deepest
+    deep: np.ndarray  # (2, e, m) steps on end deeper than DEEP
+    longest: np.ndarray  # (2, e, m) most of them
+    when: np.ndarray  # (2, e, m) step of the deepest
+    outside: np.ndarray  # (e, m) steps outside of the house
+    below: np.ndarray  # (e, m) steps below the floor
+    broken: np.ndarray  # (e) steps that were not finite
+    lost: np.ndarray  # (e) steps in which contacts were lost
 
 
 def main() -> None:
@@ -50,155 +55,199 @@ def main() -> None:
     parser.add_argument("--houses")
     parser.add_argument("--num-houses", type=int, default=1000)
     parser.add_argument("--num-envs", type=int, default=4096)
+    parser.add_argument("--num-agents", type=int, default=1)
     parser.add_argument("--steps", type=int, default=2500)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--impl", default="fused")
     parser.add_argument("--sim-dt", type=float, default=Timing().sim_dt)
     args = parser.parse_args()
     bank = home_mjx.make("PointNav-v0", args.houses, num_houses=args.num_houses, sensors=("state",)).params.bank
-    template = Template(PhysicsConfig(impl=args.impl, timing=Timing(sim_dt=args.sim_dt)), bank.spec)
+    timing = Timing(sim_dt=args.sim_dt)
+    template = Template(PhysicsConfig(impl=args.impl, timing=timing, num_agents=args.num_agents), bank.spec)
     begun = time.perf_counter()
     house, seen = soak(template, bank, args.num_envs, args.steps, args.seed)
     record = {"case": f"physics_soak/{args.impl}", "houses": args.houses or "generated", "num_houses": bank.num_houses}
-    record |= {"agent_steps": args.num_envs * args.steps, "seconds": round(time.perf_counter() - begun, 1)}
-    print(json.dumps(record | {"seed": args.seed, "sim_dt": args.sim_dt, "device": device_name()}), flush=True)
-    report(np.asarray(house), jax.tree.map(np.asarray, seen))
+    record |= {"agent_steps": args.num_envs * args.num_agents * args.steps, "num_agents": args.num_agents}
+    record |= {"seconds": round(time.perf_counter() - begun, 1), "seed": args.seed, "sim_dt": args.sim_dt}
+    print(json.dumps(record | {"device": device_name()}), flush=True)
+    report(house, seen, template)
 
 
-def soak(template: Template, bank: HouseBank, num_envs: int, steps: int, seed: int) -> tuple[jax.Array, Seen]:
+def soak(template: Template, bank: HouseBank, num_envs: int, steps: int, seed: int) -> tuple[np.ndarray, Seen]:
     """The houses of the environments, and what was seen."""
     kind = jnp.arange(num_envs) % len(KINDS)
     house = jnp.arange(num_envs) // len(KINDS) % bank.num_houses
-    key = jax.random.key(seed)
-    pick = jax.random.randint(key, (num_envs,), 0, bank.navigation.start.shape[1])
-    state = jax.vmap(functools.partial(physics.reset, template, bank))(
-        house, bank.navigation.start[house, pick][:, None], jnp.zeros((num_envs, 1))
-    )
-    mobiles = 1 + bank.spec.num_bodies
-    none, zero = jnp.zeros((num_envs, mobiles), jnp.int32), jnp.zeros(num_envs, jnp.int32)
-    seen = Seen(none.astype(jnp.float32), none, none, none, none, none, zero, zero)
-    actions = jnp.zeros((num_envs, 1, 3))
+    keys = jax.random.split(jax.random.key(seed), num_envs)
+    state = jax.jit(jax.vmap(functools.partial(start, template, bank)))(house, keys)
+    actions = jnp.zeros((num_envs, template.layout.num_agents, 3))
+    # The bank as an argument: baked in, it would be compiled.
+    advance = jax.jit(jax.vmap(functools.partial(one, template), (None, 0, 0, 0, 0, 0, None)), donate_argnums=(4, 5))
+    looker = Looker(template, bank, np.asarray(house))
+    for at in range(steps):
+        state, actions, broken, lost = advance(bank, house, keys, kind, state, actions, jnp.int32(at))
+        looker.add(at, np.asarray(state.qpos), np.asarray(state.qvel), np.asarray(broken), np.asarray(lost))
+    return looker.house, looker.seen
 
-    def one(bank: HouseBank, carry: tuple, at: jax.Array) -> tuple[tuple, None]:
-        state, seen, actions = carry
-        actions = jax.vmap(functools.partial(choose, template))(
-            jax.random.split(jax.random.fold_in(key, at), num_envs), kind, jnp.full(num_envs, at), state, actions
+
+def start(template: Template, bank: HouseBank, house: jax.Array, key: jax.Array) -> PhysicsState:
+    """Agents at free places, doors at random."""
+    agents, first = template.layout.num_agents, jax.random.split(key)
+    places = jax.random.choice(first[0], bank.navigation.start[house], (agents,), replace=False)
+    return physics.reset(template, bank, house, places, jnp.zeros(agents), door_angles(bank, house, "random", first[1]))
+
+
+def one(template: Template, bank: HouseBank, house, key, kind, state: PhysicsState, before, at):
+    """An environment's next step: state, actions, whether it broke, whether contacts were lost."""
+    drawn = jax.random.split(jax.random.fold_in(key, at), template.layout.num_agents)
+    chosen = [choose(template, bank, house, k, kind, at, state, before, a) for a, k in enumerate(drawn)]
+    actions, commands = (
+        jnp.stack([c[0] for c in chosen]),
+        jax.tree.map(lambda *x: jnp.stack(x), *[c[1] for c in chosen]),
+    )
+    state = physics.obey(template, bank, house, state, commands)
+    state, lost = physics.step_checked(template, bank, house, state, actions)
+    state = physics.settle(template, bank, house, state)
+    lost = functools.reduce(jnp.logical_or, jax.tree.leaves(lost))
+    return state, actions, physics.is_broken(state), lost
+
+
+def choose(template: Template, bank: HouseBank, house, key, kind, at, state: PhysicsState, before, a: int):
+    """Agent a's action and commands, by its kind."""
+    keys = jax.random.split(key, 3)
+    drawn = jax.random.uniform(keys[0], (3,), minval=-1.0)
+    extreme, swings = jnp.sign(drawn), at % 30 < 10
+    held = jnp.where(at % 20 == 0, extreme, before[a])
+    (pos,), (yaw,) = (x[a : a + 1] for x in physics.agent_pose(template, state))
+    thing, to_thing = nearest(pos, physics.body_pose(template, state)[0])
+    leaves = jax.tree.map(lambda x: x[house], Leaf.of(bank.physics))
+    door, to_door = nearest(pos, leaves.turned(physics.door_angle(template, state))[0])
+    touching = physics.agent_contact(template, state)[a]
+    turns = jnp.where(touching & swings, before[a].at[2].set(extreme[2]), jnp.array([1.0, 0.0, 0.0]))
+    after_thing, after_door = chase(to_thing, yaw), jnp.where(swings, extreme, chase(to_door, yaw))
+    action = jnp.stack([drawn, held, after_thing, turns, after_thing, after_door])[kind]
+
+    throws, swaps = (kind == KINDS.index("throws")) & (at % 5 == 0), (kind == KINDS.index("doors")) & (at % 10 == 0)
+    aim = jax.random.normal(keys[1], (3,))
+    commands = Commands(
+        pick=jnp.where(throws, thing, -1),
+        place=jnp.full(3, jnp.inf),
+        drop=jnp.array(False),
+        throw=jnp.where(throws & (state.held[a] >= 0), aim / jnp.linalg.norm(aim), 0.0),
+        door=jnp.where(swaps, door, -1),
+        open=jax.random.bernoulli(keys[2]),
+    )
+    return action, commands
+
+
+def nearest(pos: jax.Array, places: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """Index of the nearest place, and the way there [m]."""
+    if not len(places):
+        return jnp.int32(-1), jnp.ones(3)
+    away = places - pos
+    index = jnp.argmin(jnp.sum(away[:, :2] ** 2, axis=-1)).astype(jnp.int32)
+    return index, away[index]
+
+
+def chase(away: jax.Array, yaw: jax.Array) -> jax.Array:
+    """Action towards a place that is `away` [m]."""
+    cos, sin = jnp.cos(yaw), jnp.sin(yaw)
+    ahead = jnp.stack([cos * away[0] + sin * away[1], cos * away[1] - sin * away[0]])
+    return jnp.append(jnp.clip(3 * ahead, -1, 1), jnp.clip(jnp.arctan2(ahead[1], ahead[0]), -1, 1))
+
+
+class Looker:
+    """Looks at every step."""
+
+    def __init__(self, template: Template, bank: HouseBank, house: np.ndarray) -> None:
+        arrays = jax.tree.map(np.asarray, bank.physics)
+        self.layout, self.house, self.floor = template.layout, house, arrays.floor.astype(np.float64)
+        rises = arrays.collider_pos[..., 2] + arrays.collider_size[..., 2] > arrays.floor[:, None] + 0.01
+        real = (arrays.collider_pos[..., 2] > -50) & rises
+        self.static = boxes(
+            arrays.collider_pos, arrays.collider_quat, np.where(real[..., None], arrays.collider_size, -1.0)
         )
-        advance = functools.partial(physics.step_checked, template, bank)
-        state, lost = jax.vmap(advance)(house, state, actions)
-        return (state, look(template, bank, house, state, lost, seen, at), actions), None
+        ends = [self.static.pos + sign * self.static.reach for sign in (-1, 1)]
+        low, high = np.where(real[..., None], ends[0], np.inf), np.where(real[..., None], ends[1], -np.inf)
+        self.low, self.high = low.min(axis=1)[house][:, None, :2], high.max(axis=1)[house][:, None, :2]
+        shapes = [[body.radius, body.radius, body.height / 2] for body in template.config.agents]
+        self.agents = np.tile(np.array(shapes), (len(house), 1, 1))
+        self.bodies = np.where(arrays.body_valid[..., None], arrays.body_size, -1.0)[house]
+        self.leaves = jax.tree.map(lambda x: np.asarray(x)[house], Leaf.of(bank.physics))
+        self.turned = jax.jit(Leaf.turned)
+        shape = (len(house), template.layout.num_mobiles)
+        whole = [np.zeros((2, *shape), kind) for kind in (float, float, int, int, int)]
+        self.seen = Seen(*whole, *(np.zeros(s, int) for s in (shape, shape, shape[:1], shape[:1])))
 
-    run = jax.jit(lambda bank, carry: jax.lax.scan(functools.partial(one, bank), carry, jnp.arange(steps))[0])
-    return house, jax.block_until_ready(run(bank, (state, seen, actions)))[1]
+    def add(self, at: int, qpos: np.ndarray, qvel: np.ndarray, broken: np.ndarray, lost: np.ndarray) -> None:
+        """Another step's end."""
+        seen, mobile = self.seen, self.mobiles(qpos)
+        awake = self.awake(qvel) | (at == 0)
+        look(mobile, self.layout.num_agents, awake, self.static, self.house, self.floor, seen.now[0], seen.now[1])
+        seen.deep[:] = np.where(seen.now > DEEP, seen.deep + 1, 0)
+        np.maximum(seen.longest, seen.deep, out=seen.longest)
+        seen.when[seen.now > seen.depth] = at
+        np.maximum(seen.depth, seen.now, out=seen.depth)
+        used, plan = mobile.half[..., 0] >= 0, mobile.pos[..., :2]
+        seen.outside[:] += used & np.any((plan < self.low) | (plan > self.high), axis=-1)
+        seen.below[:] += used & (mobile.pos[..., 2] < self.floor[self.house][:, None])
+        seen.broken[:] += broken
+        seen.lost[:] += lost
 
+    def mobiles(self, qpos: np.ndarray) -> Boxes:
+        """Agents, bodies and doors."""
+        layout, n = self.layout, len(qpos)
+        agents = qpos[:, layout.agent_qpos].reshape(n, -1, 4)
+        bodies = qpos[:, layout.body_qpos].reshape(n, -1, 7)
+        leaves = [np.asarray(x) for x in self.turned(self.leaves, qpos[:, layout.door_qpos])]
+        upright = np.broadcast_to([1.0, 0.0, 0.0, 0.0], (*agents.shape[:2], 4))
+        return boxes(
+            np.concatenate([agents[..., :3], bodies[..., :3], leaves[0]], axis=1),
+            np.concatenate([upright, bodies[..., 3:], leaves[1]], axis=1),
+            np.concatenate([self.agents, self.bodies, self.leaves.size], axis=1),
+        )
 
-def choose(template: Template, key: jax.Array, kind: jax.Array, at: jax.Array, state: PhysicsState, before: jax.Array):
-    """An agent's next action."""
-    drawn = jax.random.uniform(key, (1, 3), minval=-1.0)
-    extreme = jnp.sign(drawn)
-    held = jnp.where(at % 20 == 0, extreme, before)
-    pos, yaw = physics.agent_pose(template, state)
-    bodies = physics.body_pose(template, state)[0]
-    away = bodies[:, :2] - pos[0, :2]
-    nearest = away[jnp.argmin(jnp.sum(away**2, axis=-1))] if len(bodies) else jnp.ones(2)
-    cos, sin = jnp.cos(yaw[0]), jnp.sin(yaw[0])
-    ahead = jnp.stack([cos * nearest[0] + sin * nearest[1], cos * nearest[1] - sin * nearest[0]])
-    chases = jnp.concatenate([jnp.clip(3 * ahead, -1, 1), jnp.clip(jnp.arctan2(ahead[1], ahead[0])[None], -1, 1)])[None]
-    touching = physics.agent_contact(template, state)[0]
-    straight = jnp.array([[1.0, 0.0, 0.0]])
-    turns = jnp.where(touching & (at % 30 < 10), before.at[0, 2].set(extreme[0, 2]), straight)
-    return jnp.stack([drawn, held, chases, turns])[kind]
-
-
-def look(template: Template, bank: HouseBank, house: jax.Array, state: PhysicsState, lost, seen: Seen, at) -> Seen:
-    """What was seen after another step."""
-    depth, outside, below = jax.vmap(functools.partial(look_at, template, bank))(house, state)
-    deep = jnp.where(depth > DEEP, seen.deep + 1, 0)
-    return Seen(
-        depth=jnp.maximum(seen.depth, depth),
-        deep=deep,
-        longest=jnp.maximum(seen.longest, deep),
-        when=jnp.where(depth > seen.depth, at, seen.when),
-        outside=seen.outside + outside,
-        below=seen.below + below,
-        broken=seen.broken + jax.vmap(physics.is_broken)(state),
-        lost=seen.lost + functools.reduce(jnp.logical_or, jax.tree.leaves(lost)),
-    )
-
-
-def look_at(template: Template, bank: HouseBank, house: jax.Array, state: PhysicsState):
-    """Of each mobile of an environment: depth in static boxes [m], whether it is outside, whether below the floor."""
-    arrays = jax.tree.map(lambda x: x[house], bank.physics)
-    body = template.config.body
-    agent_pos, _ = physics.agent_pose(template, state)
-    body_pos, body_quat = physics.body_pose(template, state)
-    middle = jnp.concatenate([agent_pos, body_pos])
-    axes = jax.vmap(quat_matrix)(jnp.concatenate([jnp.array([[1.0, 0, 0, 0]]), body_quat]))
-    # An agent is round: its box is what lies within its radius along every direction.
-    half = jnp.concatenate([jnp.array([[body.radius, body.radius, body.height / 2]]), arrays.body_size])
-    used = jnp.concatenate([jnp.ones(1, bool), arrays.body_valid])
-    rises = arrays.collider_pos[:, 2] + arrays.collider_size[:, 2] > arrays.floor + 0.01
-    others = jax.vmap(quat_matrix)(arrays.collider_quat)
-
-    each = jax.vmap(jax.vmap(overlap, (None, None, None, 0, 0, 0)), (0, 0, 0, None, None, None))
-    depths = each(middle, axes, half, arrays.collider_pos, others, arrays.collider_size)
-    capsule = jax.vmap(functools.partial(capsule_depth, body), (None, 0, 0, 0))
-    agent = capsule(agent_pos[0], arrays.collider_pos, others, arrays.collider_size)
-    depths = jnp.where(rises[None], depths.at[0].set(agent), 0.0)
-    depth = jnp.where(used, jnp.maximum(depths.max(axis=1), 0.0), 0.0)
-    real = (arrays.collider_pos[:, 2] > -50) & rises
-    low = jnp.where(real[:, None], arrays.collider_pos - arrays.collider_size, jnp.inf).min(axis=0)
-    high = jnp.where(real[:, None], arrays.collider_pos + arrays.collider_size, -jnp.inf).max(axis=0)
-    outside = used & jnp.any((middle[:, :2] < low[:2]) | (middle[:, :2] > high[:2]), axis=1)
-    bottom = middle[:, 2] - jnp.concatenate([half[:1, 2], jnp.sum(jnp.abs(axes[1:, 2]) * half[1:], axis=1)])
-    return depth, outside, used & (bottom < arrays.floor - DEEP)
+    def awake(self, qvel: np.ndarray) -> np.ndarray:
+        """What moves."""
+        layout, n = self.layout, len(qvel)
+        parts = (layout.agent_qpos, layout.body_qvel, layout.door_qvel)
+        widths = (4, 6, 1)
+        moves = [(qvel[:, p].reshape(n, -1, w) != 0).any(axis=-1) for p, w in zip(parts, widths, strict=True)]
+        return np.concatenate(moves, axis=1)
 
 
-def overlap(pos, axes, half, other_pos, other_axes, other_half):
-    """How far two boxes would have to be moved apart along the best of the 15 separating axes [m]."""
-    # Sums of products: XLA's small matrix products are slow on CPUs.
-    between, no = other_pos - pos, jnp.float32(1e-3)
-    crosses = jnp.cross(axes.T[:, None], other_axes.T[None]).reshape(9, 3)
-    length = jnp.linalg.norm(crosses, axis=1)
-    along = jnp.concatenate([axes.T, other_axes.T, crosses / jnp.maximum(length, no)[:, None]])  # (15, 3)
-    own = jnp.sum(jnp.abs(jnp.sum(along[:, :, None] * axes, axis=1)) * half, axis=1)
-    other = jnp.sum(jnp.abs(jnp.sum(along[:, :, None] * other_axes, axis=1)) * other_half, axis=1)
-    over = own + other - jnp.abs(jnp.sum(along * between, axis=1))
-    return jnp.where(jnp.concatenate([jnp.ones(6, bool), length > no]), over, jnp.inf).min()
-
-
-def capsule_depth(body, pos, box_pos, box_axes, box_half):
-    """How deep an upright capsule is in a box [m]: its radius less the distance of points on its axis."""
-    heights = jnp.linspace(-1, 1, 33) * (body.height / 2 - body.radius)
-    points = pos[None] + heights[:, None] * jnp.array([0.0, 0.0, 1.0])
-    local = jnp.sum((points - box_pos)[:, :, None] * box_axes, axis=1)
-    beyond = jnp.linalg.norm(jnp.maximum(jnp.abs(local) - box_half, 0.0), axis=-1)
-    inside = (box_half - jnp.abs(local)).min(axis=-1)
-    return jnp.max(jnp.where(beyond > 0, body.radius - beyond, body.radius + inside))
-
-
-def report(house: np.ndarray, seen: Seen) -> None:
+def report(house: np.ndarray, seen: Seen, template: Template) -> None:
     """Prints totals of each kind of agent, and the worst failures."""
+    agents, bodies = template.layout.num_agents, template.layout.num_bodies
+    columns = {
+        "agents": slice(0, agents),
+        "bodies": slice(agents, agents + bodies),
+        "doors": slice(agents + bodies, None),
+    }
     for number, kind in enumerate(KINDS):
-        part = jax.tree.map(lambda x, n=number: x[n :: len(KINDS)], seen)
-        record = {"kind": kind, "environments": len(part.depth), "not finite": int((part.broken > 0).sum())}
-        record |= {"lost contacts": int(part.lost.sum())}
-        for name, columns in (("agents", slice(0, 1)), ("bodies", slice(1, None))):
-            depth = part.depth[:, columns]
-            record[name] = {
-                "outside": int((part.outside[:, columns] > 0).sum()),
-                "below the floor": int((part.below[:, columns] > 0).sum()),
-                "deepest [m]": round(float(depth.max()), 4),
-                "deeper than 2 cm": int((depth > DEEP).sum()),
-                "longer than a step": int((part.longest[:, columns] > 1).sum()),
-                "share": round(float((part.longest[:, columns] > 1).mean()), 6),
-            }
+        rows = slice(number, None, len(KINDS))
+        record = {"kind": kind, "environments": len(house[rows]), "not finite": int((seen.broken[rows] > 0).sum())}
+        record |= {"lost contacts": int(seen.lost[rows].sum())}
+        for name, part in columns.items():
+            record[name] = {key: int((getattr(seen, key)[rows, part] > 0).sum()) for key in ("outside", "below")}
+            for place, where in enumerate(("in the house", "in mobiles")):
+                if name == "doors" and place == 0:
+                    continue  # their range of angles is clear of the house; hinges hold them
+                depth, longest = seen.depth[place, rows, part], seen.longest[place, rows, part]
+                record[name][where] = {
+                    "deepest [m]": round(float(depth.max(initial=0)), 4),
+                    "deeper than 2 cm": int((depth > DEEP).sum()),
+                    "longer than a step": int((longest > 1).sum()),
+                }
         print(json.dumps(record), flush=True)
-    order = np.argsort(-(seen.depth + 10 * (seen.outside > 0) + 10 * (seen.below > 0)), axis=None)[:WORST]
-    for env, mobile in zip(*np.unravel_index(order, seen.depth.shape), strict=True):
+    depth = seen.depth[0].copy()
+    depth[:, columns["doors"]] = 0
+    long = np.where(seen.longest[0] > 1, depth, 0)
+    failed = long + 10.0 * (seen.outside > 0) + 10.0 * (seen.below > 0)
+    order = np.argsort(-failed, axis=None)[: min(WORST, int((failed > 0).sum()))]
+    for env, mobile in zip(*np.unravel_index(order, depth.shape), strict=True):
         found = {"kind": KINDS[env % len(KINDS)], "env": int(env), "house": int(house[env]), "mobile": int(mobile)}
-        found |= {name: round(float(getattr(seen, name)[env, mobile]), 4) for name in ("depth", "when", "longest")}
-        found |= {name: int(getattr(seen, name)[env, mobile]) for name in ("outside", "below")}
+        found |= {key: round(float(getattr(seen, key)[0, env, mobile]), 4) for key in ("depth", "when", "longest")}
+        found |= {key: int(getattr(seen, key)[env, mobile]) for key in ("outside", "below")}
         print(json.dumps(found), flush=True)
 
 

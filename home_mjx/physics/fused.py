@@ -73,14 +73,23 @@ def _step_native(
 def _with_sleepers(
     template: Template, before: PhysicsState, rates: tuple[Array, Array], pushed: dict[str, Array]
 ) -> dict[str, Array]:
-    """What touched what; of sleepers it is known from when they were awake."""
-    layout = template.layout
-    moves = (rates[0] != 0) | (rates[1] != 0)
-    free = moves[layout.body_qvel].reshape(-1, 6).any(axis=-1)
-    moves = jnp.concatenate([jnp.ones(layout.num_agents, bool), free, moves[layout.door_qvel]])
-    kept = ~moves & (pushed["impulse"] == 0)
+    """What touched what; of sleepers it is known from when they were awake.
+
+    One that was woken within the step has been pushed at least as before: the kernel saw only the rest of the step.
+    """
+    slept, sleeps = _asleep(template, before.qvel, before.qacc), _asleep(template, *rates)
+    kept = sleeps & (pushed["impulse"] == 0)
     old = {name: getattr(before, name) for name in pushed}
-    return jax.tree.map(lambda a, b: jnp.where(kept.reshape(-1, *[1] * (b.ndim - 1)), a, b), old, pushed)
+    now = jax.tree.map(lambda a, b: jnp.where(kept.reshape(-1, *[1] * (b.ndim - 1)), a, b), old, pushed)
+    least = jnp.where(slept, before.impulse, jnp.float32(0.0))
+    return now | {"impulse": jnp.maximum(now["impulse"], least)}
+
+
+def _asleep(template: Template, qvel: Array, qacc: Array) -> Array:
+    """Which mobiles sleep; agents never do."""
+    layout, moves = template.layout, (qvel != 0) | (qacc != 0)
+    free = moves[layout.body_qvel].reshape(-1, 6).any(axis=-1)
+    return ~jnp.concatenate([jnp.ones(layout.num_agents, bool), free, moves[layout.door_qvel]])
 
 
 def _house_arrays(physics: Physics) -> tuple[Array, ...]:

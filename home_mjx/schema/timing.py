@@ -21,11 +21,11 @@ class Timing:
 
     Example:
         >>> Timing().substeps, Timing().frame
-        (5, 1600)
+        (10, 1600)
     """
 
     ctrl_dt: float = 0.1
-    sim_dt: float = 0.02
+    sim_dt: float = 0.01
     sample_rate: int = 16000
 
     def __post_init__(self) -> None:
@@ -35,7 +35,7 @@ class Timing:
         if self.substeps < 1 or abs(self.substeps * self.sim_dt - self.ctrl_dt) > 1e-9 * self.ctrl_dt:
             raise ConfigError(
                 f"`ctrl_dt` {self.ctrl_dt} s is not a whole number of `sim_dt` {self.sim_dt} s",
-                hint="Choose for example ctrl_dt = 5 * sim_dt.",
+                hint="Choose for example ctrl_dt = 10 * sim_dt.",
             )
         samples = self.ctrl_dt * self.sample_rate
         if abs(samples - self.frame) > 1e-6 or self.frame < 1:

@@ -105,3 +105,14 @@ def test_what_stood_on_a_thing_falls_when_it_is_taken(scene):
     assert lower[2] > 0.8
     on_top, on_floor = abs(upper[2] - lower[2] - 0.15) < 0.03, abs(upper[2] - 0.05) < 0.01
     assert on_top or on_floor
+
+
+def test_what_is_woken_was_pushed_by_its_weight_all_the_while(scene):
+    """Also in the control step in the midst of which an agent came near."""
+    state, least, woken = scene.rested, 12 * 9.81 * 0.1, []
+    while float(state.qpos[0]) < 0.55:
+        state = scene.step(state, jnp.array([[1.0, 0.0, 0.0]]))
+        if state.other[1 + TABLE] == FLOOR:
+            assert state.impulse[1 + TABLE] > 0.99 * least
+            woken.append(not scene.asleep(state)[TABLE])
+    assert len(woken) > 3 and any(woken)

@@ -42,7 +42,7 @@ def test_impossible_clocks_are_refused(options, words):
 
 
 def test_a_step_is_a_whole_number_of_physics_steps_and_samples():
-    assert (Timing().substeps, Timing().frame) == (5, 1600)
+    assert (Timing().substeps, Timing().frame) == (10, 1600)
     assert Timing(sim_dt=0.1 / 3, ctrl_dt=0.1).substeps == 3  # not exact in binary
     assert Timing(sample_rate=48000, ctrl_dt=0.05, sim_dt=0.025).frame == 2400
 

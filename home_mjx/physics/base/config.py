@@ -64,8 +64,8 @@ class PhysicsConfig:
     friction: float = 0.4
     max_body_speed: float = 6.0
     max_body_spin: float = 30.0
-    iterations: int = 4
-    ls_iterations: int = 4
+    iterations: int = 6
+    ls_iterations: int = 6
     agent_slots: int = 8
     body_slots: int = 4
     max_geom_pairs: int | None = None

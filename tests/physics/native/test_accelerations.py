@@ -43,7 +43,7 @@ def test_free_flight_is_exact():
     _, after, _, _, _ = oracle.fused(qpos, qvel, action, substeps=20)
     after = after[4 * AGENTS : 4 * AGENTS + 6 * BODIES].reshape(-1, 6)
     np.testing.assert_allclose(after[:, :2], before[:, :2], rtol=1e-12)
-    np.testing.assert_allclose(after[:, 2], before[:, 2] - 9.81 * 20 * 0.02, rtol=1e-12)
+    np.testing.assert_allclose(after[:, 2], before[:, 2] - 9.81 * 20 * oracle.config.timing.sim_dt, rtol=1e-12)
 
 
 def test_bodies_that_just_touch_the_floor_take_few_steps():
