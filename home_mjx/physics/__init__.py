@@ -20,6 +20,7 @@ from home_mjx.physics.dynamics import (
     step,
     step_checked,
     undo_where,
+    with_agent_speed,
 )
 from home_mjx.physics.hands import Commands, obey, settle
 from home_mjx.physics.reference.lost import Lost
@@ -43,4 +44,5 @@ __all__ = [
     "step",
     "step_checked",
     "undo_where",
+    "with_agent_speed",
 ]

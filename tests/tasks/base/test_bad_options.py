@@ -68,7 +68,7 @@ options = [
     ("width", 3.5), ("width", "64"), ("width", True), ("height", float("nan")), ("samples", 1.5), ("look_rate", "x"),
     ("fovy", "a"), ("num_agents", 1.5), ("body.mass", "heavy"), ("num_rays", 2.5), ("sensors", 5),
     ("sensors", "rgb"), ("cameras", None), ("cameras", ["x"]), ("rgb_preset", 5), ("clip", None), ("physics", {}),
-    ("audio", "x"),
+    ("audio", "x"), ("actions", 3), ("actions", None),
 ]
 calls = {f"{name}={value!r}": lambda name=name, value=value: make_config(**{name: value}) for name, value in options}
 calls |= {
