@@ -23,6 +23,7 @@ from home_mjx.physics.dynamics import (
     with_agent_speed,
 )
 from home_mjx.physics.hands import Commands, obey, settle
+from home_mjx.physics.outside import is_outside
 from home_mjx.physics.reference.lost import Lost
 from home_mjx.physics.reference.template import Template
 
@@ -38,6 +39,7 @@ __all__ = [
     "body_pose",
     "door_angle",
     "is_broken",
+    "is_outside",
     "obey",
     "reset",
     "settle",

@@ -127,9 +127,9 @@ class HouseholdEnv:
         Args:
             params: Houses; may differ from the last call's as long as the bank's spec is the same.
             state: The state before.
-            action: (4,), or (A, 4) for several agents: forward, left, turn left, look up in [-1, 1]; clipped.
-                NaN counts as 0, so that one bad number of a policy does not spoil an environment for good. Discrete: an
-                integer, or (A,); a number that is no action does nothing.
+            action: (4,), or (A, 4) for several agents: forward, left, turn left, look up in [-1, 1]. Others
+                are clipped and NaN counts as 0, so that one bad number of a policy does not spoil an environment for
+                good. Discrete: an integer, or (A,); a number that is no action does nothing. `status` tells of both.
 
         Returns:
             The state after. An episode that is over is not reset: see `AutoReset`.
@@ -253,6 +253,8 @@ class HouseholdEnv:
                 STATIC_BOXES=lost.static_boxes,
                 CONTACT_PAIRS=lost.contact_pairs,
                 CONTACT_POINTS=lost.contact_points,
+                ACTION=moves.unusable,
+                OUTSIDE=physics.is_outside(template, bank, state.world.house, data),
             ),
         )
 

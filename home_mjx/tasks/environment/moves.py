@@ -43,6 +43,7 @@ class Moves(Pytree):
     look: Float[Array, " a"]  # [rad], up
     hands: Float[Array, "a n"]  # see `handling.hand_commands`; n is 0 without hands
     stop: Bool[Array, " a"]
+    unusable: Bool[Array, ""]  # a number of the action was clipped, or is no action
 
 
 def action_names(config: EnvConfig) -> tuple[str, ...]:
@@ -78,16 +79,17 @@ def moves_of(config: EnvConfig, action: Any, stopped: Bool[Array, " a"]) -> Move
     """
     names = action_names(config)
     if config.discrete is None:
-        numbers = usable_action(action, config.num_agents, len(names))
+        numbers, unusable = usable_action(action, config.num_agents, len(names))
         stop = jnp.zeros(config.num_agents, bool)
         look = numbers[:, 3] * jnp.float32(config.look_rate * config.timing.ctrl_dt)
     else:
-        chosen = usable_choice(action, config.num_agents, len(names))
+        chosen, unusable = usable_choice(action, config.num_agents, len(names))
         stop = stopped | (chosen == names.index("stop"))
         table = jnp.asarray(_move_table(config, config.discrete))
         numbers = jax.vmap(lambda rows, i: rows[i])(table, jnp.where(stop, names.index("stop"), chosen))
         look = numbers[:, 3]
-    return Moves(drive=numbers[:, :3], look=look, hands=numbers[:, len(ACTION_NAMES) :], stop=stop)
+    hands = numbers[:, len(ACTION_NAMES) :]
+    return Moves(drive=numbers[:, :3], look=look, hands=hands, stop=stop, unusable=unusable)
 
 
 def _move_table(config: EnvConfig, moves: DiscreteActions) -> Float[np.ndarray, "a moves n"]:

@@ -4,7 +4,7 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
@@ -13,8 +13,8 @@ from home_mjx.tasks.base.specs import Specs
 from home_mjx.tasks.base.task import Task
 
 
-def usable_action(action: Any, num_agents: int, size: int) -> Float[Array, "a n"]:
-    """Continuous actions of all agents, clipped to [-1, 1]; NaN counts as 0.
+def usable_action(action: Any, num_agents: int, size: int) -> tuple[Float[Array, "a n"], Bool[Array, ""]]:
+    """Continuous actions of all agents, clipped to [-1, 1], NaN as 0; and whether any had to be changed for that.
 
     Raises:
         ConfigError: They are no real numbers, or not as many as there should be.
@@ -23,11 +23,12 @@ def usable_action(action: Any, num_agents: int, size: int) -> Float[Array, "a n"
     if not jnp.issubdtype(action.dtype, jnp.floating) and not jnp.issubdtype(action.dtype, jnp.integer):
         raise ConfigError(f"expected real numbers as action, got {action.dtype}")
     action = _of_all(action, num_agents, (size,)).astype(jnp.float32)
-    return jnp.clip(jnp.where(jnp.isnan(action), 0.0, action), -1.0, 1.0)
+    usable = jnp.clip(jnp.where(jnp.isnan(action), 0.0, action), -1.0, 1.0)
+    return usable, jnp.any(usable != action)
 
 
-def usable_choice(action: Any, num_agents: int, count: int) -> Int[Array, " a"]:
-    """Discrete actions of all agents; `count` for a number that is none of 0 to `count` - 1.
+def usable_choice(action: Any, num_agents: int, count: int) -> tuple[Int[Array, " a"], Bool[Array, ""]]:
+    """Discrete actions of all agents, `count` for a number that is none of 0 to `count` - 1; and whether there is one.
 
     Raises:
         ConfigError: They are no integers, or not one per agent.
@@ -37,7 +38,8 @@ def usable_choice(action: Any, num_agents: int, count: int) -> Int[Array, " a"]:
         hint = "Discrete actions are numbered; `action_spec.text` has their names."
         raise ConfigError(f"expected an integer as action, got {action.dtype}", hint=hint)
     action = _of_all(action, num_agents, ())
-    return jnp.where((action >= 0) & (action < count), action, count).astype(jnp.int32)
+    known = (action >= 0) & (action < count)
+    return jnp.where(known, action, count).astype(jnp.int32), jnp.any(~known)
 
 
 def _as_array(action: Any) -> Array:

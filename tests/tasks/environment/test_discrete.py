@@ -15,7 +15,7 @@ from home_mjx.adapters.gymnasium import GymEnv, GymVectorEnv
 from home_mjx.errors import ConfigError
 from home_mjx.physics import PhysicsConfig
 from home_mjx.schema import Body
-from home_mjx.tasks import DiscreteActions, make_config
+from home_mjx.tasks import DiscreteActions, Status, make_config
 from home_mjx.tasks.environment.moves import moves_of
 
 MOVES = ("stop", "move_forward", "turn_left", "turn_right", "look_up", "look_down")
@@ -137,6 +137,7 @@ def test_a_number_that_is_no_action_does_nothing(bank, number):
     assert_array_equal(pose(after), pose(before))
     assert not after.world.stopped.any()
     assert int(after.world.step) == 1
+    assert Status(int(after.status)) == Status.ACTION
 
 
 def at_goal(room: Room, state, away: float):
