@@ -17,7 +17,7 @@ from home_mjx.navigation.doors import door_angles
 from home_mjx.navigation.spawn import random_source, random_yaw, spread_starts
 from home_mjx.physics import PhysicsState
 from home_mjx.physics.hands import obey, settle
-from home_mjx.raycast_render.scene.scene import make_scene
+from home_mjx.raycast_render.scene.scene import agent_sizes, make_scene
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.keys import DOORS, fold, split, to_raw
 from home_mjx.tasks.base.pose import AgentPose
@@ -272,6 +272,7 @@ class HouseholdEnv:
         bank, template = params.bank, self.template(params.bank)
         pos, yaw = physics.agent_pose(template, data)
         bodies, turned = physics.body_pose(template, data), jax.vmap(body_quat)(yaw)
+        sizes = agent_sizes(self.config.physics.agents)
         angle = physics.door_angle(template, data)
         return Snapshot(
             step=world.step,
@@ -284,7 +285,7 @@ class HouseholdEnv:
             door_angle=angle,
             touch=Touch(impulse=data.impulse, place=data.place, other=data.other),
             source=world.source,
-            scene=make_scene(bank, world.house, *bodies, pos, turned, self.config.executor, angle),
+            scene=make_scene(bank, world.house, *bodies, pos, turned, self.config.executor, angle, sizes),
         )
 
     def _set_off(self, params: EnvParams, state: State, moves: Moves) -> State:
