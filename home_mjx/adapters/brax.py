@@ -40,12 +40,15 @@ class BraxEnv(Env):
         pixels_dtype: `float32`, or `uint8` to keep rgb as it is, a quarter of the memory.
 
     Raises:
-        ConfigError: The environment has several agents, or no observation that Brax can take.
+        ConfigError: The environment has several agents, discrete actions, or no observation that Brax can take.
     """
 
     def __init__(self, env: BoundEnv[HouseholdEnv], pixels_dtype: Any = jnp.float32) -> None:
         if env.num_agents != 1:
             raise ConfigError(f"Brax drives one agent, this environment has {env.num_agents}", hint="Set num_agents=1")
+        if env.config.discrete is not None:
+            hint = 'Set actions="continuous"'
+            raise ConfigError("Brax's policies give numbers, this environment has discrete actions", hint=hint)
         self.env = env
         self.pixels_dtype = pixels_dtype
         specs = env.observation_spec

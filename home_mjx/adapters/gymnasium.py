@@ -74,11 +74,15 @@ class GymEnv(gymnasium.Env, EzPickle):
         self._state = self._reset(self.env.params, tools.key_of(self.np_random), house, episode)
         return tools.to_numpy(self._state.obs), _scalars(self._state)
 
-    def step(self, action: np.ndarray) -> tuple[dict, float, bool, bool, dict]:
-        """One control step; the reward of several agents is their mean, `info["agent_reward"]` has each."""
+    def step(self, action: Any) -> tuple[dict, float, bool, bool, dict]:
+        """One control step; the reward of several agents is their mean, `info["agent_reward"]` has each.
+
+        Args:
+            action: An element of `action_space`: an array, or an integer.
+        """
         if self._state is None:
             raise tools.needs_reset()
-        action = tools.check_action(action, self.action_space.shape)
+        action = tools.check_action(action, self.env.action_spec)
         self._state = state = self._step(self.env.params, self._state, action)
         info = _scalars(state)
         if self.env.num_agents > 1:
@@ -161,7 +165,7 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         """One control step of all; the reward of several agents is their mean, `info["agent_reward"]` has each."""
         if self._state is None:
             raise tools.needs_reset()
-        actions = tools.check_action(actions, self.action_space.shape)
+        actions = tools.check_action(actions, self.env.action_spec, self.num_envs)
         before = self._state.world
         self._state = state = self._step(self.env.params, self._state, actions)
         rewards = np.asarray(state.reward, np.float64).reshape(self.num_envs, -1)

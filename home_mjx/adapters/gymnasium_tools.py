@@ -14,6 +14,7 @@ from home_mjx.raycast_render.cameras.camera import Lens
 from home_mjx.raycast_render.images.render import render
 from home_mjx.registry import make
 from home_mjx.tasks.base.config import AgentCamera
+from home_mjx.tasks.base.specs import ArraySpec
 from home_mjx.tasks.base.state import Episodes, State, World
 from home_mjx.tasks.base.status import status_report
 from home_mjx.tasks.environment.bound import BoundEnv
@@ -80,16 +81,23 @@ def num_episodes(env: BoundEnv) -> int:
     return 0 if env.params.tasks is None else len(env.params.tasks)
 
 
-def check_action(action: Any, shape: tuple[int, ...] | None) -> np.ndarray:
-    """The action as float32; refuses what the action space never holds, but not what is merely too large."""
-    action = np.asarray(action)
-    if action.dtype.kind not in "fiu":
-        raise ConfigError(f"expected an action of real numbers, got {action.dtype}")
+def check_action(action: Any, spec: ArraySpec, num_envs: int | None = None) -> np.ndarray:
+    """The action of one environment or a batch in the type of its spec.
+
+    Raises:
+        ConfigError: The action space never holds such an action. What is merely too large is clipped by the step.
+    """
+    action, shape = np.asarray(action), (*(() if num_envs is None else (num_envs,)), *spec.shape)
+    whole = np.dtype(spec.dtype).kind == "i"
+    if action.dtype.kind not in ("iu" if whole else "fiu"):
+        raise ConfigError(f"expected an action of {'integers' if whole else 'real numbers'}, got {action.dtype}")
     if action.shape != shape:
         raise ConfigError(f"expected an action of shape {shape}, got {action.shape}")
     if np.isnan(action).any():
         raise ConfigError("the action holds NaN", hint="Look at what the policy gives.")
-    return action.astype(np.float32)
+    if whole and ((action < spec.low) | (action > spec.high)).any():
+        raise ConfigError(f"expected actions of {spec.low} to {spec.high}, got {action}", hint=f"In order: {spec.text}")
+    return action.astype(spec.dtype)
 
 
 def infos_of(state: State, before: World | None = None) -> dict[str, np.ndarray]:

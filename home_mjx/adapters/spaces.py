@@ -12,9 +12,13 @@ def observation_space(env: BoundEnv) -> gymnasium.spaces.Dict:
     return gymnasium.spaces.Dict({name: box(spec) for name, spec in env.observation_spec.items()})
 
 
-def action_space(env: BoundEnv) -> gymnasium.spaces.Box:
-    """Forward, left, turn left and look up, each in [-1, 1]; a leading agent axis for several agents."""
-    return box(env.action_spec)
+def action_space(env: BoundEnv) -> gymnasium.Space:
+    """A box with every number of an action in [-1, 1], or the numbers of discrete actions; one per agent."""
+    spec = env.action_spec
+    if env.config.discrete is None:
+        return box(spec)
+    count = env.action_size
+    return gymnasium.spaces.MultiDiscrete([count] * spec.shape[0]) if spec.shape else gymnasium.spaces.Discrete(count)
 
 
 def box(spec: ArraySpec) -> gymnasium.spaces.Box:

@@ -20,8 +20,10 @@ from home_mjx.physics.dynamics import (
     step,
     step_checked,
     undo_where,
+    with_agent_speed,
 )
 from home_mjx.physics.hands import Commands, obey, settle
+from home_mjx.physics.outside import is_outside
 from home_mjx.physics.reference.lost import Lost
 from home_mjx.physics.reference.template import Template
 
@@ -37,10 +39,12 @@ __all__ = [
     "body_pose",
     "door_angle",
     "is_broken",
+    "is_outside",
     "obey",
     "reset",
     "settle",
     "step",
     "step_checked",
     "undo_where",
+    "with_agent_speed",
 ]

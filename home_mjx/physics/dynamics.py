@@ -5,6 +5,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
+from home_mjx.physics.base.control import FORWARD_SPEED, TURN_RATE
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.base.servo import FREE, GRAVITY
 from home_mjx.physics.base.state import AWAKE, PhysicsState
@@ -92,6 +93,25 @@ def step_checked(
 ) -> tuple[PhysicsState, Lost]:
     """`step`, and what it left out because it did not fit: of contacts, in the last physics step."""
     return STEPS[template.config.impl](template, bank.physics, house, state, action)
+
+
+def with_agent_speed(template: Template, state: PhysicsState, action: Float[Array, "a 3"]) -> PhysicsState:
+    """The state with agents that have the speed that an action asks for; those that fall go on falling.
+
+    In free space a step with the same action then takes them exactly as far as that speed does.
+
+    Args:
+        template: The model.
+        state: The state.
+        action: As for `step`.
+    """
+    fastest = jnp.asarray(template.agents[:, FORWARD_SPEED : TURN_RATE + 1], jnp.float32)
+    forward, left, turn = (action * fastest).T
+    yaw, rows = agent_pose(template, state)[1], template.layout.agent_qpos
+    cos, sin = jnp.cos(yaw), jnp.sin(yaw)
+    falling = state.qvel[rows].reshape(-1, 4)[:, 2]
+    velocity = jnp.stack([cos * forward - sin * left, sin * forward + cos * left, falling, turn], axis=-1)
+    return state.replace(qvel=state.qvel.at[rows].set(velocity.reshape(-1)))
 
 
 def undo_where(broken: Bool[Array, ""], state: PhysicsState, before: PhysicsState) -> PhysicsState:

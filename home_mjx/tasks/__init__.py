@@ -8,7 +8,7 @@ from home_mjx.tasks.base.options import make_config
 from home_mjx.tasks.base.pose import AgentPose
 from home_mjx.tasks.base.sensor import Sensor, register_sensor
 from home_mjx.tasks.base.snapshot import Snapshot
-from home_mjx.tasks.base.specs import ArraySpec
+from home_mjx.tasks.base.specs import ArraySpec, DiscreteActions
 from home_mjx.tasks.base.state import EnvParams, Episodes, State, World
 from home_mjx.tasks.base.status import Status, StatusError, check_status
 from home_mjx.tasks.base.task import Task
@@ -28,6 +28,7 @@ __all__ = [
     "ArraySpec",
     "AutoReset",
     "BoundEnv",
+    "DiscreteActions",
     "EnvConfig",
     "EnvParams",
     "Episodes",

@@ -184,6 +184,7 @@ def test_agent_is_a_capsule_that_faces_x(bank):
     visor = model.triangle[model.slot == 1].reshape(-1, 3)
     assert visor[:, 0].min() > 0
     assert visor[:, 0].max() > RADIUS
+    np.testing.assert_allclose(visor[:, 2].mean(), 1.5 - HEIGHT / 2, atol=1e-6)  # at eye height
     row = np.asarray(bank.semantics)[int(bank.geometry.agent_semantic)]
     names = FINE[row[Semantic.FINE]], COARSE[row[Semantic.COARSE]], NYU40[row[Semantic.NYU40]]
     assert names == ("person",) * 3

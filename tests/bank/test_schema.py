@@ -13,7 +13,9 @@ from jaxtyping import Array, Float, Int
 from test_house_stream import IDS, ids_of, root, run_until  # noqa: F401  (root is a fixture)
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.bank.packing.capacity import AXES, axis_lengths, capacity_of
+from home_mjx.bank.packing import pack
+from home_mjx.bank.packing.capacity import AXES, axis_lengths, capacity_of, row_stride
+from home_mjx.bank.packing.pack import check_house
 from home_mjx.bank.records import Finish, Physics, schema
 from home_mjx.bank.records.bank_arrays import RECORDS, array_of
 from home_mjx.bank.records.declaration import ROW_KINDS
@@ -126,3 +128,17 @@ def test_the_documented_table_is_that_of_the_schema():
     table = runpy.run_path(str(ROOT / "scripts" / "bank_table.py"))["rows"]()
     written = (ROOT / "docs" / "bank.md").read_text().split("## The table")[1]
     assert re.findall(r"^\| `.*$", written, re.MULTILINE) == table
+
+
+def test_a_house_beyond_the_capacity_is_refused_with_the_numbers(monkeypatch):
+    houses = [shoebox(furniture=[STOOL] * count) for count in (8, 9)]
+    capacity, stride = capacity_of(houses[:1]), row_stride(houses, 1.0)
+    check_house(houses[0], capacity, stride)
+    with pytest.raises(CapacityError, match=r"house \S+ needs 9 bodies, 8 fit"):
+        check_house(houses[1], capacity, stride)
+    bank = HouseBank.from_compiled(houses[:1])
+    count = len(bank.geometry.triangle)
+    monkeypatch.setattr(pack, "MAX_TRIANGLES", 50)
+    with pytest.raises(CapacityError, match=r"have \d+ triangles, at most 49 fit") as caught:
+        HouseBank.from_compiled(houses[:1])
+    assert 50 <= int(re.findall(r"have (\d+)", str(caught.value))[0]) <= count

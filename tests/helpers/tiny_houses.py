@@ -13,6 +13,7 @@ from home_mjx.bank.records import Physics
 NUM_COLLIDERS = 16
 NUM_BODIES = 4
 NUM_DOORS = 2
+LOT = 50.0  # [m], half of an edge
 
 
 @dataclass(frozen=True)
@@ -83,6 +84,7 @@ def _physics(house: TinyHouse, num_bodies: int) -> dict[str, np.ndarray]:
     used = np.arange(num_bodies) < len(movable)
     return {
         "floor": np.float32(house.floor),
+        "lot": np.array([[-LOT, -LOT], [LOT, LOT]], np.float32),
         "collider_pos": _table([b.pos for b in static], NUM_COLLIDERS, (0.0, 0.0, -100.0)),
         "collider_quat": _table([b.quat for b in static], NUM_COLLIDERS, (1.0, 0.0, 0.0, 0.0)),
         "collider_size": _table([b.size for b in static], NUM_COLLIDERS, nothing),

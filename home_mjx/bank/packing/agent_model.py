@@ -5,12 +5,12 @@ from jaxtyping import Float, Int
 
 from home_mjx.scene_compile.geometry.mesh import box_triangles, make_model
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial, material_table
+from home_mjx.schema.agent import Body
 from home_mjx.schema.compiled import MaterialTable, Model
 from home_mjx.schema.semantic import semantic_row
 
-RADIUS = 0.1  # [m], as HoME's agent
-HEIGHT = 1.6  # [m]
-VISOR_CENTER = (0.09, 0.0, 0.62)  # [m], at eye height
+RADIUS, HEIGHT = Body().radius, Body().height  # [m]; scenes scale it to other bodies
+VISOR_CENTER = (0.09, 0.0, Body().eye_height - HEIGHT / 2)  # [m], at eye height
 VISOR_SIZE = (0.07, 0.12, 0.06)  # [m]
 SEGMENTS = 16
 RINGS = 4  # per half sphere

@@ -1,15 +1,18 @@
 """One environment's movable objects, doors and agents, placed."""
 
 import functools
+from collections.abc import Sequence
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from home_mjx.bank.bank import HouseBank
+from home_mjx.bank.packing.agent_model import HEIGHT, RADIUS
 from home_mjx.bank.records import Geometry
 from home_mjx.core.transforms import bounds, compose, invert, rigid
 from home_mjx.raycast_render.scene.types import Moving, Scene
+from home_mjx.schema.agent import Body
 
 SLACK = 1e-4  # [m], by which boxes grow: rays meet a model in its own frame, where they round differently
 
@@ -24,6 +27,7 @@ def make_scene(
     agent_quat: Float[Array, "a 4"],
     executor: str | None = None,
     door_angle: Float[Array, " h"] | None = None,
+    agent_size: Float[Array, "a 2"] | None = None,
 ) -> Scene:
     """The scene of one environment.
 
@@ -36,6 +40,7 @@ def make_scene(
         agent_quat: Orientation of every agent, unit quaternions (w, x, y, z).
         executor: Of all rays in the scene, see `cast`.
         door_angle: Of every door's leaf, about +z from as placed [rad]; None: as placed.
+        agent_size: Radius and height of every agent [m]; None: those of a default `Body`.
 
     Returns:
         The scene; what moves are the bodies, then the doors, then the agents.
@@ -46,10 +51,16 @@ def make_scene(
     """
     house = bank.known_house(house)
     bodies = _bodies(bank, house, body_pos, body_quat)
-    agents = _agents(bank.geometry, agent_pos, agent_quat)
+    agents = _agents(bank.geometry, agent_pos, agent_quat, agent_size)
     doors = _doors(bank, house, jnp.zeros(bank.spec.num_doors, jnp.float32) if door_angle is None else door_angle)
     moving = jax.tree.map(lambda *x: jnp.concatenate(x), bodies, doors, agents)
     return Scene(bank=bank, house=house, moving=moving, executor=executor)
+
+
+def agent_sizes(bodies: Sequence[Body]) -> Float[Array, "a 2"] | None:
+    """Radius and height of agents [m] as `make_scene` takes them; None: all are those of a default `Body`."""
+    sizes = [(body.radius, body.height) for body in bodies]
+    return None if set(sizes) == {(RADIUS, HEIGHT)} else jnp.array(sizes, jnp.float32)
 
 
 def _bodies(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "k 3"], quat: Float[Array, "k 4"]) -> Moving:
@@ -94,14 +105,19 @@ def _instances(
     )
 
 
-def _agents(geometry: Geometry, pos: Float[Array, "a 3"], quat: Float[Array, "a 4"]) -> Moving:
-    count = pos.shape[0]
+def _agents(
+    geometry: Geometry, pos: Float[Array, "a 3"], quat: Float[Array, "a 4"], size: Float[Array, "a 2"] | None
+) -> Moving:
+    count, pose = pos.shape[0], jax.vmap(rigid)(pos, quat)
+    if size is not None:
+        wide, tall = size[:, 0] / jnp.float32(RADIUS), size[:, 1] / jnp.float32(HEIGHT)
+        pose = pose * jnp.stack([wide, wide, tall, jnp.ones_like(wide)], axis=-1)[:, None]
     number = geometry.instance_model.shape[1] + jnp.arange(count, dtype=jnp.int32)
     return _moving(
         geometry,
         number,
         jnp.broadcast_to(geometry.agent_model, (count,)),
-        jax.vmap(rigid)(pos, quat),
+        pose,
         object_id=number,
         material=jnp.broadcast_to(geometry.agent_material, (count,)),
         semantic=jnp.broadcast_to(geometry.agent_semantic, (count,)),

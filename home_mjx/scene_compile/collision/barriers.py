@@ -112,14 +112,23 @@ def _boxes(band: Float[np.ndarray, "n 4 2"], heights: tuple[float, float], longe
     return join(_boxes(band[piece == i], heights, longest) for i in np.unique(piece))
 
 
+def lot(rooms: Rooms) -> Float[np.ndarray, "2 2"]:
+    """Least and greatest x and y of the rectangle that the fence encloses [m].
+
+    Args:
+        rooms: Outlines.
+    """
+    points = np.concatenate(rooms.polygon)
+    return np.stack([points.min(axis=0) - FENCE_AWAY, points.max(axis=0) + FENCE_AWAY])
+
+
 def fence(rooms: Rooms) -> BoxSet:
     """Four boxes around all rooms: what gets out in spite of all stays on the lot.
 
     Args:
         rooms: Outlines and heights.
     """
-    points = np.concatenate(rooms.polygon)
-    low, high = points.min(axis=0) - FENCE_AWAY, points.max(axis=0) + FENCE_AWAY
+    low, high = lot(rooms)
     (x, y), (w, d) = (low + high) / 2, (high - low) / 2
     bottom, top = rooms.floor.min(), max(rooms.floor.max() + HEIGHT, rooms.ceiling.max())
     z, h = (bottom + top) / 2, (top - bottom) / 2

@@ -16,6 +16,7 @@ from home_mjx.raycast_render.executors.choose import find_executor
 from home_mjx.raycast_render.shading.preset import Preset, resolve
 from home_mjx.schema.agent import Body
 from home_mjx.schema.timing import Timing
+from home_mjx.tasks.base.specs import DiscreteActions
 
 PIXEL_KINDS = ("rgb", "depth", "normal")
 CAMERA_KINDS = ("intrinsics", "pose", "valid")
@@ -24,6 +25,8 @@ VECTOR_SENSORS = ("audio", "state")
 VIEW_KINDS = PIXEL_KINDS + ID_KINDS + CAMERA_KINDS
 DOOR_STATES = ("open", "closed", "placed", "random")
 SENSORS = VIEW_KINDS + VECTOR_SENSORS
+ACTION_KINDS = ("continuous", "discrete")
+MOVE_TIME = 0.3  # [s], a step of discrete actions: a whole number of the default `sim_dt`
 DEFAULT_SENSORS = ("rgb", "depth", "instance", "fine", "audio", "state")  # and what the task adds
 
 
@@ -90,7 +93,9 @@ class EnvConfig:
         look_rate: Fastest change of pitch [rad/s].
         pitch_max: Largest look up or down [rad].
         episode_length: Steps until truncation.
-        hands: Whether actions have three numbers more, to pick up, put down, drop and throw things and to turn doors.
+        actions: "continuous": numbers in [-1, 1], parts of the fastest rates. "discrete", or a `DiscreteActions` with
+            options: an integer, one of a few moves. If no move fits into the default `ctrl_dt`, that becomes 0.3 s.
+        hands: Whether there are actions to pick up, put down, drop and throw things and to turn doors.
         doors: How doors stand at reset: "open" (wide), "closed", "placed" (as in the file) or "random" (each open or
             closed, by key). Whatever stands before a leaf, agents can push it, or turn it with their hands.
         source_height: Sound source above the floor [m].
@@ -116,6 +121,7 @@ class EnvConfig:
     look_rate: float = 1.5
     pitch_max: float = 1.0
     episode_length: int = 500
+    actions: str | DiscreteActions = "continuous"
     hands: bool = False
     doors: str = "open"
     source_height: float = 1.0
@@ -137,6 +143,7 @@ class EnvConfig:
         resolve(self.rgb_preset)
         self._check_numbers()
         self._check_cameras()
+        self._check_actions()
         self._share()
 
     def _set(self, **values: Any) -> None:
@@ -165,6 +172,27 @@ class EnvConfig:
             text = ", ".join(names[1:])
             raise ConfigError(f"`cameras` must have names of their own, none of them `head`; got {text}")
 
+    def _check_actions(self) -> None:
+        if isinstance(self.actions, str):
+            check_known("kind of actions", [self.actions], ACTION_KINDS)
+        else:
+            check_type("actions", self.actions, DiscreteActions)
+        if self.discrete is not None:
+            for name, kind in (("physics", PhysicsConfig), ("body", Body), ("timing", Timing)):
+                check_type(name, getattr(self, name), kind)
+            self._fit_moves(self.discrete)
+
+    def _fit_moves(self, moves: DiscreteActions) -> None:
+        """Makes the default step so long that moves fit into it."""
+        least = max(moves.least_time(body) for body in self.physics.bodies or (self.body,))
+        if least > self.timing.ctrl_dt == Timing().ctrl_dt:
+            self._set(timing=dataclasses.replace(self.timing, ctrl_dt=MOVE_TIME))
+        if least > self.timing.ctrl_dt * (1 + 1e-9):
+            raise ConfigError(
+                f"a move takes {least:.3g} s at full speed, but a step is {self.timing.ctrl_dt:g} s long",
+                hint="Make `ctrl_dt` longer, the moves of `actions` smaller, or the body's speeds higher.",
+            )
+
     def _share(self) -> None:
         """Hands body and clock to the engines, which must not have others."""
         parts: dict[str, Any] = {"physics": (PhysicsConfig, ("body", "timing")), "audio": (AudioConfig, ("timing",))}
@@ -185,6 +213,13 @@ class EnvConfig:
     def num_agents(self) -> int:
         """Agents per environment."""
         return self.physics.num_agents
+
+    @property
+    def discrete(self) -> DiscreteActions | None:
+        """The moves; None: actions are continuous."""
+        if isinstance(self.actions, DiscreteActions):
+            return self.actions
+        return DiscreteActions() if self.actions == "discrete" else None
 
     def replace(self, **changes: Any) -> "EnvConfig":
         """A copy with some fields changed; physics and sound follow a new body or clock."""

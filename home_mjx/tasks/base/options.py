@@ -16,6 +16,7 @@ RENAMED = {
     "agent_mass": "body.mass",
     "limit": "num_houses",
 }
+MOVES = "It is an option of discrete actions: actions=home_mjx.tasks.DiscreteActions(forward_step_size=0.25, ...)."
 # Words of the field, and what does that here.
 FIELD_WORDS = {
     "num_envs": "Batch with `jax.vmap` over keys, with `AutoReset`, or with `gymnasium.make_vec(..., num_envs=...)`.",
@@ -29,6 +30,9 @@ FIELD_WORDS = {
     "hfov": "Give `fovy`, the vertical field of view.",
     "fov": "Give `fovy`, the vertical field of view.",
     "render_mode": "It is an option of the Gymnasium adapter: gymnasium.make('home_mjx/...', render_mode='rgb_array').",
+    "forward_step_size": MOVES,
+    "turn_angle": MOVES,
+    "tilt_angle": MOVES,
     "frame_skip": "Give `ctrl_dt` and `sim_dt`.",
     "dt": "Give `ctrl_dt` (environment step) or `sim_dt` (physics step).",
 }

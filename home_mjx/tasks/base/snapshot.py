@@ -23,6 +23,7 @@ class Snapshot(Pytree):
     key: UInt32[Array, "2"]  # of the episode
     pose: AgentPose
     velocity: Float[Array, "a 3"]  # forward and left [m/s], yaw rate [rad/s]
+    stopped: Bool[Array, " a"]  # has chosen the discrete action `stop`, and does nothing more
     contact: Bool[Array, " a"]  # touched anything but the floor during the last step
     held: Int[Array, " a"]  # movable body in each hand; -1 none
     door_angle: Float[Array, " h"]  # [rad], about +z from as placed

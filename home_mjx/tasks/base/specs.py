@@ -1,12 +1,50 @@
 """Shapes and limits of observations and actions."""
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
+from home_mjx.core.checks import check_number
+from home_mjx.schema.agent import Body
+
 ACTION_NAMES = ("forward", "left", "turn_left", "look_up")
 HAND_NAMES = ("pick", "throw", "turn_door")  # see `handling.hand_commands`
+MOVE_NAMES = ("stop", "move_forward", "turn_left", "turn_right", "look_up", "look_down")  # Habitat's, in its order
+HAND_MOVE_NAMES = ("pick", "drop", "throw", "open", "close")
+
+
+@dataclass(frozen=True)
+class DiscreteActions:
+    """One of a few moves per step, as in Habitat, whose names and sizes these are.
+
+    A move covers its whole distance or angle within the step if nothing is in the way.
+
+    Attributes:
+        forward_step_size: Of `move_forward` [m].
+        turn_angle: Of `turn_left` and `turn_right` [degrees].
+        tilt_angle: Of `look_up` and `look_down` [degrees].
+
+    Raises:
+        ConfigError: A value cannot be used.
+
+    Example:
+        >>> round(DiscreteActions(turn_angle=30).least_time(Body()), 3)  # [s], for a turn
+        0.333
+    """
+
+    forward_step_size: float = 0.25
+    turn_angle: float = 10.0
+    tilt_angle: float = 15.0
+
+    def __post_init__(self) -> None:
+        for option in fields(self):
+            check_number(f"actions.{option.name}", getattr(self, option.name), 0)
+
+    def least_time(self, body: Body) -> float:
+        """What a body needs for its longest move at full speed [s]."""
+        return max(self.forward_step_size / body.forward_speed, math.radians(self.turn_angle) / body.turn_rate)
 
 
 @dataclass(frozen=True)

@@ -63,6 +63,7 @@ class World(Pytree):
     episode: Int[Array, ""]  # row of `EnvParams.tasks`, counted on by automatic resets; -1: drawn afresh
     step: Int[Array, ""]  # steps since reset
     pitch: Float[Array, " a"]  # [rad], look up is positive
+    stopped: Bool[Array, " a"]  # has chosen the discrete action `stop`
     source: Float[Array, "3"]  # [m], where the sound comes from
     sensors: dict[str, Any]  # what sensors remember, by their names
     faults: Int[Array, ""]  # episodes of this environment that ended because a pose was not a number

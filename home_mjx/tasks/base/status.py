@@ -24,6 +24,10 @@ class Status(IntFlag):
     CONTACT_POINTS = 8  # there were more contact points than the solver takes
     RESPONSE_CUT = 16  # sound decays so slowly that the impulse response ends before it has fallen by 30 dB
 
+    OUTSIDE = 32  # an agent or a movable body is beyond the fence around the lot, or under the ground floor
+
+    ACTION = 64  # a number of the action was NaN, which counted as 0, or out of range: clipped, or no discrete action
+
     @classmethod
     def names(cls, status: int | np.integer) -> list[str]:
         """Names of the flags that are set.

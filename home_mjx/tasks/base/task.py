@@ -40,6 +40,11 @@ class Task:
         return {}
 
     @property
+    def needs_stop(self) -> bool:
+        """Whether the task waits for agents to say `stop`, and so needs discrete actions."""
+        return False
+
+    @property
     def columns(self) -> tuple[str, ...]:
         """Names of what an episode of this task needs besides house, start and yaw."""
         return ()
@@ -73,8 +78,8 @@ class Task:
         return jnp.zeros_like(snapshot.pose.yaw)
 
     def terminated(self, snapshot: Snapshot, state: Any) -> Bool[Array, ""]:
-        """The task has ended the episode."""
-        return jnp.zeros((), bool)
+        """The task has ended the episode: here, when all agents have stopped (see `Snapshot.stopped`)."""
+        return jnp.all(snapshot.stopped)
 
     def metrics(self, snapshot: Snapshot, state: Any) -> dict[str, Float[Array, ""]]:
         """Figures that are no observations, such as success; the same names at every step."""

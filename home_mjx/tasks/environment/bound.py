@@ -14,6 +14,7 @@ from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.specs import ArraySpec, Specs
 from home_mjx.tasks.base.state import EnvParams, Episodes, State
 from home_mjx.tasks.base.task import Task
+from home_mjx.tasks.environment.moves import action_names
 from home_mjx.tasks.environment.usable import check_bank
 
 
@@ -142,8 +143,8 @@ class BoundEnv(Generic[C]):
 
     @property
     def action_size(self) -> int:
-        """Numbers per agent: forward, left, turn left, look up."""
-        return self.action_spec.shape[-1]
+        """Numbers per agent, see `action_spec`; of discrete actions, how many there are to choose from."""
+        return len(action_names(self.config))
 
     @property
     def action_spec(self) -> ArraySpec:

@@ -6,7 +6,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 from jax.typing import ArrayLike
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Int
 
 from home_mjx import physics
 from home_mjx.bank.bank import HouseBank
@@ -17,18 +17,19 @@ from home_mjx.navigation.doors import door_angles
 from home_mjx.navigation.spawn import random_source, random_yaw, spread_starts
 from home_mjx.physics import PhysicsState
 from home_mjx.physics.hands import obey, settle
-from home_mjx.raycast_render.scene.scene import make_scene
+from home_mjx.raycast_render.scene.scene import agent_sizes, make_scene
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.keys import DOORS, fold, split, to_raw
 from home_mjx.tasks.base.pose import AgentPose
 from home_mjx.tasks.base.snapshot import Snapshot, Touch
-from home_mjx.tasks.base.specs import ACTION_NAMES, HAND_NAMES, ArraySpec, Specs
+from home_mjx.tasks.base.specs import Specs
 from home_mjx.tasks.base.state import EnvParams, Episodes, State, World
 from home_mjx.tasks.base.status import flags
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.handling import hand_commands
-from home_mjx.tasks.environment.usable import check_observations, check_task, checked_metrics, usable_action
+from home_mjx.tasks.environment.moves import Moves, action_names, action_spec, moves_of, tilted
+from home_mjx.tasks.environment.usable import check_observations, check_stop, check_task, checked_metrics
 from home_mjx.tasks.sensors.choose import choose_sensors, sensor_names
 from home_mjx.tasks.suite.point_nav import PointNav
 
@@ -47,7 +48,8 @@ class HouseholdEnv:
         config: The options, sensors named.
         task: The task.
         sensors: The sensors, those of the task apart.
-        action_spec: Forward, left, turn left, look up: each in [-1, 1] of its fastest rate.
+        action_spec: Forward, left, turn left, look up: each in [-1, 1] of its fastest rate. Discrete: the number of one
+            of `action_names`.
         observation_spec: What `State.obs` holds, by name; with a leading agent axis for several agents.
 
     Raises:
@@ -64,10 +66,10 @@ class HouseholdEnv:
             raise ConfigError("HouseholdEnv takes options, not a bank", hint="Write HouseholdEnv(config).bind(bank).")
         self.task = task or PointNav()
         config = config or EnvConfig()
+        check_stop(config, self.task)
         self.config = config.replace(sensors=sensor_names(config, self.task))
         self.sensors = choose_sensors(self.config, self.task)
-        action = ArraySpec((self.action_size,), "float32", -1.0, 1.0, ", ".join(self.action_names))
-        self.action_spec = action.for_agents(self.num_agents)
+        self.action_spec = action_spec(self.config)
         self.observation_spec = self._observation_spec()
 
     @property
@@ -82,12 +84,12 @@ class HouseholdEnv:
 
     @property
     def action_names(self) -> tuple[str, ...]:
-        """What the numbers of an action mean."""
-        return (*ACTION_NAMES, *HAND_NAMES) if self.config.hands else ACTION_NAMES
+        """What the numbers of an action mean; of discrete actions, which there are."""
+        return action_names(self.config)
 
     @property
     def action_size(self) -> int:
-        """Numbers per agent, see `action_spec`."""
+        """Numbers per agent, see `action_spec`; of discrete actions, how many there are to choose from."""
         return len(self.action_names)
 
     def bind(self, bank: HouseBank | EnvParams) -> "BoundEnv[HouseholdEnv]":
@@ -125,8 +127,9 @@ class HouseholdEnv:
         Args:
             params: Houses; may differ from the last call's as long as the bank's spec is the same.
             state: The state before.
-            action: (4,), or (A, 4) for several agents: forward, left, turn left, look up in [-1, 1]; clipped.
-                NaN counts as 0, so that one bad number of a policy does not spoil an environment for good.
+            action: (4,), or (A, 4) for several agents: forward, left, turn left, look up in [-1, 1]. Others
+                are clipped and NaN counts as 0, so that one bad number of a policy does not spoil an environment for
+                good. Discrete: an integer, or (A,); a number that is no action does nothing. `status` tells of both.
 
         Returns:
             The state after. An episode that is over is not reset: see `AutoReset`.
@@ -189,6 +192,7 @@ class HouseholdEnv:
             episode=number,
             step=jnp.zeros((), jnp.int32),
             pitch=jnp.zeros(agents, jnp.float32),
+            stopped=jnp.zeros(agents, bool),
             source=random_source(bank, house, config.source_height, source_key),
             sensors={sensor.name: sensor.init(config) for sensor in self.sensors},
             faults=jnp.zeros((), jnp.int32),
@@ -218,16 +222,15 @@ class HouseholdEnv:
         and `World.faults` tell of it.
         """
         bank, template = params.bank, self.template(params.bank)
-        action = usable_action(action, self.num_agents, self.action_size)
-        before = self._use_hands(params, state, action)
-        data, lost = physics.step_checked(template, bank, state.world.house, before, action[:, :3])
+        moves = moves_of(self.config, action, state.world.stopped)
+        before = self._use_hands(params, self._set_off(params, state, moves), moves)
+        data, lost = physics.step_checked(template, bank, state.world.house, before, moves.drive)
         data = settle(template, bank, state.world.house, data)
         broken = physics.is_broken(data)
         data = physics.undo_where(broken, data, state.physics)
-        look = action[:, 3] * jnp.float32(self.config.look_rate * self.dt)
-        limit = self.config.pitch_max
         world = state.world.replace(
-            pitch=jnp.clip(state.world.pitch + look, -limit, limit),
+            pitch=tilted(self.config, state.world.pitch, moves.look),
+            stopped=moves.stop,
             step=state.world.step + 1,
             faults=state.world.faults + broken.astype(jnp.int32),
         )
@@ -250,6 +253,8 @@ class HouseholdEnv:
                 STATIC_BOXES=lost.static_boxes,
                 CONTACT_PAIRS=lost.contact_pairs,
                 CONTACT_POINTS=lost.contact_points,
+                ACTION=moves.unusable,
+                OUTSIDE=physics.is_outside(template, bank, state.world.house, data),
             ),
         )
 
@@ -267,26 +272,34 @@ class HouseholdEnv:
         bank, template = params.bank, self.template(params.bank)
         pos, yaw = physics.agent_pose(template, data)
         bodies, turned = physics.body_pose(template, data), jax.vmap(body_quat)(yaw)
+        sizes = agent_sizes(self.config.physics.agents)
         angle = physics.door_angle(template, data)
         return Snapshot(
             step=world.step,
             key=world.key,
             pose=AgentPose(pos=pos, yaw=yaw, pitch=world.pitch),
             velocity=physics.agent_velocity(template, data),
+            stopped=world.stopped,
             contact=physics.agent_contact(template, data),
             held=data.held,
             door_angle=angle,
             touch=Touch(impulse=data.impulse, place=data.place, other=data.other),
             source=world.source,
-            scene=make_scene(bank, world.house, *bodies, pos, turned, self.config.executor, angle),
+            scene=make_scene(bank, world.house, *bodies, pos, turned, self.config.executor, angle, sizes),
         )
 
-    def _use_hands(self, params: EnvParams, state: State, action: Float[Array, "a n"]) -> PhysicsState:
+    def _set_off(self, params: EnvParams, state: State, moves: Moves) -> State:
+        """Agents at the speed of their discrete action: it takes them exactly as far as it says."""
+        if self.config.discrete is None:
+            return state
+        return state.replace(physics=physics.with_agent_speed(self.template(params.bank), state.physics, moves.drive))
+
+    def _use_hands(self, params: EnvParams, state: State, moves: Moves) -> PhysicsState:
         """The physics with hands that have been told what to do."""
         if not self.config.hands:
             return state.physics
         snapshot, template = self.snapshot(params, state), self.template(params.bank)
-        commands = hand_commands(self.config, snapshot, action[:, len(ACTION_NAMES) :])
+        commands = hand_commands(self.config, snapshot, moves.hands)
         return obey(template, params.bank, state.world.house, state.physics, commands)
 
     def template(self, bank: HouseBank) -> physics.Template:

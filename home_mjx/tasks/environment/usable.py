@@ -4,32 +4,69 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.specs import Specs
+from home_mjx.tasks.base.task import Task
 
 
-def usable_action(action: Any, num_agents: int, size: int) -> Float[Array, "a n"]:
-    """Actions of all agents, clipped to [-1, 1]; NaN counts as 0.
+def usable_action(action: Any, num_agents: int, size: int) -> tuple[Float[Array, "a n"], Bool[Array, ""]]:
+    """Continuous actions of all agents, clipped to [-1, 1], NaN as 0; and whether any had to be changed for that.
 
     Raises:
         ConfigError: They are no real numbers, or not as many as there should be.
     """
-    if isinstance(action, dict):
-        raise ConfigError(f"expected an array of actions, got a dictionary of {', '.join(map(str, action))}")
-    action = jnp.asarray(action)
+    action = _as_array(action)
     if not jnp.issubdtype(action.dtype, jnp.floating) and not jnp.issubdtype(action.dtype, jnp.integer):
         raise ConfigError(f"expected real numbers as action, got {action.dtype}")
-    shape = num_agents, size
-    if action.shape != shape and action.shape != shape[1:] * (num_agents == 1):
-        expected = shape if num_agents > 1 else shape[1:]
+    action = _of_all(action, num_agents, (size,)).astype(jnp.float32)
+    usable = jnp.clip(jnp.where(jnp.isnan(action), 0.0, action), -1.0, 1.0)
+    return usable, jnp.any(usable != action)
+
+
+def usable_choice(action: Any, num_agents: int, count: int) -> tuple[Int[Array, " a"], Bool[Array, ""]]:
+    """Discrete actions of all agents, `count` for a number that is none of 0 to `count` - 1; and whether there is one.
+
+    Raises:
+        ConfigError: They are no integers, or not one per agent.
+    """
+    action = _as_array(action)
+    if not jnp.issubdtype(action.dtype, jnp.integer):
+        hint = "Discrete actions are numbered; `action_spec.text` has their names."
+        raise ConfigError(f"expected an integer as action, got {action.dtype}", hint=hint)
+    action = _of_all(action, num_agents, ())
+    known = (action >= 0) & (action < count)
+    return jnp.where(known, action, count).astype(jnp.int32), jnp.any(~known)
+
+
+def _as_array(action: Any) -> Array:
+    if isinstance(action, dict):
+        raise ConfigError(f"expected an array of actions, got a dictionary of {', '.join(map(str, action))}")
+    return jnp.asarray(action)
+
+
+def _of_all(action: Array, num_agents: int, shape: tuple[int, ...]) -> Array:
+    """With the agent axis, which one agent may leave out."""
+    everybody = num_agents, *shape
+    if action.shape not in ((everybody, shape) if num_agents == 1 else (everybody,)):
+        expected = everybody if num_agents > 1 else shape
         hint = "One environment takes one action; for many, use `jax.vmap`."
         raise ConfigError(f"expected an action of shape {expected}, got {action.shape}", hint=hint)
-    action = action.astype(jnp.float32).reshape(shape)
-    return jnp.clip(jnp.where(jnp.isnan(action), 0.0, action), -1.0, 1.0)
+    return action.reshape(everybody)
+
+
+def check_stop(config: EnvConfig, task: Task) -> None:
+    """Refuses tasks that wait for an action that there is not.
+
+    Raises:
+        ConfigError: The task needs `stop`, and actions are continuous.
+    """
+    if task.needs_stop and config.discrete is None:
+        message = f"{type(task).__name__} waits for `stop`, which continuous actions do not have"
+        raise ConfigError(message, hint='Give actions="discrete".')
 
 
 def check_bank(config: EnvConfig, bank: HouseBank) -> None:

@@ -11,7 +11,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.core.checks import check_number
+from home_mjx.core.checks import check_flag, check_number
 from home_mjx.core.pytree import Pytree
 from home_mjx.navigation.grid import geodesic_distance
 from home_mjx.tasks.base.snapshot import Snapshot
@@ -28,16 +28,20 @@ class PointNavState(Pytree):
 
     goal: Int[Array, ""]  # index into the house's goals
     distance: Float[Array, " a"]  # [m], geodesic
-    reached: Bool[Array, " a"]  # has been within `success_radius` since the start
-    arrived: Bool[Array, " a"]  # came within it during the last step
+    reached: Bool[Array, " a"]  # has been within `success_radius` since the start; with `stop`: has stopped there
+    arrived: Bool[Array, " a"]  # did so during the last step
 
 
 @dataclass(frozen=True)
 class PointNav(Task):
     """Reach the goal's `success_radius`; with several agents, all of them.
 
+    An episode ends when each agent has arrived or has chosen the discrete action `stop`.
+
     Attributes:
         success_radius: Distance that counts as arrived [m].
+        stop: Agents must say that they have arrived: only `stop` within `success_radius` counts. With
+            `success_radius=0.2` this is PointNav as Habitat has it.
         min_distance: Goals nearer than this at the start are avoided [m].
         success_reward: Added once, on arrival.
         step_cost: Taken every step.
@@ -45,14 +49,22 @@ class PointNav(Task):
     """
 
     success_radius: float = 0.36
+    stop: bool = False
     min_distance: float = 1.0
     success_reward: float = 2.5
     step_cost: float = 0.01
     contact_cost: float = 0.01
 
     def __post_init__(self) -> None:
+        check_flag("stop", self.stop)
         for option in fields(self):
-            check_number(option.name, getattr(self, option.name), 0)
+            if option.name != "stop":
+                check_number(option.name, getattr(self, option.name), 0)
+
+    @property
+    def needs_stop(self) -> bool:
+        """With `stop`."""
+        return self.stop
 
     @property
     def observation_spec(self) -> Specs:
@@ -79,6 +91,7 @@ class PointNav(Task):
         """How far it is now, and who has arrived."""
         distance = self._distance(snapshot, state.goal)
         there = distance <= jnp.float32(self.success_radius)
+        there = there & snapshot.stopped if self.stop else there
         return state.replace(distance=distance, reached=state.reached | there, arrived=there & ~state.reached)
 
     def observe(self, snapshot: Snapshot, state: PointNavState) -> dict[str, Array]:
@@ -96,8 +109,8 @@ class PointNav(Task):
         return reward + jnp.float32(self.success_reward) * state.arrived.astype(jnp.float32)
 
     def terminated(self, snapshot: Snapshot, state: PointNavState) -> Bool[Array, ""]:
-        """All agents have arrived."""
-        return jnp.all(state.reached)
+        """All agents have arrived or stopped."""
+        return jnp.all(state.reached | snapshot.stopped)
 
     def metrics(self, snapshot: Snapshot, state: PointNavState) -> dict[str, Float[Array, ""]]:
         """Part of the agents that have arrived, mean distance [m], part that touches something."""

@@ -25,6 +25,7 @@ from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.schema.agent import Body
 from home_mjx.schema.compiled import ARCHITECTURE
 from home_mjx.schema.lighting import LightTable
+from home_mjx.schema.timing import Timing
 
 FURNITURE = (
     Furniture((1.0, 0.0), (0.3, 0.3, 0.3), mass=5.0),
@@ -184,7 +185,7 @@ def test_house_stands_still(house):
 def test_agent_pushes_as_in_the_batched_physics(house):
     """3 s of walking into the light box and on to the wall, beside the template that the batch steps."""
     shape = Body()
-    model = _compile(house, agent=shape, timestep=0.02)
+    model = _compile(house, agent=shape, timestep=Timing().sim_dt)
     data = _start(model)
     agent, box = model.joint("agent0_x").qposadr[0], model.joint("object0").qposadr[0]
     data.qpos[agent : agent + 4] = 0, 0, shape.height / 2, 0

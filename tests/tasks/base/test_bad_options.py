@@ -7,7 +7,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from checked import checked
 
 import home_mjx
 from home_mjx.errors import ConfigError, DatasetError
@@ -17,6 +16,7 @@ from home_mjx.scene_compile.collision.movables import MovableOptions
 from home_mjx.scene_compile.navigation.free_space import NavigationOptions
 from home_mjx.tasks.base.config import AgentCamera
 from home_mjx.tasks.base.options import make_config
+from home_mjx.tasks.base.status import Status
 
 NAN, INF = float("nan"), float("inf")
 
@@ -68,7 +68,7 @@ options = [
     ("width", 3.5), ("width", "64"), ("width", True), ("height", float("nan")), ("samples", 1.5), ("look_rate", "x"),
     ("fovy", "a"), ("num_agents", 1.5), ("body.mass", "heavy"), ("num_rays", 2.5), ("sensors", 5),
     ("sensors", "rgb"), ("cameras", None), ("cameras", ["x"]), ("rgb_preset", 5), ("clip", None), ("physics", {}),
-    ("audio", "x"),
+    ("audio", "x"), ("actions", 3), ("actions", None),
 ]
 calls = {f"{name}={value!r}": lambda name=name, value=value: make_config(**{name: value}) for name, value in options}
 calls |= {
@@ -163,11 +163,15 @@ def test_a_house_out_of_range_is_the_nearest_one(env, house):
     np.testing.assert_array_equal(state.obs["pixels/head_depth"], near.obs["pixels/head_depth"])
 
 
-def test_nan_actions_count_as_none(env):
-    step, state = checked(jax.jit(env.step)), jax.jit(env.reset)(jax.random.key(0))
-    bad, still = (step(state, jnp.array([0.3, x, x, x], jnp.float32)) for x in (jnp.nan, 0.0))
-    for name, value in bad.obs.items():
-        np.testing.assert_array_equal(value, still.obs[name])
+@pytest.mark.parametrize(
+    ("given", "meant"), [((np.nan, 0, np.nan, 0), (0, 0, 0, 0)), ((2, -np.inf, 0.5, 1e30), (1, -1, 0.5, 1))]
+)
+def test_numbers_of_actions_that_cannot_be_are_clipped_and_told(env, given, meant):
+    step, state = jax.jit(env.step), jax.jit(env.reset)(jax.random.key(0))
+    bad, good = (step(state, jnp.array(action, jnp.float32)) for action in (given, meant))
+    assert Status(int(bad.status)) == Status.ACTION
+    assert Status(int(good.status)) == 0
+    jax.tree.map(np.testing.assert_array_equal, bad.replace(status=good.status), good)
 
 
 def test_actions_of_other_shapes_are_refused(env):

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from checked import checked
-from handmade import shoebox
+from handmade import Furniture, shoebox
 
 from home_mjx import AutoReset, HouseBank, HouseholdEnv
 from home_mjx.errors import ConfigError
@@ -127,3 +127,34 @@ def test_wrong_use_is_refused(core, params):
         env.step(state, jnp.zeros(4, bool))
     with pytest.raises(ConfigError, match="an action of shape"):
         env.step(state, jnp.zeros((2, 4)))
+
+
+@pytest.mark.parametrize("impl", ["fused", "kinematic"])
+def test_a_new_episode_begins_with_empty_hands_and_everything_in_its_place(impl):
+    """Three agents carry a crate when the episode of the second ends: the others notice nothing."""
+    crate = Furniture((0.6, 0.0), size=(0.3, 0.3, 1.7), mass=5.0)
+    bank = HouseBank.from_compiled([shoebox(furniture=[crate])])
+    core = HouseholdEnv(make_config(sensors=("state",), hands=True, episode_length=10, impl=impl))
+    batch = AutoReset(core).bind(bank)
+    rows = core.template(bank).layout.body_qpos
+    begun = jax.jit(batch.reset)(keys()[:3])
+    facing = begun.physics.qpos.at[:, :4].set(jnp.array([0.0, 0.0, 0.8, 0.0]))
+    states = begun.replace(physics=begun.physics.replace(qpos=facing))
+    step, alone = jax.jit(batch.step), jax.jit(jax.vmap(core.step, (None, 0, 0)))
+    still, pick = (jnp.zeros((3, core.action_size)).at[:, 4].set(command) for command in (0.0, 1.0))
+    for action in (pick, still, still):
+        states = step(states, action)
+    assert states.physics.held[:, 0].tolist() == [0, 0, 0]
+    assert float(jnp.abs(states.physics.qpos[:, rows][:, :3] - bank.physics.body_pos[0, 0]).max(axis=1).min()) > 0.01
+    states = states.replace(world=states.world.replace(step=jnp.array([3, 9, 3], jnp.int32)))
+    after, twin = step(states, still), alone(batch.params, states, still)
+    assert after.truncated.tolist() == [False, True, False]
+    assert after.physics.held[:, 0].tolist() == [0, -1, 0]
+    others = np.array([0, 2])
+    jax.tree.map(lambda a, b: np.testing.assert_array_equal(a[others], b[others]), after.physics, twin.physics)
+    fresh = after.physics.replace(qpos=after.physics.qpos.at[1, :4].set(begun.physics.qpos[1, :4]))
+    jax.tree.map(lambda a, b: np.testing.assert_array_equal(a[1], b[1]), fresh, begun.physics)
+    for _ in range(3):
+        after = step(after, still)
+    np.testing.assert_allclose(after.physics.qpos[1, rows], begun.physics.qpos[1, rows], atol=2e-3)
+    assert after.physics.held[:, 0].tolist() == [0, -1, 0]

@@ -1,0 +1,38 @@
+"""Who and what has left the place where it can be."""
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Int
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.core.transforms import quat_matrix
+from home_mjx.physics.base.state import PhysicsState
+from home_mjx.physics.dynamics import agent_pose, body_pose
+from home_mjx.physics.reference.template import Template
+
+UNDER = 0.05  # [m], below the ground floor; what is pressed into it is not so deep
+
+
+def is_outside(template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState) -> Bool[Array, " m"]:
+    """Which agents and movable bodies are beyond the fence around the lot, or under the ground floor.
+
+    Args:
+        template: The model.
+        bank: The houses.
+        house: Index of the house.
+        state: The state.
+
+    Returns:
+        Of the agents, then of the bodies. What stands on an upper floor and falls through it is not noticed.
+    """
+    physics, agents = bank.physics, agent_pose(template, state)[0]
+    pos, quat = body_pose(template, state)
+    upward = jax.vmap(quat_matrix)(quat)[:, 2]
+    half = jnp.array([body.height / 2 for body in template.config.agents], jnp.float32)
+    depth = jnp.concatenate([half, jnp.sum(jnp.abs(upward) * physics.body_size[house], axis=-1)])
+    middle = jnp.concatenate([agents, pos])
+    low, high = physics.lot[house]
+    beyond = jnp.any((middle[:, :2] < low[None]) | (middle[:, :2] > high[None]), axis=-1)
+    under = middle[:, 2] - depth < physics.floor[house] - jnp.float32(UNDER)
+    used = jnp.concatenate([jnp.ones(len(half), bool), physics.body_valid[house]])
+    return used & (beyond | under)

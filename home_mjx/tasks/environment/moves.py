@@ -1,0 +1,117 @@
+"""From actions, continuous or discrete, to what agents do in a step."""
+
+import math
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float
+
+from home_mjx.core.pytree import Pytree
+from home_mjx.tasks.base.config import EnvConfig
+from home_mjx.tasks.base.specs import (
+    ACTION_NAMES,
+    HAND_MOVE_NAMES,
+    HAND_NAMES,
+    MOVE_NAMES,
+    ArraySpec,
+    DiscreteActions,
+)
+from home_mjx.tasks.environment.usable import usable_action, usable_choice
+
+# Of each discrete action but `stop`: the number of a continuous one that it sets, and its sign.
+SETS = {
+    "move_forward": ("forward", 1),
+    "turn_left": ("turn_left", 1),
+    "turn_right": ("turn_left", -1),
+    "look_up": ("look_up", 1),
+    "look_down": ("look_up", -1),
+    "pick": ("pick", 1),
+    "drop": ("pick", -1),
+    "throw": ("throw", 1),
+    "open": ("turn_door", 1),
+    "close": ("turn_door", -1),
+}
+ROUNDING = 1e-4  # [rad], by which a look may end beyond `pitch_max`
+
+
+class Moves(Pytree):
+    """What agents do in a step; A agents."""
+
+    drive: Float[Array, "a 3"]  # forward, left, turn left: parts of the fastest rates
+    look: Float[Array, " a"]  # [rad], up
+    hands: Float[Array, "a n"]  # see `handling.hand_commands`; n is 0 without hands
+    stop: Bool[Array, " a"]
+    unusable: Bool[Array, ""]  # a number of the action was clipped, or is no action
+
+
+def action_names(config: EnvConfig) -> tuple[str, ...]:
+    """What the numbers of a continuous action mean, or which discrete ones there are.
+
+    Example:
+        >>> action_names(EnvConfig(actions="discrete"))
+        ('stop', 'move_forward', 'turn_left', 'turn_right', 'look_up', 'look_down')
+    """
+    own, hands = (ACTION_NAMES, HAND_NAMES) if config.discrete is None else (MOVE_NAMES, HAND_MOVE_NAMES)
+    return (*own, *hands) if config.hands else own
+
+
+def action_spec(config: EnvConfig) -> ArraySpec:
+    """One number per name, or for discrete actions the index of a name; for all agents."""
+    names = action_names(config)
+    text = ", ".join(names)
+    if config.discrete is None:
+        return ArraySpec((len(names),), "float32", -1.0, 1.0, text).for_agents(config.num_agents)
+    return ArraySpec((), "int32", 0, len(names) - 1, text).for_agents(config.num_agents)
+
+
+def moves_of(config: EnvConfig, action: Any, stopped: Bool[Array, " a"]) -> Moves:
+    """What an action of all agents means.
+
+    Args:
+        config: Options.
+        action: As `action_spec` says.
+        stopped: Agents that have stopped before: they do nothing.
+
+    Raises:
+        ConfigError: The action has another shape or type.
+    """
+    names = action_names(config)
+    if config.discrete is None:
+        numbers, unusable = usable_action(action, config.num_agents, len(names))
+        stop = jnp.zeros(config.num_agents, bool)
+        look = numbers[:, 3] * jnp.float32(config.look_rate * config.timing.ctrl_dt)
+    else:
+        chosen, unusable = usable_choice(action, config.num_agents, len(names))
+        stop = stopped | (chosen == names.index("stop"))
+        table = jnp.asarray(_move_table(config, config.discrete))
+        numbers = jax.vmap(lambda rows, i: rows[i])(table, jnp.where(stop, names.index("stop"), chosen))
+        look = numbers[:, 3]
+    hands = numbers[:, len(ACTION_NAMES) :]
+    return Moves(drive=numbers[:, :3], look=look, hands=hands, stop=stop, unusable=unusable)
+
+
+def _move_table(config: EnvConfig, moves: DiscreteActions) -> Float[np.ndarray, "a moves n"]:
+    """Every agent's discrete actions as continuous ones; looks in radians. The last row does nothing."""
+    names, columns = action_names(config), (*ACTION_NAMES, *(HAND_NAMES if config.hands else ()))
+    table = np.zeros((config.num_agents, len(names) + 1, len(columns)), np.float32)
+    for agent, body in enumerate(config.physics.agents):
+        sizes = {
+            "forward": moves.forward_step_size / (body.forward_speed * config.timing.ctrl_dt),
+            "turn_left": math.radians(moves.turn_angle) / (body.turn_rate * config.timing.ctrl_dt),
+            "look_up": math.radians(moves.tilt_angle),
+        }
+        for row, name in enumerate(names):
+            if name in SETS:
+                column, sign = SETS[name]
+                table[agent, row, columns.index(column)] = sign * sizes.get(column, 1)
+    return table
+
+
+def tilted(config: EnvConfig, pitch: Float[Array, " a"], look: Float[Array, " a"]) -> Float[Array, " a"]:
+    """Pitch after a look [rad]; a discrete one that would end beyond `pitch_max` is not done."""
+    most, wanted = jnp.float32(config.pitch_max), pitch + look
+    if config.discrete is None:
+        return jnp.clip(wanted, -most, most)
+    return jnp.where(jnp.abs(wanted) > most + ROUNDING, pitch, wanted)
