@@ -221,7 +221,8 @@ class HouseholdEnv:
         action = usable_action(action, self.num_agents, self.action_size)
         before = self._use_hands(params, state, action)
         data, lost = physics.step_checked(template, bank, state.world.house, before, action[:, :3])
-        data = settle(template, bank, state.world.house, data)
+        if self.config.hands:
+            data = settle(template, bank, state.world.house, data)
         broken = physics.is_broken(data)
         data = physics.undo_where(broken, data, state.physics)
         look = action[:, 3] * jnp.float32(self.config.look_rate * self.dt)
