@@ -14,12 +14,12 @@ from home_mjx.bank.records import BankSpec
 from home_mjx.core.transforms import body_quat
 from home_mjx.errors import ConfigError
 from home_mjx.navigation.doors import door_angles
-from home_mjx.navigation.spawn import random_source, random_yaw, spread_starts
+from home_mjx.navigation.spawn import random_arrangement, random_source, random_yaw, spread_starts
 from home_mjx.physics import PhysicsState
 from home_mjx.physics.hands import obey, settle
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.tasks.base.config import EnvConfig
-from home_mjx.tasks.base.keys import DOORS, fold, split, to_raw
+from home_mjx.tasks.base.keys import ARRANGEMENT, DOORS, fold, split, to_raw
 from home_mjx.tasks.base.pose import AgentPose
 from home_mjx.tasks.base.snapshot import Snapshot, Touch
 from home_mjx.tasks.base.specs import ACTION_NAMES, HAND_NAMES, ArraySpec, Specs
@@ -28,7 +28,13 @@ from home_mjx.tasks.base.status import flags
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.handling import hand_commands
-from home_mjx.tasks.environment.usable import check_observations, check_task, checked_metrics, usable_action
+from home_mjx.tasks.environment.usable import (
+    check_arrangements,
+    check_observations,
+    check_task,
+    checked_metrics,
+    usable_action,
+)
 from home_mjx.tasks.sensors.choose import choose_sensors, sensor_names
 from home_mjx.tasks.suite.point_nav import PointNav
 
@@ -194,7 +200,8 @@ class HouseholdEnv:
             faults=jnp.zeros((), jnp.int32),
         )
         angle = door_angles(bank, house, config.doors, fold(to_raw(key), DOORS))
-        data = physics.reset(self.template(bank), bank, house, pos, yaw, angle)
+        arrangement = self._arrangement(bank, house, pos, world.source, fold(to_raw(key), ARRANGEMENT))
+        data = physics.reset(self.template(bank), bank, house, pos, yaw, angle, arrangement)
         snapshot = self._snapshot(params, data, world)
         task = self.task.init(snapshot, goal_key, None if row is None else row.columns)
         no = jnp.zeros((), bool)
@@ -289,6 +296,16 @@ class HouseholdEnv:
         snapshot, template = self.snapshot(params, state), self.template(params.bank)
         commands = hand_commands(self.config, snapshot, action[:, len(ACTION_NAMES) :])
         return obey(template, params.bank, state.world.house, state.physics, commands)
+
+    def _arrangement(
+        self, bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "a 3"], source: Float[Array, "3"], key: Array
+    ) -> Int[Array, ""] | None:
+        """Which arrangement the bodies have; neither agents nor the source are in any of them."""
+        if self.config.arrangement == "placed":
+            return None
+        check_arrangements(bank)
+        below = source.at[2].add(-jnp.float32(self.config.source_height))
+        return random_arrangement(bank, house, jnp.concatenate([pos, below[None]]), key)
 
     def template(self, bank: HouseBank) -> physics.Template:
         """The physics' model for banks of this capacity."""
