@@ -100,7 +100,7 @@ def _entry(bank: HouseBank, num_arrangements: int, words: np.ndarray) -> Path:
     name = hashlib.sha256(repr((VERSION, num_arrangements, words.tolist(), jax.default_backend())).encode())
     read = (bank.physics, bank.navigation, bank.semantics, bank.geometry.triangle, bank.geometry.instance_pose)
     for array in jax.tree.leaves(jax.device_get(read)):
-        name.update(np.ascontiguousarray(array))
+        name.update(np.asarray(array).tobytes())
     return cache_folder() / "arrangements" / f"{name.hexdigest()}.zip"
 
 
@@ -141,7 +141,7 @@ def _put(
             pose = np.concatenate([boxes.center, yaw_quat(boxes.yaw)], axis=-1)
             poses[house, p, used] = np.where(elsewhere[:, None], pose, poses[house, p, used])
             moved[house, p, used], kept[house, p, used] = elsewhere, furnished.drawn & ~elsewhere
-    return tuple(map(jnp.asarray, (poses, moved, kept)))
+    return jnp.asarray(poses), jnp.asarray(moved), jnp.asarray(kept)
 
 
 def _arranged(bank: HouseBank, house: int, furnished: Furnished, seeds: list[np.random.Generator]) -> list[Any]:

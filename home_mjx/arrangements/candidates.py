@@ -68,4 +68,4 @@ def _on_furniture(
     local = rng.uniform(-1, 1, (NUM_PLACES, 2)) * slack
     turn = np.array([yaw_matrix(y)[:2, :2] for y in on.yaw])
     plan = on.center[:, :2] + np.einsum("nij,nj->ni", turn, local)
-    return np.c_[plan, on.top + half[2]], (slack > 0).all(axis=1)
+    return np.c_[plan, on.top + half[2]], np.asarray((slack > 0).all(axis=1))

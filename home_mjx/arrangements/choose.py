@@ -66,9 +66,15 @@ def _passable(
         return None
     centres = (np.stack(np.meshgrid(*map(np.arange, home.shape[:0:-1])), axis=-1) + 0.5) * house.cell + house.origin
     left = home[level] & (footprint_distance(box, 0, centres) >= house.reach)
-    if ndimage.label(left)[1] > ndimage.label(home[level])[1]:
+    if _num_patches(left) > _num_patches(home[level]):
         return None
     return np.where(np.arange(len(home))[:, None, None] == level, left, home)
+
+
+def _num_patches(cells: Bool[np.ndarray, "ny nx"]) -> int:
+    labels = np.zeros(cells.shape, np.int32)
+    ndimage.label(cells, output=labels)
+    return int(labels.max())
 
 
 def _away(box: BoxSet, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, " n"]:

@@ -34,31 +34,31 @@ def look_below(bank: HouseBank, house: int, furnished: Furnished, many: list[Pla
         furnished: The same.
         many: Places of each arrangement.
     """
-    num, size = len(furnished.bodies), bank.spec.num_bodies
-    used = np.asarray(bank.physics.body_valid[house])
-    half = furnished.bodies.half
+    used = np.flatnonzero(bank.physics.body_valid[house])
+    gone = np.zeros(bank.spec.num_bodies, bool)
+    gone[used[furnished.drawn]] = True
+    usable = np.stack([places.usable for places in many])
+    high = np.minimum(2 * furnished.bodies.half[:, 2], ABOVE)
 
     def padded(values: np.ndarray) -> Array:
-        whole = np.zeros((len(many), size, *values.shape[2:]), values.dtype)
+        """To the bank's number of bodies, so that its houses share a program."""
+        whole = np.zeros((len(many), len(gone), *values.shape[2:]), bool if values.dtype == bool else np.float32)
         whole[:, used] = values
         return jnp.asarray(whole)
 
-    center, yaw = (np.stack([getattr(p, name) for p in many]) for name in ("center", "yaw"))
-    local = SPOTS * half[:, None, :2]
-    cosine, sine = np.cos(yaw)[..., None], np.sin(yaw)[..., None]
-    x, y = local[:, None, :, 0], local[:, None, :, 1]
-    spots = center[..., None, :2] + np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=-1)
-    bottom = np.broadcast_to((center[..., 2] - half[:, None, 2])[..., None, None], (*spots.shape[:-1], 1))
-    lies = np.broadcast_to(furnished.lies[:, None], yaw.shape)
-    high = np.broadcast_to(np.minimum(2 * half[:, 2], ABOVE)[:, None], yaw.shape)
-    gone = np.zeros(size, bool)
-    gone[np.flatnonzero(used)[furnished.drawn]] = True
-    spots = np.concatenate([spots, bottom], axis=-1).astype(np.float32)
-    found = _even(
-        bank, jnp.int32(house), jnp.asarray(gone), padded(spots), padded(high.astype(np.float32)), padded(lies)
-    )
-    usable = np.stack([p.usable for p in many])
-    return np.asarray(found)[:, used].reshape(len(many), num, -1) & usable
+    each = (np.broadcast_to(x[:, None], usable.shape) for x in (high, furnished.lies))
+    rays = padded(np.stack([_spots(furnished, places) for places in many])), *map(padded, each)
+    found = _even(bank, jnp.int32(house), jnp.asarray(gone), *rays)
+    return np.asarray(found)[:, used] & usable
+
+
+def _spots(house: Furnished, places: Places) -> Float[np.ndarray, "k n s 3"]:
+    """Points on the underside of each thing at each place [m]."""
+    half = house.bodies.half[:, None, None]
+    x, y = np.moveaxis(SPOTS * half[..., :2], -1, 0)
+    cosine, sine = np.cos(places.yaw)[..., None], np.sin(places.yaw)[..., None]
+    spots = np.stack([cosine * x - sine * y, sine * x + cosine * y, 0 * cosine * x - half[..., 2]], axis=-1)
+    return spots + places.center[:, :, None]
 
 
 @jax.jit

@@ -245,13 +245,16 @@ def test_resets_draw_arrangements_in_which_agents_have_room(made, env):
     for e in range(len(keys)):
         used = np.asarray(made.bank.physics.body_valid[houses[e]])
         mine = [p for p in range(NUM) if (poses[e, used] == np.float32(poses_of(made, houses[e], p))).all()]
-        drawn.append((houses[e], *mine))
+        if not mine:  # there is room in none
+            np.testing.assert_array_equal(pos[e, used], made.bank.physics.body_pos[houses[e]][used])
+        drawn.append((int(houses[e]), *(mine or [-1])))
         feet = np.asarray(agent[e, 0], float) - [0, 0, 0.8]
         source = np.asarray(states.world.source[e], float) - [0, 0, 1.0]
         for pose, half in zip(poses[e, used].astype(float), made.houses[houses[e]].bodies.size, strict=True):
             assert distance(feet, pose, half) > 0.1
             assert distance(source, pose, half) > 0.1
     counts = {case: drawn.count(case) for case in set(drawn)}
+    assert sum(counts.pop((house, -1), 0) for house in range(2)) < 0.03 * len(keys)
     assert set(counts) == set(each(made))
     assert min(counts.values()) > 20  # of 43
 
