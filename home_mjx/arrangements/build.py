@@ -128,13 +128,13 @@ def _put(
     bank: HouseBank, num: int, words: np.ndarray, progress: bool
 ) -> tuple[Float[Array, "h p k 7"], Bool[Array, "h p k"], Bool[Array, "h p k"]]:
     """Poses in which nothing is in anything, not settled; which bodies are elsewhere, and which might be."""
-    placed = np.concatenate([bank.physics.body_pos, bank.physics.body_quat], axis=-1)
+    host = jax.device_get(bank)
+    placed = np.concatenate([host.physics.body_pos, host.physics.body_quat], axis=-1)
     poses = np.repeat(placed[:, None], num, axis=1)
     moved = np.zeros(poses.shape[:3], bool)
     kept = np.zeros(poses.shape[:3], bool)
-    valid = np.asarray(bank.physics.body_valid)
     for house, house_id in enumerate(tqdm(bank.house_ids, desc="arrange", unit="house", disable=not progress)):
-        furnished, used = Furnished.of(bank, house), valid[house]
+        furnished, used = Furnished.of(host, house), host.physics.body_valid[house]
         seeds = [np.random.default_rng([*words.tolist(), zlib.crc32(house_id.encode()), p]) for p in range(num)]
         for p, found in enumerate(_arranged(bank, house, furnished, seeds)):
             boxes, elsewhere = found

@@ -9,12 +9,13 @@ from jaxtyping import Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.scene_compile.geometry.boxes import BoxSet, overlap
+from home_mjx.scene_compile.navigation.free_space import NavigationOptions
 from home_mjx.scene_compile.semantics.supports import SUPPORTS
 from home_mjx.schema.semantic import Semantic
 
 MOST_MASS, MOST_EDGE = 10.0, 0.7  # [kg], [m] in the plan, of what is put elsewhere
 ON_TOP = 0.03  # [m]: what begins so near the top of another thing, and over it, lies on it
-MARGIN = 0.05  # [m], beyond an agent's radius, with which the home region is made
+MARGIN = NavigationOptions().margin  # [m], beyond an agent's radius, with which the home region is made
 
 
 @dataclass(frozen=True)

@@ -58,8 +58,8 @@ def check_arrangements(bank: HouseBank) -> None:
         raise ConfigError(
             "random arrangements are asked for, but the bank has none",
             element="EnvConfig.arrangement",
-            hint="Make them: bank, _ = home_mjx.arrangements.settled_poses(bank, 8, jax.random.key(0)). A HouseStream "
-            "has none.",
+            hint="Make them: from home_mjx.arrangements import settled_poses; "
+            "bank, _ = settled_poses(bank, 8, jax.random.key(0)). A HouseStream has none.",
         )
 
 
