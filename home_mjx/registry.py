@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 _ID = re.compile(r"^[A-Z][A-Za-z0-9]*-v\d+$")
 NUM_HOUSES = 8
+NUM_ARRANGEMENTS = 8  # of each house, where they are asked for
 
 
 @dataclasses.dataclass(frozen=True)
@@ -213,8 +214,9 @@ def _made(spec: EnvSpec, houses: Any, progress: bool | None) -> "BoundEnv[Househ
     entry_point = _load(spec.entry_point)
     shown = sys.stderr.isatty() if progress is None else progress
 
-    def get_bank(compile_options: "CompileOptions | None" = None) -> "HouseBank":
-        return as_bank(houses, spec.num_houses, shown, spec.split, spec.where, compile_options)
+    def get_bank(compile_options: "CompileOptions | None" = None, num_arrangements: int = 0) -> "HouseBank":
+        bank = as_bank(houses, spec.num_houses, shown, spec.split, spec.where, compile_options)
+        return _arranged(bank, num_arrangements, shown) if num_arrangements and bank is not houses else bank
 
     if _is_task(entry_point):
         env = _with_task(entry_point, get_bank, spec.options)
@@ -248,7 +250,16 @@ def _with_task(
     body, compiling = chosen[""].body, chosen["compile"]
     walkable = dataclasses.replace(compiling.navigation, agent_radius=body.radius, agent_height=body.height)
     compiling = dataclasses.replace(compiling, navigation=walkable)
-    return core.bind(get_bank(compiling))
+    num_arrangements = NUM_ARRANGEMENTS if chosen[""].arrangement == "random" else 0
+    return core.bind(get_bank(compiling, num_arrangements))
+
+
+def _arranged(bank: "HouseBank", num_arrangements: int, progress: bool) -> "HouseBank":
+    import jax
+
+    from home_mjx.arrangements import settled_poses
+
+    return settled_poses(bank, num_arrangements, jax.random.key(0), progress)[0]
 
 
 def _load(entry_point: str) -> Callable[..., Any]:

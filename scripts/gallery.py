@@ -14,6 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 from PIL import Image
 
+from home_mjx.arrangements import settled_poses
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.transforms import camera_quat
 from home_mjx.datasets.procedural.dataset import generate_dataset
@@ -37,14 +38,13 @@ class Studio:
     def __init__(self, bank, house) -> None:
         self.bank, self.house = bank, jnp.int32(house)
         self.bodies = np.array(bank.physics.body_pos[house])
+        self.turns = np.array(bank.physics.body_quat[house])
         self.rng = np.random.default_rng(house)
 
     def scene(self):
         """The house with its furniture where `bodies` has it."""
         nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
-        return make_scene(
-            self.bank, self.house, jnp.asarray(self.bodies), self.bank.physics.body_quat[self.house], *nobody
-        )
+        return make_scene(self.bank, self.house, jnp.asarray(self.bodies), jnp.asarray(self.turns), *nobody)
 
     def draw(self, camera, lens, kinds=("rgb",), preset="fast", depth_max=None):
         """Images on the host."""
@@ -129,10 +129,7 @@ def cameras(studio, samples):
     around = draw(camera(pos, 0.0), Lens(640, 320, "panorama", samples=samples))["rgb"]
     cube = draw(camera(pos, 0.0), Lens(160, 160, "cube", samples=samples))["rgb"]
     cube = np.concatenate([np.concatenate(cube[:3], axis=1), np.concatenate(cube[3:], axis=1)])
-    low, high = extent(studio)
-    top = [*((low + high) / 2), float(studio.bank.physics.floor[studio.house]) + 2.2]
-    above = camera(top, np.pi / 2, -np.pi / 2, max(high - low) + 0.6)
-    plan = studio.draw(above, Lens(320, 320, "orthographic", samples=4))["rgb"]
+    plan = studio.draw(above(studio), Lens(320, 320, "orthographic", samples=4))["rgb"]
     scan = studio.draw(camera(pos, 0.0), Lens(640, 32, "lidar", elevation=(-30, 30)), ("distance",))["distance"][..., 0]
     scan = pictures.depth_colours(np.minimum(np.repeat(scan, 4, axis=0), FAR), FAR)
     return panels(
@@ -140,6 +137,30 @@ def cameras(studio, samples):
         [("cube map: front, right, back; left, up, down", cube), ("orthographic, from 2.2 m above the floor", plan)],
         [("lidar, 640 x 32 beams, distance", scan)],
     )
+
+
+def arrangements(studios, samples):
+    """The house in which most moves as placed, and in three arrangements."""
+    bank, settled = settled_poses(studios[0].bank, 3, jax.random.key(0), progress=True)
+    studio = studios[int(settled.moved.sum(axis=1).argmax())]
+    placed, shown = (studio.bodies, studio.turns), []
+    lens = Lens(400, 400, "orthographic", samples=samples)
+    poses = np.asarray(bank.physics.arrangement[studio.house])
+    for name, *pose in [
+        ("as placed", *placed),
+        *((f"arrangement {i}", p[:, :3], p[:, 3:]) for i, p in enumerate(poses)),
+    ]:
+        studio.bodies, studio.turns = pose
+        shown.append((name, studio.draw(above(studio), lens)["rgb"]))
+    studio.bodies, studio.turns = placed
+    return panels(shown[:2], shown[2:])
+
+
+def above(studio):
+    """A camera that sees the whole plan, below the ceiling."""
+    low, high = extent(studio)
+    top = [*((low + high) / 2), float(studio.bank.physics.floor[studio.house]) + 2.2]
+    return camera(top, np.pi / 2, -np.pi / 2, max(high - low) + 0.6)
 
 
 def extent(studio):
@@ -188,7 +209,7 @@ def main():
     parser.add_argument("--dataset", type=Path, help="dataset root (default: generated houses)")
     parser.add_argument("--out", type=Path, default=Path("docs/images"))
     parser.add_argument("--samples", type=int, default=9, help="rays per pixel of lit pictures")
-    parser.add_argument("--only", nargs="*", default=["presets", "kinds", "cameras", "moved", "rooms"])
+    parser.add_argument("--only", nargs="*", default=["presets", "kinds", "cameras", "moved", "rooms", "arrangements"])
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         root = args.dataset or folder
@@ -201,6 +222,7 @@ def main():
         "cameras": lambda: cameras(studios[-1], args.samples),
         "moved": lambda: moved(studios[0], args.samples),
         "rooms": lambda: rooms(studios, args.samples),
+        "arrangements": lambda: arrangements(studios, args.samples),
     }
     args.out.mkdir(parents=True, exist_ok=True)
     for name in args.only:

@@ -23,7 +23,7 @@ ROWS = (
     ("scene_compile",),
     ("bank",),
     ("navigation", "physics", "raycast_render"),
-    ("audio_jax",),
+    ("arrangements", "audio_jax"),
     ("tasks",),
     ("registry",),
     ("adapters", "training", "viz"),

@@ -5,6 +5,9 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from home_mjx.bank.bank import HouseBank
+from home_mjx.core.transforms import quat_matrix
+
+ROOM = 0.005  # [m], between an agent that begins and what stands beside it
 
 
 def spread_starts(
@@ -29,6 +32,43 @@ def random_source(bank: HouseBank, house: Int[Array, ""], height: float, key: Ar
     points = bank.navigation.start[house]
     index = jax.random.randint(key, (), 0, points.shape[0])
     return points[index].at[2].add(jnp.float32(height))
+
+
+def random_arrangement(
+    bank: HouseBank, house: Int[Array, ""], points: Float[Array, "n 3"], key: Array
+) -> Int[Array, ""]:
+    """A random one of a house's arrangements in which an agent could stand at each of some points.
+
+    Args:
+        bank: The houses.
+        house: Index of the house.
+        points: [m], on the floor.
+        key: Random key.
+
+    Returns:
+        Its number, each as likely as any other; -1, bodies where the house has them, if there is none.
+    """
+    house = bank.known_house(house)
+    poses = bank.physics.arrangement[house]
+    if not poses.shape[0] or not poses.shape[1]:
+        return jnp.full((), -1, jnp.int32)
+    over_bodies = jax.vmap(_distance, (None, None, 0, 0))
+    over_points = jax.vmap(over_bodies, (None, 0, None, None))
+    size, height = bank.physics.body_size[house], jnp.float32(bank.spec.agent_height)
+    away = jax.vmap(over_points, (None, None, 0, None))(height, points, poses, size)
+    near = (away < jnp.float32(bank.spec.agent_radius + ROOM)) & bank.physics.body_valid[house][None, None]
+    free = ~jnp.any(near, axis=(1, 2))
+    drawn = jnp.argmax(jnp.where(free, jax.random.uniform(key, free.shape), jnp.float32(-1.0)))
+    return jnp.where(jnp.any(free), drawn, -1).astype(jnp.int32)
+
+
+def _distance(
+    height: Float[Array, ""], point: Float[Array, "3"], pose: Float[Array, "7"], half: Float[Array, "3"]
+) -> Float[Array, ""]:
+    """From the vertical line above a point, so high, to an upright box [m]."""
+    nearest = point.at[2].set(jnp.clip(pose[2], point[2], point[2] + height))
+    local = jnp.matmul(nearest - pose[:3], quat_matrix(pose[3:]), precision="highest")
+    return jnp.linalg.norm(jnp.maximum(jnp.abs(local) - half, 0.0))
 
 
 def random_yaw(key: Array, shape: tuple[int, ...] = ()) -> Float[Array, "*n"]:

@@ -28,6 +28,7 @@ def reset(
     agent_pos: Float[Array, "a 3"],
     agent_yaw: Float[Array, " a"],
     door_angle: Float[Array, " h"] | None = None,
+    arrangement: Int[Array, ""] | int | None = None,
 ) -> PhysicsState:
     """Agents, movable bodies and doors at rest at their starting poses, hands empty.
 
@@ -38,11 +39,17 @@ def reset(
         agent_pos: [m], feet on the floor.
         agent_yaw: [rad], counter-clockwise from +x.
         door_angle: [rad], about +z from as placed; None: as placed.
+        arrangement: Which of the house's settled poses bodies have, see `arrangements.settled_poses`; -1 or None: they
+            are where the house has them.
     """
     layout, bodies = template.layout, movable_bodies(bank.physics, house)
     half = jnp.array([body.height / 2 for body in template.config.agents], jnp.float32)
     agents = jnp.concatenate([agent_pos.at[:, 2].add(half), agent_yaw[:, None]], axis=-1)
     placed = jnp.concatenate([bodies.pos, bodies.quat], axis=-1)
+    if arrangement is not None and bank.physics.arrangement.shape[1]:
+        number = jnp.asarray(arrangement, jnp.int32)
+        arranged = bank.physics.arrangement[house, jnp.maximum(number, 0)]
+        placed = jnp.where((bodies.valid & (number >= 0))[:, None], arranged, placed)
     angle = jnp.zeros(layout.num_doors, jnp.float32) if door_angle is None else door_angle
     still = jnp.zeros(layout.num_dofs, jnp.float32)
     nothing = jnp.full(layout.num_agents, -1, jnp.int32)

@@ -16,6 +16,7 @@ from home_mjx.physics.native.data.numbers import numbers_of
 from home_mjx.physics.native.data.work import NEWTON_STEPS, NUM_CONTACTS, free_work, make_work
 from home_mjx.physics.native.step import load_agents, load_house, step_env
 from home_mjx.physics.reference.template_mjcf import CORNER_RADIUS, template_mjcf
+from home_mjx.scene_compile.mjcf.boxes import DOOR_DRAG
 
 floats, ints = pointer_to(types.float64), pointer_to(types.int64)
 CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
@@ -105,7 +106,7 @@ class Oracle:
         self._add_doors(model)
         mujoco.mj_setConst(model, mujoco.MjData(model))
         dof = self.layout.door_qvel
-        model.dof_damping[dof] = servo.DOOR_DRAG * model.dof_M0[dof]
+        model.dof_damping[dof] = DOOR_DRAG * model.dof_M0[dof]
         return model
 
     def _add_doors(self, model) -> None:

@@ -97,6 +97,7 @@ def _physics(house: TinyHouse, num_bodies: int) -> dict[str, np.ndarray]:
         "body_mass": _table([b.mass for b in movable], num_bodies, 0.0),
         "body_inertia": _table([b.inertia for b in movable], num_bodies, nothing),
         "body_from_model": np.tile(np.eye(3, 4, dtype=np.float32), (num_bodies, 1, 1)),
+        "arrangement": np.zeros((0, num_bodies, 7), np.float32),
         "ramp": np.array([house.ramp], np.float32),
         "ramp_collider": np.array([house.ramp_collider], np.int32),
         "door_valid": np.arange(NUM_DOORS) < len(doors),

@@ -75,6 +75,17 @@ def fused():
     return Scene()
 
 
+def test_nothing_settles_where_no_hand_was_told_anything(fused):
+    """So an environment without hands does not ask: not even a bit changes, while agents push things and doors."""
+    pushes = np.array([[-1.0, 0.5, -1.0], [0.3, 1.0, 0.0]], np.float32)
+    state, moved = fused.start, False
+    for _ in range(20):
+        state = physics.step(fused.template, fused.bank, jnp.int32(0), state, jnp.asarray(pushes))
+        jax.tree.map(np.testing.assert_array_equal, settle(fused.template, fused.bank, jnp.int32(0), state), state)
+        moved |= bool(abs(state.qvel[fused.template.layout.door_qvel]).max() > 0.1)
+    assert moved
+
+
 def test_a_cup_is_taken_carried_and_put_down(scene):
     state = scene.run(scene.start, 12, pick=CUP)
     assert state.held.tolist() == [CUP, -1]

@@ -12,7 +12,6 @@ from numpy.testing import assert_allclose
 from tiny_houses import NUM_DOORS, Box, Door, TinyHouse, make_bank
 
 from home_mjx.physics.base.config import PhysicsConfig
-from home_mjx.physics.base.servo import DOOR_DRAG
 from home_mjx.physics.dynamics import reset
 from home_mjx.physics.reference.house_model import (
     house_doors,
@@ -24,6 +23,7 @@ from home_mjx.physics.reference.house_model import (
 from home_mjx.physics.reference.step import nearest_boxes, static_boxes
 from home_mjx.physics.reference.template import Template
 from home_mjx.physics.reference.template_mjcf import CORNER_RADIUS, slot_names, template_mjcf
+from home_mjx.scene_compile.mjcf.boxes import DOOR_DRAG
 from home_mjx.schema import Body, Timing
 
 HOUSE = TinyHouse(

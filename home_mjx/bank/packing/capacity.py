@@ -46,6 +46,7 @@ AXES: Mapping[str, Axis] = {
     # Agents take the object ids from `instances` on, so every object's id must lie below it.
     "instances": Axis(lambda h: max(len(h.instances.model), 1 + int(h.instances.object_id.max())), 32),
     "bodies": Axis(lambda h: len(h.bodies.mass), 8, optional=True),
+    "arrangements": Axis(lambda h: 0, optional=True),  # made of whole banks
     "doors": Axis(lambda h: len(h.doors.mass), 8, optional=True),
     "ramps": Axis(lambda h: len(h.ramps.slope), 1),
     "colliders": Axis(lambda h: len(h.colliders.pos), 64),

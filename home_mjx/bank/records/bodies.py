@@ -35,6 +35,11 @@ def inertia(at: HouseAt) -> Float[np.ndarray, "k 3"]:
     return box_inertia(bodies.mass.astype(np.float32), bodies.size.astype(np.float32))
 
 
+def no_arrangement(at: HouseAt) -> Float[np.ndarray, "0 k 7"]:
+    """None: arrangements are made of banks, by `arrangements.settled_poses`."""
+    return np.zeros((0, len(at.house.bodies.mass), 7))
+
+
 def ramp_rows(at: HouseAt) -> Float[np.ndarray, "r 8"]:
     """Each ramp's footprint and slope, see `Physics.ramp`."""
     ramps = at.house.ramps
@@ -70,6 +75,11 @@ class Physics(Pytree):
     )
     body_from_model: Float[Array, "h bodies 3 4"] = array(
         "body frame from model frame", source="bodies.from_model", fill=np.eye(3, 4)
+    )
+    arrangement: Float[Array, "h arrangements bodies 7"] = array(
+        "[m] and wxyz, other poses in which all bodies rest; a bank has none at first: see `arrangements`",
+        source=no_arrangement,
+        fill=np.concatenate([PARKED, UPRIGHT]),
     )
     door_valid: Bool[Array, "h doors"] = array("False padding", source=is_door, fill=False)
     door_instance: Int[Array, "h doors"] = array("-1 padding", source="doors.instance", fill=-1)

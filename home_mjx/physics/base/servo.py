@@ -23,7 +23,6 @@ HAND_FORCE = 300.0  # [N]
 HAND_STIFFNESS = 1500.0  # [N/m], of the arm that holds back an agent
 HAND_SLACK = 0.05  # [m], by which a thing may lag behind without that
 HAND_LEASH = 0.3  # [m]; what is farther away still comes to the hand, and holds back nobody
-DOOR_DRAG = 1.5  # [1/s], of a hinge: the part of its speed that a leaf loses per second
 DOOR_TIME = 0.3  # [s]
 DOOR_SPEED = 2.0  # [rad/s]
 DOOR_TORQUE = 30.0  # [N m]

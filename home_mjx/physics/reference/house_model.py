@@ -9,7 +9,6 @@ from mujoco import mjx
 
 from home_mjx.bank.records import Physics
 from home_mjx.core.pytree import Pytree
-from home_mjx.physics.base import servo
 from home_mjx.physics.base.doors import Leaf
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.reference.slots import Boxes
@@ -23,6 +22,7 @@ from home_mjx.physics.reference.template_mjcf import (
     PARKED_SIZE,
     PARKED_YAW,
 )
+from home_mjx.scene_compile.mjcf.boxes import DOOR_DRAG
 
 
 class MovableBodies(Pytree):
@@ -152,7 +152,7 @@ def with_doors(model: mjx.Model, layout: Layout, leaves: Leaf) -> mjx.Model:
         body_invweight0=model.body_invweight0.at[at].set(jnp.stack([weight, 1 / inertia / 3], axis=-1)),
         dof_invweight0=model.dof_invweight0.at[dof].set(1 / inertia),
         dof_M0=model.dof_M0.at[dof].set(inertia),
-        dof_damping=model.dof_damping.at[dof].set(jnp.float32(servo.DOOR_DRAG) * inertia),
+        dof_damping=model.dof_damping.at[dof].set(jnp.float32(DOOR_DRAG) * inertia),
         jnt_range=model.jnt_range.at[joint].set(limits),
         geom_pos=model.geom_pos.at[geom].set(arm),
         geom_quat=model.geom_quat.at[geom].set(turned),

@@ -8,8 +8,8 @@ import numpy as np
 
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.base.layout import Layout
-from home_mjx.physics.base.servo import DOOR_DRAG
 from home_mjx.scene_compile.mjcf.agent import AGENT_SOLREF, BODY_SOLREF, add_agent, add_motors, solimp
+from home_mjx.scene_compile.mjcf.boxes import DOOR_DRAG
 
 PARKED_HEIGHT = 500.0  # [m]: unused bodies are parked this far above the house, unused slots this far below
 PARKED_SIZE = 0.1  # [m], half extent

@@ -13,7 +13,7 @@ COLLIDER = "3"  # group, hidden by the viewer at first
 # Leaves touch agents and movable objects, but neither one another nor what is fixed: their range keeps them from it.
 MEETS_LEAVES = {"contype": "3", "conaffinity": "3"}
 ONLY_MOVING = {"contype": "2", "conaffinity": "0"}
-HINGE = {"damping": "0.5", "armature": "0"}  # [N m s/rad], [kg m^2]
+DOOR_DRAG = 1.5  # [1/s], of a hinge: the part of its speed that a leaf loses per second
 
 
 def add_box(parent: ET.Element, name: str, size: Float[np.ndarray, "3"], **more: str) -> None:
@@ -43,9 +43,12 @@ def add_leaf(world: ET.Element, doors: Doors, row: int, name: str) -> tuple[ET.E
     origin = np.array([*doors.pivot[row], doors.pos[row, 2]])
     element = ET.SubElement(world, "body", name=name, pos=numbers(origin))
     limits = numbers(np.rad2deg([doors.low[row], doors.high[row]]))
-    ET.SubElement(element, "joint", HINGE, name=name, type="hinge", axis="0 0 1", range=limits, limited="true")
-    place = {"pos": numbers(doors.pos[row] - origin), "quat": numbers(doors.quat[row])}
-    inertia = numbers(box_inertia(doors.mass[row : row + 1], doors.size[row : row + 1]))
-    ET.SubElement(element, "inertial", place, mass=f"{doors.mass[row]:.9g}", diaginertia=inertia)
+    arm = doors.pos[row] - origin
+    inertia = box_inertia(doors.mass, doors.size)[row]
+    damping = DOOR_DRAG * (inertia[2] + doors.mass[row] * (arm @ arm))  # Steiner's theorem
+    hinge = {"type": "hinge", "axis": "0 0 1", "range": limits, "limited": "true", "damping": f"{damping:.9g}"}
+    ET.SubElement(element, "joint", hinge, name=name, armature="0")
+    place = {"pos": numbers(arm), "quat": numbers(doors.quat[row])}
+    ET.SubElement(element, "inertial", place, mass=f"{doors.mass[row]:.9g}", diaginertia=numbers(inertia))
     add_box(element, name, doors.size[row], **ONLY_MOVING, **place)
     return element, origin

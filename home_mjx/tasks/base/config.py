@@ -24,6 +24,7 @@ ID_KINDS = ("instance", "fine", "coarse", "nyu40", "room", "level", "material", 
 VECTOR_SENSORS = ("audio", "state")
 VIEW_KINDS = PIXEL_KINDS + ID_KINDS + CAMERA_KINDS
 DOOR_STATES = ("open", "closed", "placed", "random")
+ARRANGEMENTS = ("placed", "random")
 SENSORS = VIEW_KINDS + VECTOR_SENSORS
 ACTION_KINDS = ("continuous", "discrete")
 MOVE_TIME = 0.3  # [s], a step of discrete actions: a whole number of the default `sim_dt`
@@ -98,6 +99,8 @@ class EnvConfig:
         hands: Whether there are actions to pick up, put down, drop and throw things and to turn doors.
         doors: How doors stand at reset: "open" (wide), "closed", "placed" (as in the file) or "random" (each open or
             closed, by key). Whatever stands before a leaf, agents can push it, or turn it with their hands.
+        arrangement: Where movable bodies are at reset: "placed" (as in the file) or "random" (one of the bank's settled
+            arrangements, by key, in which agents have room; see `home_mjx.arrangements`).
         source_height: Sound source above the floor [m].
         clip: Name of the sound that the source plays, see `home_mjx.audio_jax.clip_samples`.
         executor: Ray executor, None for the platform's best.
@@ -124,6 +127,7 @@ class EnvConfig:
     actions: str | DiscreteActions = "continuous"
     hands: bool = False
     doors: str = "open"
+    arrangement: str = "placed"
     source_height: float = 1.0
     clip: str = "radio"
     executor: str | None = None
@@ -138,6 +142,7 @@ class EnvConfig:
         self._set(cameras=_tuple("cameras", self.cameras))
         check_known("clip", [self.clip], CLIPS)
         check_known("state of doors", [self.doors], DOOR_STATES)
+        check_known("arrangement", [self.arrangement], ARRANGEMENTS)
         check_flag("hands", self.hands)
         find_executor(self.executor)
         resolve(self.rgb_preset)

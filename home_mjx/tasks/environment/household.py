@@ -14,12 +14,12 @@ from home_mjx.bank.records import BankSpec
 from home_mjx.core.transforms import body_quat
 from home_mjx.errors import ConfigError
 from home_mjx.navigation.doors import door_angles
-from home_mjx.navigation.spawn import random_source, random_yaw, spread_starts
+from home_mjx.navigation.spawn import random_arrangement, random_source, random_yaw, spread_starts
 from home_mjx.physics import PhysicsState
 from home_mjx.physics.hands import obey, settle
 from home_mjx.raycast_render.scene.scene import agent_sizes, make_scene
 from home_mjx.tasks.base.config import EnvConfig
-from home_mjx.tasks.base.keys import DOORS, fold, split, to_raw
+from home_mjx.tasks.base.keys import ARRANGEMENT, DOORS, fold, split, to_raw
 from home_mjx.tasks.base.pose import AgentPose
 from home_mjx.tasks.base.snapshot import Snapshot, Touch
 from home_mjx.tasks.base.specs import Specs
@@ -29,7 +29,13 @@ from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.handling import hand_commands
 from home_mjx.tasks.environment.moves import Moves, action_names, action_spec, moves_of, tilted
-from home_mjx.tasks.environment.usable import check_observations, check_stop, check_task, checked_metrics
+from home_mjx.tasks.environment.usable import (
+    check_arrangements,
+    check_observations,
+    check_stop,
+    check_task,
+    checked_metrics,
+)
 from home_mjx.tasks.sensors.choose import choose_sensors, sensor_names
 from home_mjx.tasks.suite.point_nav import PointNav
 
@@ -198,7 +204,8 @@ class HouseholdEnv:
             faults=jnp.zeros((), jnp.int32),
         )
         angle = door_angles(bank, house, config.doors, fold(to_raw(key), DOORS))
-        data = physics.reset(self.template(bank), bank, house, pos, yaw, angle)
+        arrangement = self._arrangement(bank, house, pos, world.source, fold(to_raw(key), ARRANGEMENT))
+        data = physics.reset(self.template(bank), bank, house, pos, yaw, angle, arrangement)
         snapshot = self._snapshot(params, data, world)
         task = self.task.init(snapshot, goal_key, None if row is None else row.columns)
         no = jnp.zeros((), bool)
@@ -225,7 +232,8 @@ class HouseholdEnv:
         moves = moves_of(self.config, action, state.world.stopped)
         before = self._use_hands(params, self._set_off(params, state, moves), moves)
         data, lost = physics.step_checked(template, bank, state.world.house, before, moves.drive)
-        data = settle(template, bank, state.world.house, data)
+        if self.config.hands:
+            data = settle(template, bank, state.world.house, data)
         broken = physics.is_broken(data)
         data = physics.undo_where(broken, data, state.physics)
         world = state.world.replace(
@@ -301,6 +309,16 @@ class HouseholdEnv:
         snapshot, template = self.snapshot(params, state), self.template(params.bank)
         commands = hand_commands(self.config, snapshot, moves.hands)
         return obey(template, params.bank, state.world.house, state.physics, commands)
+
+    def _arrangement(
+        self, bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "a 3"], source: Float[Array, "3"], key: Array
+    ) -> Int[Array, ""] | None:
+        """Which arrangement the bodies have; neither agents nor the source are in any of them."""
+        if self.config.arrangement == "placed":
+            return None
+        check_arrangements(bank)
+        below = source.at[2].add(-jnp.float32(self.config.source_height))
+        return random_arrangement(bank, house, jnp.concatenate([pos, below[None]]), key)
 
     def template(self, bank: HouseBank) -> physics.Template:
         """The physics' model for banks of this capacity."""

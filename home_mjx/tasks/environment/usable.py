@@ -70,11 +70,13 @@ def check_stop(config: EnvConfig, task: Task) -> None:
 
 
 def check_bank(config: EnvConfig, bank: HouseBank) -> None:
-    """Refuses houses that were compiled for another body.
+    """Refuses houses that were compiled for another body, and those without the arrangements that are asked for.
 
     Raises:
-        ConfigError: Agents would start inside walls, or be seen smaller than they are.
+        ConfigError: Agents would start inside walls, or be seen smaller than they are; or there is no arrangement.
     """
+    if config.arrangement == "random":
+        check_arrangements(bank)
     compiled = {name: getattr(bank.spec, f"agent_{name}") for name in ("radius", "height")}
     wrong = {name: x for name, x in compiled.items() if abs(x - getattr(config.body, name)) > 1e-6}
     if wrong:
@@ -84,6 +86,17 @@ def check_bank(config: EnvConfig, bank: HouseBank) -> None:
             f"the environment has {ours}, but the houses were compiled for {theirs}",
             hint="Give `make` a dataset instead of a bank: it compiles for the body. "
             "Or compile the bank with NavigationOptions(agent_radius=..., agent_height=...).",
+        )
+
+
+def check_arrangements(bank: HouseBank) -> None:
+    """Raises `ConfigError` if a bank has no arrangements to draw from."""
+    if not bank.physics.arrangement.shape[1]:
+        raise ConfigError(
+            "random arrangements are asked for, but the bank has none",
+            element="EnvConfig.arrangement",
+            hint="Make them: from home_mjx.arrangements import settled_poses; "
+            "bank, _ = settled_poses(bank, 8, jax.random.key(0)). A HouseStream has none.",
         )
 
 

@@ -6,6 +6,7 @@ from home_mjx.physics.base import servo
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.reference.template_mjcf import CORNER_RADIUS, LIMIT_SOLREF
 from home_mjx.scene_compile.mjcf import agent
+from home_mjx.scene_compile.mjcf.boxes import DOOR_DRAG
 
 ITERATIONS = 50  # of Newton's method, which ends by itself: most physics steps take one to three
 BY_FORCE = 1.0  # `control`
@@ -89,7 +90,7 @@ def numbers_of(config: PhysicsConfig) -> Numbers:
         hand_stiffness=servo.HAND_STIFFNESS,
         hand_slack=servo.HAND_SLACK,
         hand_leash=servo.HAND_LEASH,
-        door_drag=servo.DOOR_DRAG,
+        door_drag=DOOR_DRAG,
         door_time=servo.DOOR_TIME,
         door_speed=servo.DOOR_SPEED,
         door_torque=servo.DOOR_TORQUE,

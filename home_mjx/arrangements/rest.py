@@ -1,0 +1,65 @@
+"""Lets the physics settle bodies: what is put somewhere comes to rest there, or does not."""
+
+import functools
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+from tqdm import tqdm
+
+from home_mjx import physics
+from home_mjx.bank.bank import HouseBank
+from home_mjx.navigation.doors import door_angles
+from home_mjx.physics import PhysicsConfig, PhysicsState, Template
+
+SECONDS = 10  # that bodies have to come to rest
+FAR = -10.0  # [m], in x and y from a corner of the house: where the agent stands, who has no part in it
+MOST_MOVED, MOST_TURNED = 0.01, 0.03  # [m], [rad], of what came to rest where it was put
+
+
+def settle(bank: HouseBank, progress: bool = False) -> tuple[Float[Array, "h p k 7"], Bool[Array, "h p k"]]:
+    """Poses of the bodies of every house and arrangement after `SECONDS`, doors open, and which have come to rest.
+
+    Args:
+        bank: Houses; their arrangements are where bodies begin.
+        progress: Show a progress bar.
+    """
+    template = Template(PhysicsConfig(), bank.spec)
+    houses, arrangements = bank.physics.arrangement.shape[:2]
+    each, number = jnp.meshgrid(jnp.arange(houses), jnp.arange(arrangements), indexing="ij")
+    house = each.reshape(-1).astype(jnp.int32)
+    state = _begin(template, bank, house, number.reshape(-1).astype(jnp.int32))
+    for _ in tqdm(range(SECONDS), desc="settle", unit="s", disable=not progress):
+        state = jax.block_until_ready(_idle(template, bank, house, state))
+    pose = state.qpos[:, template.layout.body_qpos].reshape(houses, arrangements, -1, 7)
+    speed = state.qvel[:, template.layout.body_qvel].reshape(houses, arrangements, -1, 6)
+    return pose, jnp.all(speed == 0, axis=-1)  # what rests sleeps
+
+
+@functools.partial(jax.jit, static_argnums=0)
+def _begin(template: Template, bank: HouseBank, house: Int[Array, " e"], number: Int[Array, " e"]) -> PhysicsState:
+    def one(house: Array, number: Array) -> PhysicsState:
+        corner = bank.navigation.origin[house] + jnp.float32(FAR)
+        agent = jnp.append(corner, bank.physics.floor[house])[None]
+        angle = door_angles(bank, house, "open", jax.random.key(0))
+        return physics.reset(template, bank, house, agent, jnp.zeros(1, jnp.float32), angle, number)
+
+    return jax.vmap(one)(house, number)
+
+
+@functools.partial(jax.jit, static_argnums=0)
+def _idle(template: Template, bank: HouseBank, house: Int[Array, " e"], state: PhysicsState) -> PhysicsState:
+    """A second later; nobody does anything."""
+
+    def step(state: PhysicsState, _: None) -> tuple[PhysicsState, None]:
+        idle = jnp.zeros((1, 3), jnp.float32)
+        return jax.vmap(lambda h, s: physics.step(template, bank, h, s, idle))(house, state), None
+
+    return jax.lax.scan(step, state, None, length=round(1 / template.config.timing.ctrl_dt))[0]
+
+
+def has_moved(before: Float[Array, "*n 7"], after: Float[Array, "*n 7"]) -> Bool[Array, "*n"]:
+    """Whether bodies are elsewhere than they were put, or turned."""
+    shift = jnp.linalg.norm(after[..., :3] - before[..., :3], axis=-1)
+    cosine = jnp.abs(jnp.sum(after[..., 3:] * before[..., 3:], axis=-1))  # of half the angle between them
+    return (shift > jnp.float32(MOST_MOVED)) | (cosine < jnp.cos(jnp.float32(MOST_TURNED / 2)))
