@@ -62,8 +62,8 @@ class HousesInC:
         digest = hashlib.blake2b(b"".join(np.ascontiguousarray(row).tobytes() for row in rows)).digest()
         number = self._numbers.get(digest)
         if number is None:
-            number = self._numbers[digest] = next(_count)
-            self._houses[number] = house_in_c(self._config, self._layout, rows)
+            number, house = next(_count), house_in_c(self._config, self._layout, rows)
+            self._houses[number], self._numbers[digest] = house, number
         self._numbers.move_to_end(digest)
         return number
 

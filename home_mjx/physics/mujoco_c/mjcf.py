@@ -84,4 +84,4 @@ def _add_body(world: ET.Element, rows: Rows, k: int) -> None:
 
 def _doors(rows: Rows) -> Doors:
     place = {name: getattr(rows, f"door_{name}") for name in ("pivot", "pos", "quat", "size", "mass", "low", "high")}
-    return Doors(instance=np.flatnonzero(rows.door_valid), closed=rows.door_low, wide=rows.door_high, **place)
+    return Doors(instance=np.arange(len(rows.door_valid)), closed=rows.door_low, wide=rows.door_high, **place)
