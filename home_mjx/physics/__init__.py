@@ -22,11 +22,13 @@ from home_mjx.physics.dynamics import (
     undo_where,
 )
 from home_mjx.physics.hands import Commands, obey, settle
+from home_mjx.physics.mujoco_c.exported import ExportedTemplate
 from home_mjx.physics.reference.lost import Lost
 from home_mjx.physics.reference.template import Template
 
 __all__ = [
     "Commands",
+    "ExportedTemplate",
     "Lost",
     "PhysicsConfig",
     "PhysicsState",

@@ -83,6 +83,12 @@ class HouseInC:
         finally:
             self._spare.append(data)
 
+    def placed(self, qpos: Float[np.ndarray, " q"]) -> Float[np.ndarray, " q"]:
+        """The poses with all that the house has where its model begins."""
+        after = qpos.copy()
+        after[self._qpos] = self.model.qpos0
+        return after
+
     def _take(self) -> Any:
         """Data that nobody else uses."""
         try:

@@ -33,6 +33,7 @@ class HousesInC:
     banks need no care. Each physics step then names its house by that number.
 
     Attributes:
+        layout: Of the state.
         find_target: Of `jax.ffi.ffi_call`: arrays of all houses in the order of `Rows`, then the house of each
             environment (e); gives the number of each (e).
         step_target: Numbers (e), `qpos`, `qvel`, `qacc`, applied forces; gives `qpos`, `qvel`, `qacc`, the fields of
@@ -40,7 +41,7 @@ class HousesInC:
     """
 
     def __init__(self, config: PhysicsConfig, layout: Layout) -> None:
-        self._config, self._layout = config, layout
+        self._config, self.layout = config, layout
         self._lock = threading.Lock()
         self._numbers: OrderedDict[bytes, int] = OrderedDict()  # by digest of a house's rows; used last: at the end
         self._houses: dict[int, HouseInC] = {}
@@ -62,7 +63,7 @@ class HousesInC:
         digest = hashlib.blake2b(b"".join(np.ascontiguousarray(row).tobytes() for row in rows)).digest()
         number = self._numbers.get(digest)
         if number is None:
-            number, house = next(_count), house_in_c(self._config, self._layout, rows)
+            number, house = next(_count), house_in_c(self._config, self.layout, rows)
             self._houses[number], self._numbers[digest] = house, number
         self._numbers.move_to_end(digest)
         return number
@@ -94,6 +95,26 @@ def house_in_c(config: PhysicsConfig, layout: Layout, rows: Rows) -> HouseInC:
     model.dof_damping[dofs] = DOOR_DRAG * model.dof_M0[dofs]
     static = {f"static{c}": c for c in np.flatnonzero((rows.collider_size > 0).all(axis=-1)).tolist()}
     return HouseInC(model, layout, agents + bodies + doors, static)
+
+
+class ListedHouses(HousesInC):
+    """Models that are there already: the house of an environment is its place in a list.
+
+    Args:
+        config: Options.
+        layout: Capacities.
+        houses: One for each house of the bank, in its order.
+    """
+
+    def __init__(self, config: PhysicsConfig, layout: Layout, houses: Sequence[HouseInC]) -> None:
+        super().__init__(config, layout)
+        self._houses = dict(enumerate(houses))
+
+    def __len__(self) -> int:
+        return len(self._houses)
+
+    def _find(self, given: Arrays, results: Arrays) -> None:
+        np.clip(given[-1], 0, len(self) - 1, out=results[0])
 
 
 @functools.cache

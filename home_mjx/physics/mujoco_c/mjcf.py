@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.reference.template_mjcf import CORNER_RADIUS, CORNERS
 from home_mjx.scene_compile.geometry.boxes import box_inertia
-from home_mjx.scene_compile.mjcf.agent import AGENT_SOLREF, BODY_SOLREF, add_agent, solimp
+from home_mjx.scene_compile.mjcf.agent import BODY_SOLREF, FRICTIONLESS, add_agent, solimp
 from home_mjx.scene_compile.mjcf.assets import numbers
 from home_mjx.scene_compile.mjcf.boxes import MEETS_LEAVES, add_leaf
 from home_mjx.schema.compiled import Doors
@@ -57,7 +57,7 @@ def house_mjcf(config: PhysicsConfig, rows: Rows) -> str:
         place = {"pos": numbers(rows.collider_pos[c]), "quat": numbers(rows.collider_quat[c])}
         ET.SubElement(world, "geom", place, name=f"static{c}", type="box", size=numbers(rows.collider_size[c]))
     for a, shape in enumerate(config.agents):
-        add_agent(world, shape, f"agent{a}", condim="1", priority="1", solref=AGENT_SOLREF, **AGENT)
+        add_agent(world, shape, f"agent{a}", **FRICTIONLESS, **AGENT)
     for k in np.flatnonzero(rows.body_valid).tolist():
         _add_body(world, rows, k)
     for h in np.flatnonzero(rows.door_valid).tolist():

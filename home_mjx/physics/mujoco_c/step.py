@@ -12,11 +12,11 @@ from home_mjx.bank.records import Physics
 from home_mjx.core.native.forked import refuse_forked
 from home_mjx.core.native.varying import varying_as
 from home_mjx.errors import ConfigError
-from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.batched import Step, batched, without_gradient
-from home_mjx.physics.mujoco_c.houses import houses_in_c
+from home_mjx.physics.mujoco_c.exported import ExportedTemplate
+from home_mjx.physics.mujoco_c.houses import HousesInC, houses_in_c
 from home_mjx.physics.mujoco_c.mjcf import Rows
 from home_mjx.physics.reference.applied import applied_forces
 from home_mjx.physics.reference.house_model import house_doors, movable_bodies
@@ -43,7 +43,7 @@ def step_c(
     refuse_other_than_cpu()
     bodies, leaves = movable_bodies(physics, house), house_doors(physics, house)
     parts, layout = (bodies, leaves, physics.ramp[house]), template.layout
-    find, move = _calls(template.config, template.layout)
+    find, move = _calls(_houses(template, physics))
     tables = physics.replace(collider_size=half_above_floor(physics))
     (number,) = find(*(getattr(tables, name) for name in Rows._fields), house[None])
 
@@ -81,10 +81,22 @@ def _motor_dofs(layout: Layout) -> Int[np.ndarray, " n"]:
     return np.add.outer(4 * np.arange(layout.num_agents), MOTOR_DOFS).reshape(-1)
 
 
+def _houses(template: Template, physics: Physics) -> HousesInC:
+    """What the template steps: exported houses, or those that are made from the bank."""
+    if not isinstance(template, ExportedTemplate):
+        return houses_in_c(template.config, template.layout)
+    if len(template.houses) != physics.floor.shape[0]:
+        raise ConfigError(
+            f"the template has {len(template.houses)} exported houses, the bank {physics.floor.shape[0]}",
+            element="ExportedTemplate",
+            hint="Use its own bank, `template.bank`.",
+        )
+    return template.houses
+
+
 @functools.cache
-def _calls(config: PhysicsConfig, layout: Layout) -> tuple[Step, Step]:
+def _calls(houses: HousesInC) -> tuple[Step, Step]:
     """Finding the houses of environments, and one physics step of environments."""
-    houses = houses_in_c(config, layout)
 
     def find(*operands: Array) -> tuple[Array, ...]:
         house = operands[-1].astype(jnp.int32)
@@ -93,7 +105,7 @@ def _calls(config: PhysicsConfig, layout: Layout) -> tuple[Step, Step]:
     def move(*operands: Array) -> tuple[Array, ...]:
         number, *state = operands
         given = (number, *(x.astype(jnp.float32) for x in state))
-        return _called(houses.step_target, given, _results(layout, given[1:4]))
+        return _called(houses.step_target, given, _results(houses.layout, given[1:4]))
 
     return batched(find, len(Rows._fields), 1), without_gradient(batched(move, 0, NUM_RESULTS), "C MuJoCo")
 

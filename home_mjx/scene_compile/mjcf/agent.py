@@ -12,6 +12,9 @@ BODY_SOLREF = "0.05 1"
 # 0.95 and 0.98 an agent presses a light box a third as deep into a wall, but MJX, not converged, parts from C.
 SOLIMP = (0.9, 0.95, 0.001)
 
+# What makes an agent's contacts frictionless, whatever it touches.
+FRICTIONLESS = {"condim": "1", "priority": "1", "solref": AGENT_SOLREF, "solimp": " ".join(map(str, SOLIMP))}
+
 
 def solimp() -> str:
     """`SOLIMP` as an attribute.
