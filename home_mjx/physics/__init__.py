@@ -23,6 +23,8 @@ from home_mjx.physics.dynamics import (
 )
 from home_mjx.physics.hands import Commands, obey, settle
 from home_mjx.physics.mujoco_c.exported import ExportedTemplate
+from home_mjx.physics.mujoco_c.model import ModelInC
+from home_mjx.physics.mujoco_c.robot import robot_in_house
 from home_mjx.physics.reference.lost import Lost
 from home_mjx.physics.reference.template import Template
 
@@ -30,6 +32,7 @@ __all__ = [
     "Commands",
     "ExportedTemplate",
     "Lost",
+    "ModelInC",
     "PhysicsConfig",
     "PhysicsState",
     "Template",
@@ -41,6 +44,7 @@ __all__ = [
     "is_broken",
     "obey",
     "reset",
+    "robot_in_house",
     "settle",
     "step",
     "step_checked",

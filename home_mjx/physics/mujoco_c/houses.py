@@ -3,7 +3,6 @@
 import functools
 import hashlib
 import itertools
-import os
 import threading
 from collections import OrderedDict
 from collections.abc import Sequence
@@ -16,6 +15,7 @@ from home_mjx.core.native.host_call import register_host_call
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.base.servo import DOOR_DRAG
+from home_mjx.physics.mujoco_c.calls import num_threads
 from home_mjx.physics.mujoco_c.house import HouseInC
 from home_mjx.physics.mujoco_c.mjcf import Rows, house_mjcf
 
@@ -69,7 +69,7 @@ class HousesInC:
         return number
 
     def _step(self, given: Arrays, results: Arrays) -> None:
-        envs = np.array_split(np.arange(len(given[0])), min(_num_threads(), len(given[0])))
+        envs = np.array_split(np.arange(len(given[0])), min(num_threads(), len(given[0])))
         if len(envs) == 1:
             return self._step_some(given, results, envs[0])
         for done in [_pool().submit(self._step_some, given, results, some) for some in envs]:
@@ -125,8 +125,4 @@ def houses_in_c(config: PhysicsConfig, layout: Layout) -> HousesInC:
 
 @functools.cache
 def _pool() -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(_num_threads(), "home_mjx_c")
-
-
-def _num_threads() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return ThreadPoolExecutor(num_threads(), "home_mjx_c")

@@ -9,12 +9,11 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from home_mjx.bank.records import Physics
-from home_mjx.core.native.forked import refuse_forked
-from home_mjx.core.native.varying import varying_as
 from home_mjx.errors import ConfigError
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.batched import Step, batched, without_gradient
+from home_mjx.physics.mujoco_c.calls import call_host, refuse_where_impossible
 from home_mjx.physics.mujoco_c.exported import ExportedTemplate
 from home_mjx.physics.mujoco_c.houses import HousesInC, houses_in_c
 from home_mjx.physics.mujoco_c.mjcf import Rows
@@ -39,8 +38,7 @@ def step_c(
         ConfigError: The program is made for something else than a CPU.
         ExecutorError: In a forked child of a process that has stepped before.
     """
-    refuse_forked("step physics")
-    refuse_other_than_cpu()
+    refuse_where_impossible()
     bodies, leaves = movable_bodies(physics, house), house_doors(physics, house)
     parts, layout = (bodies, leaves, physics.ramp[house]), template.layout
     find, move = _calls(_houses(template, physics))
@@ -63,18 +61,6 @@ def step_c(
     pushed = {"impulse": whole.impulse, "place": whole.place, "other": whole.other}
     after = state.replace(qpos=qpos, qvel=qvel, qacc=qacc, touched=count.max(axis=0), **pushed)
     return after, Lost(static_boxes=no, contact_pairs=no, contact_points=jnp.any(full))
-
-
-def refuse_other_than_cpu() -> None:
-    """Raises `ConfigError` where programs are made for a GPU or TPU: C MuJoCo runs on the host."""
-    device = jax.config.jax_default_device  # pyright: ignore[reportAttributeAccessIssue]
-    platform = jax.default_backend() if device is None else getattr(device, "platform", device)
-    if platform != "cpu":
-        raise ConfigError(
-            f"C MuJoCo runs on CPUs only, and programs are made for `{platform}` here",
-            element="PhysicsConfig.impl",
-            hint="Set JAX_PLATFORMS=cpu, or write `with jax.default_device(jax.devices('cpu')[0]):`",
-        )
 
 
 def _motor_dofs(layout: Layout) -> Int[np.ndarray, " n"]:
@@ -100,20 +86,14 @@ def _calls(houses: HousesInC) -> tuple[Step, Step]:
 
     def find(*operands: Array) -> tuple[Array, ...]:
         house = operands[-1].astype(jnp.int32)
-        return _called(houses.find_target, (*operands[:-1], house), [jax.ShapeDtypeStruct(house.shape, jnp.int32)])
+        return call_host(houses.find_target, (*operands[:-1], house), [jax.ShapeDtypeStruct(house.shape, jnp.int32)])
 
     def move(*operands: Array) -> tuple[Array, ...]:
         number, *state = operands
         given = (number, *(x.astype(jnp.float32) for x in state))
-        return _called(houses.step_target, given, _results(houses.layout, given[1:4]))
+        return call_host(houses.step_target, given, _results(houses.layout, given[1:4]))
 
     return batched(find, len(Rows._fields), 1), without_gradient(batched(move, 0, NUM_RESULTS), "C MuJoCo")
-
-
-def _called(target: str, operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]) -> tuple[Array, ...]:
-    if operands[-1].shape[0] == 0:
-        return tuple(jnp.zeros(x.shape, x.dtype) for x in results)
-    return varying_as(operands, jax.ffi.ffi_call(target, results)(*operands))
 
 
 def _results(layout: Layout, state: Sequence[Array]) -> list[jax.ShapeDtypeStruct]:

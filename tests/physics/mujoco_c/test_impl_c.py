@@ -15,9 +15,9 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
 from home_mjx.physics import ExportedTemplate, PhysicsConfig, Template
 from home_mjx.physics.mujoco_c import houses as c_houses
+from home_mjx.physics.mujoco_c.calls import refuse_where_impossible
 from home_mjx.physics.mujoco_c.houses import house_in_c
 from home_mjx.physics.mujoco_c.mjcf import Rows
-from home_mjx.physics.mujoco_c.step import refuse_other_than_cpu
 
 STEPS = 20
 HOUSES = [
@@ -122,7 +122,7 @@ def test_state_of_environments_is_their_own(bank):
     """A batch of both houses, each twice, is each alone, to the last bit."""
     template = Template(PhysicsConfig(impl="c"), bank.spec)
     house = jnp.array([0, 1, 1, 0])
-    state = jax.vmap(lambda h: physics.reset(template, bank, h, STARTS[h], jnp.zeros(1)))(house)
+    state = jax.jit(jax.vmap(lambda h: physics.reset(template, bank, h, STARTS[h], jnp.zeros(1))))(house)
     actions = jax.random.uniform(jax.random.key(0), (4, 1, 3), minval=-1.0)
     step = jax.jit(lambda h, s, a: physics.step(template, bank, h, s, a))
     together = jax.vmap(step)(house, state, actions)
@@ -148,7 +148,7 @@ def test_a_state_that_is_not_a_number_stays_so_and_harms_nobody(bank):
     """MuJoCo would begin anew in silence."""
     template = Template(PhysicsConfig(impl="c"), bank.spec)
     house = jnp.arange(2, dtype=jnp.int32)
-    state = jax.vmap(lambda h: physics.reset(template, bank, h, STARTS[h], jnp.zeros(1)))(house)
+    state = jax.jit(jax.vmap(lambda h: physics.reset(template, bank, h, STARTS[h], jnp.zeros(1))))(house)
     bad = state.replace(qpos=state.qpos.at[0, 0].set(jnp.nan))
     step = jax.jit(jax.vmap(lambda h, s: physics.step(template, bank, h, s, jnp.ones((1, 3)))))
     good, after = step(house, state), step(house, bad)
@@ -168,9 +168,9 @@ def test_other_houses_than_the_banks_are_refused(bank):
 
 
 def test_other_devices_are_refused(monkeypatch):
-    refuse_other_than_cpu()
+    refuse_where_impossible()
     monkeypatch.setattr(jax, "default_backend", lambda: "gpu")
     with pytest.raises(ConfigError, match="for `gpu` here"):
-        refuse_other_than_cpu()
+        refuse_where_impossible()
     with jax.default_device(jax.devices("cpu")[0]):
-        refuse_other_than_cpu()
+        refuse_where_impossible()
