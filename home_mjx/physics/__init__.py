@@ -24,12 +24,17 @@ from home_mjx.physics.dynamics import (
 )
 from home_mjx.physics.hands import Commands, obey, settle
 from home_mjx.physics.outside import is_outside
+from home_mjx.physics.mujoco_c.exported import ExportedTemplate
+from home_mjx.physics.mujoco_c.model import ModelInC
+from home_mjx.physics.mujoco_c.robot import robot_in_house
 from home_mjx.physics.reference.lost import Lost
 from home_mjx.physics.reference.template import Template
 
 __all__ = [
     "Commands",
+    "ExportedTemplate",
     "Lost",
+    "ModelInC",
     "PhysicsConfig",
     "PhysicsState",
     "Template",
@@ -42,6 +47,7 @@ __all__ = [
     "is_outside",
     "obey",
     "reset",
+    "robot_in_house",
     "settle",
     "step",
     "step_checked",

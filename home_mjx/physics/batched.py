@@ -1,7 +1,7 @@
 """A step of environments (e ...) under `vmap` and over several devices."""
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NoReturn
 
 import jax
 import jax.numpy as jnp
@@ -10,6 +10,8 @@ from jax.experimental.custom_partitioning import custom_partitioning
 from jax.interpreters.mlir import ir
 from jax.sharding import NamedSharding, PartitionSpec
 from jaxtyping import Array
+
+from home_mjx.errors import ConfigError
 
 Step = Callable[..., tuple[Array, ...]]
 
@@ -41,6 +43,22 @@ def batched(run: Step, shared: int, results: int) -> Step:
         return tuple(x.reshape(size, x.shape[0] // size, *x.shape[1:]) for x in stepped), many
 
     return step
+
+
+def without_gradient(step: Step, name: str) -> Step:
+    """A step that refuses to be differentiated: zeros would be wrong gradients that nobody notices."""
+    guarded = jax.custom_jvp(step)
+
+    @guarded.defjvp
+    def refuse(primals: Any, tangents: Any) -> NoReturn:
+        raise ConfigError(
+            f"{name} has no gradient",
+            element="PhysicsConfig.impl",
+            hint="Use PhysicsConfig(impl='jax') for `jax.jvp`, with iterations=1 also for `jax.grad`; or "
+            "`jax.lax.stop_gradient` on the actions",
+        )
+
+    return guarded
 
 
 def _partitioned(run: Step, shared: int) -> Step:

@@ -6,7 +6,6 @@ exactly. Where there is no such function MJX steps.
 
 import functools
 from collections.abc import Callable, Sequence
-from typing import Any, NoReturn
 
 import jax
 import jax.numpy as jnp
@@ -15,17 +14,16 @@ from jaxtyping import Array, Float, Int
 from home_mjx.bank.records import Physics
 from home_mjx.core.native.forked import refuse_forked
 from home_mjx.core.native.platforms import cover_all
-from home_mjx.core.native.varying import varying_false
-from home_mjx.errors import ConfigError
+from home_mjx.core.native.varying import varying_as
 from home_mjx.physics.base.doors import Leaf, door_table
 from home_mjx.physics.base.state import PhysicsState
-from home_mjx.physics.batched import Step, batched
+from home_mjx.physics.batched import Step, batched, without_gradient
 from home_mjx.physics.cpu import cpu_available, step_cpu
 from home_mjx.physics.cuda.launch import cuda_available, step_cuda
 from home_mjx.physics.native.data.numbers import numbers_of
 from home_mjx.physics.native.data.operands import BODY_VALID, NUM_RESULTS, NUM_SHARED
 from home_mjx.physics.reference.lost import Lost
-from home_mjx.physics.reference.slots import Boxes
+from home_mjx.physics.reference.slots import half_above_floor
 from home_mjx.physics.reference.step import step_mjx
 from home_mjx.physics.reference.template import Template
 
@@ -94,9 +92,7 @@ def _asleep(template: Template, qvel: Array, qacc: Array) -> Array:
 
 def _house_arrays(physics: Physics) -> tuple[Array, ...]:
     """In the order of `operands`; boxes that do not rise above the floor get a negative size."""
-    boxes = Boxes(physics.collider_pos, physics.collider_quat, physics.collider_size)
-    above = boxes.rise_above(physics.floor[:, None])
-    half = jnp.where(above[..., None], physics.collider_size, jnp.float32(-1.0))
+    half = half_above_floor(physics)
     valid = physics.body_valid.astype(jnp.int32)
     bodies = (valid, physics.body_size, physics.body_mass, physics.body_inertia)
     doors = door_table(Leaf.of(physics))
@@ -105,7 +101,8 @@ def _house_arrays(physics: Physics) -> tuple[Array, ...]:
 
 @functools.cache
 def _batched(platform: str) -> Step:
-    return _without_gradient(batched(functools.partial(_run, STEPS[platform]), NUM_SHARED, NUM_RESULTS))
+    run = functools.partial(_run, STEPS[platform])
+    return without_gradient(batched(run, NUM_SHARED, NUM_RESULTS), "the fused physics step")
 
 
 def _run(step: Callable[..., Sequence[Array]], *operands: Array) -> tuple[Array, ...]:
@@ -119,21 +116,4 @@ def _run(step: Callable[..., Sequence[Array]], *operands: Array) -> tuple[Array,
     results += [jax.ShapeDtypeStruct((envs, mobiles, 4), jnp.float32), jax.ShapeDtypeStruct((envs, mobiles), jnp.int32)]
     if 0 in (envs, agents):
         return tuple(jnp.zeros(x.shape, x.dtype) for x in results)
-    never = varying_false(operands)
-    return tuple(jnp.where(never, jnp.zeros_like(x), x) for x in step(given, results))
-
-
-def _without_gradient(step: Step) -> Step:
-    """Zeros would be wrong gradients that nobody notices."""
-    guarded = jax.custom_jvp(step)
-
-    @guarded.defjvp
-    def refuse(primals: Any, tangents: Any) -> NoReturn:
-        raise ConfigError(
-            "the fused physics step has no gradient",
-            element="PhysicsConfig.impl",
-            hint="Use PhysicsConfig(impl='jax') for `jax.jvp`, with iterations=1 also for `jax.grad`; or "
-            "`jax.lax.stop_gradient` on the actions",
-        )
-
-    return guarded
+    return varying_as(operands, step(given, results))

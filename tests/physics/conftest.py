@@ -20,6 +20,6 @@ class World:
         return rollouts.Rollout(*(values[:, index] for values in self.rollout))
 
 
-@pytest.fixture(scope="session", params=["jax", "fused"])
+@pytest.fixture(scope="session", params=["jax", "fused", "c"])
 def world(request):
     return World(request.param)

@@ -1,4 +1,4 @@
-"""Doors, hands and what was touched: the fused step against C MuJoCo and against the reference."""
+"""Doors, hands and what was touched: the fused step and C MuJoCo against C MuJoCo by hand and against MJX."""
 
 import jax
 import jax.numpy as jnp
@@ -64,15 +64,20 @@ def rollout(impl, length):
     return template, run(bank)
 
 
+@pytest.fixture(scope="module", params=["fused", "c"])
+def driven(request):
+    return rollout(request.param, 20)
+
+
 @pytest.fixture(scope="module")
-def fused():
-    return rollout("fused", 20)
+def truth():
+    return rollout("jax", 6)[1]
 
 
 @pytest.mark.parametrize("number", [0, 1])
-def test_doors_turn_as_in_c(fused, number):
+def test_doors_turn_as_in_c(driven, number):
     """An agent walks into a leaf, and pushes a box into another."""
-    template, states = fused
+    template, states = driven
     house, layout, config = SCENES[number], template.layout, template.config
     spec = host_spec(template, house)
     spec.option.iterations, spec.option.ls_iterations = 100, 50
@@ -92,10 +97,9 @@ def test_doors_turn_as_in_c(fused, number):
     assert np.abs(qpos[layout.door_qpos][0]) > 0.5
 
 
-def test_the_reference_drives_doors_and_hands_alike(fused):
-    """MJX and the fused step, six control steps of all scenes: also what touched what, and how hard."""
-    template, states = fused
-    _, truth = rollout("jax", 6)
+def test_the_reference_drives_doors_and_hands_alike(driven, truth):
+    """MJX against the others, six control steps of all scenes: also what touched what, and how hard."""
+    template, states = driven
     layout = template.layout
     got = jax.tree.map(lambda x: np.asarray(x[:6]), states)
     assert_allclose(got.qpos, truth.qpos, atol=3e-3)
@@ -106,9 +110,9 @@ def test_the_reference_drives_doors_and_hands_alike(fused):
     assert (got.other[strong] == np.asarray(truth.other)[strong]).mean() > 0.95
 
 
-def test_a_hand_carries_a_thing_to_its_grip(fused):
+def test_a_hand_carries_a_thing_to_its_grip(driven):
     """It comes off the table and stays where the hand holds it while the agent walks and turns."""
-    template, states = fused
+    template, states = driven
     agent, body = (np.asarray(states.qpos)[:, 2, at] for at in (template.layout.agent_qpos, template.layout.body_qpos))
     yaw = agent[-1, 3]
     turn = np.array([[np.cos(yaw), -np.sin(yaw), 0], [np.sin(yaw), np.cos(yaw), 0], [0, 0, 1]])
@@ -117,16 +121,16 @@ def test_a_hand_carries_a_thing_to_its_grip(fused):
     assert_allclose(np.sin(turned - yaw), 0, atol=0.05)
 
 
-def test_a_door_turns_to_its_goal(fused):
-    template, states = fused
+def test_a_door_turns_to_its_goal(driven):
+    template, states = driven
     angle = np.asarray(states.qpos)[:, 2, template.layout.door_qpos][:, 0]
     assert (np.diff(angle) > -1e-4).all()
     assert_allclose(angle[-1], 1.0, atol=0.01)
 
 
-def test_what_was_touched_is_told(fused):
+def test_what_was_touched_is_told(driven):
     """The agent stands on the floor and pushes a leaf; the leaf is pushed by the agent."""
-    template, states = fused
+    template, states = driven
     door = template.layout.num_agents + template.layout.num_bodies
     others, impulse = np.asarray(states.other), np.asarray(states.impulse)
     weight = template.config.body.mass * 9.81 * template.config.timing.ctrl_dt

@@ -1,4 +1,4 @@
-"""The fused step as part of a program: split over devices, differentiated, batched in other ways."""
+"""Steps of compiled code as parts of a program: split over devices, differentiated, batched in other ways."""
 
 import re
 
@@ -16,9 +16,9 @@ from home_mjx.errors import ConfigError
 HOUSES = jnp.arange(rollouts.BATCH, dtype=jnp.int32)
 
 
-@pytest.fixture(scope="module")
-def scene():
-    bank, template = rollouts.build("fused")
+@pytest.fixture(scope="module", params=["fused", "c"])
+def scene(request):
+    bank, template = rollouts.build(request.param)
     return bank, template, rollouts.start(bank, template, HOUSES)
 
 

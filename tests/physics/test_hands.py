@@ -65,7 +65,7 @@ def told(agent: int = 0, **command) -> Commands:
     return none.replace(**{name: getattr(none, name).at[agent].set(value) for name, value in command.items()})
 
 
-@pytest.fixture(scope="module", params=["fused", "kinematic"])
+@pytest.fixture(scope="module", params=["fused", "c", "kinematic"])
 def scene(request):
     return Scene(request.param)
 

@@ -25,7 +25,7 @@ HOUSE = TinyHouse(
 )
 
 
-@pytest.fixture(scope="module", params=["fused", "kinematic"])
+@pytest.fixture(scope="module", params=["fused", "c", "kinematic"])
 def walk(request):
     bank = make_bank([HOUSE])
     template = Template(PhysicsConfig(impl=request.param), bank.spec)

@@ -8,7 +8,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.schema.agent import Body
 from home_mjx.schema.timing import Timing
 
-IMPLS = ("fused", "jax", "kinematic")
+IMPLS = ("fused", "jax", "c", "kinematic")
 WARP = ". MJX-Warp is not offered: its agents fall through the floor"
 JACOBIANS = ("auto", "dense", "sparse")
 CONTROLS = ("velocity", "force")
@@ -44,8 +44,9 @@ class PhysicsConfig:
         jacobian: MuJoCo's option; "auto" is sparse on CPU, where it is a third faster, and dense elsewhere.
         impl: "fused": all physics steps of a step in one compiled function on CPUs and NVIDIA GPUs, MJX elsewhere; no
             gradients. "jax": MJX everywhere, with forward-mode gradients (`jax.jvp`); reverse mode needs
-            `iterations=1`, as MJX's solver is a loop of unknown length. "kinematic": no dynamics; agents slide along
-            what is in the way, and things stay where they are.
+            `iterations=1`, as MJX's solver is a loop of unknown length. "c": C MuJoCo on each house's own model, on
+            CPUs only; no gradients. "kinematic": no dynamics; agents slide along what is in the way, and things stay
+            where they are.
 
     Raises:
         ConfigError: A value cannot be used.

@@ -1,9 +1,8 @@
-"""Forces that the reference applies: motors, hands, doors, ramps."""
+"""Forces that drive what moves: motors, hands, doors, ramps."""
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
-from mujoco import mjx
 
 from home_mjx.physics.base.control import MASS, motor_forces
 from home_mjx.physics.base.doors import Leaf
@@ -20,47 +19,58 @@ from home_mjx.physics.reference.house_model import MovableBodies
 from home_mjx.physics.reference.template import Template
 
 
-def with_forces(
+def applied_forces(
     template: Template,
     house: tuple[MovableBodies, Leaf, Float[Array, "r 8"]],
     state: PhysicsState,
     action: Float[Array, "a 3"],
-    data: mjx.Data,
-) -> mjx.Data:
-    """The data with what drives agents, doors and things in hands.
+    qpos: Float[Array, " q"],
+    qvel: Float[Array, " v"],
+) -> tuple[Float[Array, "a 3"], Float[Array, " v"]]:
+    """What drives agents, doors and things in hands.
 
     Args:
         template: The model.
         house: Its bodies, doors and ramps.
         state: At the start of the control step: what is held, and where doors are driven to.
         action: Of the agents.
-        data: Now.
+        qpos: Now.
+        qvel: Now.
+
+    Returns:
+        Of the agents' motors: force along world x and y [N], torque about z [N m]. On all others, as MuJoCo's
+        `qfrc_applied`.
     """
     bodies, leaves, ramps = house
     layout, table = template.layout, jnp.asarray(template.agents, jnp.float32)
-    pos, velocity = (x[layout.agent_qpos].reshape(-1, 4) for x in (data.qpos, data.qvel))
+    pos, velocity = (x[layout.agent_qpos].reshape(-1, 4) for x in (qpos, qvel))
     motors = jax.vmap(lambda *x: motor_forces(template.config, *x))(table, action, pos[:, 3], velocity)
     uphill = jax.vmap(lambda agent, at: ramp_acceleration(ramps, agent, at[:3]))(table, pos)
     motors = motors.at[:, :2].add(uphill * table[:, MASS, None])
-    applied = jnp.zeros_like(data.qfrc_applied)
+    applied = jnp.zeros_like(qvel)
     if layout.num_doors:
-        angle, rate = data.qpos[layout.door_qpos], data.qvel[layout.door_qvel]
+        angle, rate = qpos[layout.door_qpos], qvel[layout.door_qvel]
         drive = door_acceleration(angle, rate, state.goal, leaves.inertia, hand_time(template.config))
         applied = applied.at[layout.door_qvel].add(drive * leaves.inertia)
     if layout.num_bodies:
         for a in range(layout.num_agents):
-            applied, back = _hold(template, bodies, state, a, data, applied)
+            applied, back = _hold(template, bodies, state, a, (qpos, qvel), applied)
             motors = motors.at[a, :2].add(back)
-    return data.replace(ctrl=motors.reshape(-1), qfrc_applied=applied)
+    return motors, applied
 
 
 def _hold(
-    template: Template, bodies: MovableBodies, state: PhysicsState, a: int, data: mjx.Data, applied: Float[Array, " v"]
+    template: Template,
+    bodies: MovableBodies,
+    state: PhysicsState,
+    a: int,
+    now: tuple[Float[Array, " q"], Float[Array, " v"]],
+    applied: Float[Array, " v"],
 ) -> tuple[Float[Array, " v"], Float[Array, "2"]]:
     """What an agent's hand adds to the applied forces, and what the agent feels."""
-    layout, body = template.layout, jnp.maximum(state.held[a], 0)
-    pos, velocity = data.qpos[layout.body_qpos].reshape(-1, 7)[body], data.qvel[layout.body_qvel].reshape(-1, 6)[body]
-    agent, speed = data.qpos[4 * a : 4 * a + 4], data.qvel[4 * a : 4 * a + 4]
+    layout, body, (qpos, qvel) = template.layout, jnp.maximum(state.held[a], 0), now
+    pos, velocity = qpos[layout.body_qpos].reshape(-1, 7)[body], qvel[layout.body_qvel].reshape(-1, 6)[body]
+    agent, speed = qpos[4 * a : 4 * a + 4], qvel[4 * a : 4 * a + 4]
     mass, inertia = bodies.mass[body], bodies.inertia[body]
     held = Held(
         pos=pos[:3],

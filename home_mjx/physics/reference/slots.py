@@ -13,6 +13,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
+from home_mjx.bank.records import Physics
 from home_mjx.core.pytree import Pytree
 from home_mjx.physics.reference.template_mjcf import PARKED_HEIGHT, PARKED_SIZE
 
@@ -49,6 +50,13 @@ class Boxes(Pytree):
     def rise_above(self, floor: Float[Array, "*#n"]) -> Bool[Array, "*n"]:
         """Whether a box is not part of a floor at that height [m]."""
         return self.top > floor + jnp.float32(FLAT)
+
+
+def half_above_floor(physics: Physics) -> Float[Array, "h c 3"]:
+    """Half extents [m] of all houses' static boxes; negative where a box does not rise above its house's floor."""
+    boxes = Boxes(physics.collider_pos, physics.collider_quat, physics.collider_size)
+    above = boxes.rise_above(physics.floor[:, None])
+    return jnp.where(above[..., None], physics.collider_size, jnp.float32(-1.0))
 
 
 def separation(owner: Boxes, static: Boxes) -> Float[Array, " c"]:

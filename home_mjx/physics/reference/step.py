@@ -11,7 +11,7 @@ from mujoco import mjx
 from home_mjx.bank.records import Physics
 from home_mjx.physics.base.doors import Leaf
 from home_mjx.physics.base.state import PhysicsState
-from home_mjx.physics.reference.applied import with_forces
+from home_mjx.physics.reference.applied import applied_forces
 from home_mjx.physics.reference.house_model import (
     MovableBodies,
     house_doors,
@@ -38,14 +38,17 @@ def step_mjx(
     model = with_doors(model, template.layout, leaves)
 
     def substep(carry: tuple[mjx.Data, Sizes], _: None) -> tuple[tuple[mjx.Data, Sizes], tuple[Array, Pushes, Array]]:
-        data = with_forces(template, parts, state, action, carry[0])
+        data = carry[0]
+        motors, applied = applied_forces(template, parts, state, action, data.qpos, data.qvel)
+        data = data.replace(ctrl=motors.reshape(-1), qfrc_applied=applied)
         slots, boxes, crowded = nearest_boxes(template, static, bodies.size, data)
         filled = with_slots(model, template.layout, slots)
         with _as_mjx_needs():
             data = mjx.step(filled, data)
         sizes = Sizes(size=filled.geom_size, rbound=filled.geom_rbound)
         pushes = find_pushes(template, data, boxes)
-        return (_settle(template, bodies, leaves, state, data), sizes), (data.sensordata, pushes, crowded)
+        qpos, qvel = within_limits(template, bodies, leaves, state, (data.qpos, data.qvel))
+        return (data.replace(qpos=qpos, qvel=qvel), sizes), (data.sensordata, pushes, crowded)
 
     data = template.data.replace(qpos=state.qpos, qvel=state.qvel, qacc_warmstart=state.qacc)
     first = data, Sizes(size=model.geom_size, rbound=model.geom_rbound)
@@ -103,31 +106,36 @@ def nearest_boxes(
     return jax.tree.map(lambda *x: jnp.concatenate(x), *slots), jnp.concatenate(rows), crowded
 
 
-def _settle(template: Template, bodies: MovableBodies, leaves: Leaf, state: PhysicsState, data: mjx.Data) -> mjx.Data:
-    """Puts unused bodies and doors back to where they were and limits the speed of the others.
+def within_limits(
+    template: Template,
+    bodies: MovableBodies,
+    leaves: Leaf,
+    before: PhysicsState,
+    moved: tuple[Float[Array, " q"], Float[Array, " v"]],
+) -> tuple[Float[Array, " q"], Float[Array, " v"]]:
+    """Poses and speeds with unused bodies and doors put back to where they were, and the speed of the others limited.
 
     Unused bodies are put back exactly, so they stay there however many steps pass. The limits keep a body that starts
     deep inside another from being shot through a wall, and from spinning so fast that explicit integration of its
     gyroscopic torque diverges (it does from about 1 rad per physics step on).
     """
-    if template.layout.num_doors:
-        at, dof = template.layout.door_qpos, template.layout.door_qvel
+    layout, (qpos, qvel) = template.layout, moved
+    if layout.num_doors:
+        at, dof = layout.door_qpos, layout.door_qvel
         there = leaves.height < PARKED_HEIGHT
-        data = data.replace(
-            qpos=data.qpos.at[at].set(jnp.where(there, data.qpos[at], state.qpos[at])),
-            qvel=data.qvel.at[dof].set(jnp.where(there, data.qvel[dof], 0.0)),
-        )
-    if not template.layout.num_bodies:
-        return data
-    at, dof = template.layout.body_qpos, template.layout.body_qvel
+        qpos = qpos.at[at].set(jnp.where(there, qpos[at], before.qpos[at]))
+        qvel = qvel.at[dof].set(jnp.where(there, qvel[dof], 0.0))
+    if not layout.num_bodies:
+        return qpos, qvel
+    at, dof = layout.body_qpos, layout.body_qvel
     parked = jnp.concatenate([bodies.pos, bodies.quat], axis=-1)
     used = bodies.valid[:, None]
-    qpos = jnp.where(used, data.qpos[at].reshape(-1, 7), parked)
-    qvel = data.qvel[dof].reshape(-1, 6)
-    linear = _limit_length(qvel[:, :3], template.config.max_body_speed)
-    spin = _limit_length(qvel[:, 3:], template.config.max_body_spin)
-    qvel = jnp.where(used, jnp.concatenate([linear, spin], axis=-1), jnp.float32(0.0))
-    return data.replace(qpos=data.qpos.at[at].set(qpos.reshape(-1)), qvel=data.qvel.at[dof].set(qvel.reshape(-1)))
+    rates = qvel[dof].reshape(-1, 6)
+    linear = _limit_length(rates[:, :3], template.config.max_body_speed)
+    spin = _limit_length(rates[:, 3:], template.config.max_body_spin)
+    rates = jnp.where(used, jnp.concatenate([linear, spin], axis=-1), jnp.float32(0.0))
+    poses = jnp.where(used, qpos[at].reshape(-1, 7), parked)
+    return qpos.at[at].set(poses.reshape(-1)), qvel.at[dof].set(rates.reshape(-1))
 
 
 def _limit_length(vectors: Float[Array, "k 3"], longest: float) -> Float[Array, "k 3"]:

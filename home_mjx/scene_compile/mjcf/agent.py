@@ -12,6 +12,9 @@ BODY_SOLREF = "0.02 1"
 # Impedance of all contacts and limits: least, greatest, and width of the curve between [m]; MuJoCo's defaults.
 SOLIMP = (0.9, 0.95, 0.001)
 
+# What makes an agent's contacts frictionless, whatever it touches.
+FRICTIONLESS = {"condim": "1", "priority": "1", "solref": AGENT_SOLREF, "solimp": " ".join(map(str, SOLIMP))}
+
 
 def solimp() -> str:
     """`SOLIMP` as an attribute.

@@ -13,7 +13,7 @@ from home_mjx.core.files import replace_folder
 from home_mjx.errors import ConfigError
 from home_mjx.scene_compile.architecture.rooms import ground_floor
 from home_mjx.scene_compile.geometry.boxes import box_inertia
-from home_mjx.scene_compile.mjcf.agent import AGENT_SOLREF, BODY_SOLREF, add_agent, add_motors, solimp
+from home_mjx.scene_compile.mjcf.agent import BODY_SOLREF, FRICTIONLESS, add_agent, add_motors, solimp
 from home_mjx.scene_compile.mjcf.assets import MjcfAssets, numbers, safe_name
 from home_mjx.scene_compile.mjcf.boxes import COLLIDER, MEETS_LEAVES, add_box, add_leaf, add_piece
 from home_mjx.scene_compile.mjcf.lights import add_lamps
@@ -168,7 +168,7 @@ def _add_static_boxes(world: ET.Element, house: CompiledHouse, exact: bool) -> N
 def _add_instance(world: ET.Element, house: CompiledHouse, instance: int, assets: MjcfAssets, exact: bool) -> None:
     """Adds one instance: the architecture, a static object, or a movable one."""
     body, leaf = int(house.instances.body[instance]), np.flatnonzero(house.doors.instance == instance)
-    name = _name(house, instance)
+    name = instance_name(house, instance)
     pose = house.instances.pose[instance]
     rotation, stretch = split_linear(pose[:, :3])
     if len(leaf):
@@ -195,7 +195,7 @@ def _solid_objects(house: CompiledHouse) -> set[int]:
     return set(house.colliders.object_id.tolist()) - set(house.ramps.object_id.tolist()) - {-1}
 
 
-def _name(house: CompiledHouse, instance: int) -> str:
+def instance_name(house: CompiledHouse, instance: int) -> str:
     """Name of an instance's body; the leaves of a door follow its frame."""
     owner = house.instances.object_id
     if instance == ARCHITECTURE:
@@ -256,8 +256,7 @@ def _is_ceiling(house: CompiledHouse, instance: int, slot: int) -> bool:
 
 def _add_agent(root: ET.Element, world: ET.Element, house: CompiledHouse, shape: Body) -> None:
     """Adds an agent, frictionless towards everything, and a keyframe in which it stands at the first start point."""
-    look = {"condim": "1", "priority": "1", "solref": AGENT_SOLREF, "solimp": solimp(), "group": COLLIDER}
-    body = add_agent(world, shape, "agent0", **look, **MEETS_LEAVES)
+    body = add_agent(world, shape, "agent0", group=COLLIDER, **FRICTIONLESS, **MEETS_LEAVES)
     eye = f"0 0 {shape.eye_height - shape.height / 2:.9g}"
     ET.SubElement(body, "camera", _looking_along_x(), name="agent0_eye", pos=eye)
     add_motors(ET.SubElement(root, "actuator"), "agent0")

@@ -1,0 +1,101 @@
+"""Python functions that XLA calls on the CPU, with NumPy views of its buffers.
+
+For work that needs the interpreter anyway. `jax.pure_callback` copies arguments by JAX itself, on the thread pool that
+waits for it: larger ones block for ever (decision 6). Here nothing of JAX runs until the function is done.
+"""
+
+import ctypes
+import logging
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import jax
+import numpy as np
+
+from home_mjx.core.native import ffi
+from home_mjx.core.native.forked import note_start
+
+HostFunction = Callable[[Sequence[np.ndarray], Sequence[np.ndarray]], None]
+
+DTYPES = {
+    1: (ctypes.c_bool, np.bool_),
+    4: (ctypes.c_int32, np.int32),
+    11: (ctypes.c_float, np.float32),
+    12: (ctypes.c_double, np.float64),
+}  # XLA's number of a type
+BUFFER_DTYPE, COUNT_BEFORE = 2, 2  # words of a buffer; a frame's count of buffers lies two words before their array
+API_CREATE_ERROR, INTERNAL = 6, 13
+
+log = logging.getLogger(__name__)
+_kept: list[object] = []  # functions that XLA may call until the process ends
+
+
+def register_host_call(target: str, function: HostFunction) -> None:
+    """Makes a Python function a target of `jax.ffi.ffi_call` on CPUs.
+
+    Args:
+        target: A name that nothing else has.
+        function: Gets the operands, which it must not write to, and the results, which it fills in: arrays of bool,
+            int32, float32 or float64, valid until it returns. It may run on several threads at once, must not call
+            JAX, and what it raises ends the program as JAX's own run-time error.
+
+    Example:
+        >>> register_host_call("my_double", lambda given, results: np.copyto(results[0], 2 * given[0]))
+        >>> jax.ffi.ffi_call("my_double", jax.ShapeDtypeStruct((2,), "float32"))(np.ones(2, np.float32))
+        Array([2., 2.], dtype=float32)
+    """
+
+    @ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_void_p)
+    def handler(frame: int) -> int | None:
+        if not _wants_work(frame):
+            return None
+        try:
+            function(_buffers(frame, ffi.OPERANDS), _buffers(frame, ffi.RESULTS))
+        except Exception as error:  # nothing may be raised into XLA
+            log.debug("a host function failed", exc_info=True)
+            return _error(frame, f"{type(error).__name__}: {error}")
+        return None
+
+    note_start()
+    _kept.append(handler)
+    jax.ffi.register_ffi_target(target, jax.ffi.pycapsule(handler), platform="cpu", api_version=1)
+
+
+def _words(address: int) -> Any:
+    return ctypes.cast(address, ctypes.POINTER(ctypes.c_int64))
+
+
+def _halves(address: int) -> Any:
+    return ctypes.cast(address, ctypes.POINTER(ctypes.c_int32))
+
+
+def _wants_work(frame: int) -> bool:
+    """As `ffi.wants_work`."""
+    extension = _words(frame)[ffi.FRAME_EXTENSION]
+    if extension and _halves(extension + ffi.WORD * ffi.EXTENSION_TYPE)[0] == ffi.METADATA:
+        _words(_words(extension)[ffi.EXTENSION_METADATA])[ffi.METADATA_VERSION] = ffi.API_VERSION
+        return False
+    return _halves(frame + ffi.WORD * ffi.FRAME_STAGE)[0] == ffi.EXECUTE
+
+
+def _buffers(frame: int, kind: int) -> list[np.ndarray]:
+    """Views of all operands or all results."""
+    words = _words(frame)
+    return [_view(_words(words[kind])[i]) for i in range(words[kind - COUNT_BEFORE])]
+
+
+def _view(buffer: int) -> np.ndarray:
+    words = _words(buffer)
+    item, dtype = DTYPES[_halves(buffer + ffi.WORD * BUFFER_DTYPE)[0]]
+    shape = tuple(_words(words[ffi.BUFFER_DIMS])[: words[ffi.BUFFER_RANK]])
+    if 0 in shape:
+        return np.zeros(shape, dtype)  # XLA gives no address
+    return np.ctypeslib.as_array(ctypes.cast(words[ffi.BUFFER_DATA], ctypes.POINTER(item)), shape)
+
+
+def _error(frame: int, message: str) -> int:
+    """XLA's error with a message, which it copies."""
+    text = ctypes.create_string_buffer(message.encode())
+    ask = (ctypes.c_int64 * 4)(4 * ffi.WORD, 0, ctypes.addressof(text), INTERNAL)
+    create = _words(_words(frame)[ffi.FRAME_API])[API_CREATE_ERROR]
+    return ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_void_p)(create)(ctypes.addressof(ask))

@@ -1,0 +1,52 @@
+"""What touched what, and how hard, in a physics step of C MuJoCo."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from home_mjx.physics.base.layout import Layout
+from home_mjx.physics.base.touch import FLOOR, NOTHING
+
+
+class Touched(NamedTuple):
+    """Of each mobile, see `PhysicsState`; `count` of each agent."""
+
+    count: Int[np.ndarray, " a"]  # contact points with anything but the floor
+    impulse: Float[np.ndarray, " m"]  # [N s], of all contacts
+    strongest: Float[np.ndarray, " m"]  # [N s]
+    place: Float[np.ndarray, "m 3"]  # [m], of the strongest
+    other: Int[np.ndarray, " m"]
+
+
+def find_touched(data: Any, owner: Int[np.ndarray, " g"], layout: Layout, dt: float) -> Touched:
+    """Of the step that was just done.
+
+    Args:
+        data: A `mujoco.MjData`.
+        owner: What each geom belongs to: a mobile, or a number of `base.touch`.
+        layout: How many mobiles there are.
+        dt: Length of the step [s].
+    """
+    contact, mobiles = data.contact, layout.num_mobiles
+    one, two = owner[contact.geom].reshape(-1, 2).T
+    me, other = np.concatenate([one, two]), np.concatenate([two, one])
+    met = me[(other != FLOOR) & (me >= 0)]
+    count = np.bincount(met, minlength=mobiles)[: layout.num_agents]
+    impulse = np.tile(_normal_forces(data) * dt, 2)
+    rows = np.flatnonzero((me >= 0) & (impulse > 0))
+    rows = rows[np.argsort(impulse[rows], kind="stable")]  # of a mobile's rows the last is written: the strongest
+    strongest, place, partner = np.zeros(mobiles), np.zeros((mobiles, 3)), np.full(mobiles, NOTHING)
+    strongest[me[rows]], partner[me[rows]] = impulse[rows], other[rows]
+    place[me[rows]] = contact.pos[rows % max(len(one), 1)]
+    total = np.bincount(me[rows], impulse[rows], mobiles)
+    return Touched(count, total, strongest, place, partner)
+
+
+def _normal_forces(data: Any) -> Float[np.ndarray, " n"]:
+    """Of each contact [N]: the sum over its rows, which are one or, with friction, four edges of a pyramid."""
+    contact = data.contact
+    sums = np.concatenate([np.zeros(1), np.cumsum(data.efc_force)])
+    first = np.maximum(contact.efc_address, 0)
+    rows = np.where(contact.dim == 1, 1, 2 * (contact.dim - 1)) * (contact.efc_address >= 0)
+    return sums[first + rows] - sums[first]
