@@ -15,9 +15,9 @@ from home_mjx.bank.records import Physics
 from home_mjx.core.native.forked import refuse_forked
 from home_mjx.core.native.platforms import cover_all
 from home_mjx.core.native.varying import varying_as
+from home_mjx.physics.base.batched import Step, batched, without_gradient
 from home_mjx.physics.base.doors import Leaf, door_table
 from home_mjx.physics.base.state import PhysicsState
-from home_mjx.physics.batched import Step, batched, without_gradient
 from home_mjx.physics.cpu import cpu_available, step_cpu
 from home_mjx.physics.cuda.launch import cuda_available, step_cuda
 from home_mjx.physics.native.data.numbers import numbers_of

@@ -14,10 +14,10 @@ import numpy as np
 from home_mjx.core.native.host_call import register_host_call
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.base.layout import Layout
-from home_mjx.physics.base.servo import DOOR_DRAG
 from home_mjx.physics.mujoco_c.calls import num_threads
 from home_mjx.physics.mujoco_c.house import HouseInC
 from home_mjx.physics.mujoco_c.mjcf import Rows, house_mjcf
+from home_mjx.scene_compile.mjcf.boxes import DOOR_DRAG
 
 MOST_KEPT = 1024  # houses
 

@@ -24,7 +24,7 @@ AGENT = {"contype": "3", "conaffinity": "11"}
 class Rows(NamedTuple):
     """One house's rows of `bank.records.Physics`, under the same names."""
 
-    floor: np.floating
+    floor: Float[np.ndarray, ""]
     collider_pos: Float[np.ndarray, "c 3"]
     collider_quat: Float[np.ndarray, "c 4"]
     collider_size: Float[np.ndarray, "c 3"]  # negative: is left out

@@ -14,7 +14,7 @@ from mujoco import rollout
 
 from home_mjx.core.checks import check_number
 from home_mjx.core.native.host_call import register_host_call
-from home_mjx.physics.batched import batched, without_gradient
+from home_mjx.physics.base.batched import batched, without_gradient
 from home_mjx.physics.mujoco_c.calls import call_host, num_threads, refuse_where_impossible
 
 FULL = mujoco.mjtState.mjSTATE_FULLPHYSICS.value  # pyright: ignore[reportAttributeAccessIssue]
@@ -90,4 +90,4 @@ class ModelInC:
             states, sensors = self._pool.rollout(
                 self.model, self._data, state, ctrl[:, None], nstep=self._substeps, chunk_size=1
             )
-        results[0][:], results[1][:] = states[:, -1], sensors[:, -1]
+        results[0][:], results[1][:] = np.asarray(states)[:, -1], np.asarray(sensors)[:, -1]
