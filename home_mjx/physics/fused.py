@@ -16,11 +16,13 @@ from home_mjx.core.native.forked import refuse_forked
 from home_mjx.core.native.platforms import cover_all
 from home_mjx.core.native.varying import varying_as
 from home_mjx.physics.base.batched import Step, batched, without_gradient
+from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.base.doors import Leaf, door_table
 from home_mjx.physics.base.state import PhysicsState
+from home_mjx.physics.base.surfaces import body_surfaces
 from home_mjx.physics.cpu import cpu_available, step_cpu
 from home_mjx.physics.cuda.launch import cuda_available, step_cuda
-from home_mjx.physics.native.data.numbers import numbers_of
+from home_mjx.physics.native.data.numbers import numbers_of, reference_surfaces
 from home_mjx.physics.native.data.operands import BODY_VALID, NUM_RESULTS, NUM_SHARED
 from home_mjx.physics.reference.lost import Lost
 from home_mjx.physics.reference.slots import half_above_floor
@@ -57,7 +59,7 @@ def _step_native(
 ) -> tuple[PhysicsState, Lost]:
     numbers = jnp.asarray(numbers_of(template.config), jnp.float32)
     own = (house, state.qpos, state.qvel, state.qacc, action, state.held, state.grip, state.goal)
-    shared = (*_house_arrays(physics), jnp.asarray(template.agents, jnp.float32), numbers)
+    shared = (*_house_arrays(template.config, physics), jnp.asarray(template.agents, jnp.float32), numbers)
     batch = jax.tree.map(lambda x: x[None], own)
     results = _batched(platform)(*shared, *batch)
     qpos, qvel, qacc, touched, lost, push, other = (x[0] for x in results)
@@ -90,13 +92,14 @@ def _asleep(template: Template, qvel: Array, qacc: Array) -> Array:
     return ~jnp.concatenate([jnp.ones(layout.num_agents, bool), free, moves[layout.door_qvel]])
 
 
-def _house_arrays(physics: Physics) -> tuple[Array, ...]:
+def _house_arrays(config: PhysicsConfig, physics: Physics) -> tuple[Array, ...]:
     """In the order of `operands`; boxes that do not rise above the floor get a negative size."""
     half = half_above_floor(physics)
     valid = physics.body_valid.astype(jnp.int32)
     bodies = (valid, physics.body_size, physics.body_mass, physics.body_inertia)
+    surfaces = reference_surfaces(body_surfaces(config, physics))
     doors = door_table(Leaf.of(physics))
-    return (physics.collider_pos, physics.collider_quat, half, *bodies, doors, physics.ramp, physics.floor)
+    return (physics.collider_pos, physics.collider_quat, half, *bodies, surfaces, doors, physics.ramp, physics.floor)
 
 
 @functools.cache

@@ -98,6 +98,8 @@ class Bodies:
     quat: Float[np.ndarray, "k 4"]  # wxyz
     size: Float[np.ndarray, "k 3"]  # [m], half extents
     mass: Float[np.ndarray, " k"]  # [kg]
+    friction: Float[np.ndarray, " k"]  # sliding
+    restitution: Float[np.ndarray, " k"]  # part of the speed that is left after a bounce, 0..1
     from_model: Float[np.ndarray, "k 3 4"]  # body frame from model frame, constant
 
 

@@ -7,7 +7,7 @@ from home_mjx.tasks.base.config import DEFAULT_SENSORS, SENSORS, AgentCamera, En
 from home_mjx.tasks.base.options import make_config
 from home_mjx.tasks.base.pose import AgentPose
 from home_mjx.tasks.base.sensor import Sensor, register_sensor
-from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.base.snapshot import Snapshot, Touch, TouchMeaning, touch_meaning
 from home_mjx.tasks.base.specs import ArraySpec, DiscreteActions
 from home_mjx.tasks.base.state import EnvParams, Episodes, State, World
 from home_mjx.tasks.base.status import Status, StatusError, check_status
@@ -42,6 +42,8 @@ __all__ = [
     "Status",
     "StatusError",
     "Task",
+    "Touch",
+    "TouchMeaning",
     "World",
     "check_status",
     "estimate_memory",
@@ -52,6 +54,7 @@ __all__ = [
     "sample_episodes",
     "save_episodes",
     "save_states",
+    "touch_meaning",
 ]
 
 if not TYPE_CHECKING:  # type checkers report missing names by themselves

@@ -12,7 +12,8 @@ from home_mjx.physics import PhysicsConfig
 from home_mjx.physics.base import servo
 from home_mjx.physics.base.control import YAW_INERTIA, agent_table
 from home_mjx.physics.base.layout import Layout
-from home_mjx.physics.native.data.numbers import numbers_of
+from home_mjx.physics.base.surfaces import usual_surface
+from home_mjx.physics.native.data.numbers import numbers_of, reference_surfaces
 from home_mjx.physics.native.data.work import NEWTON_STEPS, NUM_CONTACTS, free_work, make_work
 from home_mjx.physics.native.step import load_agents, load_house, step_env
 from home_mjx.physics.reference.template_mjcf import CORNER_RADIUS, template_mjcf
@@ -75,11 +76,20 @@ def ordered(rows: np.ndarray) -> np.ndarray:
 class Oracle:
     """One environment as C MuJoCo and the fused step see it."""
 
-    def __init__(self, config: PhysicsConfig, static: Boxes, bodies: Boxes, mass: np.ndarray, doors: Leaves = NO_DOORS):
+    def __init__(
+        self,
+        config: PhysicsConfig,
+        static: Boxes,
+        bodies: Boxes,
+        mass: np.ndarray,
+        doors: Leaves = NO_DOORS,
+        surfaces: np.ndarray | None = None,
+    ):
         self.config, self.agents, self.doors = config, config.num_agents, doors
         self.layout = Layout(config.num_agents, len(mass), len(doors.mass), len(static.pos), len(static.pos))
         self.inertia = mass[:, None] / 3 * (bodies.half[:, [1, 0, 0]] ** 2 + bodies.half[:, [2, 2, 1]] ** 2)
         self.static, self.bodies, self.mass = static, bodies, mass
+        self.surfaces = np.tile(usual_surface(config), (len(mass), 1)) if surfaces is None else surfaces
         self.model = self._model()
         self.data = mujoco.MjData(self.model)
         self.numbers = numbers_of(config)._replace(sleep=0.0)
@@ -104,10 +114,22 @@ class Oracle:
             _resize(model, geom, half)
             model.geom_pos[geom + 1 : geom + 9] = CORNERS * (half - CORNER_RADIUS)
         self._add_doors(model)
+        self._add_surfaces(model)
         mujoco.mj_setConst(model, mujoco.MjData(model))
         dof = self.layout.door_qvel
         model.dof_damping[dof] = DOOR_DRAG * model.dof_M0[dof]
         return model
+
+    def _add_surfaces(self, model) -> None:
+        """MuJoCo's rules for what geoms have of their own, written into pairs: bodies have priority, agents more."""
+        for pair, geoms in enumerate(zip(model.pair_geom1, model.pair_geom2, strict=True)):
+            mobiles = [model.geom_bodyid[geom] - 1 for geom in geoms]
+            if any(0 <= m < self.agents for m in mobiles):
+                continue
+            own = [self.surfaces[m - self.agents] for m in mobiles if self.agents <= m < self.agents + len(self.mass)]
+            friction, *spring = np.max(own, axis=0)[:3]
+            model.pair_friction[pair, :2], model.pair_solref[pair] = friction, -np.array(spring)
+            model.pair_solimp[pair, [0, 2]] = np.mean(own, axis=0)[3:]
 
     def _add_doors(self, model) -> None:
         for h, (body, geom) in enumerate(
@@ -143,7 +165,8 @@ class Oracle:
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, int, np.ndarray]:
         """qpos, qvel and accelerations after physics steps of the fused step; contacts; what was lost."""
         static = tuple(x.ravel() for x in self.static)
-        bodies = np.ones(len(self.mass), np.int64), self.bodies.half.ravel(), self.mass, self.inertia.ravel()
+        rows = reference_surfaces(self.surfaces).ravel()
+        bodies = np.ones(len(self.mass), np.int64), self.bodies.half.ravel(), self.mass, self.inertia.ravel(), rows
         out = np.zeros(len(qpos)), np.zeros(len(qvel)), np.zeros(len(qvel))
         mobiles = self.layout.num_mobiles
         self.push, self.other = np.zeros((mobiles, 4)), np.zeros(mobiles, np.int64)
@@ -185,9 +208,9 @@ def _resize(model, geom, half) -> None:
 @njit
 def _fused(numbers, sizes, house, state, control, out, report):
     work = make_work(sizes[0], sizes[1], sizes[2], sizes[3])
-    (pos, quat, half), (valid, size, mass, inertia), table, door, ramps = house
+    (pos, quat, half), (valid, size, mass, inertia, surface), table, door, ramps = house
     load_agents(work, _at(table))
-    bodies = ints(valid.ctypes.data), _at(size), _at(mass), _at(inertia)
+    bodies = ints(valid.ctypes.data), _at(size), _at(mass), _at(inertia), _at(surface)
     load_house(work, (_at(pos), _at(quat), _at(half)), bodies, _at(door))
     before = _at(state[0]), _at(state[1]), _at(state[2])
     after = _at(out[0]), _at(out[1]), _at(out[2])

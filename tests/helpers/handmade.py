@@ -34,6 +34,8 @@ class Furniture:
         mass: [kg]; None: it cannot be moved.
         category: Coarse and fine category.
         color: sRGB, 0..1.
+        friction: If it can be moved.
+        restitution: If it can be moved.
     """
 
     position: tuple[float, float]
@@ -42,6 +44,8 @@ class Furniture:
     mass: float | None = None
     category: str = "ottoman"
     color: tuple[float, float, float] = (0.7, 0.2, 0.2)
+    friction: float = 0.4
+    restitution: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -201,6 +205,8 @@ def _bodies(furniture: Sequence[Furniture], boxes: BoxSet, pose: np.ndarray) -> 
         quat=yaw_quat(boxes.yaw[moving]),
         size=boxes.half[moving],
         mass=np.array([f.mass for f in furniture if f.mass is not None], float),
+        friction=np.array([f.friction for f in furniture if f.mass is not None], float),
+        restitution=np.array([f.restitution for f in furniture if f.mass is not None], float),
         from_model=from_model,
     )
 

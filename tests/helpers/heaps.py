@@ -4,6 +4,8 @@ import numpy as np
 from c_oracle import Boxes, Leaves, Oracle
 
 from home_mjx.physics import PhysicsConfig
+from home_mjx.scene_compile.materials.contact import damping_ratio
+from home_mjx.scene_compile.mjcf.contact import contact_numbers
 
 BODIES, STATIC, AGENTS, DOORS = 6, 10, 2, 3
 RAMPS = np.array([[0.3, 0.2, 0.6, 0.8, 1.0, 0.5, 0.0, 0.6], [0, 0, 1, 0, -1, 1, 0, 1]])  # the second is none
@@ -24,11 +26,18 @@ def heap(rng) -> tuple[Oracle, np.ndarray, np.ndarray, np.ndarray]:
     bodies.pos[:, 2] = rng.uniform(0.1, 1.2, BODIES)
     bodies.quat[: BODIES // 2, 1:3] *= 0.05
     static, bodies = static._replace(quat=unit(static.quat)), bodies._replace(quat=unit(bodies.quat))
-    oracle = Oracle(PhysicsConfig(num_agents=AGENTS), static, bodies, rng.uniform(1, 60, BODIES), leaves(rng))
+    config = PhysicsConfig(num_agents=AGENTS)
+    oracle = Oracle(config, static, bodies, rng.uniform(1, 60, BODIES), leaves(rng), surfaces(rng, config))
     agents = np.c_[rng.uniform(-1, 1, (AGENTS, 2)), rng.uniform(0.75, 0.82, AGENTS), rng.uniform(-3, 3, AGENTS)]
     low, high = oracle.doors.range.T  # some beyond the ends of their ways
     qpos = np.r_[agents.ravel(), np.c_[bodies.pos, bodies.quat].ravel(), rng.uniform(low - 0.1, high + 0.1)]
     return oracle, qpos, 0.5 * rng.normal(size=4 * AGENTS + 6 * BODIES + DOORS), rng.uniform(-1, 1, (AGENTS, 3))
+
+
+def surfaces(rng, config) -> np.ndarray:
+    """Of bodies of all kinds: slippery and rough ones, those that bounce and others."""
+    ratio = [damping_ratio(e) for e in rng.choice([0.0, 0.1, 0.3, 0.6, 0.9], BODIES)]
+    return np.stack([rng.uniform(0.1, 1, BODIES), *contact_numbers(np.array(ratio), config.timing.sim_dt)], axis=1)
 
 
 def leaves(rng) -> Leaves:

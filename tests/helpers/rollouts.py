@@ -12,6 +12,7 @@ from home_mjx.physics import PhysicsConfig, Template
 
 LENGTH = 20  # control steps of one call: 2 s
 
+SLOPE = np.deg2rad(20)
 WALL = [Box((1.55, y, 1.25), (0.05, 0.75, 1.25)) for y in np.arange(-6, 12, 1.5)]  # 1.5 m pieces: seams
 SCENES = {
     "free": TinyHouse(
@@ -35,13 +36,22 @@ SCENES = {
             Box((-1.5, -1, 0.501), (0.1, 0.1, 0.1), mass=2),
         ],
     ),
+    "surfaces": TinyHouse(  # a slope of 20 degrees with a slippery and a rough box; a ball and what it falls on
+        static=[Box((0, 3, 0.8), (1.5, 1.5, 0.2), roll=SLOPE)],
+        movable=[
+            Box((-0.7, 3 - 0.3 * np.sin(SLOPE), 0.8 + 0.3 * np.cos(SLOPE)), (0.1,) * 3, 0, 2, SLOPE, friction=0.1),
+            Box((0.7, 3 - 0.3 * np.sin(SLOPE), 0.8 + 0.3 * np.cos(SLOPE)), (0.1,) * 3, 0, 2, SLOPE, friction=0.7),
+            Box((-2, -2, 0.55), (0.15, 0.15, 0.15), mass=4, restitution=0.5),
+            Box((1, -2, 0.95), (0.1, 0.15, 0.1), mass=1, restitution=0.8),
+        ],
+    ),
     "crowded": TinyHouse(
         floor=0.3,
         static=[Box((1.2, 0, 1.5), (0.05, 2, 1.2), yaw=0.3)],
         movable=[Box((0.5, 0.1 * k, 0.5 + 0.4 * k), (0.2, 0.15, 0.19), yaw=0.4 * k, mass=3 + 4 * k) for k in range(4)],
     ),
 }
-ACTIONS = {"free": (1, 0, 1), "slide": (1, 1, 0), "fall": (0, 0, 0), "crowded": (1, 0.2, 0.1)}
+ACTIONS = {"free": (1, 0, 1), "slide": (1, 1, 0), "fall": (0, 0, 0), "surfaces": (0, 0, 0), "crowded": (1, 0.2, 0.1)}
 NAMES = tuple(SCENES)
 BATCH = len(NAMES)
 

@@ -9,6 +9,7 @@ from handmade import shoebox
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records import Physics
+from home_mjx.scene_compile.materials.contact import damping_ratio
 
 NUM_COLLIDERS = 16
 NUM_BODIES = 4
@@ -23,6 +24,8 @@ class Box:
     yaw: float = 0.0
     mass: float = 0.0
     roll: float = 0.0  # about x, before the yaw
+    friction: float = 0.4
+    restitution: float = 0.0
 
     @property
     def quat(self) -> np.ndarray:
@@ -88,6 +91,7 @@ def _physics(house: TinyHouse, num_bodies: int) -> dict[str, np.ndarray]:
         "collider_pos": _table([b.pos for b in static], NUM_COLLIDERS, (0.0, 0.0, -100.0)),
         "collider_quat": _table([b.quat for b in static], NUM_COLLIDERS, (1.0, 0.0, 0.0, 0.0)),
         "collider_size": _table([b.size for b in static], NUM_COLLIDERS, nothing),
+        "collider_object": np.full(NUM_COLLIDERS, -1, np.int32),
         "body_valid": used,
         "body_instance": np.where(used, np.arange(num_bodies) + 1, -1).astype(np.int32),
         # Padding that would break the solver if it were ever used.
@@ -95,6 +99,8 @@ def _physics(house: TinyHouse, num_bodies: int) -> dict[str, np.ndarray]:
         "body_quat": _table([b.quat for b in movable], num_bodies, (0.0, 0.0, 0.0, 0.0)),
         "body_size": _table([b.size for b in movable], num_bodies, nothing),
         "body_mass": _table([b.mass for b in movable], num_bodies, 0.0),
+        "body_friction": _table([b.friction for b in movable], num_bodies, 0.0),
+        "body_damping_ratio": _table([damping_ratio(b.restitution) for b in movable], num_bodies, 0.0),
         "body_inertia": _table([b.inertia for b in movable], num_bodies, nothing),
         "body_from_model": np.tile(np.eye(3, 4, dtype=np.float32), (num_bodies, 1, 1)),
         "arrangement": np.zeros((0, num_bodies, 7), np.float32),

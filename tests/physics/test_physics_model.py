@@ -1,6 +1,7 @@
 """The template with a house's numbers equals a host compile of that house, field by field."""
 
 import dataclasses
+import re
 
 import jax
 import jax.numpy as jnp
@@ -16,22 +17,26 @@ from home_mjx.physics.dynamics import reset
 from home_mjx.physics.reference.house_model import (
     house_doors,
     house_model,
+    house_surfaces,
     movable_bodies,
     with_doors,
     with_slots,
+    with_surfaces,
 )
 from home_mjx.physics.reference.step import nearest_boxes, static_boxes
 from home_mjx.physics.reference.template import Template
 from home_mjx.physics.reference.template_mjcf import CORNER_RADIUS, slot_names, template_mjcf
+from home_mjx.scene_compile.materials.contact import damping_ratio
 from home_mjx.scene_compile.mjcf.boxes import DOOR_DRAG
+from home_mjx.scene_compile.mjcf.contact import contact_numbers
 from home_mjx.schema import Body, Timing
 
 HOUSE = TinyHouse(
     floor=0.4,
     static=[Box((0.2, 0.2, 1.0), (0.05, 2.0, 0.6), yaw=0.1), Box((0.0, 0.6, 0.8), (0.45, 0.48, 0.4))],
     movable=[
-        Box((0.5, 0.1, 0.7), (0.2, 0.15, 0.3), yaw=0.4, mass=7.5),
-        Box((-1.0, 0.6, 0.5), (0.4, 0.5, 0.1), roll=0.2, mass=100),
+        Box((0.5, 0.1, 0.7), (0.2, 0.15, 0.3), yaw=0.4, mass=7.5, friction=0.2, restitution=0.6),
+        Box((-1.0, 0.6, 0.5), (0.4, 0.5, 0.1), roll=0.2, mass=100, friction=0.7, restitution=0.1),
         Box((-1.5, -1.0, 1.3), (0.3, 0.25, 0.9), mass=200),
     ],
     doors=[Door((0.4, 0.5), yaw=0.7, low=-0.2, high=1.4, mass=17)],
@@ -49,6 +54,8 @@ def host_spec(template, house, slots=None):
         for c in range(8):
             corner = spec.geom(f"body{k}_corner{c}")
             corner.pos = np.sign(corner.pos) * (np.array(box.size) - CORNER_RADIUS)
+    for pair in spec.pairs:
+        _set_contact(pair, house.movable, template.config.timing.sim_dt)
     for h, door in enumerate(house.doors):
         body, geom = spec.body(f"door{h}"), spec.geom(f"door{h}")
         arm = door.pos - [*door.pivot, door.pos[2]]
@@ -63,6 +70,19 @@ def host_spec(template, house, slots=None):
         geom = spec.geom(name)
         geom.pos, geom.quat, geom.size = (np.asarray(x[i], float) for x in (slots.pos, slots.quat, slots.half))
     return spec
+
+
+def _set_contact(pair, bodies, timestep):
+    """MuJoCo's rules for what two geoms have of their own, as far as bodies have priority; agents are left alone."""
+    names = (pair.geomname1, pair.geomname2)
+    if any(name.startswith("agent") for name in names):
+        return
+    rows = [int(found[1]) for name in names if (found := re.fullmatch(r"body(\d+)(_corner\d)?", name))]
+    own = [bodies[row] if row < len(bodies) else Box((0, 0, 0), (0, 0, 0)) for row in rows]
+    pair.friction[:2] = max(b.friction for b in own)
+    found = [contact_numbers(np.array(damping_ratio(b.restitution)), timestep) for b in own]
+    pair.solref = -np.max(found, axis=0)[:2]
+    pair.solimp[[0, 2]] = np.mean(found, axis=0)[2:]
 
 
 @pytest.fixture(scope="module")
@@ -80,6 +100,8 @@ def models():
         slots, _, _ = nearest_boxes(template, static_boxes(template, bank.physics, house), bodies.size, data)
         model = house_model(template.model, template.layout, bodies, bank.physics.floor[house])
         model = with_doors(model, template.layout, house_doors(bank.physics, house))
+        surfaces = house_surfaces(template.config, bank.physics, house)
+        model = with_surfaces(model, template.layout, template.pair_mobiles, surfaces)
         return with_slots(model, template.layout, slots), slots
 
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):

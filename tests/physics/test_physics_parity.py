@@ -70,6 +70,15 @@ def test_falling_boxes_follow_c_and_rest_where_they_do(world):
     assert_allclose(np.abs(np.sum(scene.body_quat[-1] * bodies[-1, :, 3:], axis=-1)), 1.0, atol=1e-4)
 
 
+def test_boxes_of_all_surfaces_slide_and_bounce_as_in_c(world):
+    _, bodies = _simulate(world.template, "surfaces")
+    scene = world.scene("surfaces")
+    assert_allclose(scene.body_pos[:, 1:], bodies[:, 1:, :3], atol=3e-3)
+    # After 0.6 s MJX's contacts of the box that slides down the slope are others than C's, and it jams.
+    assert_allclose(scene.body_pos[:6, 0], bodies[:6, 0, :3], atol=3e-3)
+    assert scene.body_pos[9:, 3, 2].max() > 0.4  # it has bounced
+
+
 def test_tilted_boxes_come_to_rest_as_in_c(world):
     _, bodies = _simulate(world.template, "free")
     assert_allclose(world.scene("free").body_pos[-1, :2], bodies[-1, :2, :3], atol=0.01)

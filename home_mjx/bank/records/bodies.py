@@ -8,6 +8,7 @@ from home_mjx.core.pytree import Pytree, array
 from home_mjx.scene_compile.architecture.rooms import ground_floor
 from home_mjx.scene_compile.collision.barriers import lot
 from home_mjx.scene_compile.geometry.boxes import box_inertia
+from home_mjx.scene_compile.materials.contact import USUAL, damping_ratio
 
 PARKED = np.array([0.0, 0.0, -100.0])  # [m], where padded boxes lie: far below any house
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
@@ -40,6 +41,11 @@ def no_arrangement(at: HouseAt) -> Float[np.ndarray, "0 k 7"]:
     return np.zeros((0, len(at.house.bodies.mass), 7))
 
 
+def damping_ratios(at: HouseAt) -> Float[np.ndarray, " k"]:
+    """Of the contacts of bodies, from their restitution."""
+    return np.array([damping_ratio(e) for e in at.house.bodies.restitution.tolist()])
+
+
 def ramp_rows(at: HouseAt) -> Float[np.ndarray, "r 8"]:
     """Each ramp's footprint and slope, see `Physics.ramp`."""
     ramps = at.house.ramps
@@ -64,6 +70,9 @@ class Physics(Pytree):
     )
     collider_quat: Float[Array, "h colliders 4"] = array("wxyz", source="colliders.quat", fill=UPRIGHT)
     collider_size: Float[Array, "h colliders 3"] = array("[m], half extents", source="colliders.size", fill=SMALL)
+    collider_object: Int[Array, "h colliders"] = array(
+        "object id; -1 architecture, barriers and padding", source="colliders.object_id", fill=-1
+    )
     body_valid: Bool[Array, "h bodies"] = array("False padding", source=is_body, fill=False)
     body_instance: Int[Array, "h bodies"] = array("-1 padding", source="bodies.instance", fill=-1)
     body_pos: Float[Array, "h bodies 3"] = array("[m]; padding is parked far below", source="bodies.pos", fill=PARKED)
@@ -72,6 +81,10 @@ class Physics(Pytree):
     body_mass: Float[Array, "h bodies"] = array("[kg]", source="bodies.mass", fill=1)
     body_inertia: Float[Array, "h bodies 3"] = array(
         "[kg m^2], principal", source=inertia, fill=box_inertia(np.ones(1, np.float32), SMALL[None])[0]
+    )
+    body_friction: Float[Array, "h bodies"] = array("sliding", source="bodies.friction", fill=USUAL.friction)
+    body_damping_ratio: Float[Array, "h bodies"] = array(
+        "of its contacts; 1: it does not bounce", source=damping_ratios, fill=1
     )
     body_from_model: Float[Array, "h bodies 3 4"] = array(
         "body frame from model frame", source="bodies.from_model", fill=np.eye(3, 4)

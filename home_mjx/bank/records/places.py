@@ -1,12 +1,16 @@
 """Where agents can be."""
 
 import numpy as np
-from jaxtyping import Array, Float, Int, UInt16
+from jaxtyping import Array, Bool, Float, Int, UInt16
 
 from home_mjx.bank.records.declaration import CYCLE
 from home_mjx.bank.records.owners import HouseAt
 from home_mjx.core.pytree import Pytree, array
+from home_mjx.schema.categories import coarse_index
 from home_mjx.schema.compiled import FIELD_FAR
+from home_mjx.schema.semantic import Semantic
+
+SURFACES = ("floor", "wall")  # columns of `Navigation.room_surface`
 
 
 def first_cell(at: HouseAt) -> int:
@@ -54,6 +58,23 @@ def goal_fields(at: HouseAt) -> UInt16[np.ndarray, "c g"]:
     return field[:, np.arange(at.sizes["goals"]) % field.shape[1]]
 
 
+def room_surfaces(at: HouseAt) -> Int[np.ndarray, "r 2"]:
+    """Semantic rows of each room's floor and of its first wall."""
+    rows = at.house.semantics
+    rooms = np.arange(len(at.house.rooms.type))
+    parts = rows[:, Semantic.OBJECT] < 0
+    found = [_first(parts & (rows[:, Semantic.COARSE] == coarse_index(kind)), rows, rooms) for kind in SURFACES]
+    return np.stack([np.where(row < 0, -1, row + at.start["semantic"]) for row in found], axis=-1)
+
+
+def _first(
+    among: Bool[np.ndarray, " q"], rows: Int[np.ndarray, "q columns"], rooms: Int[np.ndarray, " r"]
+) -> Int[np.ndarray, " r"]:
+    """The first of some semantic rows that is of each room; -1 none."""
+    fits = among & (rows[:, Semantic.ROOM] == rooms[:, None])
+    return np.where(fits.any(axis=1), fits.argmax(axis=1), -1)
+
+
 class Navigation(Pytree):
     """Grids of every house and level, starts, goals, portals; see `compiled.Navigation`.
 
@@ -88,6 +109,9 @@ class Navigation(Pytree):
         "-1 outside", source="navigation.room", fill=-1, dtype=np.int16
     )
     room_type: Int[Array, "h rooms"] = array("index into ROOM_TYPES; -1 none", source="rooms.type", fill=-1)
+    room_surface: Int[Array, "h rooms 2"] = array(
+        "semantic rows of a room's floor and of its first wall, absolute; -1 none", source=room_surfaces, fill=-1
+    )
     start: Float[Array, "h starts 3"] = array("[m], on the floor", source="navigation.start", fill=CYCLE)
     goal: Float[Array, "h goals 3"] = array("[m], on the floor", source="navigation.goal", fill=CYCLE)
     portal_room: Int[Array, "h portals 2"] = array(

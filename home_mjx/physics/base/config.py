@@ -12,7 +12,8 @@ IMPLS = ("fused", "jax", "c", "kinematic")
 WARP = ". MJX-Warp is not offered: its agents fall through the floor"
 JACOBIANS = ("auto", "dense", "sparse")
 CONTROLS = ("velocity", "force")
-NOT_NUMBERS = ("impl", "jacobian", "control", "sleep", "body", "bodies", "timing")
+NOT_NUMBERS = ("impl", "jacobian", "control", "sleep", "restitution", "body", "bodies", "timing")
+UNSET = ("friction", "max_geom_pairs", "max_contact_points")  # may be None
 WHOLE = (
     "num_agents", "iterations", "ls_iterations", "agent_slots", "body_slots", "max_geom_pairs", "max_contact_points"
 )  # fmt: skip
@@ -30,7 +31,9 @@ class PhysicsConfig:
         control: "velocity": actions are parts of an agent's speeds, which its motors reach within `response_time`.
             "force": forward and left are parts of its `push_force`, against a drag that balances it at full speed.
         response_time: [s], time constant with which an agent approaches its target velocity.
-        friction: Sliding friction of everything except agents, whose contacts are frictionless; 0.4 is wood on wood.
+        friction: Sliding friction of all movable bodies, 0.4 is wood on wood; None: of each by its material. Agents
+            have none.
+        restitution: Part of their speed with which all movable bodies bounce, at most 0.9; None: by material.
         max_body_speed: [m/s], limit of movable bodies; a fall of 1.8 m reaches 6 m/s.
         max_body_spin: [rad/s], limit of movable bodies.
         iterations: Newton iterations per physics step.
@@ -62,7 +65,8 @@ class PhysicsConfig:
     timing: Timing = field(default_factory=Timing)
     control: str = "velocity"
     response_time: float = 0.1
-    friction: float = 0.4
+    friction: float | None = None
+    restitution: float | None = None
     max_body_speed: float = 6.0
     max_body_spin: float = 30.0
     iterations: int = 6
@@ -78,6 +82,8 @@ class PhysicsConfig:
     def __post_init__(self) -> None:
         self._check_choices()
         self._check_numbers()
+        if self.restitution is not None:
+            check_number("restitution", self.restitution, 0, 0.9)
         check_flag("sleep", self.sleep)
         check_type("body", self.body, Body)
         check_type("timing", self.timing, Timing)
@@ -115,7 +121,7 @@ class PhysicsConfig:
 
     def _check_numbers(self) -> None:
         for name, value in vars(self).items():
-            if name in NOT_NUMBERS or (value is None and name.startswith("max_")):
+            if name in NOT_NUMBERS or (value is None and name in UNSET):
                 continue
             try:
                 check_number(name, value, 1 if name in WHOLE else math.ulp(0), whole=name in WHOLE)

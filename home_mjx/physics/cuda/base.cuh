@@ -41,20 +41,20 @@ constexpr int CONTACT_WORDS = 52;     // of memory that a contact takes, as in l
 constexpr int SMALL_ISLAND = 6;       // mobiles whose Hessian fits into shared memory, as in launch.py
 // The second mobile of a contact with what does not move; static box c is STATIC - c.
 constexpr int LIMIT = -1, FLOOR = -2, STATIC = -3;
-constexpr int AGENT_COLUMNS = 8, DOOR_COLUMNS = 13, RAMP_COLUMNS = 8;  // of the tables, see native/data/limits.py
+constexpr int AGENT_COLUMNS = 8, DOOR_COLUMNS = 13, RAMP_COLUMNS = 8, SURFACE_COLUMNS = 5;  // of the tables, see native/data/limits.py
 constexpr int FREE = 1000000000;                                      // goal of a door that nothing drives
 constexpr real WAKE_NEAR = 0.01;  // [m]
 constexpr real AWAKE = 1e-6;  // acceleration that tells what was woken from what sleeps
 constexpr real HEAVY = 1e20;                                          // mass against which a hinge lets nothing move
 constexpr int LOST_STATIC = 0, LOST_POINTS = 1;
 constexpr int LINE_STEPS = 40;
-constexpr int NUM_NUMBERS = 37;
+constexpr int NUM_NUMBERS = 34;
 constexpr real ALIKE = 0.99, ALIKE_FACTOR = 0.95;  // see native/shapes/box_box.py
 constexpr real REACH = 0.1;                        // [m], see native/contacts.py
 
 struct Numbers {
-  real sim_dt, substeps, gravity, control, response_time, friction, max_body_speed, max_body_spin, agent_stiffness,
-      agent_damping, body_stiffness, body_damping, limit_stiffness, limit_damping, impedance_low, impedance_high,
+  real sim_dt, substeps, gravity, control, response_time, max_body_speed, max_body_spin, agent_stiffness,
+      agent_damping, limit_stiffness, limit_damping, impedance_low, impedance_high,
       impedance_width, iterations, corner_radius, sleep, rest_speed, rest_spin, rest_pull, on_ramp,
       hand_time, hand_speed, hand_spin, hand_twist, hand_acceleration, hand_force, hand_stiffness, hand_slack,
       hand_leash, door_drag, door_time, door_speed, door_torque;

@@ -26,7 +26,7 @@ struct Env {
   int *there, *calm, *wakes, *list, *pairs;  // list: of what is awake; pairs: of mobiles near each other
   int *used, *num_near, *island, *members, *rows, *end, *offset, *order, *counts;
   real *near, *near_from, *small, *large;  // memory for Newton's method: small is shared
-  const float *agent, *door;  // tables: of the agents, of the house's doors
+  const float *agent, *door, *surface;  // tables: of the agents, of the house's doors, of its bodies
   Contact* contacts;
   Numbers numbers;
 };
@@ -64,22 +64,38 @@ INLINE void relative(const Contact& c, const real* values, Place place, real* ou
 
 INLINE int six(int mobile) { return 6 * mobile; }
 
-INLINE real impedance(const Numbers& numbers, real depth) {
-  const real x = depth / numbers.impedance_width;
-  if (x >= 1) return numbers.impedance_high;
+INLINE real impedance(real low, real high, real x) {
+  if (x >= 1) return high;
   const real y = x < real(0.5) ? 2 * x * x : 1 - 2 * (1 - x) * (1 - x);
-  return numbers.impedance_low + y * (numbers.impedance_high - numbers.impedance_low);
+  return low + y * (high - low);
+}
+
+// What decides a contact.
+struct Surface {
+  real friction, stiffness, damping, low, width;
+};
+
+INLINE Surface surface_of(const Env& e, int first, int second) {
+  const Numbers& n = e.numbers;
+  if (second == LIMIT) return {0, n.limit_stiffness, n.limit_damping, n.impedance_low, n.impedance_width};
+  if (first < e.agents) return {0, n.agent_stiffness, n.agent_damping, n.impedance_low, n.impedance_width};
+  int other = second <= SLEEPER ? SLEEPER - second : second;
+  if (first >= e.free) other = first, first = SLEEPER - second;  // a door that meets a sleeping body
+  const float* own = e.surface + SURFACE_COLUMNS * (first - e.agents);
+  const float* its = other < 0 || other >= e.free ? own : e.surface + SURFACE_COLUMNS * (other - e.agents);
+  return {fmax(real(own[0]), real(its[0])), fmax(real(own[1]), real(its[1])), fmax(real(own[2]), real(its[2])),
+          (real(own[3]) + its[3]) / 2, (real(own[4]) + its[4]) / 2};
 }
 
 // Fills in a contact: its Jacobian, regularisation and reference accelerations.
-__device__ void make_contact(const Env& e, Contact& c, int first, int second, real friction, const Point& point) {
+__device__ void make_contact(const Env& e, Contact& c, int first, int second, const Point& point) {
   const Vec n = point.normal;
   const int axis = absolute(n.y) < real(0.5) ? 1 : 2;
   const real length = sqrt(1 - n[axis] * n[axis]);
   const Vec unit = {0, real(axis == 1), real(axis == 2)};
   const Vec tangent = (1 / length) * (unit - n[axis] * n);
   const Vec frame[3] = {n, tangent, cross(n, tangent)};
-  c.first = first, c.second = second, c.friction = friction, c.active = 0;
+  c.first = first, c.second = second, c.active = 0;
   for (int k = 0; k < 3; ++k) c.pos[k] = point.pos[k];
   real inverse = 0;
   for (int row = 0; row < 3; ++row)
@@ -97,20 +113,20 @@ __device__ void make_contact(const Env& e, Contact& c, int first, int second, re
     }
     inverse += e.inverse[m];
   }
-  real stiffness = e.numbers.body_stiffness, damping = e.numbers.body_damping;
-  if (first < e.agents) stiffness = e.numbers.agent_stiffness, damping = e.numbers.agent_damping;
   if (second == LIMIT) {  // the first row is the door's rate itself
     for (int row = 0; row < 3; ++row)
       for (int k = 0; k < 3; ++k) c.frame[row][k] = 0, c.turn[0][row][k] = row == 0 && k == 2 ? n.x : 0;
-    stiffness = e.numbers.limit_stiffness, damping = e.numbers.limit_damping, inverse = 1 / e.mass[6 * first + 5];
+    inverse = 1 / e.mass[6 * first + 5];
   }
-  const real imp = impedance(e.numbers, -point.distance);
+  const Surface surface = surface_of(e, first, second);
+  const real imp = impedance(surface.low, e.numbers.impedance_high, -point.distance / surface.width);
+  const real friction = c.friction = surface.friction;
   if (friction > 0) inverse *= (1 + friction * friction) * 2 * friction * friction;
   c.weight = 1 / fmax(inverse * (1 - imp) / imp, real(1e-15));
   real velocity[3];
   relative(c, e.vel, six, velocity);
-  for (int k = 0; k < 3; ++k) c.target[k] = -damping * velocity[k];
-  c.target[0] -= stiffness * imp * point.distance;
+  for (int k = 0; k < 3; ++k) c.target[k] = -surface.damping * velocity[k];
+  c.target[0] -= surface.stiffness * imp * point.distance;
 }
 
 // Which of a contact's rows push at the accelerations `value` in its frame; whether these are others than before.

@@ -1,7 +1,7 @@
 // Which contacts there are: what native/contacts.py does.
 
 // Writes the contacts of the pairs that the lanes hold, in the order of lanes.
-__device__ int write_contacts(const Env& e, int count, int first, int second, real friction, const Points& points) {
+__device__ int write_contacts(const Env& e, int count, int first, int second, const Points& points) {
   int before = points.count;  // inclusive sum over lanes
   for (int step = 1; step < WARP_SIZE; step *= 2) {
     const int other = from_lane(before, LANE - step);
@@ -9,7 +9,7 @@ __device__ int write_contacts(const Env& e, int count, int first, int second, re
   }
   const int total = from_lane(before, WARP_SIZE - 1), start = count + before - points.count;
   for (int i = 0; i < points.count; ++i)
-    if (start + i < e.room) make_contact(e, e.contacts[start + i], first, second, friction, points.at[i]);
+    if (start + i < e.room) make_contact(e, e.contacts[start + i], first, second, points.at[i]);
   if (count + total > e.room) {
     if (LANE == 0) e.counts[LOST_POINTS] = 1;
     return e.room;
@@ -214,7 +214,6 @@ __device__ int find_contacts(const Env& e, const House& house, real floor) {
   int count = 0;
   for (int base = 0; base < total; base += WARP_SIZE) {
     int pair = base + LANE, first = -1, second = STATIC;
-    real friction = 0;
     Points points;
     points.count = 0;
     if (pair < awake) {
@@ -245,8 +244,7 @@ __device__ int find_contacts(const Env& e, const House& house, real floor) {
         second = SLEEPER - second;
       }
     }
-    if (first >= e.agents && second != LIMIT) friction = e.numbers.friction;
-    count = write_contacts(e, count, first, second, friction, points);
+    count = write_contacts(e, count, first, second, points);
   }
   sync_warp();
   return count;

@@ -101,10 +101,11 @@ INLINE void note_pushes(const Env& e, int count, float* push, int* other) {
 // Sizes: environments, houses, static boxes, bodies, agents, doors, ramps, bytes of scratch per environment.
 extern "C" __global__ void __launch_bounds__(WARP_SIZE, BLOCKS) step_physics(
     const float* collider_pos, const float* collider_quat, const float* collider_half, const int* body_valid,
-    const float* body_size, const float* body_mass, const float* body_inertia, const float* doors, const float* ramps,
-    const float* floors, const float* agents, const float* numbers, const int* houses, const float* qpos, const float* qvel,
-    const float* qacc, const float* action, const int* held, const float* grip, const float* goal, const int* sizes,
-    float* new_qpos, float* new_qvel, float* new_qacc, int* touched, int* lost, float* push, int* other, char* scratch) {
+    const float* body_size, const float* body_mass, const float* body_inertia, const float* body_surface,
+    const float* doors, const float* ramps, const float* floors, const float* agents, const float* numbers,
+    const int* houses, const float* qpos, const float* qvel, const float* qacc, const float* action, const int* held,
+    const float* grip, const float* goal, const int* sizes, float* new_qpos, float* new_qvel, float* new_qacc,
+    int* touched, int* lost, float* push, int* other, char* scratch) {
   const int env = blockIdx.x, num_houses = sizes[1], bodies = sizes[3], num_doors = sizes[5], num_ramps = sizes[6];
   Env e;
   e.statics = sizes[2], e.agents = sizes[4], e.free = e.agents + bodies, e.mobiles = e.free + num_doors;
@@ -126,7 +127,8 @@ extern "C" __global__ void __launch_bounds__(WARP_SIZE, BLOCKS) step_physics(
   const int house = houses[env] < 0 ? 0 : houses[env] < num_houses ? houses[env] : num_houses - 1;
   const House boxes = {collider_pos + size_t(house) * e.statics * 3, collider_quat + size_t(house) * e.statics * 4,
                        collider_half + size_t(house) * e.statics * 3};
-  e.agent = agents, e.door = doors + size_t(house) * num_doors * DOOR_COLUMNS;
+  e.agent = agents, e.surface = body_surface + size_t(house) * bodies * SURFACE_COLUMNS;
+  e.door = doors + size_t(house) * num_doors * DOOR_COLUMNS;
   ramps += size_t(house) * num_ramps * RAMP_COLUMNS;
   const int nq = 4 * e.agents + 7 * bodies + num_doors, nv = 4 * e.agents + 6 * bodies + num_doors;
   qpos += size_t(env) * nq, qvel += size_t(env) * nv, qacc += size_t(env) * nv;

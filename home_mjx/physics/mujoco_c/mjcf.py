@@ -9,9 +9,10 @@ from jaxtyping import Bool, Float
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.reference.template_mjcf import CORNER_RADIUS, CORNERS
 from home_mjx.scene_compile.geometry.boxes import box_inertia
+from home_mjx.scene_compile.materials.contact import damping_ratio
 from home_mjx.scene_compile.mjcf.agent import BODY_SOLREF, FRICTIONLESS, add_agent, solimp
 from home_mjx.scene_compile.mjcf.assets import numbers
-from home_mjx.scene_compile.mjcf.boxes import MEETS_LEAVES, add_leaf
+from home_mjx.scene_compile.mjcf.boxes import MEETS_LEAVES, add_leaf, body_surface
 from home_mjx.schema.compiled import Doors
 
 ITERATIONS, LS_ITERATIONS, TOLERANCE = 100, 50, 1e-12  # Newton's method ends by itself, converged
@@ -31,6 +32,8 @@ class Rows(NamedTuple):
     body_valid: Bool[np.ndarray, " k"]
     body_size: Float[np.ndarray, "k 3"]
     body_mass: Float[np.ndarray, " k"]
+    body_friction: Float[np.ndarray, " k"]
+    body_damping_ratio: Float[np.ndarray, " k"]
     door_valid: Bool[np.ndarray, " h"]
     door_pivot: Float[np.ndarray, "h 2"]
     door_pos: Float[np.ndarray, "h 3"]
@@ -49,8 +52,8 @@ def house_mjcf(config: PhysicsConfig, rows: Rows) -> str:
     """
     root = ET.Element("mujoco", model="house")
     _add_options(root, config)
-    default, sliding = ET.SubElement(root, "default"), f"{config.friction} 0.005 0.0001"
-    ET.SubElement(default, "geom", condim="3", friction=sliding, solref=BODY_SOLREF, solimp=solimp())
+    default = ET.SubElement(root, "default")
+    ET.SubElement(default, "geom", condim="3", solref=BODY_SOLREF, solimp=solimp())
     world = ET.SubElement(root, "worldbody")
     ET.SubElement(world, "geom", FLOOR, name="floor", type="plane", size="0 0 1", pos=f"0 0 {rows.floor:.9g}")
     for c in np.flatnonzero((rows.collider_size > 0).all(axis=-1)).tolist():
@@ -59,7 +62,7 @@ def house_mjcf(config: PhysicsConfig, rows: Rows) -> str:
     for a, shape in enumerate(config.agents):
         add_agent(world, shape, f"agent{a}", **FRICTIONLESS, **AGENT)
     for k in np.flatnonzero(rows.body_valid).tolist():
-        _add_body(world, rows, k)
+        _add_body(config, world, rows, k)
     for h in np.flatnonzero(rows.door_valid).tolist():
         add_leaf(world, _doors(rows), h, f"door{h}")
     return ET.tostring(root, encoding="unicode")
@@ -72,14 +75,17 @@ def _add_options(root: ET.Element, config: PhysicsConfig) -> None:
     ET.SubElement(option, "flag", eulerdamp="disable", autoreset="disable")
 
 
-def _add_body(world: ET.Element, rows: Rows, k: int) -> None:
+def _add_body(config: PhysicsConfig, world: ET.Element, rows: Rows, k: int) -> None:
     body = ET.SubElement(world, "body", name=f"body{k}")
     ET.SubElement(body, "freejoint")
     inertia = numbers(box_inertia(rows.body_mass[k : k + 1], rows.body_size[k : k + 1]))
     ET.SubElement(body, "inertial", pos="0 0 0", mass=f"{rows.body_mass[k]:.9g}", diaginertia=inertia)
-    ET.SubElement(body, "geom", MEETS_LEAVES, type="box", size=numbers(rows.body_size[k]))
+    friction = rows.body_friction[k] if config.friction is None else config.friction
+    ratio = damping_ratio(config.restitution) if config.restitution is not None else rows.body_damping_ratio[k]
+    touch = body_surface(float(friction), float(ratio), config.timing.sim_dt)
+    ET.SubElement(body, "geom", MEETS_LEAVES | touch, type="box", size=numbers(rows.body_size[k]))
     for corner in CORNERS * (rows.body_size[k] - CORNER_RADIUS):
-        ET.SubElement(body, "geom", CORNER, type="sphere", size=str(CORNER_RADIUS), pos=numbers(corner))
+        ET.SubElement(body, "geom", CORNER | touch, type="sphere", size=str(CORNER_RADIUS), pos=numbers(corner))
 
 
 def _doors(rows: Rows) -> Doors:

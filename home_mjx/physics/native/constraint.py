@@ -10,7 +10,7 @@ from typing import no_type_check
 from numba import njit
 
 from home_mjx.core.native.memory import shifted
-from home_mjx.physics.native.data.limits import DOOR_COLUMNS, LIMIT
+from home_mjx.physics.native.data.limits import DOOR_COLUMNS, LIMIT, SLEEPER, SURFACE_COLUMNS
 from home_mjx.physics.native.data.work import NUM_CONTACTS
 
 TINY = 1e-15  # MuJoCo's mjMINVAL
@@ -31,9 +31,9 @@ def make_rows(work, numbers):
             inverse += work.inverse[b]
         if b == LIMIT:
             inverse = 1 / work.mass[6 * a]
-        stiffness, damping = _spring(numbers, a < work.num_agents, b == LIMIT)
-        friction, distance = work.friction[n], work.place[4 * n + 3]
-        impedance = _impedance(numbers, -distance)
+        friction, stiffness, damping, low, width = _surface(work, numbers, a, b)
+        work.friction[n], distance = friction, work.place[4 * n + 3]
+        impedance = _impedance(low, numbers.impedance_high, -distance / width)
         if friction > 0:
             inverse *= (1 + friction * friction) * 2 * friction * friction
         work.weight[n] = 1 / max(inverse * (1 - impedance) / impedance, TINY)
@@ -119,21 +119,28 @@ def _door_jacobian(work, n, side, m, sign):
 
 @njit(error_model="numpy", inline="always")
 @no_type_check
-def _spring(numbers, agent, limit):
-    """Stiffness and damping of a contact or of a hinge's limit."""
-    if limit:
-        return numbers.limit_stiffness, numbers.limit_damping
-    if agent:
-        return numbers.agent_stiffness, numbers.agent_damping
-    return numbers.body_stiffness, numbers.body_damping
+def _surface(work, numbers, a, b):
+    """What decides a contact or a hinge's limit, as a row of `base.surfaces`; agents are always first."""
+    if b == LIMIT:
+        return 0.0, numbers.limit_stiffness, numbers.limit_damping, numbers.impedance_low, numbers.impedance_width
+    if a < work.num_agents:
+        return 0.0, numbers.agent_stiffness, numbers.agent_damping, numbers.impedance_low, numbers.impedance_width
+    other = SLEEPER - b if b <= SLEEPER else b
+    if a >= work.num_free:  # a door that meets a sleeping body
+        a, other = other, a
+    own = shifted(work.surface, SURFACE_COLUMNS * a)
+    if other < 0 or other >= work.num_free:
+        return own[0], own[1], own[2], own[3], own[4]
+    its = shifted(work.surface, SURFACE_COLUMNS * other)
+    low, width = (own[3] + its[3]) / 2, (own[4] + its[4]) / 2
+    return max(own[0], its[0]), max(own[1], its[1]), max(own[2], its[2]), low, width
 
 
 @njit(error_model="numpy", inline="always")
 @no_type_check
-def _impedance(numbers, depth):
-    """MuJoCo's default curve (midpoint 0.5, power 2) from `impedance_low` to `impedance_high`."""
-    x = depth / numbers.impedance_width
+def _impedance(low, high, x):
+    """MuJoCo's default curve (midpoint 0.5, power 2) from 0 to 1."""
     if x >= 1:
-        return numbers.impedance_high
+        return high
     y = 2 * x * x if x < 0.5 else 1 - 2 * (1 - x) * (1 - x)
-    return numbers.impedance_low + y * (numbers.impedance_high - numbers.impedance_low)
+    return low + y * (high - low)

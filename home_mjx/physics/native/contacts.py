@@ -32,9 +32,9 @@ def find_contacts(work, numbers, floor):
                 _at_limits(work, m)
             for other in range(work.num_free if m >= work.num_free else work.num_mobiles):
                 if work.used[other] and other < m:
-                    _with_mobile(work, numbers, other, m)
+                    _with_mobile(work, other, m)
                 elif work.there[other] and not work.used[other]:
-                    _with_sleeper(work, numbers, m, other)
+                    _with_sleeper(work, m, other)
 
 
 @compiled
@@ -46,7 +46,7 @@ def _with_house(work, numbers, m, floor):
     else:
         _body_on_floor(work, numbers, m, floor)
     for i in range(work.num_near[m]):
-        _with_static(work, numbers, m, work.near[NEAR * m + i])
+        _with_static(work, m, work.near[NEAR * m + i])
 
 
 @compiled
@@ -62,7 +62,7 @@ def _at_limits(work, m):
         points[3] = sense * (angle - door[DOOR_LOW + end])
         if points[3] < 0:
             normals[0], normals[1], normals[2] = sense, 0.0, 0.0
-            _add(work, m, LIMIT, points, normals, 0.0)
+            _add(work, m, LIMIT, points, normals)
 
 
 @compiled
@@ -149,7 +149,7 @@ def _agent_on_floor(work, m, floor):
         points[0], points[1] = work.pos[3 * m], work.pos[3 * m + 1]
         points[2], points[3] = (bottom + floor) / 2, bottom - floor
         normals[0], normals[1], normals[2] = 0.0, 0.0, -1.0
-        _add(work, m, FLOOR, points, normals, 0.0)
+        _add(work, m, FLOOR, points, normals)
 
 
 @compiled
@@ -171,7 +171,7 @@ def _body_on_floor(work, numbers, m, floor):
         distance = points[2] - r - floor
         if distance < 0:
             points[2], points[3] = floor + distance / 2, distance
-            _add(work, m, FLOOR, points, normals, numbers.friction)
+            _add(work, m, FLOOR, points, normals)
 
 
 @compiled
@@ -188,23 +188,23 @@ def spheres_meet(work, a, b, reach):
 
 @compiled
 @no_type_check
-def _with_static(work, numbers, m, c):
+def _with_static(work, m, c):
     """Contacts of a mobile and a static box."""
     pos, rot, half = shifted(work.static_pos, 3 * c), shifted(work.static_rot, 9 * c), shifted(work.static_half, 3 * c)
     if m < work.num_agents and apart(work, m, pos, rot, half, 0.0):
         return
-    _with_box(work, numbers, m, STATIC - c, pos, rot, half)
+    _with_box(work, m, STATIC - c, pos, rot, half)
 
 
 @compiled
 @no_type_check
-def _with_mobile(work, numbers, a, b):
+def _with_mobile(work, a, b):
     """Contacts of two mobiles, the first of which comes first in the list."""
     if not spheres_meet(work, a, b, 0.0):
         return
     pos = shifted(work.pos, 3 * b)
     if b >= work.num_agents:
-        _with_box(work, numbers, a, b, pos, shifted(work.rot, 9 * b), shifted(work.half, 3 * b))
+        _with_box(work, a, b, pos, shifted(work.rot, 9 * b), shifted(work.half, 3 * b))
         return
     one, two = shifted(work.agent, AGENT_COLUMNS * a), shifted(work.agent, AGENT_COLUMNS * b)
     own = shifted(work.pos, 3 * a)
@@ -214,19 +214,19 @@ def _with_mobile(work, numbers, a, b):
 
 @compiled
 @no_type_check
-def _with_sleeper(work, numbers, m, other):
+def _with_sleeper(work, m, other):
     """Contacts with something that sleeps: it does not move now, but wakes for the next physics step."""
     if spheres_meet(work, m, other, 0.0):
         before = work.counts[NUM_CONTACTS]
         pos, rot, half = shifted(work.pos, 3 * other), shifted(work.rot, 9 * other), shifted(work.half, 3 * other)
-        _with_box(work, numbers, m, SLEEPER - other, pos, rot, half)
+        _with_box(work, m, SLEEPER - other, pos, rot, half)
         if work.counts[NUM_CONTACTS] > before:
             work.wakes[other] = 1
 
 
 @compiled
 @no_type_check
-def _with_box(work, numbers, m, other, pos, rot, half):
+def _with_box(work, m, other, pos, rot, half):
     """Contacts of a mobile and a box, which is that of the mobile `other` or none's."""
     points, normals, own = work.points, work.normals, shifted(work.pos, 3 * m)
     if m < work.num_agents:
@@ -235,7 +235,7 @@ def _with_box(work, numbers, m, other, pos, rot, half):
     else:
         axes, size = shifted(work.rot, 9 * m), shifted(work.half, 3 * m)
         for i in range(box_box(own, axes, size, pos, rot, half, points, normals)):
-            _add(work, m, other, shifted(points, 4 * i), normals, numbers.friction)
+            _add(work, m, other, shifted(points, 4 * i), normals)
 
 
 @compiled
@@ -243,19 +243,19 @@ def _with_box(work, numbers, m, other, pos, rot, half):
 def _add_round(work, a, b, count):
     """Adds an agent's points, each of which has its own normal."""
     for i in range(count):
-        _add(work, a, b, shifted(work.points, 4 * i), shifted(work.normals, 3 * i), 0.0)
+        _add(work, a, b, shifted(work.points, 4 * i), shifted(work.normals, 3 * i))
 
 
 @compiled
 @no_type_check
-def _add(work, a, b, place, normal, friction):
+def _add(work, a, b, place, normal):
     """Adds a contact with MuJoCo's frame: the first tangent is near y, or z if the normal is."""
     n = work.counts[NUM_CONTACTS]
     if n == work.most_points:
         work.counts[LOST_POINTS] = 1
         return
     work.counts[NUM_CONTACTS] = n + 1
-    work.first[n], work.second[n], work.friction[n] = a, b, friction
+    work.first[n], work.second[n] = a, b
     frame = shifted(work.frame, 9 * n)
     for k in range(4):
         work.place[4 * n + k] = place[k]

@@ -21,6 +21,7 @@ from home_mjx.physics.native.data.operands import (
     BODY_INERTIA,
     BODY_MASS,
     BODY_SIZE,
+    BODY_SURFACE,
     BODY_VALID,
     COLLIDER_HALF,
     COLLIDER_POS,
@@ -158,8 +159,14 @@ def _load_house(frame, work, house):
         _floats(frame, COLLIDER_HALF, house),
     )
     valid = int_pointer(_row(frame, ffi.OPERANDS, BODY_VALID, house))
-    mass, inertia = _floats(frame, BODY_MASS, house), _floats(frame, BODY_INERTIA, house)
-    load_house(work, static, (valid, _floats(frame, BODY_SIZE, house), mass, inertia), _floats(frame, DOOR, house))
+    bodies = (
+        valid,
+        _floats(frame, BODY_SIZE, house),
+        _floats(frame, BODY_MASS, house),
+        _floats(frame, BODY_INERTIA, house),
+        _floats(frame, BODY_SURFACE, house),
+    )
+    load_house(work, static, bodies, _floats(frame, DOOR, house))
 
 
 @compiled

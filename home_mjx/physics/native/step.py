@@ -9,7 +9,14 @@ from numba import njit
 from home_mjx.core.native.memory import shifted
 from home_mjx.physics.native.constraint import contact_velocity, edge_value, make_rows, num_rows
 from home_mjx.physics.native.contacts import find_contacts, forget_near
-from home_mjx.physics.native.data.limits import AGENT_COLUMNS, DOOR_COLUMNS, FLOOR, LIMIT, SLEEPER
+from home_mjx.physics.native.data.limits import (
+    AGENT_COLUMNS,
+    DOOR_COLUMNS,
+    FLOOR,
+    LIMIT,
+    SLEEPER,
+    SURFACE_COLUMNS,
+)
 from home_mjx.physics.native.data.work import LOST_POINTS, LOST_STATIC, NUM_CONTACTS
 from home_mjx.physics.native.forces import drive_mobiles
 from home_mjx.physics.native.motion import move_mobiles, place_mobiles, rotation
@@ -27,11 +34,11 @@ def load_house(work, static, bodies, door):
     Args:
         work: Arrays, see `work.Work`.
         static: Position, quaternion and half extents of its static boxes.
-        bodies: Validity, half extents, mass and inertia of its movable bodies.
+        bodies: Validity, half extents, mass, inertia and `reference_surfaces` of its movable bodies.
         door: Its row of `door_table`.
     """
     collider_pos, collider_quat, collider_half = static
-    body_valid, body_size, body_mass, body_inertia = bodies
+    body_valid, body_size, body_mass, body_inertia, body_surface = bodies
     for i in range(3 * work.num_static):
         work.static_pos[i] = collider_pos[i]
         work.static_half[i] = collider_half[i]
@@ -48,6 +55,8 @@ def load_house(work, static, bodies, door):
             work.mass[6 * m + k] = body_mass[b]
             work.mass[6 * m + 3 + k] = body_inertia[3 * b + k]
         work.radius[m], work.inverse[m] = sqrt(square), 1 / work.mass[6 * m]
+        for k in range(SURFACE_COLUMNS):
+            work.surface[SURFACE_COLUMNS * m + k] = body_surface[SURFACE_COLUMNS * b + k]
     for i in range(DOOR_COLUMNS * (work.num_mobiles - work.num_free)):
         work.door[i] = door[i]
     for m in range(work.num_free, work.num_mobiles):

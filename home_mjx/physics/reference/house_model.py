@@ -4,13 +4,16 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 from mujoco import mjx
 
 from home_mjx.bank.records import Physics
 from home_mjx.core.pytree import Pytree
+from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.base.doors import Leaf
 from home_mjx.physics.base.layout import Layout
+from home_mjx.physics.base.surfaces import LOW, body_surfaces, usual_surface
 from home_mjx.physics.reference.slots import Boxes
 from home_mjx.physics.reference.template_mjcf import (
     CORNER_RADIUS,
@@ -104,6 +107,39 @@ def _with_body_geoms(model: mjx.Model, layout: Layout, size: Float[Array, "k 3"]
         geom_size=set_boxes(model.geom_size, size),
         geom_rbound=set_boxes(model.geom_rbound, jnp.linalg.norm(size, axis=-1)),
         geom_aabb=set_boxes(model.geom_aabb, jnp.concatenate([jnp.zeros_like(size), size], axis=-1)),
+    )
+
+
+def house_surfaces(config: PhysicsConfig, physics: Physics, house: Int[Array, ""]) -> Float[Array, "k 5"]:
+    """Of the bodies of a house, see `base.surfaces`; of unused ones as the template has them."""
+    usual = jnp.asarray(usual_surface(config), jnp.float32)
+    return jnp.where(physics.body_valid[house][:, None], body_surfaces(config, physics)[house], usual[None])
+
+
+def with_surfaces(
+    model: mjx.Model, layout: Layout, pairs: Int[np.ndarray, "p 2"], surfaces: Float[Array, "k 5"]
+) -> mjx.Model:
+    """The model with the contacts of its bodies.
+
+    Args:
+        model: The template's.
+        layout: Of it.
+        pairs: The mobiles of each of its pairs of geoms; -1 the world.
+        surfaces: Of the bodies.
+    """
+    rows = np.flatnonzero(~((pairs >= 0) & (pairs < layout.num_agents)).any(axis=1))
+    if not layout.num_bodies:
+        return model
+    none = jnp.zeros((layout.num_mobiles + 1, 5), jnp.float32)  # the last row is the world's
+    own = none.at[layout.num_agents : layout.num_agents + layout.num_bodies].set(surfaces)
+    both = own[pairs[rows]]  # (r, 2, 5)
+    friction, stiffness, damping, _, _ = both.max(axis=1).T
+    count = (both[..., LOW:] > 0).astype(jnp.float32).sum(axis=1)  # doors and the world do not count
+    impedance = both[..., LOW:].sum(axis=1) / count
+    return model.replace(
+        pair_friction=model.pair_friction.at[rows, :2].set(friction[:, None]),
+        pair_solref=model.pair_solref.at[rows].set(-jnp.stack([stiffness, damping], axis=-1)),
+        pair_solimp=model.pair_solimp.at[rows[:, None], np.array([[0, 2]])].set(impedance),
     )
 
 

@@ -16,9 +16,11 @@ from home_mjx.physics.reference.house_model import (
     MovableBodies,
     house_doors,
     house_model,
+    house_surfaces,
     movable_bodies,
     with_doors,
     with_slots,
+    with_surfaces,
 )
 from home_mjx.physics.reference.lost import Lost, Sizes, are_points_full
 from home_mjx.physics.reference.pushes import Pushes, find_pushes, over_time
@@ -36,6 +38,8 @@ def step_mjx(
     parts = bodies, leaves, physics.ramp[house]
     model = house_model(template.model, template.layout, bodies, physics.floor[house])
     model = with_doors(model, template.layout, leaves)
+    surfaces = house_surfaces(template.config, physics, house)
+    model = with_surfaces(model, template.layout, template.pair_mobiles, surfaces)
 
     def substep(carry: tuple[mjx.Data, Sizes], _: None) -> tuple[tuple[mjx.Data, Sizes], tuple[Array, Pushes, Array]]:
         data = carry[0]

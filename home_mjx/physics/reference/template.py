@@ -7,6 +7,7 @@ from typing import TypeVar
 
 import jax
 import mujoco
+import numpy as np
 from mujoco import mjx
 
 from home_mjx.bank.records import BankSpec
@@ -43,6 +44,7 @@ class Template:
         self.pairs = Pairs.of(host)
         self.max_points = limit(host, "max_contact_points")
         self.geom_mobile = host.geom_bodyid - 1  # mobile of each geom; -1 the world's
+        self.pair_mobiles = self.geom_mobile[np.stack([host.pair_geom1, host.pair_geom2], axis=1)]
 
     @functools.cached_property
     def model(self) -> mjx.Model:

@@ -8,7 +8,8 @@ import numpy as np
 
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.base.layout import Layout
-from home_mjx.scene_compile.mjcf.agent import AGENT_SOLREF, BODY_SOLREF, add_agent, add_motors, solimp
+from home_mjx.physics.base.surfaces import usual_surface
+from home_mjx.scene_compile.mjcf.agent import AGENT_SOLREF, add_agent, add_motors, solimp
 from home_mjx.scene_compile.mjcf.boxes import DOOR_DRAG
 
 PARKED_HEIGHT = 500.0  # [m]: unused bodies are parked this far above the house, unused slots this far below
@@ -70,9 +71,10 @@ def _add_agent(world: ET.Element, config: PhysicsConfig, a: int) -> None:
 
 
 def _add_pair(contact: ET.Element, config: PhysicsConfig, first: str, second: str, agent: bool) -> None:
-    kind = {"condim": "1", "solref": AGENT_SOLREF} if agent else {"condim": "3", "solref": BODY_SOLREF}
-    friction = f"{config.friction} {config.friction}"
-    ET.SubElement(contact, "pair", kind, geom1=first, geom2=second, friction=friction, solimp=solimp())
+    friction, stiffness, damping, _, _ = usual_surface(config).tolist()  # of bodies that are not there
+    body = {"condim": "3", "solref": f"{-stiffness} {-damping}", "friction": f"{friction} {friction}"}
+    kind = {"condim": "1", "solref": AGENT_SOLREF} if agent else body
+    ET.SubElement(contact, "pair", kind, geom1=first, geom2=second, solimp=solimp())
 
 
 def _add_options(root: ET.Element, config: PhysicsConfig, layout: Layout, jacobian: str) -> None:

@@ -9,6 +9,7 @@ from home_mjx.core.checks import check_number
 from home_mjx.scene_compile.geometry.boxes import BoxSet, join
 from home_mjx.scene_compile.geometry.mesh import bounds, compose, invert
 from home_mjx.scene_compile.geometry.rotations import yaw_matrix, yaw_quat
+from home_mjx.scene_compile.objects.contact import object_contact
 from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.schema.compiled import Bodies
 from home_mjx.schema.house import Object
@@ -90,11 +91,14 @@ def make_bodies(chosen: Sequence[Candidate]) -> Bodies:
     quat = yaw_quat(box.yaw)
     frames = [np.c_[yaw_matrix(y), c] for y, c in zip(box.yaw, box.center, strict=True)]
     inner = [compose(invert(f), c.item.pose) for f, c in zip(frames, chosen, strict=True)]
+    contacts = np.array([object_contact(c.item, c.mass) for c in chosen], float).reshape(-1, 2)
     return Bodies(
         instance=np.array([c.item.instance for c in chosen], np.int32),
         pos=box.center,
         quat=quat,
         size=box.half,
         mass=np.array([c.mass for c in chosen], float),
+        friction=contacts[:, 0],
+        restitution=contacts[:, 1],
         from_model=np.array(inner).reshape(-1, 3, 4),
     )

@@ -6,7 +6,9 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.scene_compile.geometry.boxes import box_inertia
+from home_mjx.scene_compile.mjcf.agent import SOLIMP
 from home_mjx.scene_compile.mjcf.assets import numbers
+from home_mjx.scene_compile.mjcf.contact import contact_numbers
 from home_mjx.schema.compiled import Doors
 
 COLLIDER = "3"  # group, hidden by the viewer at first
@@ -14,6 +16,21 @@ COLLIDER = "3"  # group, hidden by the viewer at first
 MEETS_LEAVES = {"contype": "3", "conaffinity": "3"}
 ONLY_MOVING = {"contype": "2", "conaffinity": "0"}
 DOOR_DRAG = 1.5  # [1/s], of a hinge: the part of its speed that a leaf loses per second
+BODY_PRIORITY = "1"  # a movable object's numbers decide about its contacts; agents have more, what is fixed has none
+
+
+def body_surface(friction: float, ratio: float, timestep: float) -> dict[str, str]:
+    """Attributes of a movable object's geoms: its own numbers decide its contacts.
+
+    Args:
+        friction: Sliding.
+        ratio: Damping ratio, see `materials.contact.damping_ratio`.
+        timestep: Length of a physics step [s].
+    """
+    stiffness, damping, low, width = contact_numbers(np.array(ratio), timestep)
+    solref, impedance = numbers(np.array([-stiffness, -damping])), numbers(np.array([low, SOLIMP[1], width]))
+    sliding = f"{friction:.9g} 0.005 0.0001"
+    return {"priority": BODY_PRIORITY, "solref": solref, "solimp": impedance, "friction": sliding}
 
 
 def add_box(parent: ET.Element, name: str, size: Float[np.ndarray, "3"], **more: str) -> None:

@@ -2,6 +2,7 @@
 
 import json
 import xml.etree.ElementTree as ET
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -13,9 +14,17 @@ from home_mjx.core.files import replace_folder
 from home_mjx.errors import ConfigError
 from home_mjx.scene_compile.architecture.rooms import ground_floor
 from home_mjx.scene_compile.geometry.boxes import box_inertia
+from home_mjx.scene_compile.materials.contact import USUAL, damping_ratio
 from home_mjx.scene_compile.mjcf.agent import BODY_SOLREF, FRICTIONLESS, add_agent, add_motors, solimp
 from home_mjx.scene_compile.mjcf.assets import MjcfAssets, numbers, safe_name
-from home_mjx.scene_compile.mjcf.boxes import COLLIDER, MEETS_LEAVES, add_box, add_leaf, add_piece
+from home_mjx.scene_compile.mjcf.boxes import (
+    COLLIDER,
+    MEETS_LEAVES,
+    add_box,
+    add_leaf,
+    add_piece,
+    body_surface,
+)
 from home_mjx.scene_compile.mjcf.lights import add_lamps
 from home_mjx.scene_compile.mjcf.overlaps import part_overlaps
 from home_mjx.schema.agent import Body
@@ -23,6 +32,7 @@ from home_mjx.schema.choices import COLLISIONS
 from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse
 from home_mjx.schema.semantic import Semantic
 
+USUAL_FRICTION = f"{USUAL.friction} 0.005 0.0001"  # of what has no friction of its own
 FILE, OVERLAPS = "house.xml", "overlaps.json"
 EYE_HEIGHT = Body().eye_height  # [m], of the cameras of rooms
 NYU40_CEILING = 22
@@ -34,7 +44,8 @@ def to_mjcf(
     *,
     agent: Body | None = None,
     timestep: float = 0.005,
-    friction: float = 0.4,
+    friction: float | None = None,
+    restitution: float | None = None,
     collision: str = "box",
 ) -> tuple[str, dict[str, bytes]]:
     """MJCF of a house and the files that it refers to.
@@ -49,7 +60,8 @@ def to_mjcf(
         house: A compiled house.
         agent: Adds an agent at the first start point, with motors (see `mjcf_agent`).
         timestep: [s]
-        friction: Sliding friction; agents have none.
+        friction: Sliding friction of all movable objects; None: of each by its material. Agents have none.
+        restitution: Part of their speed with which movable objects bounce; None: by material.
         collision: `box` or `exact`, which has convex pieces in place of objects' boxes. What then stands in something
             is moved by up to 5 cm or left out of contact with it; the file `overlaps.json` lists it.
 
@@ -69,15 +81,22 @@ def to_mjcf(
     center, extent = house.box.mean(axis=0), float(np.ptp(house.box, axis=0).max())
     ET.SubElement(root, "statistic", center=numbers(center), extent=f"{extent:.6g}")
     default = ET.SubElement(root, "default")
-    ET.SubElement(default, "geom", condim="3", friction=f"{friction} 0.005 0.0001", solref=BODY_SOLREF, solimp=solimp())
+    ET.SubElement(default, "geom", condim="3", friction=USUAL_FRICTION, solref=BODY_SOLREF, solimp=solimp())
     world = ET.Element("worldbody")
     _add_surroundings(world, house)
     add_lamps(world, house)
     assets = MjcfAssets(house)
     exact = collision == "exact"
+    bodies = zip(house.bodies.friction.tolist(), house.bodies.restitution.tolist(), strict=True)
+    touches = [
+        body_surface(
+            mu if friction is None else friction, damping_ratio(e if restitution is None else restitution), timestep
+        )
+        for mu, e in bodies
+    ]
     _add_static_boxes(world, house, exact)
     for instance in range(len(house.instances.model)):
-        _add_instance(world, house, instance, assets, exact)
+        _add_instance(world, house, instance, assets, exact, touches)
     root.extend([assets.element, world])
     files = assets.files
     if exact:
@@ -165,7 +184,14 @@ def _add_static_boxes(world: ET.Element, house: CompiledHouse, exact: bool) -> N
             add_box(world, f"static{i}", size, pos=numbers(pos), quat=numbers(quat))
 
 
-def _add_instance(world: ET.Element, house: CompiledHouse, instance: int, assets: MjcfAssets, exact: bool) -> None:
+def _add_instance(
+    world: ET.Element,
+    house: CompiledHouse,
+    instance: int,
+    assets: MjcfAssets,
+    exact: bool,
+    touches: Sequence[dict[str, str]],
+) -> None:
     """Adds one instance: the architecture, a static object, or a movable one."""
     body, leaf = int(house.instances.body[instance]), np.flatnonzero(house.doors.instance == instance)
     name = instance_name(house, instance)
@@ -186,8 +212,9 @@ def _add_instance(world: ET.Element, house: CompiledHouse, instance: int, assets
         rotation, stretch = split_linear(inner[:, :3])
         place = {"pos": numbers(inner[:, 3]), "quat": _quat(rotation)}
         _add_visuals(element, house, instance, assets, stretch, **place)
-        if not exact or not _add_pieces(element, house, instance, assets, stretch, **place, **MEETS_LEAVES):
-            add_box(element, name, house.bodies.size[body], **MEETS_LEAVES)
+        touch = MEETS_LEAVES | touches[body]
+        if not exact or not _add_pieces(element, house, instance, assets, stretch, **place, **touch):
+            add_box(element, name, house.bodies.size[body], **touch)
 
 
 def _solid_objects(house: CompiledHouse) -> set[int]:

@@ -1,6 +1,7 @@
 """How heavy furniture is: a shell of its material, kept within what such furniture usually weighs."""
 
 import numpy as np
+from jaxtyping import Float
 
 from home_mjx.scene_compile.geometry.mesh import surface_areas
 from home_mjx.scene_compile.objects.place import PlacedObject
@@ -72,7 +73,11 @@ def mass_range(fine: str, coarse: str) -> tuple[float, float]:
 
 def object_mass(item: PlacedObject) -> float:
     """Mass of an object [kg]: areas times areal densities of its materials, within the range of its category."""
-    area = np.bincount(item.model.slot, surface_areas(item.triangles), minlength=len(item.slots))
     areal = [AREAL_DENSITY.get(s.kind, USUAL_DENSITY) for s in item.surfaces]
     low, high = mass_range(item.info.fine, item.info.coarse)
-    return float(np.clip(area @ areal, low, high))
+    return float(np.clip(slot_areas(item) @ areal, low, high))
+
+
+def slot_areas(item: PlacedObject) -> Float[np.ndarray, " s"]:
+    """Area of each material slot of an object [m^2]."""
+    return np.bincount(item.model.slot, surface_areas(item.triangles), minlength=len(item.slots))

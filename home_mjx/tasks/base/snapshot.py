@@ -1,11 +1,18 @@
 """One environment at one instant, as tasks and sensors read it."""
 
+import jax
+import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int, UInt32
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.pytree import Pytree
+from home_mjx.navigation import room_of
+from home_mjx.physics import PhysicsState
+from home_mjx.physics.base.touch import FLOOR, STATIC
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.tasks.base.pose import AgentPose
+
+UNDERFOOT = 0.15  # [m]: a box of the architecture that reaches no higher above the bottom of what touches it is a floor
 
 
 class Touch(Pytree):
@@ -40,3 +47,48 @@ class Snapshot(Pytree):
     def house(self) -> Int[Array, ""]:
         """Index into the bank."""
         return self.scene.house
+
+
+class TouchMeaning(Pytree):
+    """What met in the strongest contact of each mobile: rows as of `bank.semantics`, columns `Semantic`; -1 unknown."""
+
+    own: Int[Array, "m columns"]  # of the mobile itself
+    other: Int[Array, "m columns"]  # of what touched it; -1 nothing, and what lies outdoors
+
+
+def touch_meaning(scene: Scene, touch: Touch | PhysicsState) -> TouchMeaning:
+    """Category, material and whatever else is known of both sides of each mobile's strongest contact.
+
+    Of objects these are their own. The floor and walls are those of the room that the mobile is in, and of its walls
+    the first one; so are invisible barriers.
+
+    Args:
+        scene: Where everything is.
+        touch: What touched each mobile.
+
+    Example:
+        >>> meaning = touch_meaning(snapshot.scene, snapshot.touch)  # doctest: +SKIP
+        >>> on_glass = meaning.other[:, Semantic.MATERIAL] == MATERIAL_KINDS.index("glass")  # doctest: +SKIP
+    """
+    bank, house, moving = scene.bank, scene.house, scene.moving
+    agents = moving.instance.shape[0] - bank.spec.num_bodies - bank.spec.num_doors  # they are the last there
+    there, own, box = (jnp.roll(x, agents, axis=0) for x in (moving.instance >= 0, moving.semantic, moving.box))
+    own = jnp.where(there, own, -1)
+    box = jnp.where(there[:, None, None], box, 0.0)
+    fixed = _fixed_rows(bank, house, touch.other, box)
+    other = jnp.where(touch.other >= 0, own[touch.other], fixed)
+    return TouchMeaning(*(jnp.where(row[:, None] < 0, -1, bank.semantics[row]) for row in (own, other)))
+
+
+def _fixed_rows(
+    bank: HouseBank, house: Int[Array, ""], other: Int[Array, " m"], box: Float[Array, "m 2 3"]
+) -> Int[Array, " m"]:
+    """Semantic rows of what does not move but touches mobiles with these bounds; -1 where a mobile or nothing does."""
+    physics, number = bank.physics, jnp.maximum(STATIC - other, 0)
+    static, item = other <= STATIC, physics.collider_object[house, number]
+    top = physics.collider_pos[house, number, 2] + physics.collider_size[house, number, 2]
+    on_floor = (other == FLOOR) | (top < box[:, 0, 2] + jnp.float32(UNDERFOOT))
+    room = jax.vmap(lambda at: room_of(bank, house, at))(box.mean(axis=1))
+    floor, wall = jnp.where(room[:, None] < 0, -1, bank.navigation.room_surface[house, room]).T
+    row = jnp.where(item >= 0, bank.geometry.object_semantic[house, item], jnp.where(on_floor, floor, wall))
+    return jnp.where(other == FLOOR, floor, jnp.where(static, row, -1))

@@ -13,18 +13,18 @@ from heaps import AGENTS, BODIES, DOORS, RAMPS, heap
 
 from home_mjx.physics.cuda.launch import CONTACT_WORDS, PAIRS_PER_MOBILE, SMALL_ISLAND, SOURCES
 from home_mjx.physics.native.data import limits
-from home_mjx.physics.native.data.numbers import Numbers
+from home_mjx.physics.native.data.numbers import Numbers, reference_surfaces
 
-WHOLE = 3, 12, 17, 20  # operands of whole numbers
+WHOLE = 3, 13, 18, 21  # operands of whole numbers
 SHIM = Path(__file__).parents[2] / "helpers" / "physics_shim.h"
 MAIN = """
 extern "C" void run(void** p) {
 #define IN(type, i) (const type*)p[i]
   step_physics(IN(float, 0), IN(float, 1), IN(float, 2), IN(int, 3), IN(float, 4), IN(float, 5), IN(float, 6),
-               IN(float, 7), IN(float, 8), IN(float, 9), IN(float, 10), IN(float, 11), IN(int, 12), IN(float, 13),
-               IN(float, 14), IN(float, 15), IN(float, 16), IN(int, 17), IN(float, 18), IN(float, 19), IN(int, 20),
-               (float*)p[21], (float*)p[22], (float*)p[23], (int*)p[24], (int*)p[25], (float*)p[26], (int*)p[27],
-               (char*)p[28]);
+               IN(float, 7), IN(float, 8), IN(float, 9), IN(float, 10), IN(float, 11), IN(float, 12), IN(int, 13),
+               IN(float, 14), IN(float, 15), IN(float, 16), IN(float, 17), IN(int, 18), IN(float, 19), IN(float, 20),
+               IN(int, 21), (float*)p[22], (float*)p[23], (float*)p[24], (int*)p[25], (int*)p[26], (float*)p[27],
+               (int*)p[28], (char*)p[29]);
 }
 """
 
@@ -51,6 +51,7 @@ def in_single(oracle: Oracle) -> None:
     oracle.static, oracle.bodies = (Boxes(*map(single, boxes)) for boxes in (oracle.static, oracle.bodies))
     oracle.mass, oracle.inertia = single(oracle.mass), single(oracle.inertia)
     oracle.numbers = type(oracle.numbers)(*single(oracle.numbers).tolist())
+    oracle.surfaces = single(reference_surfaces(oracle.surfaces)) / reference_surfaces(np.ones(5))
     oracle.table, oracle.door_rows = single(oracle.table), single(oracle.door_rows)
 
 
@@ -59,7 +60,8 @@ def step(library, oracle: Oracle, qpos, qvel, action, substeps: int):
     numbers, doors = oracle.numbers._replace(substeps=float(substeps)), oracle.door_rows
     valid, house = np.ones(bodies), np.zeros(1)
     sizes = np.array([1, 1, static, bodies, agents, len(doors), len(oracle.ramps), 0])
-    inputs = [*oracle.static, valid, oracle.bodies.half, oracle.mass, oracle.inertia, doors, oracle.ramps, np.zeros(1)]
+    inputs = [*oracle.static, valid, oracle.bodies.half, oracle.mass, oracle.inertia]
+    inputs += [reference_surfaces(oracle.surfaces), doors, oracle.ramps, np.zeros(1)]
     inputs += [oracle.table, numbers, house, qpos, qvel, np.zeros(len(qvel)), action, *oracle.driven, sizes]
     inputs = [np.ascontiguousarray(x, np.int32 if i in WHOLE else np.float32) for i, x in enumerate(inputs)]
     mobiles = agents + bodies + len(doors)

@@ -11,4 +11,4 @@ LIMIT = NOTHING  # the second mobile of a hinge at its limit
 SLEEPER = -1_000_000  # of a contact with mobile m that sleeps: SLEEPER - m
 NEAR = 24  # static boxes that are kept near each mobile
 POINTS_PER_MOBILE = 24  # contact points that there is room for
-AGENT_COLUMNS, DOOR_COLUMNS, RAMP_COLUMNS = 8, 13, 8
+AGENT_COLUMNS, DOOR_COLUMNS, RAMP_COLUMNS, SURFACE_COLUMNS = 8, 13, 8, 5

@@ -1,6 +1,9 @@
 """The numbers of a template that every environment and agent shares."""
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
+
+import jax
+import numpy as np
 
 from home_mjx.physics.base import servo
 from home_mjx.physics.base.config import PhysicsConfig
@@ -8,6 +11,7 @@ from home_mjx.physics.reference.template_mjcf import CORNER_RADIUS, LIMIT_SOLREF
 from home_mjx.scene_compile.mjcf import agent
 from home_mjx.scene_compile.mjcf.boxes import DOOR_DRAG
 
+Values = TypeVar("Values", jax.Array, np.ndarray)  # (*batch, 5)
 ITERATIONS = 50  # of Newton's method, which ends by itself: most physics steps take one to three
 BY_FORCE = 1.0  # `control`
 # What is slower than this for a control step, and not pulled, has come to rest.
@@ -22,13 +26,10 @@ class Numbers(NamedTuple):
     gravity: float
     control: float  # BY_FORCE, or 0: by velocity
     response_time: float
-    friction: float
     max_body_speed: float
     max_body_spin: float
     agent_stiffness: float  # of contacts with agents: reference acceleration per depth and impedance
     agent_damping: float  # and per velocity
-    body_stiffness: float
-    body_damping: float
     limit_stiffness: float
     limit_damping: float
     impedance_low: float
@@ -65,11 +66,9 @@ def numbers_of(config: PhysicsConfig) -> Numbers:
         gravity=servo.GRAVITY,
         control=BY_FORCE if config.control == "force" else 0.0,
         response_time=config.response_time,
-        friction=config.friction,
         max_body_speed=config.max_body_speed,
         max_body_spin=config.max_body_spin,
         **_spring("agent", agent.AGENT_SOLREF, dt),
-        **_spring("body", agent.BODY_SOLREF, dt),
         **_spring("limit", LIMIT_SOLREF, dt),
         impedance_low=agent.SOLIMP[0],
         impedance_high=agent.SOLIMP[1],
@@ -95,6 +94,12 @@ def numbers_of(config: PhysicsConfig) -> Numbers:
         door_speed=servo.DOOR_SPEED,
         door_torque=servo.DOOR_TORQUE,
     )
+
+
+def reference_surfaces(surfaces: Values) -> Values:
+    """`base.surfaces` with reference accelerations: stiffness per depth and impedance, damping per velocity."""
+    factor = np.array([1, agent.SOLIMP[1] ** -2, 1 / agent.SOLIMP[1], 1, 1], surfaces.dtype)
+    return surfaces * factor.reshape((1,) * (surfaces.ndim - 1) + (-1,))
 
 
 def _spring(kind: str, solref: str, sim_dt: float) -> dict[str, float]:

@@ -20,6 +20,7 @@ from home_mjx.physics.native.data.limits import (
     MOST_POINTS,
     NEAR,
     POINTS_PER_MOBILE,
+    SURFACE_COLUMNS,
 )
 
 NUM_CONTACTS, LOST_STATIC, LOST_POINTS, NEWTON_STEPS = range(4)  # in `counts`
@@ -52,6 +53,7 @@ class Work(NamedTuple):
     radius: Pointer  # (m) of the bounding sphere
     agent: Pointer  # (a, AGENT_COLUMNS), see `control.agent_table`
     door: Pointer  # (h, DOOR_COLUMNS), see `doors.door_table`
+    surface: Pointer  # (m, SURFACE_COLUMNS) of bodies, see `numbers.reference_surfaces`; of others nothing
     push: Pointer  # (m, 2) impulse of its contacts in a control step: of all, of the strongest in one physics step
     static_pos: Pointer  # (c, 3)
     static_rot: Pointer  # (c, 3, 3)
@@ -126,6 +128,7 @@ def _carve(at, num_agents, num_bodies, num_doors, num_static):
     radius, at = floats(at), at + WORD * m
     agent, at = floats(at), at + WORD * (AGENT_COLUMNS * num_agents)
     door, at = floats(at), at + WORD * (DOOR_COLUMNS * num_doors)
+    surface, at = floats(at), at + WORD * (SURFACE_COLUMNS * m)
     push, at = floats(at), at + WORD * (2 * m)
     static_pos, at = floats(at), at + WORD * (3 * c)
     static_rot, at = floats(at), at + WORD * (9 * c)
@@ -176,6 +179,7 @@ def _carve(at, num_agents, num_bodies, num_doors, num_static):
         radius,
         agent,
         door,
+        surface,
         push,
         static_pos,
         static_rot,
