@@ -26,6 +26,11 @@ def fused(settings: Settings) -> Record:
     return _record(settings, "fused", "fused", ("MJX", _record(settings, "step", "jax", None).value))
 
 
+def c(settings: Settings) -> Record:
+    """The same by C MuJoCo inside `jit`; the peer is the fused step."""
+    return _record(settings, "c", "c", ("fused", _record(settings, "fused", "fused", None).value))
+
+
 def kinematic(settings: Settings) -> Record:
     """The same by agents without dynamics; the peer is the fused step."""
     return _record(settings, "kinematic", "kinematic", ("fused", _record(settings, "fused", "fused", None).value))
@@ -65,4 +70,4 @@ def _mujoco(settings: Settings, config: physics.PhysicsConfig) -> float:
     return count / (time.perf_counter() - start)
 
 
-CASES: dict[str, Callable[[Settings], Record]] = {"step": step, "fused": fused, "kinematic": kinematic}
+CASES: dict[str, Callable[[Settings], Record]] = {"step": step, "fused": fused, "c": c, "kinematic": kinematic}

@@ -90,4 +90,4 @@ class ModelInC:
             states, sensors = self._pool.rollout(
                 self.model, self._data, state, ctrl[:, None], nstep=self._substeps, chunk_size=1
             )
-        results[0][:], results[1][:] = np.asarray(states)[:, -1], np.asarray(sensors)[:, -1]
+        results[0][:], results[1][:] = (np.asarray(x)[:, -1] for x in (states, sensors))

@@ -242,7 +242,7 @@ def test_two_agents_step_together(generated_bank):
         ({"widht": 3}, "Did you mean `width`"),
         ({"width": 0}, "at least 1"),
         ({"fovy": 200.0}, "fovy"),
-        ({"ctrl_dt": 0.13}, "ctrl_dt"),
+        ({"ctrl_dt": 0.125}, "ctrl_dt"),
         ({"sample_rate": 16005}, "sample_rate"),
     ],
 )
