@@ -38,11 +38,13 @@ class Settled:
         moved: Things that lie or stand somewhere else.
         kept: Things that could be elsewhere but are where the house has them: no place was free, or they did not come
             to rest there.
+        shifted: Other bodies that settling has moved by more than `rest.MOST_MOVED`, or turned.
         restless: Bodies of any size that are not at rest after all.
     """
 
     moved: Int[np.ndarray, "h p"]
     kept: Int[np.ndarray, "h p"]
+    shifted: Int[np.ndarray, "h p"]
     restless: Int[np.ndarray, "h p"]
 
 
@@ -106,7 +108,8 @@ def _entry(bank: HouseBank, num_arrangements: int, words: np.ndarray) -> Path:
 
 def _make(bank: HouseBank, num: int, words: np.ndarray, progress: bool) -> tuple[Array, Settled]:
     """Puts things somewhere, lets all settle, puts back what did not stay where it was put, and so on."""
-    placed = jnp.concatenate([bank.physics.body_pos, bank.physics.body_quat], axis=-1)[:, None]
+    placed = jnp.concatenate([bank.physics.body_pos, bank.physics.body_quat], axis=-1)
+    placed = jnp.repeat(placed[:, None], num, axis=1)
     put, moved, kept = _put(bank, num, words, progress)
     poses, still = settle(_with(bank, put), progress)
     for _ in range(ROUNDS):
@@ -116,8 +119,8 @@ def _make(bank: HouseBank, num: int, words: np.ndarray, progress: bool) -> tuple
         put, moved, kept = jnp.where(wrong[..., None], placed, put), moved & ~wrong, kept | wrong
         poses, still = settle(_with(bank, put), progress)
     used = bank.physics.body_valid[:, None]
-    restless = ~still & used
-    counts = {"moved": moved, "kept": kept, "restless": restless}
+    restless, shifted = ~still & used, has_moved(placed, poses) & ~moved & used
+    counts = {"moved": moved, "kept": kept, "shifted": shifted, "restless": restless}
     settled = Settled(**{name: np.asarray(x.sum(axis=-1), np.int32) for name, x in counts.items()})
     if settled.restless.any():
         log.warning("%d bodies do not come to rest in %d arrangements", restless.sum(), num * bank.num_houses)

@@ -73,6 +73,7 @@ def test_most_things_are_elsewhere_and_every_one_is_counted(made):
         assert moved.sum() == made.settled.moved[house, p]
         assert made.settled.moved[house, p] + made.settled.kept[house, p] == drawn.sum()
         assert moved.sum() >= 0.6 * drawn.sum() > 3
+    assert not made.settled.shifted.any()
     assert not made.settled.restless.any()
 
 
