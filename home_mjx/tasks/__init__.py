@@ -17,7 +17,7 @@ from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.episodes import load_episodes, sample_episodes, save_episodes
 from home_mjx.tasks.environment.household import HouseholdEnv
 from home_mjx.tasks.environment.memory import MemoryEstimate, estimate_memory
-from home_mjx.tasks.environment.saved import load_states, save_states
+from home_mjx.tasks.environment.saved import dump_flagged, load_flagged, load_states, save_states
 from home_mjx.tasks.suite.point_nav import PointNav, PointNavState
 
 __all__ = [
@@ -46,8 +46,10 @@ __all__ = [
     "TouchMeaning",
     "World",
     "check_status",
+    "dump_flagged",
     "estimate_memory",
     "load_episodes",
+    "load_flagged",
     "load_states",
     "make_config",
     "register_sensor",

@@ -70,7 +70,7 @@ def check_status(state: Any, ignore: int = 0) -> None:
         first = f"environment {wrong[0]}: {', '.join(Status.names(status.flat[wrong[0]]))}"
         raise StatusError(
             f"{len(wrong)} of {status.size} environments lost something in the last step; {first}",
-            hint="`home_mjx.tasks.Status` says what each flag means; `save_states` keeps the state for a replay.",
+            hint="`home_mjx.tasks.Status` says what each flag means; `dump_flagged` keeps the step for a replay.",
         )
 
 

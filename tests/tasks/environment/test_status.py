@@ -11,7 +11,16 @@ from mujoco import mjx
 from home_mjx import AutoReset, HouseBank, HouseholdEnv
 from home_mjx.errors import DatasetError
 from home_mjx.physics.reference.lost import Pairs, Sizes, are_points_full, limit
-from home_mjx.tasks import Status, StatusError, check_status, load_states, make_config, save_states
+from home_mjx.tasks import (
+    Status,
+    StatusError,
+    check_status,
+    dump_flagged,
+    load_flagged,
+    load_states,
+    make_config,
+    save_states,
+)
 from home_mjx.tasks.sensors.hearing import is_cut
 
 NUM = 4
@@ -120,11 +129,12 @@ def test_states_are_kept_and_go_on(begun, step, batch, tmp_path):
     env = batch.core.core.bind(batch.params)
     states = begun.replace(status=jnp.array([0, 1, 0, 0], jnp.int32))
     assert save_states(tmp_path / "all.npz", states) == NUM
-    assert save_states(tmp_path / "wrong.npz", states, faulty_only=True) == 1
     back = load_states(tmp_path / "all.npz", env)
     jax.tree.map(np.testing.assert_array_equal, back, states.replace(info={}))
-    wrong = load_states(tmp_path / "wrong.npz", env)
-    jax.tree.map(lambda a, b: np.testing.assert_array_equal(a[0], b[1]), wrong, states.replace(info={}))
+    one = jax.tree.map(lambda x: x[1], states)
+    assert save_states(tmp_path / "one.npz", one) == 1
+    loaded = load_states(tmp_path / "one.npz", env)
+    jax.tree.map(lambda a, b: np.testing.assert_array_equal(a[0], b), loaded, one.replace(info={}))
     again = step(jax.tree.map(jnp.asarray, back).replace(info=states.info), jnp.zeros((NUM, 4)))
     jax.tree.map(np.testing.assert_array_equal, again, step(states, jnp.zeros((NUM, 4))))
     with pytest.raises(DatasetError):
@@ -132,6 +142,30 @@ def test_states_are_kept_and_go_on(begun, step, batch, tmp_path):
     two = HouseholdEnv(make_config(sensors=("state",), num_agents=2)).bind(batch.bank)
     with pytest.raises(DatasetError, match=r"qpos|qvel|physics"):
         load_states(tmp_path / "all.npz", two)
+
+
+def test_a_step_that_breaks_is_kept_and_breaks_again(begun, step, batch, tmp_path):
+    """The second environment breaks, the fourth leaves the lot; automatic resets have gone on when the dump is made."""
+    core, path = batch.core.core, tmp_path / "broken.npz"
+    actions = jax.random.uniform(jax.random.key(3), (NUM, 4), minval=-1.0)
+    wild = begun.physics.replace(qvel=begun.physics.qvel.at[1].set(1e38), qpos=begun.physics.qpos.at[3, 0].set(100.0))
+    before = begun.replace(physics=wild)
+    after, good = step(before, actions), step(begun, actions)
+    assert dump_flagged(path, begun, actions, good) == 0
+    assert not path.exists()
+    assert dump_flagged(path, before, actions, after) == 1
+    assert dump_flagged(tmp_path / "both.npz", before, actions, after, Status.NOT_A_NUMBER | Status.OUTSIDE) == 2
+    again = jax.jit(jax.vmap(core.step, (None, 0, 0)))
+    states, kept = load_flagged(tmp_path / "both.npz", core.bind(batch.params))
+    np.testing.assert_array_equal(kept, actions[jnp.array([1, 3])])
+    jax.tree.map(lambda a, b: np.testing.assert_array_equal(a, b[np.array([1, 3])]), states, before.replace(info={}))
+    assert again(batch.params, states, kept).status.tolist() == after.status[jnp.array([1, 3])].tolist()
+    assert Status.NOT_A_NUMBER in Status(int(after.status[1]))
+    states, kept = load_flagged(path, core.bind(batch.params))
+    assert kept.shape == (1, 4)
+    save_states(path, states)
+    with pytest.raises(DatasetError, match="action"):
+        load_flagged(path, core.bind(batch.params))
 
 
 def test_flags_have_names():
