@@ -64,6 +64,4 @@ def _mesh(mesh: Mesh | None, number: int, lift: float) -> Mesh | None:
 def _moved(node: Placed, number: int, lift: float) -> Placed:
     transform = node.transform.copy()
     transform[1, 3] += lift
-    return replace(
-        node, id=f"{number}_{node.index}", path=f"levels[{number}].nodes[{node.index}]", transform=transform
-    )
+    return replace(node, id=f"{number}_{node.index}", path=f"levels[{number}].nodes[{node.index}]", transform=transform)

@@ -33,12 +33,12 @@ class Actor:
         """It does nothing."""
         return np.zeros(len(NAMES), np.float32)
 
-    def walk(self, moment: Moment, aim: Float[np.ndarray, " 2"]) -> Action:
-        """Straight towards a point [m], looking ahead."""
+    def walk(self, moment: Moment, aim: Float[np.ndarray, " 2"], pitch: float = 0.0) -> Action:
+        """Straight towards a point [m], looking up by `pitch` [rad]."""
         body, dt = self.config.physics.agents[self.agent], self.config.timing.ctrl_dt
         action = self.stand()
         action[:4] = steer(moment.pos[self.agent], float(moment.yaw[self.agent]), aim, body.turn_rate * dt)
-        action[NAMES.index("look_up")] = self._tilt(-float(moment.pitch[self.agent]))
+        action[NAMES.index("look_up")] = self._tilt(pitch - float(moment.pitch[self.agent]))
         return action
 
     def look(self, moment: Moment, point: Float[np.ndarray, " 3"]) -> Action:

@@ -9,7 +9,6 @@ import numpy as np
 from home_mjx.datasets.outlines import THICKNESS, Opening, Point, RoomOutline, outline_house
 from home_mjx.datasets.procedural.build import furniture_object, used_models
 from home_mjx.datasets.procedural.dataset import library_model
-from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
 from home_mjx.datasets.procedural.primitives.palette import plain, textured
 from home_mjx.datasets.procedural.primitives.textures import RECIPES, texture
 from home_mjx.datasets.storeys import stack_levels
@@ -66,7 +65,11 @@ def write_story_house(root: Path) -> None:
 
 
 def _level(
-    walls: Sequence[RoomOutline], floors: Sequence[RoomOutline], ceilings: Sequence[RoomOutline], pieces: Sequence[Piece], base: float
+    walls: Sequence[RoomOutline],
+    floors: Sequence[RoomOutline],
+    ceilings: Sequence[RoomOutline],
+    pieces: Sequence[Piece],
+    base: float,
 ) -> Level:
     """A level on the ground, whose floors and ceilings may end where the hall is open."""
     placed = [piece.placed() for piece in pieces]

@@ -2,11 +2,13 @@
 
 from dataclasses import dataclass
 
+import jax
 import numpy as np
 from jaxtyping import Float
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
+from home_mjx.physics.base.doors import Leaf
 from home_mjx.schema.categories import fine_index
 from home_mjx.schema.semantic import Semantic
 
@@ -18,22 +20,8 @@ class Door:
     """The leaf that has to be opened."""
 
     wide: float  # [rad], its angle when open
-    pivot: Float[np.ndarray, "2"]  # [m]
-    arm: Float[np.ndarray, "2"]  # [m], from the hinge to the middle of the leaf at angle 0
-    closed: float  # [rad]
-    height: float  # [m], of its middle
-
-    def middle(self, angle: float) -> Float[np.ndarray, "3"]:
-        """Of the leaf at an angle [m]."""
-        c, s = np.cos(angle), np.sin(angle)
-        return np.array([*(self.pivot + np.array([[c, -s], [s, c]]) @ self.arm), self.height])
-
-    def before(self, pos: Float[np.ndarray, "3"], away: float) -> Float[np.ndarray, "2"]:
-        """A point before the middle of the closed leaf, on the side of `pos`; behind it if `away` is negative [m]."""
-        middle = self.middle(self.closed)[:2]
-        along = middle - self.pivot
-        across = np.array([-along[1], along[0]]) / np.linalg.norm(along)
-        return middle + away * across * np.sign((pos[:2] - middle) @ across)
+    middle: Float[np.ndarray, "3"]  # [m], of the closed leaf
+    through: Float[np.ndarray, "2"]  # unit direction through the doorway, to the side where the stairs are
 
 
 @dataclass(frozen=True)
@@ -62,11 +50,12 @@ class Places:
     stairs: Stairs
     lamp: Thing
     table: Thing
+    television: Float[np.ndarray, "3"]  # [m], where the sound comes from
     lookout: Float[np.ndarray, "2"]  # [m], at the edge of the upper floor: from there one sees all of it
 
     @classmethod
     def of(cls, bank: HouseBank) -> "Places":
-        """The only door, the only stairs, and the lamp and the table upstairs.
+        """The only door, the only stairs, the lamp and the table upstairs, the television below.
 
         Raises:
             ConfigError: The house has no such thing, or several.
@@ -74,24 +63,30 @@ class Places:
         physics = bank.physics
         ramp = np.asarray(physics.ramp[0, 0], float)
         middle, up, half, height = ramp[:2], ramp[2:4], ramp[4], ramp[6] + ramp[4] * ramp[7]
-        door = Door(
-            wide=float(physics.door_wide[0, 0]),
-            pivot=np.asarray(physics.door_pivot[0, 0]),
-            arm=np.asarray(physics.door_pos[0, 0, :2] - physics.door_pivot[0, 0]),
-            closed=float(physics.door_closed[0, 0]),
-            height=float(physics.door_pos[0, 0, 2]),
-        )
         stairs = Stairs(middle - half * up, middle + half * up, up, float(height))
-        lamp, table = _thing(bank, "table_lamp"), _thing(bank, "dining_table")
+        door = _door(bank, stairs.foot)
+        lamp, table, television = (
+            _thing(bank, *k) for k in (("table_lamp", 1), ("dining_table", 1), ("television", 0))
+        )
         edge = np.array([-up[1], up[0]])
         side = np.sign((np.asarray(physics.body_pos[0, table.body, :2]) - stairs.head) @ edge)
-        return cls(door, stairs, lamp, table, stairs.head + LOOKOUT[0] * up + LOOKOUT[1] * side * edge)
+        lookout = stairs.head + LOOKOUT[0] * up + LOOKOUT[1] * side * edge
+        return cls(door, stairs, lamp, table, np.asarray(physics.body_pos[0, television.body]), lookout)
 
 
-def _thing(bank: HouseBank, fine: str) -> Thing:
+def _door(bank: HouseBank, beyond: Float[np.ndarray, "2"]) -> Door:
+    """The first leaf, to be walked through to where a point [m] is."""
+    leaf = jax.tree.map(lambda x: x[0, 0], Leaf.of(bank.physics))
+    middle = np.asarray(leaf.turned(bank.physics.door_closed[0, 0])[0])
+    along = middle[:2] - np.asarray(leaf.pivot)
+    across = np.array([-along[1], along[0]]) / np.linalg.norm(along)
+    return Door(float(bank.physics.door_wide[0, 0]), middle, across * np.sign((beyond - middle[:2]) @ across))
+
+
+def _thing(bank: HouseBank, fine: str, level: int) -> Thing:
     rows = np.asarray(bank.semantics)
-    wanted = (rows[:, Semantic.FINE] == fine_index(fine)) & (rows[:, Semantic.LEVEL] == 1)
+    wanted = (rows[:, Semantic.FINE] == fine_index(fine)) & (rows[:, Semantic.LEVEL] == level)
     found = np.unique(rows[wanted & (rows[:, Semantic.MOVABLE] >= 0), Semantic.MOVABLE])
     if len(found) != 1:
-        raise ConfigError(f"the story needs one movable {fine} upstairs, the house has {len(found)}")
+        raise ConfigError(f"the story needs one movable {fine} on level {level}, there are {len(found)}")
     return Thing(int(found[0]), np.asarray(bank.physics.body_size[0, found[0]]))

@@ -61,6 +61,7 @@ def play(env: BoundEnv[HouseholdEnv], told: Callable[[Step], None] = lambda step
     places = Places.of(env.bank)
     script = Script(core.config, places)
     state = jax.jit(core.begin)(params, suitable_start(env, places))
+    state = state.replace(world=state.world.replace(source=jnp.asarray(places.television, jnp.float32)))
     look = jax.jit(lambda params, state: moment_of(core, params, state))
     step = jax.jit(core.step)
     moment = to_host(look(params, state))
@@ -87,10 +88,8 @@ def suitable_start(env: BoundEnv[HouseholdEnv], places: Places) -> jax.Array:
     start = jax.jit(jax.vmap(lambda p, k: moment_of(env.core, p, env.core.begin(p, k))["pos"], (None, 0)))
     pos = np.asarray(start(env.params, keys))
     door, upstairs = places.door, places.stairs.upstairs
-    middle = door.middle(door.closed)[:2]
-    inward = door.before(np.array([*places.stairs.foot, 0.0]), -1.0) - middle
-    ahead = (pos[:, CARRIER, :2] - middle) @ inward
-    aside = abs((pos[:, CARRIER, :2] - middle) @ np.array([-inward[1], inward[0]]))
+    away = door.middle[:2] - pos[:, CARRIER, :2]
+    ahead, aside = away @ door.through, abs(away @ np.array([-door.through[1], door.through[0]]))
     fits = (ahead > STRIP[0]) & (ahead < STRIP[1]) & (aside < STRIP[2]) & (pos[:, CARRIER, 2] < upstairs)
     fits &= np.linalg.norm(pos[:, WATCHER, :2] - places.lookout, axis=-1) < AROUND
     fits &= pos[:, WATCHER, 2] > upstairs

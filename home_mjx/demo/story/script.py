@@ -1,7 +1,7 @@
 """The story: what the agents do, one stage after the other, and when each stage is done."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -13,9 +13,11 @@ from home_mjx.tasks.base.config import EnvConfig
 
 CARRIER, WATCHER = 0, 1  # agents
 NEAR = 0.15  # [m], from a point on the way
+BEFORE, BEYOND, BEFORE_STAIRS = 0.75, 1.0, 0.45  # [m], from a doorway and from the ends of stairs
 ARM = 0.6  # [m], from what is to be picked up
 EDGE = 0.25  # [m], from the edge of the table to where the lamp is put
 OPEN = 0.1  # [rad], from wide open
+DOWN = -0.4  # [rad], of the view while it carries: so it sees what it holds
 SHADE = 0.5  # of the lamp's half height above its middle: its shade is easily hit
 STILL = 0.01  # [m/s] and [rad/s]
 
@@ -63,32 +65,19 @@ class Script:
 
     def _door(self) -> Iterator[Stage]:
         door, me = self.places.door, self.carrier
-        near, far = door.middle(door.closed), 1.0
-        yield self._way("goes to the door", lambda m: door.before(m.pos[CARRIER], 0.75))
+        yield self._way("goes to the door", door.middle[:2] - BEFORE * door.through)
         yield Stage(
             "opens the door",
-            lambda m: me.use(m, near, "turn_door"),
+            lambda m: me.use(m, door.middle, "turn_door"),
             lambda m: abs(float(m.door_angle[0]) - door.wide) < OPEN,
         )
-        yield self._through("walks through", far)
-
-    def _through(self, caption: str, far: float) -> Stage:
-        """Through the doorway, wherever from: the aim is chosen once."""
-        aim: list[Float[np.ndarray, "2"]] = []
-
-        def behind(moment: Moment) -> Float[np.ndarray, "2"]:
-            if not aim:
-                aim.append(self.places.door.before(moment.pos[CARRIER], -far))
-            return aim[0]
-
-        return self._way(caption, behind)
+        yield self._way("walks through", door.middle[:2] + BEYOND * door.through)
 
     def _stairs(self) -> Iterator[Stage]:
         stairs = self.places.stairs
-        foot, head = stairs.foot - 0.4 * stairs.up, stairs.head + 0.5 * stairs.up
-        yield self._way("goes to the stairs", lambda m: foot)
-        climbs = self._way("climbs the stairs", lambda m: head)
-        yield Stage(climbs.caption, climbs.act, lambda m: climbs.done(m) and self.is_upstairs(m))
+        yield self._way("goes to the stairs", stairs.foot - BEFORE_STAIRS * stairs.up)
+        climbs = self._way("climbs the stairs", stairs.head + BEFORE_STAIRS * stairs.up)
+        yield replace(climbs, done=lambda m: climbs.done(m) and self.is_upstairs(m))
 
     def _lamp(self) -> Iterator[Stage]:
         me, lamp, table = self.carrier, self.places.lamp, self.places.table
@@ -104,8 +93,8 @@ class Script:
         )
         yield Stage(
             "carries it to the table",
-            lambda m: me.walk(m, m.body_pos[table.body, :2]),
-            lambda m: me.distance(m, self.spot(m)) < 0.8,
+            lambda m: me.walk(m, m.body_pos[table.body, :2], DOWN),
+            lambda m: me.distance(m, self.spot(m)) < ARM + EDGE,
         )
         yield Stage("puts it down", lambda m: me.use(m, self.spot(m), "pick"), lambda m: m.held[CARRIER] < 0)
         yield Stage(
@@ -114,9 +103,9 @@ class Script:
             lambda m: me.sees(m, self.watcher.eyes(m)) and self.stands(m),
         )
 
-    def _way(self, caption: str, aim: Callable[[Moment], Float[np.ndarray, "2"]]) -> Stage:
+    def _way(self, caption: str, aim: Float[np.ndarray, "2"]) -> Stage:
         me = self.carrier
-        return Stage(caption, lambda m: me.walk(m, aim(m)), lambda m: me.distance(m, aim(m)) < NEAR)
+        return Stage(caption, lambda m: me.walk(m, aim), lambda m: me.distance(m, aim) < NEAR)
 
     def is_upstairs(self, moment: Moment) -> bool:
         """Whether the carrier stands on the upper floor."""

@@ -61,7 +61,12 @@ FAMILIES = (
         centred=False,
     ),
     Family(
-        "banister", "fence", banister, slots("wood", "chrome"), (variant(steps=STEPS, rise=RISE, run=RUN),), centred=False
+        "banister",
+        "fence",
+        banister,
+        slots("wood", "chrome"),
+        (variant(steps=STEPS, rise=RISE, run=RUN),),
+        centred=False,
     ),
     Family("railing", "fence", railing, slots("wood", "chrome"), (variant(length=4.7),), centred=False),
 )
