@@ -22,7 +22,7 @@ from home_mjx.viz.top_view import Mark, TopView
 Image = UInt8[np.ndarray, "h w 3"]
 COLOURS = {CARRIER: (20, 200, 90), WATCHER: (255, 150, 40)}  # of the dots that stand for agents
 LAMP = (255, 235, 90)
-ACROSS = 3  # stages in a row of the sheet
+ACROSS = 5  # stages in a row of the sheet
 
 
 @dataclass(frozen=True)

@@ -77,6 +77,7 @@ LOWER = (
     *(Piece("chair_2", 10.9 + side * 0.78, 3.0 + end, 2 + side) for side in (-1, 1) for end in (-0.4, 0.4)),
     Piece("vase_1", 10.9, 3.0, y=TABLE),
     Piece("rug_2", 7.4, 3.6),
+    Piece("speaker_1", 8.7, 5.78, FACES_NORTH),
     Piece("bench_2", 7.1, 5.7, FACES_NORTH),
     Piece("coat_stand_1", 4.95, 5.6),
     Piece("picture_2", EAST - 0.07, 1.2, FACES_WEST, 1.35),

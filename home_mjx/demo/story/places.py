@@ -50,12 +50,12 @@ class Places:
     stairs: Stairs
     lamp: Thing
     table: Thing
-    television: Float[np.ndarray, "3"]  # [m], where the sound comes from
+    sound: Float[np.ndarray, "3"]  # [m], just above the loudspeaker
     lookout: Float[np.ndarray, "2"]  # [m], at the edge of the upper floor: from there one sees all of it
 
     @classmethod
     def of(cls, bank: HouseBank) -> "Places":
-        """The only door, the only stairs, the lamp and the table upstairs, the television below.
+        """The only door, the only stairs, the lamp and the table upstairs, the loudspeaker below.
 
         Raises:
             ConfigError: The house has no such thing, or several.
@@ -65,13 +65,13 @@ class Places:
         middle, up, half, height = ramp[:2], ramp[2:4], ramp[4], ramp[6] + ramp[4] * ramp[7]
         stairs = Stairs(middle - half * up, middle + half * up, up, float(height))
         door = _door(bank, stairs.foot)
-        lamp, table, television = (
-            _thing(bank, *k) for k in (("table_lamp", 1), ("dining_table", 1), ("television", 0))
-        )
+        lamp, table = _thing(bank, "table_lamp", 1), _thing(bank, "dining_table", 1)
+        speaker = _thing(bank, "loudspeaker", 0)
+        sound = np.asarray(physics.body_pos[0, speaker.body]) + [0.0, 0.0, speaker.half[2] + 0.1]
         edge = np.array([-up[1], up[0]])
         side = np.sign((np.asarray(physics.body_pos[0, table.body, :2]) - stairs.head) @ edge)
         lookout = stairs.head + LOOKOUT[0] * up + LOOKOUT[1] * side * edge
-        return cls(door, stairs, lamp, table, np.asarray(physics.body_pos[0, television.body]), lookout)
+        return cls(door, stairs, lamp, table, sound, lookout)
 
 
 def _door(bank: HouseBank, beyond: Float[np.ndarray, "2"]) -> Door:
