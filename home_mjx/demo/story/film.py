@@ -19,7 +19,7 @@ from home_mjx.tasks.environment.household import HouseholdEnv
 from home_mjx.viz import media, pictures
 from home_mjx.viz.top_view import Mark, TopView
 
-Image = UInt8[np.ndarray, "h w 3"]
+Image = UInt8[np.ndarray, "_ _ 3"]
 COLOURS = {CARRIER: (20, 200, 90), WATCHER: (255, 150, 40)}  # of the dots that stand for agents
 LAMP = (255, 235, 90)
 ACROSS = 5  # stages in a row of the sheet

@@ -67,7 +67,7 @@ class Places:
         door = _door(bank, stairs.foot)
         lamp, table = _thing(bank, "table_lamp", 1), _thing(bank, "dining_table", 1)
         speaker = _thing(bank, "loudspeaker", 0)
-        sound = np.asarray(physics.body_pos[0, speaker.body]) + [0.0, 0.0, speaker.half[2] + 0.1]
+        sound = np.asarray(physics.body_pos[0, speaker.body]) + np.array([0.0, 0.0, speaker.half[2] + 0.1])
         edge = np.array([-up[1], up[0]])
         side = np.sign((np.asarray(physics.body_pos[0, table.body, :2]) - stairs.head) @ edge)
         lookout = stairs.head + LOOKOUT[0] * up + LOOKOUT[1] * side * edge
