@@ -70,17 +70,16 @@ class Film:
         return pictures.sheet([panels[i : i + ACROSS] for i in range(0, len(panels), ACROSS)])
 
     def _plans(self, step: Step) -> tuple[Image, ...]:
-        scene, levels = _without_agents(self.env, step.state), self.env.bank.navigation.floor.shape[1]
+        scene, floors = _without_agents(self.env, step.state), np.asarray(self.env.bank.navigation.floor[0])
+        marks = [Mark(step.moment.pos[agent], colour, 9) for agent, colour in COLOURS.items()]
+        marks.append(Mark(step.moment.body_pos[self.lamp], LAMP, 5))
+        storey = [int((mark.pos[2] > floors).sum()) - 1 for mark in marks]
         width = step.state.obs["pixels/head_rgb"].shape[-2]
-        floors = np.asarray(self.env.bank.navigation.floor[0])
-        marks = [(agent, Mark(step.moment.pos[agent], COLOURS[agent], 9)) for agent in COLOURS]
-        marks += [(None, Mark(step.moment.body_pos[self.lamp], LAMP, 5))]
-        plans = []
-        for level in range(levels):
-            top = TopView(self.env.bank, scene, width, level)
-            here = [mark for _, mark in marks if int((mark.pos[2] > floors - 0.1).sum()) - 1 == level]
-            plans.append(top.cropped(top.marked(here)))
-        return tuple(plans)
+        tops = [TopView(self.env.bank, scene, width, level) for level in range(len(floors))]
+        return tuple(
+            top.cropped(top.marked([mark for mark, at in zip(marks, storey, strict=True) if at == level]))
+            for level, top in enumerate(tops)
+        )
 
 
 def _without_agents(env: BoundEnv[HouseholdEnv], state: State) -> Scene:
