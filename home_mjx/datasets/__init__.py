@@ -7,6 +7,7 @@ from home_mjx.datasets.options import ReadOptions
 from home_mjx.datasets.outlines import Opening, RoomOutline, outline_house
 from home_mjx.datasets.procedural import build_house, generate_dataset
 from home_mjx.datasets.seeds import house_id
+from home_mjx.datasets.storeys import stack_levels
 from home_mjx.datasets.suncg import Dataset, LibraryModel, open_dataset, write_house, write_library
 from home_mjx.datasets.suncg.validate.finding import RULES, Finding
 from home_mjx.datasets.suncg.validate.validate import validate_house
@@ -24,6 +25,7 @@ __all__ = [
     "house_id",
     "open_dataset",
     "outline_house",
+    "stack_levels",
     "validate_house",
     "write_house",
     "write_library",

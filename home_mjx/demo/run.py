@@ -1,10 +1,8 @@
 """The demo from houses to files: compile, walk, draw, measure, and only then move everything into place."""
 
 import json
-import shutil
-import tempfile
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,14 +12,13 @@ import numpy as np
 from tqdm import tqdm
 
 from home_mjx.bench import timing
+from home_mjx.demo.drawing import Walk, draw
+from home_mjx.demo.output import moved_when_done
 from home_mjx.navigation.path_follower import Walker, make_walker
-from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.registry import make
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.household import HouseholdEnv
-from home_mjx.viz import media, pictures
-from home_mjx.viz.top_view import TopView
 
 SENSORS_ALONE = {
     "depth": ("depth",),
@@ -53,28 +50,6 @@ class DemoOptions:
     num_steps: int = 150
     num_views: int = 3
     seed: int = 0
-
-
-@dataclass
-class Walk:
-    """What was seen and heard on the way; per drawn environment."""
-
-    obs: list[dict[str, np.ndarray]] = field(default_factory=list)
-    positions: list[np.ndarray] = field(default_factory=list)
-    sources: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
-
-    def sound(self, view: int) -> np.ndarray:
-        """The whole walk's stereo sound (2, n)."""
-        return np.concatenate([obs["audio"][view] for obs in self.obs], axis=-1)
-
-    def richest(self, view: int) -> dict[str, np.ndarray]:
-        """The observation that shows most different things.
-
-        Of the view's own part of the walk: agents of one house would else all be drawn before the same sight.
-        """
-        num_views = len(self.sources)
-        part = slice(len(self.obs) * view // num_views, max(len(self.obs) * (view + 1) // num_views, 1))
-        return max(self.obs[part] or self.obs, key=lambda obs: len(np.unique(obs["ids/head_instance"][view])))
 
 
 def run_demo(options: DemoOptions) -> dict[str, Any]:
@@ -116,14 +91,11 @@ def _run(options: DemoOptions, steps: tqdm) -> dict[str, Any]:
         "triangles": int(env.bank.geometry.triangle.shape[0]),
         "bank_bytes": sum(leaf.nbytes for leaf in jax.tree.leaves(env.bank)),
     }
-    with tempfile.TemporaryDirectory(prefix="home_mjx_demo_") as folder:
-        draw(env, views, walk, Path(folder), steps)
+    with moved_when_done(options.out) as folder:
+        draw(env, views, walk, folder, steps)
         report["peak_memory_bytes"] = timing.peak_memory_bytes()
         report["wall_seconds"] = time.perf_counter() - started
-        (Path(folder) / "report.json").write_text(json.dumps(report, indent=2) + "\n")
-        options.out.mkdir(parents=True, exist_ok=True)
-        for file in sorted(Path(folder).iterdir()):
-            shutil.move(str(file), options.out / file.name)
+        (folder / "report.json").write_text(json.dumps(report, indent=2) + "\n")
     steps.update()
     return report
 
@@ -199,52 +171,3 @@ def measure(env: BoundEnv[HouseholdEnv], states: State) -> tuple[dict[str, float
         program, seconds[name] = timing.compiled(function, *args)
         rates[name] = num_envs * timing.calls_per_second(program, *args)
     return rates, seconds
-
-
-def draw(env: BoundEnv[HouseholdEnv], states: State, walk: Walk, folder: Path, progress: tqdm) -> None:
-    """Writes the contact sheet, the film and the sound."""
-    houses = np.asarray(states.world.house)
-    tops = [TopView(env.bank, _scene(env, states, i)) for i in range(len(houses))]
-    paths = np.stack(walk.positions)
-    rows = []
-    for i, top in enumerate(tops):
-        image = top.with_path(paths[:, i], walk.sources[i], size=256)
-        caption = f"house {houses[i]}: path, end (green), radio (red)"
-        rows.append([pictures.captioned(image, caption), *_views(env, walk.richest(i), i, 256)])
-    _save_png(folder / "contact_sheet.png", pictures.sheet(rows))
-    progress.update()
-    sound = walk.sound(0)
-    rate = env.config.audio.sample_rate
-    media.write_wav(folder / "walk.wav", sound, rate)
-    frames = np.stack([_film_frame(env, walk, tops[0], paths[: t + 1, 0], t) for t in range(len(walk.obs))])
-    media.write_mp4(folder / "walk.mp4", frames, 1 / env.dt, folder / "walk.wav")
-    progress.update()
-
-
-def _scene(env: BoundEnv[HouseholdEnv], states: State, index: int) -> Scene:
-    """One of the environments as rays see it."""
-    return env.core.snapshot(env.params, jax.tree.map(lambda x: x[index], states)).scene
-
-
-def _views(env: BoundEnv[HouseholdEnv], obs: dict[str, np.ndarray], view: int, size: int) -> list[np.ndarray]:
-    panels = {
-        "rgb": obs["pixels/head_rgb"][view],
-        "depth": pictures.depth_colours(obs["pixels/head_depth"][view, ..., 0], env.config.depth_max),
-        "category": pictures.id_colours(obs["ids/head_fine"][view]),
-        "instance": pictures.id_colours(obs["ids/head_instance"][view]),
-    }
-    return [pictures.captioned(pictures.enlarge(image, size), name) for name, image in panels.items()]
-
-
-def _film_frame(env: BoundEnv[HouseholdEnv], walk: Walk, top: TopView, path: np.ndarray, t: int) -> np.ndarray:
-    peak = max(float(np.abs(obs["audio"][0]).max()) for obs in walk.obs)
-    row = [pictures.captioned(top.with_path(path, walk.sources[0], 192), "top view"), *_views(env, walk.obs[t], 0, 192)]
-    width = sum(panel.shape[1] for panel in row) + 6 * (len(row) - 1)
-    wave = pictures.waveform(walk.obs[t]["audio"][0], width, 96, peak)
-    return pictures.sheet([row, [pictures.captioned(wave, "left ear (above), right ear (below), last 0.1 s")]])
-
-
-def _save_png(path: Path, image: np.ndarray) -> None:
-    from PIL import Image
-
-    Image.fromarray(image).save(path)

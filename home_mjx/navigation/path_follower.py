@@ -36,10 +36,7 @@ class Walker:
         if self._field[cell] < 0.4:
             self.visited += 1
         aim = self._downhill(cell)
-        offset = self.origin + (np.array([aim[1], aim[0]]) + 0.5) * self.cell - pos[:2]
-        error = (np.arctan2(offset[1], offset[0]) - yaw + np.pi) % (2 * np.pi) - np.pi
-        forward = max(0.0, np.cos(error)) if abs(error) < 0.8 else 0.0
-        return np.array([forward, 0.0, np.clip(error / self.turn_per_step, -1, 1), 0.0], np.float32)
+        return steer(pos, yaw, self.origin + (np.array([aim[1], aim[0]]) + 0.5) * self.cell, self.turn_per_step)
 
     @property
     def _field(self) -> Float[np.ndarray, "ny nx"]:
@@ -66,6 +63,32 @@ class Walker:
             dy, dx = np.unravel_index(np.argmin(window), window.shape)
             cell = (y0 + int(dy), x0 + int(dx))
         return cell
+
+
+def steer(
+    pos: Float[np.ndarray, " 3"], yaw: float, aim: Float[np.ndarray, " 2"], turn_per_step: float
+) -> Float[np.ndarray, " 4"]:
+    """Forward, left, turn and look of the next step of a straight walk: first turn, then go.
+
+    Args:
+        pos: Where the agent is [m].
+        yaw: Where it looks [rad].
+        aim: Where it is going [m].
+        turn_per_step: Largest turn in one step [rad].
+
+    Example:
+        >>> steer(np.zeros(3), 0.0, np.array([2.0, 0.0]), 0.1).tolist()
+        [1.0, 0.0, 0.0, 0.0]
+    """
+    error = turn_towards(pos, yaw, aim)
+    forward = max(0.0, np.cos(error)) if abs(error) < 0.8 else 0.0
+    return np.array([forward, 0.0, np.clip(error / turn_per_step, -1, 1), 0.0], np.float32)
+
+
+def turn_towards(pos: Float[np.ndarray, " 3"], yaw: float, aim: Float[np.ndarray, " *p"]) -> float:
+    """How far an agent must turn to its left to face a point [rad], in [-π, π)."""
+    offset = aim[:2] - pos[:2]
+    return float((np.arctan2(offset[1], offset[0]) - yaw + np.pi) % (2 * np.pi) - np.pi)
 
 
 def make_walker(bank: HouseBank, house: int, pos: Float[np.ndarray, " 3"], turn_per_step: float) -> Walker:

@@ -1,10 +1,11 @@
 """Pictures, videos and sound files to look at and listen to."""
 
-from home_mjx.viz.media import write_mp4, write_wav
+from home_mjx.viz.media import write_mp4, write_png, write_wav
 from home_mjx.viz.pictures import captioned, depth_colours, enlarge, id_colours, sheet, waveform
-from home_mjx.viz.top_view import TopView
+from home_mjx.viz.top_view import Mark, TopView
 
 __all__ = [
+    "Mark",
     "TopView",
     "captioned",
     "depth_colours",
@@ -13,5 +14,6 @@ __all__ = [
     "sheet",
     "waveform",
     "write_mp4",
+    "write_png",
     "write_wav",
 ]

@@ -1,4 +1,4 @@
-"""WAV and MP4 files."""
+"""PNG, WAV and MP4 files."""
 
 import subprocess
 import wave
@@ -7,8 +7,14 @@ from pathlib import Path
 import imageio_ffmpeg
 import numpy as np
 from jaxtyping import Float, UInt8
+from PIL import Image
 
 from home_mjx.errors import HomeMjxError
+
+
+def write_png(path: Path, image: UInt8[np.ndarray, "h w 3"]) -> None:
+    """Writes a picture."""
+    Image.fromarray(image).save(path)
 
 
 def write_wav(path: Path, samples: Float[np.ndarray, "2 n"], sample_rate: int) -> float:

@@ -1,6 +1,7 @@
 """A house from above, without ceilings, with paths drawn on it."""
 
-from typing import Any
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -18,7 +19,16 @@ from home_mjx.schema.compiled import ARCHITECTURE
 CUT = 2.2  # [m] above the floor: above furniture and doors, below lintels' tops and ceilings
 MARGIN = 0.4  # [m] around the walls
 WALL = 0.02  # linear grey of cut walls
+Colour = tuple[int, int, int]
 PATH, HERE, RADIO = (40, 90, 255), (20, 200, 90), (235, 40, 40)
+
+
+class Mark(NamedTuple):
+    """A dot on a picture."""
+
+    pos: Float[np.ndarray, " *p"]  # [m]
+    colour: Colour
+    radius: float = 8.0  # [px] of 512
 
 
 class TopView:
@@ -28,15 +38,16 @@ class TopView:
         bank: The houses.
         scene: The environment as rays see it.
         pixels: Resolution of the longer side.
+        level: Which level that has rooms, from below. All are framed alike, on the rooms of the lowest one.
     """
 
-    def __init__(self, bank: HouseBank, scene: Scene, pixels: int = 512) -> None:
+    def __init__(self, bank: HouseBank, scene: Scene, pixels: int = 512, level: int = 0) -> None:
         house = int(scene.house)
-        self.low, side = _extent(bank, house)
+        self.low, self.size, side = _extent(bank, house)
         self.scale = pixels / side
         ticks = (np.arange(pixels) + 0.5) / self.scale
         x, y = np.meshgrid(self.low[0] + ticks, self.low[1] + ticks[::-1])
-        top = float(bank.physics.floor[house]) + CUT
+        top = float(bank.navigation.floor[house, level]) + CUT
         origin = jnp.asarray(np.stack([x, y, np.full_like(x, top)], axis=-1), jnp.float32)
         self.image = np.asarray(_from_above(scene, origin))
 
@@ -44,29 +55,38 @@ class TopView:
         self, path: Float[np.ndarray, "t 3"], source: Float[np.ndarray, " 3"], size: int
     ) -> UInt8[np.ndarray, "s s 3"]:
         """The picture with a path [m], its end, and the sound source."""
-        canvas = Image.fromarray(self.image)
-        draw = ImageDraw.Draw(canvas)
-        points = [self._pixel(p) for p in path]
-        if len(points) > 1:
-            draw.line(points, fill=PATH, width=4)
-        self._dot(draw, points[-1], 7, HERE)
-        self._dot(draw, self._pixel(source), 9, RADIO)
-        return np.asarray(canvas.resize((size, size), Image.Resampling.LANCZOS))
+        image = self.marked([Mark(path[-1], HERE, 7), Mark(source, RADIO, 9)], path)
+        return np.asarray(Image.fromarray(image).resize((size, size), Image.Resampling.LANCZOS))
 
-    def _pixel(self, point: Float[np.ndarray, " 3"]) -> tuple[float, float]:
+    def marked(self, marks: Sequence[Mark], path: Float[np.ndarray, "t 3"] | None = None) -> UInt8[np.ndarray, "s s 3"]:
+        """The picture with dots, and a path [m] below them."""
+        canvas = Image.fromarray(self.image)
+        draw, unit = ImageDraw.Draw(canvas), len(self.image) / 512
+        if path is not None and len(path) > 1:
+            draw.line([self._pixel(p) for p in path], fill=PATH, width=round(4 * unit))
+        for mark in marks:
+            (x, y), radius = self._pixel(mark.pos), mark.radius * unit
+            draw.ellipse((x - radius, y - radius, x + radius, y + radius), fill=mark.colour)
+        return np.asarray(canvas)
+
+    def cropped(self, image: UInt8[np.ndarray, "s s 3"]) -> UInt8[np.ndarray, "h w 3"]:
+        """The part of a picture on which there are rooms."""
+        width, height = (int(length * self.scale) for length in self.size)
+        x, y = (len(image) - width) // 2, (len(image) - height) // 2
+        return image[y : y + height, x : x + width]
+
+    def _pixel(self, point: Float[np.ndarray, " *p"]) -> tuple[float, float]:
         x, y = (np.asarray(point[:2]) - self.low) * self.scale
         return float(x), float(self.image.shape[0] - y)
 
-    def _dot(self, draw: Any, at: tuple[float, float], radius: float, colour: tuple[int, int, int]) -> None:
-        draw.ellipse((at[0] - radius, at[1] - radius, at[0] + radius, at[1] + radius), fill=colour)
 
-
-def _extent(bank: HouseBank, house: int) -> tuple[np.ndarray, float]:
-    """Lower corner and side of the square around a house's rooms [m]."""
+def _extent(bank: HouseBank, house: int) -> tuple[np.ndarray, np.ndarray, float]:
+    """Lower corner of the square around a house's rooms, extent of the rooms with a margin, side of the square [m]."""
     inside = np.argwhere(np.asarray(bank.navigation.room[house, 0]) >= 0)
     low, high = inside.min(0)[::-1] * bank.spec.cell, (inside.max(0)[::-1] + 1) * bank.spec.cell
-    side = float((high - low).max()) + 2 * MARGIN
-    return np.asarray(bank.navigation.origin[house]) + (low + high) / 2 - side / 2, side
+    size = high - low + 2 * MARGIN
+    side = float(size.max())
+    return np.asarray(bank.navigation.origin[house]) + (low + high) / 2 - side / 2, size, side
 
 
 @jax.jit

@@ -88,10 +88,11 @@ def test_unusable_output_folder_is_one_message(tmp_path, capsys: pytest.CaptureF
     assert_refused(capsys, ["generate", str(tmp_path / "file"), "--seeds", "0"], str(tmp_path / "file"))
 
 
-@pytest.mark.parametrize("command", ["demo", "render", "listen"])
+@pytest.mark.parametrize("command", ["demo", "story", "render", "listen"])
 def test_unusable_output_folder_is_found_before_the_work(command: str, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("home_mjx.cli.viewpoint.load_compiled_house", None)  # nothing is compiled,
-    monkeypatch.setattr("home_mjx.demo.run.run_demo", None)  # nobody walks
+    monkeypatch.setattr("home_mjx.demo.run.run_demo", None)  # nobody walks,
+    monkeypatch.setattr("home_mjx.demo.story.run.run_story", None)  # or plays
     (tmp_path / "file").write_text("not a folder")
     for out in (tmp_path / "file", tmp_path / "file" / "below"):
         assert_refused(capsys, [command, "--out", str(out)], str(out), "--out")

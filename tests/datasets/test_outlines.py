@@ -1,10 +1,13 @@
 """Houses from outlines: as the reader, the validator and the compiler want them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import trimesh
 
 from home_mjx.datasets.outlines import Opening, RoomOutline, outline_house
+from home_mjx.datasets.storeys import stack_levels
 from home_mjx.datasets.suncg.dataset import open_dataset
 from home_mjx.datasets.suncg.validate.validate import validate_house
 from home_mjx.datasets.suncg.write.house import write_house, write_library
@@ -80,3 +83,18 @@ def test_an_outline_that_crosses_itself_is_refused():
         outline_house("x", [RoomOutline("Bedroom", [(0, 0), (4, 3), (4, 0), (1, 3)])])
     with pytest.raises(ConfigError, match="no area"):
         outline_house("x", [RoomOutline("Bedroom", [(0, 0), (4, 0)])])
+
+
+def test_stacked_levels_have_heights_and_names_of_their_own(tmp_path):
+    table = Box("", 0, "", None, dimensions=np.array([1, 0.7, 1]), transform=np.eye(4))
+    table.transform[:3, 3] = 2, 0.4, 2
+    plain = cabin(boxes=[table])
+    house = compiled(tmp_path, replace(plain, levels=stack_levels(plain.levels * 3, 2.8)))
+    np.testing.assert_allclose(house.rooms.floor, [0.05, 0.05, 2.85, 2.85, 5.65, 5.65], atol=1e-6)
+    assert house.rooms.level.tolist() == [0, 0, 1, 1, 2, 2]
+    read = open_dataset(tmp_path).load_house("cabin")
+    nodes = [node for level in read.levels for node in (*level.rooms, *level.boxes)]
+    assert len({node.id for node in nodes}) == len(nodes) == 9
+    walls = [room.walls for level in read.levels for room in level.rooms]
+    assert len({name for mesh in walls for name in mesh.groups}) == sum(len(mesh.groups) for mesh in walls)
+    np.testing.assert_allclose([level.boxes[0].transform[1, 3] for level in read.levels], [0.4, 3.2, 6.0], atol=1e-6)

@@ -7,7 +7,8 @@ import numpy as np
 from cuboids import cuboid
 
 from home_mjx.datasets.outlines import Opening, RoomOutline, outline_house
-from home_mjx.schema.house import Box, House, Level, Mesh, Metadata, ModelInfo, Object, Room
+from home_mjx.datasets.storeys import stack_levels
+from home_mjx.schema.house import Box, House, Level, Mesh, Metadata, ModelInfo, Object
 
 UP = 2.8  # [m], from floor to floor
 FLOOR = 0.05  # [m], height of the ground floor
@@ -46,44 +47,27 @@ class Stairs:
 
 def stacked(storeys: Sequence[Storey], stairs: Sequence[Stairs] = (), house_id: str = "stacked") -> House:
     """The storeys one above the other; compile it with `METADATA`."""
-    levels = tuple(_level(i, storey, [s for s in stairs if s.level == i]) for i, storey in enumerate(storeys))
+    levels = [_level(storey, [s for s in stairs if s.level == i]) for i, storey in enumerate(storeys)]
     house = outline_house(house_id, storeys[0].rooms)
     models = {f"stairs_{s.steps}_{s.run}_{s.width}": _flight(s) for s in stairs}
-    return replace(house, levels=levels, models=models)
+    return replace(house, levels=stack_levels(levels, UP), models=models)
 
 
 def metadata_of(house: House) -> Metadata:
     return Metadata({key: replace(METADATA.models["stairs"], model_id=key) for key in house.models})
 
 
-def _level(index: int, storey: Storey, stairs: Sequence[Stairs]) -> Level:
+def _level(storey: Storey, stairs: Sequence[Stairs]) -> Level:
     (plain,) = outline_house("x", storey.rooms, storey.openings, storey.boxes, UP - 0.1).levels
-    lift = UP * index
-    rooms = tuple(_raised(room, lift) for room in plain.rooms)
-    boxes = tuple(replace(box, transform=_moved(box.transform, lift)) for box in plain.boxes)
-    first = len(rooms) + len(boxes)
-    objects = tuple(_object(s, first + i, FLOOR + lift) for i, s in enumerate(stairs))
-    return Level(str(index), index, rooms, objects, boxes, ())
+    first = len(plain.rooms) + len(plain.boxes)
+    return replace(plain, objects=tuple(_object(s, first + i) for i, s in enumerate(stairs)))
 
 
-def _raised(room: Room, lift: float) -> Room:
-    def up(mesh: Mesh | None) -> Mesh | None:
-        return None if mesh is None else replace(mesh, vertices=mesh.vertices + np.array([0.0, lift, 0.0]))
-
-    return replace(room, floor=up(room.floor), ceiling=up(room.ceiling), walls=up(room.walls))
-
-
-def _moved(transform: np.ndarray, lift: float) -> np.ndarray:
-    moved = transform.copy()
-    moved[1, 3] += lift
-    return moved
-
-
-def _object(stairs: Stairs, index: int, floor: float) -> Object:
+def _object(stairs: Stairs, index: int) -> Object:
     c, s = np.cos(stairs.heading), np.sin(stairs.heading)
-    transform = np.array([[c, 0, s, stairs.foot[0]], [0, 1, 0, floor], [-s, 0, c, stairs.foot[1]], [0, 0, 0, 1.0]])
+    transform = np.array([[c, 0, s, stairs.foot[0]], [0, 1, 0, FLOOR], [-s, 0, c, stairs.foot[1]], [0, 0, 0, 1.0]])
     key = f"stairs_{stairs.steps}_{stairs.run}_{stairs.width}"
-    return Object(f"0_{index}", index, f"levels[{stairs.level}].nodes[{index}]", None, key, None, transform)
+    return Object(f"0_{index}", index, f"levels[0].nodes[{index}]", None, key, None, transform)
 
 
 def _flight(stairs: Stairs) -> Mesh:

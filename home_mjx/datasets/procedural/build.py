@@ -31,9 +31,9 @@ def to_house(name: str, design: Design) -> House:
     """
     count = len(design.plan.rooms)
     rooms = tuple(_room(design, index, Path("room") / name) for index in range(count))
-    objects = tuple(_object(placed, index) for index, (placed, _) in enumerate(design.objects, count))
+    objects = tuple(furniture_object(placed, index) for index, (placed, _) in enumerate(design.objects, count))
     level = Level(id="0", index=0, rooms=rooms, objects=objects, boxes=(), grounds=())
-    models = _models([placed for placed, _ in design.objects])
+    models = used_models([placed for placed, _ in design.objects])
     return House(name, "suncg@1.0.0", Path("house") / name / "house.json", (level,), models)
 
 
@@ -55,7 +55,8 @@ def _room(design: Design, index: int, folder: Path) -> Room:
     )
 
 
-def _object(placed: PlacedFurniture, index: int) -> Object:
+def furniture_object(placed: PlacedFurniture, index: int) -> Object:
+    """The node of a piece of furniture on the lowest level."""
     transform = np.eye(4)
     transform[:3, :3], transform[:3, 3] = placed.linear, placed.position
     return Object(
@@ -70,7 +71,7 @@ def _object(placed: PlacedFurniture, index: int) -> Object:
     )
 
 
-def _models(objects: Sequence[PlacedFurniture]) -> Mapping[str, Mesh]:
+def used_models(objects: Sequence[PlacedFurniture]) -> Mapping[str, Mesh]:
     """Every mesh that the objects show, and the base of each."""
     meshes = {placed.model.id: placed.model.mesh for placed in objects}
     closed = {f"{p.model.id}_0": p.model.closed for p in objects if p.closed and p.model.closed is not None}

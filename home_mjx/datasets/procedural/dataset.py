@@ -58,7 +58,7 @@ def generate_dataset(root: str | Path, seeds: Sequence[int], progress: bool = Fa
     seeds = [_checked(seed) for seed in seeds]
     root = Path(root).expanduser().absolute()
     _claim(root)
-    write_library(root, [_library_model(model) for model in library().values()], {n: texture(n) for n in RECIPES})
+    write_library(root, [library_model(model) for model in library().values()], {n: texture(n) for n in RECIPES})
     missing = [seed for seed in dict.fromkeys(seeds) if not _is_whole(root / "house" / house_id(seed))]
     with _mapper(len(missing)) as run, tqdm(total=len(missing), disable=not progress, unit="house") as bar:
         for _ in run(partial(_write, root), missing):
@@ -109,7 +109,8 @@ def _is_whole(folder: Path) -> bool:
     return False
 
 
-def _library_model(model: Furniture) -> LibraryModel:
+def library_model(model: Furniture) -> LibraryModel:
+    """A model with its rows in the metadata tables."""
     category = CATEGORIES[model.fine]
     variants = {f"{model.id}_0": model.closed} if model.closed is not None else {}
     info = ModelInfo(model.id, model.fine, category.coarse, category.nyu40)

@@ -1,0 +1,67 @@
+"""Levels one above the other: each is made on the ground, then lifted to its place."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TypeVar
+
+import numpy as np
+
+from home_mjx.schema.house import Box, Level, Mesh, Object, Room
+
+Placed = TypeVar("Placed", Object, Box)
+
+
+def stack_levels(levels: Sequence[Level], rise: float) -> tuple[Level, ...]:
+    """Levels that were all made on the ground, one above the other, with names of their own.
+
+    Args:
+        levels: From below, each as `outline_house` gives it.
+        rise: From floor to floor [m].
+
+    Example:
+        >>> ground = outline_house("x", [RoomOutline("Hall", [(0, 0), (4, 0), (4, 3)])]).levels[0]
+        >>> [float(level.rooms[0].floor.vertices[:, 1].max()) for level in stack_levels([ground, ground], 2.8)]
+        [0.05, 2.85]
+    """
+    return tuple(_raised(level, number, rise * number) for number, level in enumerate(levels))
+
+
+def _raised(level: Level, number: int, lift: float) -> Level:
+    return replace(
+        level,
+        id=str(number),
+        index=number,
+        rooms=tuple(_room(room, number, lift) for room in level.rooms),
+        objects=tuple(_moved(node, number, lift) for node in level.objects),
+        boxes=tuple(_moved(node, number, lift) for node in level.boxes),
+    )
+
+
+def _room(room: Room, number: int, lift: float) -> Room:
+    floor, ceiling, walls = (_mesh(mesh, number, lift) for mesh in (room.floor, room.ceiling, room.walls))
+    return replace(
+        room,
+        id=f"{number}_{room.index}",
+        path=f"levels[{number}].nodes[{room.index}]",
+        model_id=room.model_id.replace("fr_0rm", f"fr_{number}rm"),
+        floor=floor,
+        ceiling=ceiling,
+        walls=walls,
+    )
+
+
+def _mesh(mesh: Mesh | None, number: int, lift: float) -> Mesh | None:
+    if mesh is None:
+        return None
+    return replace(
+        mesh,
+        path=mesh.path.with_name(mesh.path.name.replace("fr_0rm", f"fr_{number}rm")),
+        vertices=mesh.vertices + np.array([0.0, lift, 0.0]),
+        groups=tuple(name.replace("#0_", f"#{number}_") for name in mesh.groups),
+    )
+
+
+def _moved(node: Placed, number: int, lift: float) -> Placed:
+    transform = node.transform.copy()
+    transform[1, 3] += lift
+    return replace(node, id=f"{number}_{node.index}", path=f"levels[{number}].nodes[{node.index}]", transform=transform)
