@@ -109,12 +109,13 @@ INLINE void hold(const Env& e, int a, const Control& control) {
   for (int k = 3; k < 6; ++k) e.acc[6 * a + k] = e.smooth[6 * a + k];  // contacts do not turn agents
 }
 
-// Where the leaf of a door is at its angle.
+// Where the leaf of a door is at its coordinate.
 INLINE void place_leaf(const Env& e, int m) {
   const float* door = e.door + DOOR_COLUMNS * (m - e.free);
   real *pos = e.pos + 3 * m, *rot = e.rot + 9 * m;
-  const real angle = e.quat[4 * m], c = cos(angle), s = sin(angle);
-  pos[0] = door[0] + c * door[2] - s * door[3], pos[1] = door[1] + s * door[2] + c * door[3], pos[2] = door[4];
+  const real way = e.quat[4 * m], angle = door[15] * way, c = cos(angle), s = sin(angle);
+  pos[0] = door[0] + c * door[2] - s * door[3] + door[13] * way;
+  pos[1] = door[1] + s * door[2] + c * door[3] + door[14] * way, pos[2] = door[4];
   const real u = cos(angle + door[5]), v = sin(angle + door[5]);
   rot[0] = u, rot[1] = -v, rot[2] = 0, rot[3] = v, rot[4] = u, rot[5] = 0, rot[6] = rot[7] = 0, rot[8] = 1;
 }

@@ -164,7 +164,7 @@ def _twist(work, numbers, m, miss, spin):
 @compiled
 @no_type_check
 def _drive_door(work, numbers, m, goal):
-    """Drag of the hinge, and the way to a goal; see `base.servo`."""
+    """Drag of the hinge or rail, and the way to a goal; see `base.servo`."""
     rate = work.vel[6 * m]
     work.smooth[6 * m] = -numbers.door_drag * rate
     if abs(goal) < FREE:

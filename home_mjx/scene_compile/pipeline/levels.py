@@ -131,7 +131,8 @@ def build_levels(
     fixtures = static_colliders(found, floors, unseen)
     ramps = make_ramps(flights, len(fixtures.pos))
     leaves = [leaf for o in objects for leaf in o.leaves]
-    doors, blocked = make_doors(leaves, static), join([sides, rails, ajar_leaves(leaves, static)])
+    around = join(level.things for level in found), join(level.boxes.walls for level in found)
+    doors, blocked = make_doors(leaves, *around), join([sides, rails, ajar_leaves(leaves, *around)])
     return Levels(
         spaces=_spaces(sites, found, blocked, rooms, colliders, navigation),
         doorways=[site.doorways for site in sites],
