@@ -104,7 +104,8 @@ def ramp_acceleration(
 ) -> Float[Array, "2"]:
     """What keeps an agent, whose contacts have no friction, from sliding down a ramp [m/s^2].
 
-    Where it stands on one, `g tan(slope)` uphill balances what the ramp's normal force does.
+    Where it stands on one, `g tan(slope)` uphill balances what the ramp's normal force does. Of several, as
+    where those of stairs that turn overlap, the highest bears it; landings do not count.
 
     Args:
         ramps: Rows of `bank.physics.ramp`.
@@ -116,8 +117,10 @@ def ramp_acceleration(
     sine = slope / jnp.sqrt(1 + slope * slope)
     above = pos[2] - agent[RADIUS] - agent[HALF_LENGTH] - surface
     stands = (along >= -half_u - 0.3 * agent[RADIUS]) & (along <= half_u - agent[RADIUS] * sine)
-    stands &= (jnp.abs(across) <= half_v) & (jnp.abs(above) < ON_RAMP)
-    uphill = jnp.where(stands, jnp.float32(GRAVITY) * slope, 0.0)
+    stands &= (slope > 0) & (jnp.abs(across) <= half_v) & (jnp.abs(above) < ON_RAMP)
+    bears = stands & (surface == jnp.max(jnp.where(stands, surface, -jnp.inf)))
+    first = bears & (jnp.cumsum(bears, dtype=jnp.int32) == 1)
+    uphill = jnp.where(first, jnp.float32(GRAVITY) * slope, 0.0)
     return jnp.stack([jnp.sum(uphill * up_x), jnp.sum(uphill * up_y)])
 
 
