@@ -8,7 +8,9 @@ from home_mjx.bank.bank import HouseBank
 
 
 def door_angles(bank: HouseBank, house: Int[Array, ""], state: str, key: Array) -> Float[Array, " h"]:
-    """Angles of a house's doors from as placed [rad], each between the least and the greatest that its leaf can have.
+    """Coordinates of a house's doors, each between the least and the greatest that its leaf can have.
+
+    Of hinged leaves these are angles from as placed [rad], of sliding ones the way from there [m].
 
     Args:
         bank: The houses.
@@ -28,12 +30,13 @@ def open_portals(bank: HouseBank, house: Int[Array, ""], door_angle: Float[Array
     """Which portals an agent can pass as doors stand: those without a door, and those of which a leaf is open enough.
 
     A leaf of width w that is turned by t from closed leaves a gap of 2 w sin(t / 2) between its edge and the frame,
-    or the other leaf while that is closed. Two leaves that are both open too little do not count together.
+    or the other leaf while that is closed; one that slides, a gap as wide as it is shifted. Two leaves that are both
+    open too little do not count together.
 
     Args:
         bank: The houses.
         house: Index of the house.
-        door_angle: Of each leaf from as placed [rad].
+        door_angle: Of each leaf from as placed [rad], of sliding ones [m].
 
     Returns:
         False for padding, and for portals that agents cannot pass however doors stand.
@@ -41,7 +44,9 @@ def open_portals(bank: HouseBank, house: Int[Array, ""], door_angle: Float[Array
     physics, navigation, house = bank.physics, bank.navigation, bank.known_house(house)
     width = 2 * jnp.max(physics.door_size[house, :, :2], axis=-1)
     turned = jnp.abs(door_angle - physics.door_closed[house])
-    gap = 2 * width * jnp.sin(jnp.minimum(turned, jnp.float32(jnp.pi)) / 2)
+    slides = jnp.any(physics.door_slide[house] != 0, axis=-1)
+    chord = 2 * width * jnp.sin(jnp.minimum(turned, jnp.float32(jnp.pi)) / 2)
+    gap = jnp.where(slides, jnp.minimum(turned, width), chord)
     passed = gap > jnp.float32(2 * bank.spec.agent_radius)
     leaf = navigation.portal_leaf[house]
     number = jnp.arange(passed.shape[0], dtype=jnp.int32)  # of leaves; a bank may have none
@@ -56,7 +61,7 @@ def joined_rooms(bank: HouseBank, house: Int[Array, ""], door_angle: Float[Array
     Args:
         bank: The houses.
         house: Index of the house.
-        door_angle: Of each leaf from as placed [rad].
+        door_angle: Of each leaf from as placed [rad], of sliding ones [m].
 
     Returns:
         Symmetric; every room is joined to itself. With all doors wide open it is `room_hops >= 0`.

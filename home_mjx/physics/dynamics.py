@@ -39,7 +39,7 @@ def reset(
         house: Index of the house.
         agent_pos: [m], feet on the floor.
         agent_yaw: [rad], counter-clockwise from +x.
-        door_angle: [rad], about +z from as placed; None: as placed.
+        door_angle: [rad], about +z from as placed, or [m] of what slides; None: as placed.
         arrangement: Which of the house's settled poses bodies have, see `arrangements.settled_poses`; -1 or None: they
             are where the house has them.
     """
@@ -154,7 +154,7 @@ def body_pose(template: Template, state: PhysicsState) -> tuple[Float[Array, "k 
 
 
 def door_angle(template: Template, state: PhysicsState) -> Float[Array, " h"]:
-    """How far each door's leaf is turned about +z from as placed [rad]."""
+    """How far each door's leaf is turned about +z from as placed [rad]; of a sliding one how far it is shifted [m]."""
     return state.qpos[template.layout.door_qpos]
 
 

@@ -28,7 +28,7 @@ TORN = 0.5  # [m], from its grip, at which a thing is torn out of a hand
 PLACED = 0.03  # [m], from where a thing is to be put down, at which the hand opens
 GAP = 0.005  # [m], above the spot
 TRIES = 20  # control steps to put something down
-TURNED = 0.03  # [rad], from its goal, at which a door is let go
+TURNED = 0.03  # [rad] or [m], from its goal, at which a door is let go
 THROW_IMPULSE = 20.0  # [N s]
 FALLS = 1e-3  # [m/s], of what is let go
 THROW_SPEED = 5.0  # [m/s]
@@ -223,7 +223,7 @@ def _turn(
     """A door within reach begins to open or to close."""
     leaves, at = house_doors(bank.physics, house), _agent(template, state, a)[0]
     door = jnp.clip(commands.door[a], 0, template.layout.num_doors - 1)
-    middle, quat = jax.tree.map(lambda x: x[door], leaves.turned(door_angle(template, state)))
+    middle, quat = jax.tree.map(lambda x: x[door], leaves.moved(door_angle(template, state)))
     local = jnp.matmul(at - middle, quat_matrix(quat), precision="highest")
     beyond = jnp.maximum(jnp.abs(local[:2]) - leaves.size[door, :2], 0.0)
     near = jnp.linalg.norm(beyond) <= jnp.float32(template.config.agents[a].reach)

@@ -105,22 +105,34 @@ class Bodies:
 
 @dataclass(frozen=True)
 class Doors:
-    """Leaves of doors between rooms, each its own instance on a vertical hinge.
+    """Leaves of doors between rooms, each its own instance on a vertical hinge or a horizontal rail.
 
-    Angles are about +z, from where the leaf is placed: at angle q its box and its instance are turned by q about the
-    vertical line through `pivot`. Leaves of doors that lead outdoors are shut and static: they are not listed.
+    Each has one coordinate, 0 as placed. Of a hinged leaf it is an angle about +z: at angle q its box and its instance
+    are turned by q about the vertical line through `pivot`. A sliding leaf is shifted by q along `slide`.
+    Leaves of doors that lead outdoors are shut and static: they are not listed.
     """
 
     instance: Int[np.ndarray, " h"]
-    pivot: Float[np.ndarray, "h 2"]  # [m], where the hinge meets the plan
-    closed: Float[np.ndarray, " h"]  # [rad], angle about +z at which the leaf is closed
-    wide: Float[np.ndarray, " h"]  # [rad], angle at which it is wide open, as far as it can be
-    low: Float[np.ndarray, " h"]  # [rad], between `low` and `high` it turns freely; one of them is `closed`
-    high: Float[np.ndarray, " h"]  # [rad]
+    pivot: Float[np.ndarray, "h 2"]  # [m], where the hinge meets the plan; of a sliding leaf the middle of its box
+    closed: Float[np.ndarray, " h"]  # [rad] or [m], coordinate at which the leaf is closed
+    wide: Float[np.ndarray, " h"]  # at which it is wide open, as far as it can be
+    low: Float[np.ndarray, " h"]  # between `low` and `high` it moves freely; one of them is `closed`
+    high: Float[np.ndarray, " h"]
     pos: Float[np.ndarray, "h 3"]  # [m], centre of the leaf's box, as placed
     quat: Float[np.ndarray, "h 4"]  # wxyz
     size: Float[np.ndarray, "h 3"]  # [m], half extents
     mass: Float[np.ndarray, " h"]  # [kg]
+    slide: Float[np.ndarray, "h 2"]  # unit direction in which it slides; 0: it is hinged
+
+    @property
+    def slides(self) -> Bool[np.ndarray, " h"]:
+        """Which leaves slide."""
+        return (self.slide != 0).any(axis=1)
+
+    def rows(self, num_doors: int, num_slides: int) -> Int[np.ndarray, " h"]:
+        """Row of each leaf in a table of so many, of which the last slide."""
+        hinged, sliding = np.cumsum(~self.slides) - 1, num_doors - num_slides + np.cumsum(self.slides) - 1
+        return np.where(self.slides, sliding, hinged).astype(np.int32)
 
     @staticmethod
     def none() -> "Doors":
@@ -128,7 +140,7 @@ class Doors:
         flat = np.zeros(0)
         box = {"pos": np.zeros((0, 3)), "quat": np.zeros((0, 4)), "size": np.zeros((0, 3))}
         angles = dict.fromkeys(("closed", "wide", "low", "high"), flat)
-        return Doors(np.zeros(0, np.int32), np.zeros((0, 2)), **angles, **box, mass=flat)
+        return Doors(np.zeros(0, np.int32), np.zeros((0, 2)), **angles, **box, mass=flat, slide=np.zeros((0, 2)))
 
 
 @dataclass(frozen=True)

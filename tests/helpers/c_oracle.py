@@ -30,7 +30,7 @@ class Boxes(NamedTuple):
 
 
 class Leaves(NamedTuple):
-    """Of doors, as placed."""
+    """Of doors, as placed; the last ones slide."""
 
     pivot: np.ndarray
     arm: np.ndarray
@@ -39,6 +39,11 @@ class Leaves(NamedTuple):
     half: np.ndarray
     mass: np.ndarray
     range: np.ndarray
+    slide: np.ndarray  # direction; 0: it turns
+
+    @property
+    def turns(self) -> np.ndarray:
+        return (self.slide == 0).all(axis=1)
 
     @property
     def own_inertia(self) -> np.ndarray:
@@ -46,7 +51,7 @@ class Leaves(NamedTuple):
         return self.mass[:, None] / 3 * (square[:, [1, 0, 0]] + square[:, [2, 2, 1]])
 
 
-NO_DOORS = Leaves(*(np.zeros((0, *shape)) for shape in ((2,), (2,), (), (), (3,), (), (2,))))
+NO_DOORS = Leaves(*(np.zeros((0, *shape)) for shape in ((2,), (2,), (), (), (3,), (), (2,), (2,))))
 
 
 def two_geoms(first: str, second: str) -> tuple:
@@ -86,7 +91,8 @@ class Oracle:
         surfaces: np.ndarray | None = None,
     ):
         self.config, self.agents, self.doors = config, config.num_agents, doors
-        self.layout = Layout(config.num_agents, len(mass), len(doors.mass), len(static.pos), len(static.pos))
+        slots, slides = len(static.pos), int((~doors.turns).sum())
+        self.layout = Layout(config.num_agents, len(mass), len(doors.mass), slots, slots, slides)
         self.inertia = mass[:, None] / 3 * (bodies.half[:, [1, 0, 0]] ** 2 + bodies.half[:, [2, 2, 1]] ** 2)
         self.static, self.bodies, self.mass = static, bodies, mass
         self.surfaces = np.tile(usual_surface(config), (len(mass), 1)) if surfaces is None else surfaces
@@ -141,7 +147,8 @@ class Oracle:
             model.body_ipos[body] = model.geom_pos[geom] = [*doors.arm[h], 0]
             model.body_iquat[body] = model.geom_quat[geom] = turned
             model.body_mass[body], model.body_inertia[body] = doors.mass[h], doors.own_inertia[h]
-            model.jnt_range[model.body_jntadr[body]] = doors.range[h]
+            joint = model.body_jntadr[body]
+            model.jnt_range[joint], model.jnt_axis[joint] = doors.range[h], [*doors.slide[h], doors.turns[h]]
             _resize(model, geom, doors.half[h])
 
     def accelerations(self, qpos, qvel, action) -> tuple[np.ndarray, int]:
@@ -197,7 +204,8 @@ class Oracle:
         doors, model = self.doors, self.model
         inertia = model.dof_M0[self.layout.door_qvel]
         weight = model.body_invweight0[self.layout.doors, 0]
-        return np.c_[doors.pivot, doors.arm, doors.height, doors.yaw, doors.half, inertia, weight, doors.range]
+        box = np.c_[doors.pivot, doors.arm, doors.height, doors.yaw, doors.half]
+        return np.c_[box, inertia, weight, doors.range, doors.slide, doors.turns]
 
 
 def _resize(model, geom, half) -> None:

@@ -7,7 +7,7 @@ from home_mjx.physics import PhysicsConfig
 from home_mjx.scene_compile.materials.contact import damping_ratio
 from home_mjx.scene_compile.mjcf.contact import contact_numbers
 
-BODIES, STATIC, AGENTS, DOORS = 6, 10, 2, 3
+BODIES, STATIC, AGENTS, DOORS = 6, 10, 2, 4
 RAMPS = np.array([[0.3, 0.2, 0.6, 0.8, 1.0, 0.5, 0.0, 0.6], [0, 0, 1, 0, -1, 1, 0, 1]])  # the second is none
 
 
@@ -41,10 +41,14 @@ def surfaces(rng, config) -> np.ndarray:
 
 
 def leaves(rng) -> Leaves:
-    """Doors about the heap; a little askew on their hinges."""
+    """Doors about the heap, a little askew on their hinges; the last slides, and not along itself."""
     half = np.c_[rng.uniform(0.2, 0.5, DOORS), rng.uniform(0.02, 0.04, DOORS), rng.uniform(0.5, 1, DOORS)]
     yaw = rng.uniform(-3, 3, DOORS)
     arm = half[:, :1] * np.c_[np.cos(yaw), np.sin(yaw)] + rng.uniform(-0.02, 0.02, (DOORS, 2))
     low = rng.uniform(-2, 0, DOORS)
     ends = np.c_[low, low + rng.uniform(0.5, 2, DOORS)]
-    return Leaves(rng.uniform(-1, 1, (DOORS, 2)), arm, half[:, 2] + 0.01, yaw, half, rng.uniform(5, 30, DOORS), ends)
+    slide = np.zeros((DOORS, 2))
+    slide[-1] = np.cos(yaw[0]), np.sin(yaw[0])
+    arm[-1] = 0
+    middle, mass = rng.uniform(-1, 1, (DOORS, 2)), rng.uniform(5, 30, DOORS)
+    return Leaves(middle, arm, half[:, 2] + 0.01, yaw, half, mass, ends, slide)

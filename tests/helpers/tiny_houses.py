@@ -13,7 +13,7 @@ from home_mjx.scene_compile.materials.contact import damping_ratio
 
 NUM_COLLIDERS = 16
 NUM_BODIES = 4
-NUM_DOORS = 2
+NUM_DOORS = 3  # of which the last slides in banks that have sliding doors
 LOT = 50.0  # [m], half of an edge
 
 
@@ -40,7 +40,7 @@ class Box:
 
 @dataclass(frozen=True)
 class Door:
-    """A leaf that hangs at `pivot` and reaches from there along `yaw`, from the floor up."""
+    """A leaf that hangs at `pivot`, or slides, and reaches from there along `yaw`, from the floor up."""
 
     pivot: tuple[float, float]
     width: float = 0.8
@@ -49,6 +49,16 @@ class Door:
     high: float = 1.5
     mass: float = 12.0
     height: float = 2.0
+    slides: bool = False  # along itself, away from the pivot
+
+    @property
+    def axis(self) -> np.ndarray:
+        return self.slides * np.array([np.cos(self.yaw), np.sin(self.yaw)])
+
+    @property
+    def origin(self) -> np.ndarray:
+        """What its bank calls the pivot."""
+        return self.pos[:2] if self.slides else np.array(self.pivot)
 
     @property
     def pos(self) -> np.ndarray:
@@ -73,16 +83,46 @@ class TinyHouse:
     ramp_collider: int = -1  # its row of `static`
     floor: float = 0.0
 
+    @property
+    def door_rows(self) -> list[int]:
+        """Rows of the doors in a bank."""
+        return [NUM_DOORS - 1 if door.slides else h for h, door in enumerate(self.doors)]
 
-def _table(rows, num, fill):
+
+def _table(rows, num, fill, at=None):
     table = np.tile(np.asarray(fill, np.float32), (num, *[1] * np.ndim(fill)))
     if rows:
-        table[: len(rows)] = np.stack(rows)
+        table[np.arange(len(rows)) if at is None else at] = np.stack(rows)
     return table
 
 
+def _doors(house: TinyHouse, slides: bool) -> dict[str, np.ndarray]:
+    nothing, rows, valid = (0.0, 0.0, 0.0), house.door_rows, np.isin(np.arange(NUM_DOORS), house.door_rows)
+
+    def table(values, fill):
+        return _table(values, NUM_DOORS, fill, rows)
+
+    axes = table([d.axis for d in house.doors], (0.0, 0.0))
+    if slides and not valid[-1]:
+        axes[-1] = 1, 0  # as in a bank, whose padding slides where its doors do
+    return {
+        "door_valid": valid,
+        "door_instance": np.full(NUM_DOORS, -1, np.int32),
+        "door_pivot": table([d.origin for d in house.doors], (0.0, 0.0)),
+        "door_slide": axes,
+        "door_closed": table([d.low for d in house.doors], 0.0),
+        "door_wide": table([d.high for d in house.doors], 0.0),
+        "door_low": table([d.low for d in house.doors], 0.0),
+        "door_high": table([d.high for d in house.doors], 0.0),
+        "door_pos": table([d.pos for d in house.doors], nothing),
+        "door_quat": table([d.quat for d in house.doors], (0.0, 0.0, 0.0, 0.0)),
+        "door_size": table([d.size for d in house.doors], nothing),
+        "door_mass": table([d.mass for d in house.doors], 0.0),
+    }
+
+
 def _physics(house: TinyHouse, num_bodies: int) -> dict[str, np.ndarray]:
-    static, movable, doors = house.static, house.movable, house.doors
+    static, movable = house.static, house.movable
     nothing = (0.0, 0.0, 0.0)
     used = np.arange(num_bodies) < len(movable)
     return {
@@ -106,25 +146,14 @@ def _physics(house: TinyHouse, num_bodies: int) -> dict[str, np.ndarray]:
         "arrangement": np.zeros((0, num_bodies, 7), np.float32),
         "ramp": np.array([house.ramp], np.float32),
         "ramp_collider": np.array([house.ramp_collider], np.int32),
-        "door_valid": np.arange(NUM_DOORS) < len(doors),
-        "door_instance": np.full(NUM_DOORS, -1, np.int32),
-        "door_pivot": _table([d.pivot for d in doors], NUM_DOORS, (0.0, 0.0)),
-        "door_closed": _table([d.low for d in doors], NUM_DOORS, 0.0),
-        "door_wide": _table([d.high for d in doors], NUM_DOORS, 0.0),
-        "door_low": _table([d.low for d in doors], NUM_DOORS, 0.0),
-        "door_high": _table([d.high for d in doors], NUM_DOORS, 0.0),
-        "door_pos": _table([d.pos for d in doors], NUM_DOORS, nothing),
-        "door_quat": _table([d.quat for d in doors], NUM_DOORS, (0.0, 0.0, 0.0, 0.0)),
-        "door_size": _table([d.size for d in doors], NUM_DOORS, nothing),
-        "door_mass": _table([d.mass for d in doors], NUM_DOORS, 0.0),
     }
 
 
 def make_bank(houses: Sequence[TinyHouse], num_bodies: int = NUM_BODIES) -> HouseBank:
     """A bank with the physics of the given houses."""
-    tables = [_physics(house, num_bodies) for house in houses]
+    slides = any(door.slides for house in houses for door in house.doors)
+    tables = [_physics(house, num_bodies) | _doors(house, slides) for house in houses]
     physics = Physics(**{name: jnp.asarray(np.stack([t[name] for t in tables])) for name in tables[0]})
     bank = HouseBank.from_compiled([shoebox()])
-    return bank.replace(
-        physics=physics, spec=bank.spec.replace(num_bodies=num_bodies, num_doors=NUM_DOORS, num_colliders=NUM_COLLIDERS)
-    )
+    counts = {"num_bodies": num_bodies, "num_doors": NUM_DOORS, "num_slides": int(slides)}
+    return bank.replace(physics=physics, spec=bank.spec.replace(num_colliders=NUM_COLLIDERS, **counts))

@@ -30,7 +30,9 @@ def leaves(count: int) -> Doors:
     size = np.tile([WIDTH / 2, 0.02, 1.0], (count, 1))
     low, high, closed = (np.full(count, angle) for angle in (LOW - 1, HIGH - 1, CLOSED - 1))
     pivot, rows = np.zeros((count, 2)), np.ones(count, np.int32)
-    return Doors(rows, pivot, closed, low, low, high, **box, size=size, mass=np.full(count, 12.0))
+    return Doors(
+        rows, pivot, closed, low, low, high, **box, size=size, mass=np.full(count, 12.0), slide=np.zeros((count, 2))
+    )
 
 
 def house_with_doors() -> CompiledHouse:

@@ -10,7 +10,7 @@ import rollouts
 from handmade import Furniture, shoebox
 from numpy.testing import assert_allclose, assert_array_equal
 from rollouts import SCENES
-from tiny_houses import Box, TinyHouse, make_bank
+from tiny_houses import Box, Door, TinyHouse, make_bank
 
 import home_mjx
 from home_mjx import HouseBank, physics
@@ -179,3 +179,21 @@ def test_an_environment_takes_it():
     assert_array_equal(after.physics.qpos[4:], state.physics.qpos[4:])
     moved = np.linalg.norm(after.physics.qpos[:2] - state.physics.qpos[:2])
     assert_allclose(moved, 0.1, atol=1e-5)
+
+
+def test_agents_push_sliding_doors_by_their_ends_only():
+    """An agent that walks into the end pushes the leaf before it, to the end of its rail; into the face, nothing."""
+    doors = [Door((0.5, 0.0), yaw=0.0, high=0.6, slides=True)], [Door((0.5, -0.4), yaw=np.pi / 2, slides=True)]
+    bank = make_bank([TinyHouse(doors=d) for d in doors], num_bodies=0)
+    template = Template(CONFIG, bank.spec)
+    for house, end in enumerate((0.6, 0.0)):
+        state = physics.reset(template, bank, jnp.int32(house), jnp.zeros((1, 3)), jnp.zeros(1))
+        step = jax.jit(lambda s, h=house: physics.step(template, bank, jnp.int32(h), s, jnp.array([[1.0, 0.0, 0.0]])))
+        for _ in range(15):
+            state = step(state)
+            way, x = float(state.qpos[template.layout.door_qpos][-1]), float(state.qpos[0])
+            if house == 0:
+                assert_allclose(way, np.clip(x + RADIUS - 0.5, 0, end), atol=1e-5)
+        assert_allclose(way, end, atol=1e-6)
+        face = 0.5 if house == 0 else 0.48
+        assert_allclose(x, face + end - RADIUS, atol=1e-4)

@@ -39,7 +39,10 @@ HOUSE = TinyHouse(
         Box((-1.0, 0.6, 0.5), (0.4, 0.5, 0.1), roll=0.2, mass=100, friction=0.7, restitution=0.1),
         Box((-1.5, -1.0, 1.3), (0.3, 0.25, 0.9), mass=200),
     ],
-    doors=[Door((0.4, 0.5), yaw=0.7, low=-0.2, high=1.4, mass=17)],
+    doors=[
+        Door((0.4, 0.5), yaw=0.7, low=-0.2, high=1.4, mass=17),
+        Door((-1.4, 1.5), yaw=-0.4, high=0.7, mass=25, slides=True),
+    ],
 )
 
 
@@ -56,16 +59,18 @@ def host_spec(template, house, slots=None):
             corner.pos = np.sign(corner.pos) * (np.array(box.size) - CORNER_RADIUS)
     for pair in spec.pairs:
         _set_contact(pair, house.movable, template.config.timing.sim_dt)
-    for h, door in enumerate(house.doors):
+    for h, door in zip(house.door_rows, house.doors, strict=True):
         body, geom = spec.body(f"door{h}"), spec.geom(f"door{h}")
-        arm = door.pos - [*door.pivot, door.pos[2]]
+        origin = [*door.origin, door.pos[2]]
+        arm = door.pos - origin
         x, y, z = np.square(door.size)
-        body.pos, body.ipos, geom.pos = [*door.pivot, door.pos[2]], arm, arm
+        body.pos, body.ipos, geom.pos = origin, arm, arm
         body.iquat, geom.quat, geom.size = door.quat, door.quat, door.size
         body.mass, body.inertia = door.mass, door.mass / 3 * np.array([y + z, x + z, x + y])
-        hinge = spec.joint(f"door{h}")
-        hinge.range = [door.low, door.high]
-        hinge.damping = [DOOR_DRAG * (body.inertia[2] + door.mass * arm @ arm), 0, 0]
+        joint, moved = spec.joint(f"door{h}"), body.inertia[2] + door.mass * arm @ arm
+        joint.axis = [*door.axis, not door.slides]
+        joint.range = [door.low, door.high]
+        joint.damping = [DOOR_DRAG * (door.mass if door.slides else moved), 0, 0]
     for i, name in enumerate(slot_names(template.layout) if slots is not None else []):
         geom = spec.geom(name)
         geom.pos, geom.quat, geom.size = (np.asarray(x[i], float) for x in (slots.pos, slots.quat, slots.half))

@@ -47,7 +47,8 @@ AXES: Mapping[str, Axis] = {
     "instances": Axis(lambda h: max(len(h.instances.model), 1 + int(h.instances.object_id.max())), 32),
     "bodies": Axis(lambda h: len(h.bodies.mass), 8, optional=True),
     "arrangements": Axis(lambda h: 0, optional=True),  # made of whole banks
-    "doors": Axis(lambda h: len(h.doors.mass), 8, optional=True),
+    "hinged_leaves": Axis(lambda h: int((~h.doors.slides).sum()), 8, optional=True),
+    "slides": Axis(lambda h: int(h.doors.slides.sum()), 2, optional=True),
     "ramps": Axis(lambda h: len(h.ramps.slope), 1),
     "colliders": Axis(lambda h: len(h.colliders.pos), 64),
     "planes": Axis(lambda h: len(h.planes.material), 16),
@@ -77,7 +78,8 @@ def capacity_of(houses: Sequence[CompiledHouse], headroom: float = 1.0) -> dict[
 
 def axis_lengths(capacity: Sizes) -> dict[str, int]:
     """Lengths of all axes but those of rows and houses."""
-    return {**FIXED, **capacity, "rooms_and_none": capacity["rooms"] + 1}
+    doors = capacity["hinged_leaves"] + capacity["slides"]
+    return {**FIXED, **capacity, "doors": doors, "rooms_and_none": capacity["rooms"] + 1}
 
 
 def rows_of(house: CompiledHouse) -> dict[str, int]:

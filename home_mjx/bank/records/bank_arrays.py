@@ -42,6 +42,7 @@ class BankSpec(Pytree):
     cell: float = static()  # [m], navigation grid
     agent_radius: float = static()  # [m], of the agents that the houses were compiled for
     agent_height: float = static()  # [m]
+    num_slides: int = static(default=0)  # the last doors, which slide
 
 
 class BankArrays(Pytree):

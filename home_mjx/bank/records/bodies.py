@@ -1,5 +1,8 @@
 """Static boxes, movable bodies, doors and ramps, for the physics."""
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
@@ -55,9 +58,33 @@ def ramp_rows(at: HouseAt) -> Float[np.ndarray, "r 8"]:
     return np.concatenate([top[:, :2], ramps.up, *halves, top[:, 2:], np.tan(slope)], axis=1)
 
 
-def is_door(at: HouseAt) -> Bool[np.ndarray, " n"]:
+def is_door(at: HouseAt) -> Bool[np.ndarray, " doors"]:
     """True for each leaf of a door."""
-    return np.ones(len(at.house.doors.mass), bool)
+    valid = np.zeros(at.sizes["doors"], bool)
+    valid[at.door_row] = True
+    return valid
+
+
+def slide_axes(at: HouseAt) -> Float[np.ndarray, "doors 2"]:
+    """Where leaves slide to; of padding, too: which rows slide is the same for all houses."""
+    axes = np.zeros((at.sizes["doors"], 2))
+    axes[at.sizes["doors"] - at.sizes["slides"] :] = [1.0, 0.0]
+    axes[at.door_row] = at.house.doors.slide
+    return axes
+
+
+def of_door(field: str, fill: Any = 0) -> Callable[[HouseAt], np.ndarray]:
+    """A source: a field of the house's doors, in the rows that a bank has for them."""
+
+    def rows(at: HouseAt) -> np.ndarray:
+        values = getattr(at.house.doors, field)
+        padded = np.empty((at.sizes["doors"], *values.shape[1:]), values.dtype)
+        padded[...] = fill
+        padded[at.door_row] = values
+        return padded
+
+    rows.__name__ = f"door_{field}"
+    return rows
 
 
 class Physics(Pytree):
@@ -95,16 +122,23 @@ class Physics(Pytree):
         fill=np.concatenate([PARKED, UPRIGHT]),
     )
     door_valid: Bool[Array, "h doors"] = array("False padding", source=is_door, fill=False)
-    door_instance: Int[Array, "h doors"] = array("-1 padding", source="doors.instance", fill=-1)
-    door_pivot: Float[Array, "h doors 2"] = array("[m], where the hinge meets the plan", source="doors.pivot")
-    door_closed: Float[Array, "h doors"] = array("[rad] about +z from as placed, shut", source="doors.closed")
-    door_wide: Float[Array, "h doors"] = array("[rad], wide open", source="doors.wide")
-    door_low: Float[Array, "h doors"] = array("[rad], least angle", source="doors.low")
-    door_high: Float[Array, "h doors"] = array("[rad], greatest angle", source="doors.high")
-    door_pos: Float[Array, "h doors 3"] = array("[m], middle of the leaf as placed", source="doors.pos")
-    door_quat: Float[Array, "h doors 4"] = array("wxyz, about z only", source="doors.quat", fill=UPRIGHT)
-    door_size: Float[Array, "h doors 3"] = array("[m], half extents", source="doors.size", fill=SMALL)
-    door_mass: Float[Array, "h doors"] = array("[kg]", source="doors.mass", fill=1)
+    door_instance: Int[Array, "h doors"] = array("-1 padding", source=of_door("instance", -1), fill=-1)
+    door_pivot: Float[Array, "h doors 2"] = array(
+        "[m], where the hinge meets the plan; of what slides, the middle", source=of_door("pivot")
+    )
+    door_slide: Float[Array, "h doors 2"] = array(
+        "unit direction in which a leaf slides; 0 of those on hinges, which come first", source=slide_axes
+    )
+    door_closed: Float[Array, "h doors"] = array(
+        "[rad] about +z from as placed, of what slides [m] from there; shut", source=of_door("closed")
+    )
+    door_wide: Float[Array, "h doors"] = array("[rad] or [m], wide open", source=of_door("wide"))
+    door_low: Float[Array, "h doors"] = array("[rad] or [m], least", source=of_door("low"))
+    door_high: Float[Array, "h doors"] = array("[rad] or [m], greatest", source=of_door("high"))
+    door_pos: Float[Array, "h doors 3"] = array("[m], middle of the leaf as placed", source=of_door("pos"))
+    door_quat: Float[Array, "h doors 4"] = array("wxyz, about z only", source=of_door("quat", UPRIGHT), fill=UPRIGHT)
+    door_size: Float[Array, "h doors 3"] = array("[m], half extents", source=of_door("size", SMALL), fill=SMALL)
+    door_mass: Float[Array, "h doors"] = array("[kg]", source=of_door("mass", 1), fill=1)
     ramp: Float[Array, "h ramps 8"] = array(
         "middle of its top in plan (2) [m], direction uphill (2), half length and width in plan [m], height of the "
         "middle [m], rise per length; padding has a negative length",

@@ -62,6 +62,11 @@ class HouseAt:
         """The record, where agents have none."""
         return cast(CompiledHouse, self.record)
 
+    @property
+    def door_row(self) -> Int[np.ndarray, " n"]:
+        """Row of each leaf of the house among a bank's doors, of which the last slide."""
+        return self.house.doors.rows(self.sizes["doors"], self.sizes["slides"])
+
 
 @dataclass(frozen=True)
 class SharedRows:

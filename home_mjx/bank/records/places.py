@@ -75,6 +75,12 @@ def _first(
     return np.where(fits.any(axis=1), fits.argmax(axis=1), -1)
 
 
+def portal_leaves(at: HouseAt) -> Int[np.ndarray, "p 2"]:
+    """Rows of the leaves that can close each portal; -1 none."""
+    row = np.append(at.door_row, -1)
+    return row[at.house.navigation.portals.leaf]
+
+
 class Navigation(Pytree):
     """Grids of every house and level, starts, goals, portals; see `compiled.Navigation`.
 
@@ -125,7 +131,7 @@ class Navigation(Pytree):
         "compiled.PortalKind; -1 padding", source="navigation.portals.kind", fill=-1
     )
     portal_leaf: Int[Array, "h portals 2"] = array(
-        "leaves of doors that close it; -1 none", source="navigation.portals.leaf", fill=-1
+        "leaves of doors that close it; -1 none", source=portal_leaves, fill=-1
     )
     room_hops: Int[Array, "h rooms rooms"] = array(
         "portals on the way from room to room; -1 no way", source="navigation.room_hops", fill=-1, dtype=np.int16

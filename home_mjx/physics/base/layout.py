@@ -10,7 +10,8 @@ class Layout:
     Order of bodies: world, agents, movable bodies, doors; what moves is called a mobile, counted without the world.
     Order of geoms: floor, slots of the agents, slots of the bodies, then two per agent (capsule, foot), nine per body
     (box, corners) and one per door. An agent has 4 numbers in `qpos` and in `qvel` (x, y, z, yaw), a body 7 and 6, a
-    door 1 and 1 (its angle).
+    door 1 and 1 (its coordinate: the angle of a hinged leaf, the way of a sliding one).
+    Sliding leaves are the last doors.
     """
 
     num_agents: int
@@ -18,6 +19,7 @@ class Layout:
     num_doors: int
     agent_slots: int
     body_slots: int
+    num_slides: int = 0
 
     @property
     def num_slots(self) -> int:

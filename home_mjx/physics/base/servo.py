@@ -24,10 +24,10 @@ HAND_STIFFNESS = 1500.0  # [N/m], of the arm that holds back an agent
 HAND_SLACK = 0.05  # [m], by which a thing may lag behind without that
 HAND_LEASH = 0.3  # [m]; what is farther away still comes to the hand, and holds back nobody
 DOOR_TIME = 0.3  # [s]
-DOOR_SPEED = 2.0  # [rad/s]
-DOOR_TORQUE = 30.0  # [N m]
+DOOR_SPEED = 2.0  # [rad/s], or [m/s] of what slides
+DOOR_TORQUE = 30.0  # [N m], or [N] of what slides
 ON_RAMP = 0.15  # [m], greatest height of an agent's foot above the ramp that it stands on
-FREE = 1e9  # [rad], goal of a door that nothing drives
+FREE = 1e9  # goal of a door that nothing drives
 
 
 def hand_time(config: PhysicsConfig) -> float:
@@ -83,18 +83,18 @@ def hand_accelerations(
 
 
 def door_acceleration(
-    angle: Float[Array, "h"], rate: Float[Array, "h"], goal: Float[Array, "h"], inertia: Float[Array, "h"], time: float
+    place: Float[Array, "h"], rate: Float[Array, "h"], goal: Float[Array, "h"], inertia: Float[Array, "h"], time: float
 ) -> Float[Array, "h"]:
-    """What drives doors to their goals [rad/s^2], without the drag of their hinges.
+    """What drives doors to their goals [rad/s^2], without the drag of their hinges; of sliding ones in [m/s^2].
 
     Args:
-        angle: [rad]
-        rate: [rad/s]
-        goal: [rad]; `FREE`: nothing drives it.
-        inertia: About the hinge [kg m^2].
+        place: Coordinate [rad], of sliding doors [m].
+        rate: [rad/s], [m/s]
+        goal: [rad], [m]; `FREE`: nothing drives it.
+        inertia: About the hinge [kg m^2], or mass [kg].
         time: In which the leaf gets its speed [s].
     """
-    wanted = jnp.clip((goal - angle) / jnp.float32(DOOR_TIME), -DOOR_SPEED, DOOR_SPEED)
+    wanted = jnp.clip((goal - place) / jnp.float32(DOOR_TIME), -DOOR_SPEED, DOOR_SPEED)
     most = jnp.float32(DOOR_TORQUE) / inertia
     return jnp.where(jnp.abs(goal) < FREE, jnp.clip((wanted - rate) / jnp.float32(time), -most, most), 0.0)
 
@@ -104,7 +104,8 @@ def ramp_acceleration(
 ) -> Float[Array, "2"]:
     """What keeps an agent, whose contacts have no friction, from sliding down a ramp [m/s^2].
 
-    Where it stands on one, `g tan(slope)` uphill balances what the ramp's normal force does.
+    Where it stands on one, `g tan(slope)` uphill balances what the ramp's normal force does. Of several, as
+    where those of stairs that turn overlap, the highest bears it; landings do not count.
 
     Args:
         ramps: Rows of `bank.physics.ramp`.
@@ -116,8 +117,10 @@ def ramp_acceleration(
     sine = slope / jnp.sqrt(1 + slope * slope)
     above = pos[2] - agent[RADIUS] - agent[HALF_LENGTH] - surface
     stands = (along >= -half_u - 0.3 * agent[RADIUS]) & (along <= half_u - agent[RADIUS] * sine)
-    stands &= (jnp.abs(across) <= half_v) & (jnp.abs(above) < ON_RAMP)
-    uphill = jnp.where(stands, jnp.float32(GRAVITY) * slope, 0.0)
+    stands &= (slope > 0) & (jnp.abs(across) <= half_v) & (jnp.abs(above) < ON_RAMP)
+    bears = stands & (surface == jnp.max(jnp.where(stands, surface, -jnp.inf)))
+    first = bears & (jnp.cumsum(bears, dtype=jnp.int32) == 1)
+    uphill = jnp.where(first, jnp.float32(GRAVITY) * slope, 0.0)
     return jnp.stack([jnp.sum(uphill * up_x), jnp.sum(uphill * up_y)])
 
 

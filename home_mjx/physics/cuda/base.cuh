@@ -41,11 +41,11 @@ constexpr int CONTACT_WORDS = 52;     // of memory that a contact takes, as in l
 constexpr int SMALL_ISLAND = 6;       // mobiles whose Hessian fits into shared memory, as in launch.py
 // The second mobile of a contact with what does not move; static box c is STATIC - c.
 constexpr int LIMIT = -1, FLOOR = -2, STATIC = -3;
-constexpr int AGENT_COLUMNS = 8, DOOR_COLUMNS = 13, RAMP_COLUMNS = 8, SURFACE_COLUMNS = 5;  // of the tables, see native/data/limits.py
+constexpr int AGENT_COLUMNS = 8, DOOR_COLUMNS = 16, RAMP_COLUMNS = 8, SURFACE_COLUMNS = 5;  // of the tables, see native/data/limits.py
 constexpr int FREE = 1000000000;                                      // goal of a door that nothing drives
 constexpr real WAKE_NEAR = 0.01;  // [m]
 constexpr real AWAKE = 1e-6;  // acceleration that tells what was woken from what sleeps
-constexpr real HEAVY = 1e20;                                          // mass against which a hinge lets nothing move
+constexpr real HEAVY = 1e20;                                          // mass against which nothing moves that a door holds
 constexpr int LOST_STATIC = 0, LOST_POINTS = 1;
 constexpr int LINE_STEPS = 40;
 constexpr int NUM_NUMBERS = 34;

@@ -20,8 +20,8 @@ static_assert(sizeof(Contact) <= CONTACT_WORDS * sizeof(real), "launch.py gives 
 // Pointers into shared memory and scratch.
 struct Env {
   int agents, free, mobiles, statics, room;  // free: agents and bodies, the first door; room: most contacts
-  // A door's angle and an agent's yaw are the first number of quat. All mobiles have six numbers of velocity; of a door,
-  // which turns about its own z, the others are held by HEAVY masses.
+  // A door's coordinate and an agent's yaw are the first number of quat. All mobiles have six numbers of velocity; a
+  // door's rate is the last, the others are held by HEAVY masses.
   real *pos, *quat, *rot, *vel, *acc, *smooth, *half, *mass, *inverse, *radius, *impulse;
   int *there, *calm, *wakes, *list, *pairs;  // list: of what is awake; pairs: of mobiles near each other
   int *used, *num_near, *island, *members, *rows, *end, *offset, *order, *counts;
@@ -31,10 +31,12 @@ struct Env {
   Numbers numbers;
 };
 
-INLINE Vec origin(const Env& e, int m) {  // about which a mobile turns
-  if (m < e.free) return {e.pos[3 * m], e.pos[3 * m + 1], e.pos[3 * m + 2]};
+// To a place from what a mobile turns about. Of a leaf that slides along s it is s x up: its turn is then the way along s.
+INLINE Vec arm_to(const Env& e, int m, Vec at) {
+  const Vec arm = at - Vec{e.pos[3 * m], e.pos[3 * m + 1], e.pos[3 * m + 2]};
+  if (m < e.free) return arm;
   const float* door = e.door + DOOR_COLUMNS * (m - e.free);
-  return {door[0], door[1], e.pos[3 * m + 2]};
+  return {door[15] * (at.x - door[0]) + door[14], door[15] * (at.y - door[1]) - door[13], arm.z};
 }
 
 INLINE int num_rows(const Contact& c) { return c.friction > 0 ? 4 : 1; }
@@ -105,7 +107,7 @@ __device__ void make_contact(const Env& e, Contact& c, int first, int second, co
     if (m < 0) continue;
     const real sign = m < e.agents ? 0 : side == 0 ? -1 : 1;
     const real* rot = e.rot + 9 * m;
-    const Vec arm = point.pos - origin(e, m);
+    const Vec arm = arm_to(e, m, point.pos);
     for (int row = 0; row < 3; ++row) {
       const Vec turn = cross(arm, frame[row]);
       for (int k = 0; k < 3; ++k)

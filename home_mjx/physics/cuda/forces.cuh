@@ -26,15 +26,17 @@ INLINE void drive_agent(const Env& e, int a, const float* action) {
 
 INLINE void climb(const Env& e, int a, const float* ramps, int count) {
   const real radius = e.agent[AGENT_COLUMNS * a], bottom = e.pos[3 * a + 2] - e.radius[a];
+  real highest = -INF, pull_x = 0, pull_y = 0;
   for (int r = 0; r < count; ++r) {
     const float* ramp = ramps + RAMP_COLUMNS * r;
     const real x = e.pos[3 * a] - ramp[0], y = e.pos[3 * a + 1] - ramp[1], slope = ramp[7];
     const real along = x * ramp[2] + y * ramp[3], across = y * ramp[2] - x * ramp[3];
-    const real sine = slope / sqrt(1 + slope * slope), above = bottom - (ramp[6] + along * slope);
-    if (along < -ramp[4] - real(0.3) * radius || along > ramp[4] - radius * sine) continue;
-    if (absolute(across) > ramp[5] || absolute(above) >= e.numbers.on_ramp) continue;
-    e.smooth[6 * a] += e.numbers.gravity * slope * ramp[2], e.smooth[6 * a + 1] += e.numbers.gravity * slope * ramp[3];
+    const real sine = slope / sqrt(1 + slope * slope), surface = ramp[6] + along * slope;
+    if (slope <= 0 || along < -ramp[4] - real(0.3) * radius || along > ramp[4] - radius * sine) continue;
+    if (absolute(across) > ramp[5] || absolute(bottom - surface) >= e.numbers.on_ramp || surface <= highest) continue;
+    highest = surface, pull_x = e.numbers.gravity * slope * ramp[2], pull_y = e.numbers.gravity * slope * ramp[3];
   }
+  e.smooth[6 * a] += pull_x, e.smooth[6 * a + 1] += pull_y;
 }
 
 INLINE void fall(const Env& e, int m) {
@@ -109,12 +111,13 @@ INLINE void hold(const Env& e, int a, const Control& control) {
   for (int k = 3; k < 6; ++k) e.acc[6 * a + k] = e.smooth[6 * a + k];  // contacts do not turn agents
 }
 
-// Where the leaf of a door is at its angle.
+// Where the leaf of a door is at its coordinate.
 INLINE void place_leaf(const Env& e, int m) {
   const float* door = e.door + DOOR_COLUMNS * (m - e.free);
   real *pos = e.pos + 3 * m, *rot = e.rot + 9 * m;
-  const real angle = e.quat[4 * m], c = cos(angle), s = sin(angle);
-  pos[0] = door[0] + c * door[2] - s * door[3], pos[1] = door[1] + s * door[2] + c * door[3], pos[2] = door[4];
+  const real way = e.quat[4 * m], angle = door[15] * way, c = cos(angle), s = sin(angle);
+  pos[0] = door[0] + c * door[2] - s * door[3] + door[13] * way;
+  pos[1] = door[1] + s * door[2] + c * door[3] + door[14] * way, pos[2] = door[4];
   const real u = cos(angle + door[5]), v = sin(angle + door[5]);
   rot[0] = u, rot[1] = -v, rot[2] = 0, rot[3] = v, rot[4] = u, rot[5] = 0, rot[6] = rot[7] = 0, rot[8] = 1;
 }

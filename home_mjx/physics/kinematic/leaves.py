@@ -1,4 +1,4 @@
-"""Doors without dynamics: they turn to their goals, and give way to agents that walk into them."""
+"""Doors without dynamics: they go to their goals, and give way to agents that walk into them."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -12,11 +12,11 @@ NEAREST = 0.1  # [m], to the hinge, at which a leaf can be pushed
 
 def leaf_boxes(leaves: Leaf, angle: Float[Array, " h"]) -> Boxes:
     """Where the leaves are."""
-    return Boxes(*leaves.turned(angle), leaves.size)
+    return Boxes(*leaves.moved(angle), leaves.size)
 
 
 def turn_to_goals(leaves: Leaf, angle: Float[Array, " h"], goal: Float[Array, " h"], dt: float) -> Float[Array, " h"]:
-    """Angles after a time `dt` [s]; only leaves that have a goal turn."""
+    """Coordinates after a time `dt` [s]; only leaves that have a goal move."""
     most = jnp.float32(DOOR_SPEED * dt)
     way = jnp.clip(jnp.clip(goal, leaves.low, leaves.high) - angle, -most, most)
     return jnp.where(goal < FREE, angle + way, angle)
@@ -25,20 +25,22 @@ def turn_to_goals(leaves: Leaf, angle: Float[Array, " h"], goal: Float[Array, " 
 def give_way(
     leaves: Leaf, angle: Float[Array, " h"], pos: Float[Array, "a 3"], radius: Float[Array, " a"]
 ) -> Float[Array, " h"]:
-    """Angles at which the leaves let agents be where they want to be, as far as hinges allow.
+    """Coordinates at which the leaves let agents be where they want to be, as far as hinges and rails allow.
+
+    Agents push hinged leaves with their faces, and sliding ones by their narrow ends.
 
     Args:
         leaves: Of the house.
-        angle: [rad]
+        angle: Coordinates [rad], of sliding leaves [m].
         pos: Of the agents [m].
         radius: Of the agents [m].
     """
-    turned = angle + leaves.yaw
+    turned = leaves.turns * angle + leaves.yaw
     along = leaves.size[:, 0] >= leaves.size[:, 1]  # whether the leaf is long along its box's first axis
     heading = jnp.where(along, turned, turned + jnp.float32(jnp.pi / 2))
     u = jnp.stack([jnp.cos(heading), jnp.sin(heading)], axis=-1)
     v = jnp.stack([-u[:, 1], u[:, 0]], axis=-1)
-    middle = leaves.turned(angle)[0][:, :2]
+    middle = leaves.moved(angle)[0][:, :2]
     half_u, half_v = jnp.max(leaves.size[:, :2], axis=-1), jnp.min(leaves.size[:, :2], axis=-1)
     gap = pos[None, :, :2] - middle[:, None]
     along_u, along_v = (jnp.sum(gap * axis[:, None], axis=-1) for axis in (u, v))
@@ -46,4 +48,9 @@ def give_way(
     depth = half_v[:, None] + radius[None] - jnp.abs(along_v)
     met = (depth > 0) & (jnp.abs(along_u) <= half_u[:, None]) & (jnp.abs(lever) > NEAREST)
     turn = -jnp.sign(along_v) * depth / jnp.where(met, lever, 1.0)
-    return jnp.clip(angle + jnp.sum(jnp.where(met, turn, 0.0), axis=-1), leaves.low, leaves.high)
+    turn = jnp.where(met, turn, 0.0)
+    past = half_u[:, None] + radius[None] - jnp.abs(along_u)
+    at_end = (past > 0) & (jnp.abs(along_u) > half_u[:, None]) & (jnp.abs(along_v) <= half_v[:, None])
+    shift = jnp.where(at_end, -jnp.sign(along_u) * past, 0.0) * jnp.sum(leaves.slide * u, axis=-1)[:, None]
+    push = jnp.where(leaves.turns[:, None] > 0, turn, shift)
+    return jnp.clip(angle + jnp.sum(push, axis=-1), leaves.low, leaves.high)

@@ -60,8 +60,13 @@ class ExportedTemplate(Template):
 
 def exported_in_c(config: PhysicsConfig, layout: Layout, house: CompiledHouse, collision: str = "box") -> HouseInC:
     """C MuJoCo's model of an exported house with agents."""
-    numbers = {"friction": config.friction, "restitution": config.restitution}
-    xml, files = to_mjcf(house, timestep=config.timing.sim_dt, collision=collision, **numbers)
+    xml, files = to_mjcf(
+        house,
+        timestep=config.timing.sim_dt,
+        friction=config.friction,
+        restitution=config.restitution,
+        collision=collision,
+    )
     root = ET.fromstring(xml)
     ET.SubElement(root, "compiler", discardvisual="true")
     world = root.find("worldbody")
@@ -71,10 +76,12 @@ def exported_in_c(config: PhysicsConfig, layout: Layout, house: CompiledHouse, c
     model = mujoco.MjModel.from_xml_string(ET.tostring(root, encoding="unicode"), files)  # pyright: ignore[reportAttributeAccessIssue]
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # pyright: ignore[reportAttributeAccessIssue]
     agents = [f"agent{a}" for a in range(layout.num_agents)]
-    bodies, doors = (
-        [instance_name(house, int(i)) for i in instances] + [""] * (room - len(instances))
-        for instances, room in ((house.bodies.instance, layout.num_bodies), (house.doors.instance, layout.num_doors))
-    )
+    bodies, doors = [""] * layout.num_bodies, [""] * layout.num_doors
+    for k, instance in enumerate(house.bodies.instance.tolist()):
+        bodies[k] = instance_name(house, instance)
+    rows = house.doors.rows(layout.num_doors, layout.num_slides)
+    for h, instance in zip(rows.tolist(), house.doors.instance.tolist(), strict=True):
+        doors[h] = instance_name(house, instance)
     return HouseInC(model, layout, agents + bodies + doors, _static_geoms(model, house))
 
 

@@ -42,6 +42,7 @@ class Rows(NamedTuple):
     door_mass: Float[np.ndarray, " h"]
     door_low: Float[np.ndarray, " h"]
     door_high: Float[np.ndarray, " h"]
+    door_slide: Float[np.ndarray, "h 2"]
 
 
 def house_mjcf(config: PhysicsConfig, rows: Rows) -> str:
@@ -89,5 +90,6 @@ def _add_body(config: PhysicsConfig, world: ET.Element, rows: Rows, k: int) -> N
 
 
 def _doors(rows: Rows) -> Doors:
-    place = {name: getattr(rows, f"door_{name}") for name in ("pivot", "pos", "quat", "size", "mass", "low", "high")}
+    names = ("pivot", "pos", "quat", "size", "mass", "low", "high", "slide")
+    place = {name: getattr(rows, f"door_{name}") for name in names}
     return Doors(instance=np.arange(len(rows.door_valid)), closed=rows.door_low, wide=rows.door_high, **place)

@@ -104,9 +104,13 @@ def _jacobian(work, n, side, m, sign):
 @compiled
 @no_type_check
 def _door_jacobian(work, n, side, m, sign):
-    """Of a door only its rate counts: (up x arm) along the directions. At a limit the first row is the rate itself."""
+    """Of a door only its rate counts: (up x arm), or the way it slides, along the directions.
+
+    At a limit the first row is the rate itself.
+    """
     door = shifted(work.door, DOOR_COLUMNS * (m - work.num_free))
-    x, y = work.place[4 * n] - door[0], work.place[4 * n + 1] - door[1]
+    x = door[15] * (work.place[4 * n] - door[0]) + door[14]
+    y = door[15] * (work.place[4 * n + 1] - door[1]) - door[13]
     jacobian = shifted(work.jacobian, 36 * n + 18 * side)
     for k in range(18):
         jacobian[k] = 0.0

@@ -64,21 +64,24 @@ def _drive_agent(work, numbers, a, action):
 def _climb(work, numbers, a, ramp, num_ramps):
     """Holds an agent on a ramp, where its contact has no friction; see `base.servo`."""
     radius = work.agent[AGENT_COLUMNS * a]
-    bottom = work.pos[3 * a + 2] - work.radius[a]
+    bottom, highest, pull_x, pull_y = work.pos[3 * a + 2] - work.radius[a], -FREE, 0.0, 0.0
     for r in range(num_ramps):
         row = shifted(ramp, RAMP_COLUMNS * r)
         x, y = work.pos[3 * a] - row[0], work.pos[3 * a + 1] - row[1]
         along, across = x * row[2] + y * row[3], y * row[2] - x * row[3]
         slope = row[7]
         sine = slope / sqrt(1.0 + slope * slope)
-        above = bottom - (row[6] + along * slope)
+        surface = row[6] + along * slope
         if (
             -row[4] - 0.3 * radius <= along <= row[4] - radius * sine
             and abs(across) <= row[5]
-            and abs(above) < numbers.on_ramp
+            and abs(bottom - surface) < numbers.on_ramp
+            and surface > highest
+            and slope > 0
         ):
-            work.smooth[6 * a] += numbers.gravity * slope * row[2]
-            work.smooth[6 * a + 1] += numbers.gravity * slope * row[3]
+            highest, pull_x, pull_y = surface, numbers.gravity * slope * row[2], numbers.gravity * slope * row[3]
+    work.smooth[6 * a] += pull_x
+    work.smooth[6 * a + 1] += pull_y
 
 
 @compiled
@@ -164,7 +167,7 @@ def _twist(work, numbers, m, miss, spin):
 @compiled
 @no_type_check
 def _drive_door(work, numbers, m, goal):
-    """Drag of the hinge, and the way to a goal; see `base.servo`."""
+    """Drag of the hinge or rail, and the way to a goal; see `base.servo`."""
     rate = work.vel[6 * m]
     work.smooth[6 * m] = -numbers.door_drag * rate
     if abs(goal) < FREE:

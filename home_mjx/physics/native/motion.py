@@ -15,7 +15,7 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def place_mobiles(work, also_sleepers):
-    """The axes of mobiles, and where the leaves of doors are at their angles."""
+    """The axes of mobiles, and where the leaves of doors are at their coordinates."""
     for a in range(work.num_agents):
         for k in range(3):
             for j in range(3):
@@ -32,11 +32,13 @@ def place_mobiles(work, also_sleepers):
 @no_type_check
 def _place_leaf(work, m):
     door, rot = shifted(work.door, DOOR_COLUMNS * (m - work.num_free)), shifted(work.rot, 9 * m)
-    c, s = cos(work.quat[4 * m]), sin(work.quat[4 * m])
-    work.pos[3 * m] = door[0] + c * door[2] - s * door[3]
-    work.pos[3 * m + 1] = door[1] + s * door[2] + c * door[3]
+    way = work.quat[4 * m]
+    angle = door[15] * way
+    c, s = cos(angle), sin(angle)
+    work.pos[3 * m] = door[0] + c * door[2] - s * door[3] + door[13] * way
+    work.pos[3 * m + 1] = door[1] + s * door[2] + c * door[3] + door[14] * way
     work.pos[3 * m + 2] = door[4]
-    c, s = cos(work.quat[4 * m] + door[5]), sin(work.quat[4 * m] + door[5])
+    c, s = cos(angle + door[5]), sin(angle + door[5])
     rot[0], rot[1], rot[2] = c, -s, 0.0
     rot[3], rot[4], rot[5] = s, c, 0.0
     rot[6], rot[7], rot[8] = 0.0, 0.0, 1.0

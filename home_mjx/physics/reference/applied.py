@@ -49,8 +49,8 @@ def applied_forces(
     motors = motors.at[:, :2].add(uphill * table[:, MASS, None])
     applied = jnp.zeros_like(qvel)
     if layout.num_doors:
-        angle, rate = qpos[layout.door_qpos], qvel[layout.door_qvel]
-        drive = door_acceleration(angle, rate, state.goal, leaves.inertia, hand_time(template.config))
+        place, rate = qpos[layout.door_qpos], qvel[layout.door_qvel]
+        drive = door_acceleration(place, rate, state.goal, leaves.inertia, hand_time(template.config))
         applied = applied.at[layout.door_qvel].add(drive * leaves.inertia)
     if layout.num_bodies:
         for a in range(layout.num_agents):

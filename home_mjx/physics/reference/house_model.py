@@ -152,6 +152,7 @@ def house_doors(physics: Physics, house: Int[Array, ""]) -> Leaf:
     parked = Leaf(
         pivot=jnp.stack([2 * row, 4 * one], axis=-1),
         arm=one[:, None] * jnp.array([PARKED_ARM], jnp.float32),
+        slide=leaves.slide,
         height=PARKED_HEIGHT * one,
         yaw=PARKED_YAW * one,
         size=jnp.full((row.shape[0], 3), PARKED_SIZE, jnp.float32),
@@ -164,7 +165,7 @@ def house_doors(physics: Physics, house: Int[Array, ""]) -> Leaf:
 
 
 def with_doors(model: mjx.Model, layout: Layout, leaves: Leaf) -> mjx.Model:
-    """The model with the leaves of a house on their hinges."""
+    """The model with the leaves of a house on their hinges and rails."""
     if not layout.num_doors:
         return model
     at, geom, dof = layout.doors, layout.door_geoms, layout.door_qvel
@@ -172,7 +173,8 @@ def with_doors(model: mjx.Model, layout: Layout, leaves: Leaf) -> mjx.Model:
     flat, zero = jnp.zeros_like(leaves.height), jnp.zeros_like(leaves.arm)
     arm = jnp.concatenate([leaves.arm, flat[:, None]], axis=-1)
     turned = jnp.stack([jnp.cos(leaves.yaw / 2), flat, flat, jnp.sin(leaves.yaw / 2)], axis=-1)
-    inertia, weight = leaves.inertia, leaves.inverse_weight
+    inertia, weights = leaves.inertia, jnp.stack([leaves.inverse_weight, leaves.inverse_spin_weight], axis=-1)
+    axis = jnp.concatenate([leaves.slide, leaves.turns[:, None]], axis=-1)
     more = leaves.mass.sum() - jnp.float32(layout.num_doors * PARKED_MASS)
     limits = jnp.stack([leaves.low, leaves.high], axis=-1)
     upright = jnp.concatenate([flat[:, None] + 1, zero, flat[:, None]], axis=-1)
@@ -185,10 +187,11 @@ def with_doors(model: mjx.Model, layout: Layout, leaves: Leaf) -> mjx.Model:
         body_mass=model.body_mass.at[at].set(leaves.mass),
         body_subtreemass=model.body_subtreemass.at[at].set(leaves.mass).at[0].add(more),
         body_inertia=model.body_inertia.at[at].set(leaves.own_inertia),
-        body_invweight0=model.body_invweight0.at[at].set(jnp.stack([weight, 1 / inertia / 3], axis=-1)),
+        body_invweight0=model.body_invweight0.at[at].set(weights),
         dof_invweight0=model.dof_invweight0.at[dof].set(1 / inertia),
         dof_M0=model.dof_M0.at[dof].set(inertia),
         dof_damping=model.dof_damping.at[dof].set(jnp.float32(DOOR_DRAG) * inertia),
+        jnt_axis=model.jnt_axis.at[joint].set(axis),
         jnt_range=model.jnt_range.at[joint].set(limits),
         geom_pos=model.geom_pos.at[geom].set(arm),
         geom_quat=model.geom_quat.at[geom].set(turned),

@@ -36,7 +36,14 @@ class Template:
 
     def __init__(self, config: PhysicsConfig, spec: BankSpec) -> None:
         self.config = config
-        self.layout = Layout(config.num_agents, spec.num_bodies, spec.num_doors, config.agent_slots, config.body_slots)
+        self.layout = Layout(
+            config.num_agents,
+            spec.num_bodies,
+            spec.num_doors,
+            config.agent_slots,
+            config.body_slots,
+            spec.num_slides,
+        )
         xml = template_mjcf(config, self.layout, _jacobian(config))
         host = mujoco.MjModel.from_xml_string(xml)  # pyright: ignore[reportAttributeAccessIssue]
         self.agents = agent_table(config, host.dof_M0[3 : self.layout.agent_qpos.stop : 4])

@@ -16,8 +16,8 @@ PARKED_HEIGHT = 500.0  # [m]: unused bodies are parked this far above the house,
 PARKED_SIZE = 0.1  # [m], half extent
 PARKED_MASS = 1.0  # [kg]
 CORNER_RADIUS = 1e-3  # [m]
-LIMIT_SOLREF = "0.02 1"  # of hinges; MuJoCo's default
-PARKED_RANGE = (-1.0, 1.0)  # [rad]
+LIMIT_SOLREF = "0.02 1"  # of doors; MuJoCo's default
+PARKED_RANGE = (-1.0, 1.0)  # [rad] or [m]
 PARKED_ARM, PARKED_YAW = (0.4, 0.1), 0.5  # [m], [rad], of leaves: neither at the hinge nor upright, as with slots
 CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)), np.float32)
 
@@ -25,7 +25,8 @@ CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)), np.float32)
 def template_mjcf(config: PhysicsConfig, layout: Layout, jacobian: str) -> str:
     """MJCF of a house with nothing in it: every body, door and slot is parked.
 
-    Leaves of doors meet agents and bodies only: how far they turn is known from the house.
+    Leaves of doors meet agents and bodies only: how far they go is known from the house. What kind of
+    joint a leaf has cannot differ between houses: the last ones slide.
 
     All contacts are explicit pairs, so that a slot meets only its owner and each kind of contact has its own
     dimension: those of agents are frictionless (1 row per point instead of 4), hence agents slide along walls.
@@ -47,7 +48,7 @@ def template_mjcf(config: PhysicsConfig, layout: Layout, jacobian: str) -> str:
     for k in range(layout.num_bodies):
         _add_body(world, k)
     for h in range(layout.num_doors):
-        _add_door(world, h)
+        _add_door(world, h, slides=h >= layout.num_doors - layout.num_slides)
     _add_pairs(ET.SubElement(root, "contact"), config, layout)
     actuator, sensors = ET.SubElement(root, "actuator"), ET.SubElement(root, "sensor")
     for a in range(layout.num_agents):
@@ -109,15 +110,17 @@ def _add_body(world: ET.Element, k: int) -> None:
         ET.SubElement(body, "geom", _no_mask(name), type="sphere", size=str(CORNER_RADIUS), pos=pos)
 
 
-def _add_door(world: ET.Element, h: int) -> None:
+def _add_door(world: ET.Element, h: int, slides: bool) -> None:
     """A leaf that is parked."""
     body = ET.SubElement(world, "body", name=f"door{h}", pos=f"{2 * h} 4 {PARKED_HEIGHT}")
     low, high = PARKED_RANGE
-    hinge = {"name": f"door{h}", "type": "hinge", "axis": "0 0 1", "limited": "true", "range": f"{low} {high}"}
+    kind, axis = ("slide", "1 0 0") if slides else ("hinge", "0 0 1")
+    joint = {"name": f"door{h}", "type": kind, "axis": axis, "limited": "true", "range": f"{low} {high}"}
     x, y = PARKED_ARM
     inertia = PARKED_MASS * 2 / 3 * PARKED_SIZE**2
-    damping = DOOR_DRAG * (inertia + PARKED_MASS * (x * x + y * y))
-    ET.SubElement(body, "joint", hinge, damping=str(damping), solreflimit=LIMIT_SOLREF, solimplimit=solimp())
+    moved = PARKED_MASS if slides else inertia + PARKED_MASS * (x * x + y * y)
+    damping = DOOR_DRAG * moved
+    ET.SubElement(body, "joint", joint, damping=str(damping), solreflimit=LIMIT_SOLREF, solimplimit=solimp())
     at = {"pos": f"{x} {y} 0", "quat": f"{math.cos(PARKED_YAW / 2)} 0 0 {math.sin(PARKED_YAW / 2)}"}
     diagonal = f"{inertia} {inertia} {inertia}"
     ET.SubElement(body, "inertial", at, mass=str(PARKED_MASS), diaginertia=diagonal)

@@ -39,7 +39,7 @@ def make_scene(
         agent_pos: Middle of every agent's capsule [m].
         agent_quat: Orientation of every agent, unit quaternions (w, x, y, z).
         executor: Of all rays in the scene, see `cast`.
-        door_angle: Of every door's leaf, about +z from as placed [rad]; None: as placed.
+        door_angle: Of every door's leaf, about +z from as placed [rad], of sliding ones the way [m]; None: as placed.
         agent_size: Radius and height of every agent [m]; None: those of a default `Body`.
 
     Returns:
@@ -73,18 +73,21 @@ def _bodies(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "k 3"], qu
 def _doors(bank: HouseBank, house: Int[Array, ""], angle: Float[Array, " h"]) -> Moving:
     physics = bank.physics
     instance = jnp.where(physics.door_valid[house], physics.door_instance[house], -1)
-    turn = jax.vmap(_about)(physics.door_pivot[house], angle)
+    slide = physics.door_slide[house]
+    angle, way = jnp.where(jnp.any(slide != 0, axis=-1), 0.0, angle), angle[:, None] * slide
+    turn = jax.vmap(_about)(physics.door_pivot[house], angle, way)
     placed = bank.geometry.instance_pose[house, jnp.maximum(instance, 0)]
     return _instances(bank, house, instance, jax.vmap(compose)(turn, placed))
 
 
-def _about(pivot: Float[Array, "2"], angle: Float[Array, ""]) -> Float[Array, "3 4"]:
-    """The turn about the vertical line through a point of the plan."""
-    x, y = pivot
+def _about(pivot: Float[Array, "2"], angle: Float[Array, ""], way: Float[Array, "2"]) -> Float[Array, "3 4"]:
+    """The turn about the vertical line through a point of the plan, and a way in the plan."""
+    (x, y), (along, across) = pivot, way
     cos, sin = jnp.cos(angle), jnp.sin(angle)
     zero, one = jnp.zeros_like(cos), jnp.ones_like(cos)
-    rows = [cos, -sin, zero, x - cos * x + sin * y, sin, cos, zero, y - sin * x - cos * y, zero, zero, one, zero]
-    return jnp.stack(rows).reshape(3, 4)
+    first = [cos, -sin, zero, x - cos * x + sin * y + along]
+    second = [sin, cos, zero, y - sin * x - cos * y + across]
+    return jnp.stack([*first, *second, zero, zero, one, zero]).reshape(3, 4)
 
 
 def _instances(

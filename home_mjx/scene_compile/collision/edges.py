@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float
 
 from home_mjx.scene_compile.collision.floors import SLAB, FloorPlan, top_under
 from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, footprint_distance, join
-from home_mjx.scene_compile.objects.stairs import Flight
+from home_mjx.scene_compile.objects.stairs import Stairs
 
 STEP_DOWN = 0.3  # [m]: from a floor that ends lower above the next one nobody falls
 RAIL = 1.1  # [m], height of a barrier
@@ -57,21 +57,21 @@ class Edge:
 
 
 def edge_barriers(
-    plans: Sequence[FloorPlan], floors: BoxSet, flights: Sequence[Flight], walls: BoxSet, ground: float
+    plans: Sequence[FloorPlan], floors: BoxSet, stairs: Sequence[Stairs], walls: BoxSet, ground: float
 ) -> BoxSet:
     """Barriers along all edges over a drop that no wall closes.
 
     Args:
         plans: Floors of the levels.
         floors: Their boxes.
-        flights: Stairs, on which one walks down.
+        stairs: On which one walks down.
         walls: What closes an edge: walls, windows, barriers that are there.
         ground: Height of the plane below everything [m].
     """
     found = []
     for plan in plans:
         for edge in _edges(plan):
-            found += _runs(edge, _over_a_drop(edge, floors, flights, ground) & ~_closed(edge, walls))
+            found += _runs(edge, _over_a_drop(edge, floors, stairs, ground) & ~_closed(edge, walls))
     return join(edge.barrier for edge in found)
 
 
@@ -104,11 +104,11 @@ def _along(
             yield Edge(start, end, plan.world(out), float(height[first]))
 
 
-def _over_a_drop(edge: Edge, floors: BoxSet, flights: Sequence[Flight], ground: float) -> Bool[np.ndarray, " n"]:
+def _over_a_drop(edge: Edge, floors: BoxSet, stairs: Sequence[Stairs], ground: float) -> Bool[np.ndarray, " n"]:
     beyond = edge.points + OUTSIDE * edge.out
     below = np.maximum(top_under(floors, beyond, edge.height + STEP_DOWN), ground)
-    for flight in flights:
-        below = np.where(flight.contains(beyond), np.maximum(below, flight.surface(beyond)), below)
+    for one in stairs:
+        below = np.maximum(below, one.surface(beyond))
     return edge.height - below > STEP_DOWN
 
 

@@ -10,7 +10,7 @@ from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, join
 from home_mjx.scene_compile.geometry.polygons import inside_polygon, polygon_distance, smallest_room
 from home_mjx.scene_compile.geometry.rectangles import cell_centers, cluster, cover
 from home_mjx.scene_compile.geometry.rotations import plane_matrix, yaw_matrix
-from home_mjx.scene_compile.objects.stairs import Flight
+from home_mjx.scene_compile.objects.stairs import Stairs
 from home_mjx.schema.compiled import Rooms
 
 SLAB = 0.15  # [m], thickness of a floor
@@ -69,7 +69,7 @@ def _fewest(
 
 
 def plan_floors(
-    rooms: Rooms, level: int, doorways: Sequence[Float[np.ndarray, "4 2"]], flights: Sequence[Flight], grid: int
+    rooms: Rooms, level: int, doorways: Sequence[Float[np.ndarray, "4 2"]], stairs: Sequence[Stairs], grid: int
 ) -> FloorPlan:
     """The floors of a level: of each room, of doorways that lie between rooms, and the top treads of stairs.
 
@@ -77,12 +77,12 @@ def plan_floors(
         rooms: Outlines and floors.
         level: Level index.
         doorways: Footprints of its doors [m].
-        flights: Stairs of the house.
+        stairs: Of the house.
         grid: The level's grid.
     """
     here = np.flatnonzero(rooms.level == level)
-    holes = [f.outline for f in flights if f.upper == grid]
-    treads = [(f.part(f.run, f.run + f.landing), f.high) for f in flights if f.upper == grid and f.landing > SNAP]
+    holes = [outline for s in stairs if s.upper == grid for outline in s.well]
+    treads = [(top, s.high) for s in stairs if s.upper == grid for top in s.top]
     gaps = [(way, _nearest_floor(rooms, here, way.mean(axis=0))) for way in doorways] + treads
     outlines = [*(rooms.polygon[r] for r in here if len(rooms.polygon[r])), *(p for p, _ in gaps), *holes]
     lowest = float(rooms.floor[here].min())

@@ -92,8 +92,12 @@ class Obstacles:
     @property
     def static(self) -> BoxSet:
         """Every box that stays where it is; the barriers are the last."""
-        leaves = (leaf.box for leaf in self.felt)
-        return join([self.boxes.walls, *self.standing.values(), *leaves, self.barriers])
+        return join([self.boxes.walls, self.things])
+
+    @property
+    def things(self) -> BoxSet:
+        """These boxes without walls."""
+        return join([*self.standing.values(), *(leaf.box for leaf in self.felt), self.barriers])
 
     @property
     def all(self) -> BoxSet:

@@ -1,45 +1,51 @@
-"""Stairs as collision boxes: a slope to walk on, a piece of floor at its head, guards beside and below it."""
+"""Stairs as collision boxes: slopes to walk on, a piece of floor at their head, guards beside and below them."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
+from jaxtyping import Float
 
 from home_mjx.scene_compile.collision.edges import RAIL, THICKNESS
 from home_mjx.scene_compile.collision.floors import SLAB
 from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, join
-from home_mjx.scene_compile.objects.stairs import Flight
+from home_mjx.scene_compile.objects.slopes import Slope
+from home_mjx.scene_compile.objects.stairs import Stairs
 from home_mjx.schema.compiled import Colliders, Ramps
 
 DEPTH = 0.2  # [m], thickness of a slope
 BACK = 0.05  # [m], thickness of the wall below its head
 BELOW_HEAD = 0.4  # [m], from there to the top of that wall: nobody on a slope of up to 60 degrees meets it
 SILL = 0.12  # [m], depth of the piece of floor at its head
+HEADROOM = 2.1  # [m]: under a slope that is higher above the foot of its stairs agents can walk
+NEAR_EDGE = 0.3  # [m] from a landing's edge to the end of a slope that meets it there
+NARROW = 0.05  # [m]: gaps that are smaller stay open
 
 
-def make_ramps(flights: Sequence[Flight], first_row: int) -> Ramps:
-    """The slopes of flights: boxes whose upper side joins the floors at both ends.
+def make_ramps(stairs: Sequence[Stairs], first_row: int) -> Ramps:
+    """The slopes of stairs: boxes whose upper sides join the floors at both ends.
 
     Args:
-        flights: Stairs of the house.
+        stairs: Of the house.
         first_row: Row of the first of them in the house's colliders.
     """
-    if not flights:
+    slopes = [slope for one in stairs for slope in one.slopes]
+    if not slopes:
         return Ramps.none()
-    slope, yaw = (np.array([getattr(f, name) for f in flights]) for name in ("slope", "yaw"))
-    up = np.array([f.up for f in flights])
-    length = np.array([np.hypot(f.run, f.high - f.low) for f in flights])
-    width = np.array([f.width for f in flights])
-    middle = np.array([[*(f.foot + f.up * f.run / 2), (f.low + f.high) / 2] for f in flights])
-    normal = np.c_[-np.sin(slope)[:, None] * up, np.cos(slope)]
-    cy, sy, cp, sp = np.cos(yaw / 2), np.sin(yaw / 2), np.cos(slope / 2), -np.sin(slope / 2)
+    angle, yaw = (np.array([getattr(s, name) for s in slopes]) for name in ("angle", "yaw"))
+    up = np.array([s.up for s in slopes])
+    length = np.array([np.hypot(s.run, s.high - s.low) for s in slopes])
+    width = np.array([s.width for s in slopes])
+    middle = np.array([[*(s.foot + s.up * s.run / 2), (s.low + s.high) / 2] for s in slopes])
+    normal = np.c_[-np.sin(angle)[:, None] * up, np.cos(angle)]
+    cy, sy, cp, sp = np.cos(yaw / 2), np.sin(yaw / 2), np.cos(angle / 2), -np.sin(angle / 2)
     return Ramps(
-        object_id=np.array([f.object_id for f in flights], np.int32),
+        object_id=np.array([one.object_id for one in stairs for _ in one.slopes], np.int32),
         pos=middle - normal * DEPTH / 2,
         quat=np.stack([cy * cp, -sy * sp, cy * sp, sy * cp], axis=-1),  # turned about z, after being tilted about y
-        size=np.stack([length / 2, width / 2, np.full(len(flights), DEPTH / 2)], axis=-1),
-        slope=slope,
+        size=np.stack([length / 2, width / 2, np.full(len(slopes), DEPTH / 2)], axis=-1),
+        slope=angle,
         up=up,
-        collider=np.arange(first_row, first_row + len(flights), dtype=np.int32),
+        collider=np.arange(first_row, first_row + len(slopes), dtype=np.int32),
     )
 
 
@@ -50,29 +56,58 @@ def with_ramps(colliders: Colliders, ramps: Ramps) -> Colliders:
     )
 
 
-def guards(flights: Sequence[Flight]) -> BoxSet:
-    """Boxes along both sides of flights, up to a railing over the upper floor, and walls below their heads."""
-    return join(box for flight in flights for box in _guards(flight))
+def guards(stairs: Sequence[Stairs]) -> BoxSet:
+    """Boxes along open sides of stairs, up to a railing over the next floor, and walls below their heads."""
+    return join(box for one in stairs for box in _guards(one))
 
 
-def sills(flights: Sequence[Flight]) -> BoxSet:
-    """Pieces of the upper floors at the heads of flights, to which floors beside slanted edges reach inexactly."""
-    return join(_between(f, (f.run, f.run + SILL), (-f.width / 2, f.width / 2), f.high - SLAB, f.high) for f in flights)
+def sills(stairs: Sequence[Stairs]) -> BoxSet:
+    """Pieces of the upper floors at the heads of stairs, to which floors beside slanted edges reach inexactly."""
+    heads = [one.slopes[-1] for one in stairs]
+    return join(_between(s, (s.run, s.run + SILL), (-s.width / 2, s.width / 2), s.high - SLAB, s.high) for s in heads)
 
 
-def _guards(flight: Flight) -> list[BoxSet]:
-    half = flight.width / 2
-    sides = [(-half - THICKNESS, -half), (half, half + THICKNESS)]
-    beside = [_between(flight, (0.0, flight.run), side, flight.low, flight.high + RAIL) for side in sides]
-    back = _between(flight, (flight.run - BACK, flight.run), (-half, half), flight.low, flight.high - BELOW_HEAD)
-    return [*beside, back]
+def _guards(stairs: Stairs) -> Iterator[BoxSet]:
+    """Down to the floor where nobody walks below; under the head of the last slope one could come from behind."""
+    for i, slope in enumerate(stairs.slopes):
+        high, half = slope.high + RAIL, slope.width / 2
+        low = stairs.low if slope.low < stairs.low + HEADROOM else slope.low - DEPTH
+        if slope.high > slope.low:
+            for side in ((-half - THICKNESS, -half), (half, half + THICKNESS)):
+                yield _between(slope, (0.0, slope.run), side, low, high)
+        else:
+            before, after = stairs.slopes[i - 1].outline, stairs.slopes[i + 1].outline
+            yield from _around(slope, [before[[1, 2]], after[[3, 0]]], low, high)
+    head = stairs.slopes[-1]
+    half = head.width / 2
+    yield _between(head, (head.run - BACK, head.run), (-half, half), stairs.low, head.high - BELOW_HEAD)
 
 
-def _between(
-    flight: Flight, along: tuple[float, float], across: tuple[float, float], low: float, high: float
-) -> BoxSet:
+def _around(landing: Slope, ways: Sequence[Float[np.ndarray, "2 2"]], low: float, high: float) -> Iterator[BoxSet]:
+    """Boxes around a landing, but not across the ways onto it, given by their edges [m]."""
+    for a, b in zip(landing.outline, np.roll(landing.outline, -1, axis=0), strict=True):
+        length = float(np.linalg.norm(b - a))
+        along, out = (b - a) / length, np.array([(b - a)[1], -(b - a)[0]]) / length
+        stops = [0.0, length]
+        for way in ways:
+            if (abs((way - a) @ out) < NEAR_EDGE).all():
+                stops += np.clip(np.sort((way - a) @ along), 0, length).tolist()
+        for start, end in _outside(stops):
+            middle = a + (start + end) / 2 * along + THICKNESS / 2 * out
+            half = [(end - start) / 2, THICKNESS / 2, (high - low) / 2]
+            yield box_set([*middle, (low + high) / 2], half, float(np.arctan2(along[1], along[0])))
+
+
+def _outside(stops: Sequence[float]) -> list[tuple[float, float]]:
+    """The parts of a range, given by its ends, that are in none of the ranges that follow."""
+    taken = sorted(zip(stops[2::2], stops[3::2], strict=True))
+    edges = [stops[0], *(value for pair in taken for value in pair), stops[1]]
+    return [(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a > NARROW]
+
+
+def _between(slope: Slope, along: tuple[float, float], across: tuple[float, float], low: float, high: float) -> BoxSet:
     """An upright box between distances from the foot, along the way up and to its left, and between heights [m]."""
-    left = np.array([-flight.up[1], flight.up[0]])
-    middle = flight.foot + np.mean(along) * flight.up + np.mean(across) * left
+    left = np.array([-slope.up[1], slope.up[0]])
+    middle = slope.foot + np.mean(along) * slope.up + np.mean(across) * left
     half = [np.ptp(along) / 2, np.ptp(across) / 2, (high - low) / 2]
-    return box_set([*middle, (low + high) / 2], half, flight.yaw)
+    return box_set([*middle, (low + high) / 2], half, slope.yaw)

@@ -15,7 +15,7 @@ COLLIDER = "3"  # group, hidden by the viewer at first
 # Leaves touch agents and movable objects, but neither one another nor what is fixed: their range keeps them from it.
 MEETS_LEAVES = {"contype": "3", "conaffinity": "3"}
 ONLY_MOVING = {"contype": "2", "conaffinity": "0"}
-DOOR_DRAG = 1.5  # [1/s], of a hinge: the part of its speed that a leaf loses per second
+DOOR_DRAG = 1.5  # [1/s], of a hinge or rail: the part of its speed that a leaf loses per second
 BODY_PRIORITY = "1"  # a movable object's numbers decide about its contacts; agents have more, what is fixed has none
 
 
@@ -46,7 +46,7 @@ def add_piece(parent: ET.Element, name: str, mesh: str, **more: str) -> None:
 
 
 def add_leaf(world: ET.Element, doors: Doors, row: int, name: str) -> tuple[ET.Element, Float[np.ndarray, "3"]]:
-    """Adds the body of a leaf, its hinge through the body's origin.
+    """Adds the body of a leaf, on a hinge through the body's origin or on a rail.
 
     Args:
         world: The `worldbody` element.
@@ -59,12 +59,15 @@ def add_leaf(world: ET.Element, doors: Doors, row: int, name: str) -> tuple[ET.E
     """
     origin = np.array([*doors.pivot[row], doors.pos[row, 2]])
     element = ET.SubElement(world, "body", name=name, pos=numbers(origin))
-    limits = numbers(np.rad2deg([doors.low[row], doors.high[row]]))
-    arm = doors.pos[row] - origin
-    inertia = box_inertia(doors.mass, doors.size)[row]
-    damping = DOOR_DRAG * (inertia[2] + doors.mass[row] * (arm @ arm))  # Steiner's theorem
-    hinge = {"type": "hinge", "axis": "0 0 1", "range": limits, "limited": "true", "damping": f"{damping:.9g}"}
-    ET.SubElement(element, "joint", hinge, name=name, armature="0")
+    limits, arm = np.array([doors.low[row], doors.high[row]]), doors.pos[row] - origin
+    inertia, moved = box_inertia(doors.mass, doors.size)[row], doors.mass[row]
+    if doors.slides[row]:
+        joint = {"type": "slide", "axis": numbers(np.array([*doors.slide[row], 0.0])), "range": numbers(limits)}
+    else:
+        joint = {"type": "hinge", "axis": "0 0 1", "range": numbers(np.rad2deg(limits))}
+        moved = inertia[2] + doors.mass[row] * (arm @ arm)  # Steiner's theorem
+    damping = f"{DOOR_DRAG * moved:.9g}"
+    ET.SubElement(element, "joint", joint, name=name, limited="true", damping=damping, armature="0")
     place = {"pos": numbers(arm), "quat": numbers(doors.quat[row])}
     ET.SubElement(element, "inertial", place, mass=f"{doors.mass[row]:.9g}", diaginertia=numbers(inertia))
     add_box(element, name, doors.size[row], **ONLY_MOVING, **place)

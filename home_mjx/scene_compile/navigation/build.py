@@ -14,7 +14,7 @@ from home_mjx.scene_compile.navigation.portals import find_portals, room_hops
 from home_mjx.scene_compile.navigation.regions import label_regions
 from home_mjx.scene_compile.navigation.stairs import stair_links
 from home_mjx.scene_compile.objects.doorways import Doorway
-from home_mjx.scene_compile.objects.stairs import Flight
+from home_mjx.scene_compile.objects.stairs import Stairs
 from home_mjx.schema.compiled import FIELD_FAR, FIELD_UNIT, Fringe, Navigation, Rooms
 
 DEFAULT_OPTIONS = NavigationOptions()
@@ -27,7 +27,7 @@ def build_navigation(
     spaces: Sequence[FreeSpace],
     options: NavigationOptions = DEFAULT_OPTIONS,
     doorways: Sequence[Sequence[Doorway]] = (),
-    flights: Sequence[Flight] = (),
+    stairs: Sequence[Stairs] = (),
     leaves: Sequence[BoxSet] = (),
 ) -> Navigation:
     """Regions, portals, starts, goals and distance fields on the free space of a house.
@@ -38,21 +38,19 @@ def build_navigation(
         spaces: Where an agent can stand on each level that has rooms, the lowest first; there it can stand somewhere.
         options: Counts.
         doorways: Of each level; none by default.
-        flights: Stairs between the levels, on which agents walk.
+        stairs: Between the levels, on which agents walk.
         leaves: Boxes of each level where leaves may stand: no start and no goal is in them, but ways lead through.
     """
     ground = spaces[0]
     standable, room = np.stack([s.standable for s in spaces]), np.stack([s.room for s in spaces])
     centres = ground.x, ground.y
     height, on_ramp = np.stack([s.height for s in spaces]), np.stack([s.on_ramp for s in spaces])
-    ways = stair_links(flights, standable, centres)
+    ways = stair_links(stairs, standable, centres)
     links = [link for way in ways for link in way]
     region, area = label_regions(standable, links, options.cell)
     home = region == 0
     reach = options.agent_radius + options.margin
-    climbed = [
-        (f, max(f.width - 2 * reach, options.cell) if way else 0.0) for f, way in zip(flights, ways, strict=True)
-    ]
+    climbed = [(s, max(s.width - 2 * reach, options.cell) if way else 0.0) for s, way in zip(stairs, ways, strict=True)]
     portals = find_portals(rooms, room, standable, centres, doorways or [[] for _ in spaces], climbed)
     rng = np.random.default_rng(int.from_bytes(hashlib.sha256(house_id.encode()).digest()[:8], "little"))
     drawn = _beside_leaves(home & ~on_ramp, spaces, rooms, leaves, options)

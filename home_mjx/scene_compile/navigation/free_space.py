@@ -11,7 +11,7 @@ from scipy import ndimage
 from home_mjx.core.checks import check_flag, check_number
 from home_mjx.scene_compile.geometry.boxes import BoxSet, footprint_distance
 from home_mjx.scene_compile.geometry.polygons import inside_polygon, smallest_room
-from home_mjx.scene_compile.objects.stairs import Flight
+from home_mjx.scene_compile.objects.stairs import Stairs
 from home_mjx.schema.compiled import Rooms
 
 
@@ -80,8 +80,8 @@ def free_space(
     passages: Sequence[Float[np.ndarray, "4 2"]] = (),
     options: NavigationOptions = NavigationOptions(),
     level: int | None = None,
-    upstairs: Sequence[Flight] = (),
-    downstairs: Sequence[Flight] = (),
+    upstairs: Sequence[Stairs] = (),
+    downstairs: Sequence[Stairs] = (),
     fixed: BoxSet | None = None,
 ) -> FreeSpace:
     """Rooms of a level, and where in them an agent can stand.
@@ -92,22 +92,22 @@ def free_space(
         passages: Footprints of doorways, interior as well where rooms leave a gap between them [m].
         options: Sizes.
         level: Level index; None for the lowest that has rooms.
-        upstairs: Flights that begin here.
-        downstairs: Flights that end here.
+        upstairs: Stairs that begin here.
+        downstairs: Stairs that end here.
         fixed: Obstacles that cannot be moved; None: none can.
     """
     level = int(rooms.level.min()) if level is None else level
     here = np.flatnonzero(rooms.level == level)
     origin, x, y = _grid(rooms.polygon, options.cell)
-    treads = [flight.part(flight.run, flight.run + flight.landing) for flight in downstairs]
+    treads = [top for stairs in downstairs for top in stairs.top]
     room = _label_rooms(rooms, here, [*passages, *treads], x, y)
     height, on_ramp, closed = rooms.floor[room], np.zeros(room.shape, bool), np.zeros(room.shape, bool)
     points = np.stack(np.meshgrid(x, y), axis=-1)
-    for flight, end in [*((f, 0) for f in upstairs), *((f, 1) for f in downstairs)]:
-        over, beyond = flight.contains(points), flight.along(points) - flight.split
-        room, height = np.where(over, flight.room[end], room), np.where(over, flight.surface(points), height)
+    for stairs, end in [*((s, 0) for s in upstairs), *((s, 1) for s in downstairs)]:
+        over = stairs.contains(points)
+        room, height = np.where(over, stairs.room[end], room), np.where(over, stairs.surface(points), height)
         # Both levels have the cells around the split, where one goes on in the other.
-        here_too = (beyond > -1.5 * options.cell) if end else (beyond < 1.5 * options.cell)
+        here_too = stairs.reaches(points, end, 1.5 * options.cell)
         on_ramp, closed = on_ramp | over, closed | (over & ~here_too)
     reach = options.agent_radius + options.margin
     heights = options.step, options.agent_height

@@ -10,7 +10,7 @@ from scipy.spatial import KDTree
 
 from home_mjx.scene_compile.geometry.polygons import inside_polygon
 from home_mjx.scene_compile.objects.doorways import Doorway
-from home_mjx.scene_compile.objects.stairs import Flight
+from home_mjx.scene_compile.objects.stairs import Stairs
 from home_mjx.schema.compiled import PortalKind, Portals, Rooms
 
 NO_LEAF = (-1, -1)
@@ -25,7 +25,7 @@ def find_portals(
     standable: Bool[np.ndarray, "l ny nx"],
     centres: tuple[Float[np.ndarray, " nx"], Float[np.ndarray, " ny"]],
     doorways: Sequence[Sequence[Doorway]],
-    flights: Sequence[tuple[Flight, float]] = (),
+    stairs: Sequence[tuple[Stairs, float]] = (),
 ) -> Portals:
     """Portals of all levels.
 
@@ -35,14 +35,14 @@ def find_portals(
         standable: Where an agent's axis may be.
         centres: x and y of the cells [m].
         doorways: Of each level.
-        flights: Stairs, and the width of each that an agent's axis can cross, 0 if none [m].
+        stairs: Of the house, and the width of each that an agent's axis can cross, 0 if none [m].
     """
     rows: list[Row] = []
     for grid, doors in enumerate(doorways):
         found = _crossings(rooms, room[grid], standable[grid], centres)
         rows += [_named(row, doors) for row in found]
         rows += _closed(rooms, [door for door in doors if not any(_inside(door, row) for row in found)])
-    rows += [_stairs(*flight) for flight in flights]
+    rows += [_stairs(*one) for one in stairs]
     if not rows:
         pair = np.zeros((0, 2), np.int32)
         return Portals(pair, np.zeros((0, 3)), np.zeros(0), np.zeros(0, np.int32), pair)
@@ -105,9 +105,9 @@ def _closed(rooms: Rooms, doors: Sequence[Doorway]) -> list[Row]:
     return rows
 
 
-def _stairs(flight: Flight, width: float) -> Row:
-    x, y = flight.foot.tolist()
-    return flight.room, (x, y, flight.low), width, PortalKind.STAIRS, NO_LEAF
+def _stairs(stairs: Stairs, width: float) -> Row:
+    x, y = stairs.slopes[0].foot.tolist()
+    return stairs.room, (x, y, stairs.low), width, PortalKind.STAIRS, NO_LEAF
 
 
 def room_hops(portals: Portals, num_rooms: int) -> Int[np.ndarray, "r r"]:

@@ -6,27 +6,27 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from home_mjx.scene_compile.navigation.geodesic import Link
-from home_mjx.scene_compile.objects.stairs import Flight
+from home_mjx.scene_compile.objects.stairs import Stairs
 
 NOTHING = 1e-4  # [m], length of a link from a cell to itself, as far as a graph can have it
 
 
 def stair_links(
-    flights: Sequence[Flight],
+    stairs: Sequence[Stairs],
     standable: Bool[np.ndarray, "l ny nx"],
     centres: tuple[Float[np.ndarray, " nx"], Float[np.ndarray, " ny"]],
 ) -> list[list[Link]]:
-    """Of each flight the cells that are free in the grids of both its levels.
+    """Of each of the stairs the cells that are free in the grids of both its levels.
 
     Args:
-        flights: Stairs of the house.
+        stairs: Of the house.
         standable: Where an agent's axis may be.
         centres: x and y of the cells [m].
     """
     points = np.stack(np.meshgrid(*centres), axis=-1)
     found = []
-    for flight in flights:
-        both = flight.contains(points) & standable[flight.lower] & standable[flight.upper]
+    for one in stairs:
+        both = one.contains(points) & standable[one.lower] & standable[one.upper]
         cells = np.argwhere(both).tolist()
-        found.append([Link((flight.lower, y, x), (flight.upper, y, x), NOTHING) for y, x in cells])
+        found.append([Link((one.lower, y, x), (one.upper, y, x), NOTHING) for y, x in cells])
     return found

@@ -1,6 +1,6 @@
-"""Doors taken apart: a frame that stays, and leaves that turn on their hinges."""
+"""Doors taken apart: a frame that stays, and leaves that turn on their hinges or slide."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
 
@@ -20,12 +20,13 @@ LEAN = 1e-3  # most that a hinge may lean, and that the plan may be stretched
 
 @dataclass(frozen=True)
 class HingedPart:
-    """A leaf of a door in its model's frame: its hinge, and how far it turns."""
+    """A leaf of a door in its model's frame: its hinge or its direction, and how far it turns or slides."""
 
     model: Model
     pivot: Float[np.ndarray, "2"]  # [m]
-    closed: float  # [rad], from where it is shown
-    wide: float  # [rad]
+    closed: float  # [rad] or [m], from where it is shown
+    wide: float
+    slide: Float[np.ndarray, "2"]  # unit direction; 0: it turns
 
 
 @dataclass(frozen=True)
@@ -50,8 +51,9 @@ def take_apart(door: DoorModel) -> tuple[Model, tuple[HingedPart, ...]]:
     for hinge in hinges:
         closed = 0.0 if door.is_closed else hinge.turn
         opens = np.sign(hinge.turn) * (1 if door.is_closed else -1)
-        wide = closed + opens * max(abs(hinge.turn), WIDE)
-        leaves.append(HingedPart(_cut_out(door.shown, hinge.leaf, "leaf"), hinge.pivot, closed, float(wide)))
+        wide = closed + opens * (abs(hinge.turn) if hinge.slide.any() else max(abs(hinge.turn), WIDE))
+        model = _cut_out(door.shown, hinge.leaf, "leaf")
+        leaves.append(HingedPart(model, hinge.pivot, closed, float(wide), hinge.slide))
     return _cut_out(door.shown, frame, "frame"), tuple(leaves)
 
 
@@ -73,31 +75,45 @@ class Leaf:
 
     instance: int
     pivot: Float[np.ndarray, "2"]  # [m]
-    closed: float  # [rad] about +z, from where it stands
+    closed: float  # [rad] about +z or [m], from where it stands
     wide: float
     box: BoxSet  # as it stands
+    slide: Float[np.ndarray, "2"] = field(default_factory=lambda: np.zeros(2))  # unit direction; 0: it turns
 
-    def box_at(self, angle: float) -> BoxSet:
-        """Its box, turned from where it stands."""
-        return turned(self.box, angle, self.pivot)
+    @property
+    def slides(self) -> bool:
+        """Whether it slides; or else it turns."""
+        return bool(self.slide.any())
 
-    def pose_at(self, angle: float, pose: Float[np.ndarray, "3 4"]) -> Float[np.ndarray, "3 4"]:
-        """A pose of its instance, turned from where it stands."""
-        turn, line = yaw_matrix(angle), np.array([*self.pivot, 0.0])
+    def box_at(self, way: float) -> BoxSet:
+        """Its box, moved from where it stands by an angle [rad] or, if it slides, a distance [m]."""
+        if not self.slides:
+            return turned(self.box, way, self.pivot)
+        return replace(self.box, center=self.box.center + way * np.array([*self.slide, 0.0]))
+
+    def pose_at(self, way: float, pose: Float[np.ndarray, "3 4"]) -> Float[np.ndarray, "3 4"]:
+        """A pose of its instance, moved likewise."""
+        if self.slides:
+            return pose + np.c_[np.zeros((3, 3)), way * np.array([*self.slide, 0.0])]
+        turn, line = yaw_matrix(way), np.array([*self.pivot, 0.0])
         return compose(np.c_[turn, line - turn @ line], pose)
 
 
 def place_leaf(leaf: HingedPart, pose: Float[np.ndarray, "3 4"], instance: int) -> Leaf:
-    """A leaf of an object at a pose; in a mirrored one it turns the other way round.
+    """A leaf of an object at a pose; in a mirrored one it turns the other way round, in a larger one it slides farther.
 
     Args:
         leaf: In its model's frame.
         pose: World from model [m].
         instance: Its instance in the house.
     """
+    box, slide = _leaf_box(leaf.model, pose), pose[:2, :2] @ leaf.slide
+    if leaf.slide.any():
+        scale = float(np.linalg.norm(slide))
+        return Leaf(instance, box.center[0, :2], scale * leaf.closed, scale * leaf.wide, box, slide / scale)
     turn = float(np.sign(np.linalg.det(pose[:2, :2])))
     pivot = transform(pose, np.array([*leaf.pivot, 0.0]))[:2]
-    return Leaf(instance, pivot, turn * leaf.closed, turn * leaf.wide, _leaf_box(leaf.model, pose))
+    return Leaf(instance, pivot, turn * leaf.closed, turn * leaf.wide, box)
 
 
 def _leaf_box(leaf: Model, pose: Float[np.ndarray, "3 4"]) -> BoxSet:

@@ -1,11 +1,11 @@
-"""Hinges of doors, found by comparing a model's open and closed variant.
+"""Hinges and rails of doors, found by comparing a model's open and closed variant.
 
 SUNCG says of a door only that it stands open (the base model) or closed (its `_0` variant). What is the same in both is
-the frame; what has turned about a vertical line is a leaf.
+the frame; what has turned about a vertical line, or has been shifted along itself, is a leaf.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -19,6 +19,8 @@ JOINED = 0.03  # [m]: parts of a leaf, such as its handles, are nearer to one an
 SPACING = 0.05  # [m], of the points that stand for a surface
 FINEST = SPACING / 4  # [m], of those that it is compared with
 LEAST_TURN = np.deg2rad(5.0)
+LEAST_SLIDE = 0.1  # [m]
+ASKEW = 0.1  # greatest sine of the angle between a sliding leaf and its way
 TIE = 0.02  # most by which the shares of fits that are equally good differ
 MAX_POINTS = 3_000_000  # that stand for a variant; doors of real houses take some ten thousand
 MAX_PARTS = 300  # that move; each is compared with all others
@@ -27,21 +29,23 @@ LEAST_SHARE = 0.9  # of a leaf's points that must lie on the other variant's sur
 
 @dataclass(frozen=True)
 class Hinge:
-    """A leaf of a door and the vertical line that it turns about.
+    """A leaf of a door and the vertical line that it turns about, or the rail that it slides along.
 
     Attributes:
         leaf: Triangles of the model that belong to it.
-        pivot: Where the line meets the plan, in the model's frame [m].
-        turn: How far the leaf must turn about +z to stand as in the other variant [rad].
+        pivot: Where the line meets the plan, in the model's frame [m]; of what slides, any point of the leaf.
+        turn: How far the leaf must turn about +z, or slide, to stand as in the other variant [rad] or [m].
+        slide: Unit direction in the plan to there; 0: it turns.
     """
 
     leaf: Bool[np.ndarray, " t"]
     pivot: Float[np.ndarray, "2"]
     turn: float
+    slide: Float[np.ndarray, "2"] = field(default_factory=lambda: np.zeros(2))
 
 
 def find_hinges(shown: Float[np.ndarray, "t 3 3"], other: Float[np.ndarray, "s 3 3"]) -> tuple[Hinge, ...]:
-    """The hinges of a door as it is shown; none where nothing turns, as in sliding doors, or of no real door's size.
+    """The hinges of a door as it is shown; none where nothing turns or slides, or of no real door's size.
 
     Args:
         shown: Triangles of the variant that is shown, Z up [m].
@@ -59,7 +63,7 @@ def find_hinges(shown: Float[np.ndarray, "t 3 3"], other: Float[np.ndarray, "s 3
         return ()
     hinges = []
     for leaf in _leaves(shown, part, moved):
-        found = _turn_onto(shown[leaf], target)
+        found = _move_onto(shown[leaf], target)
         if found is not None:
             hinges.append(Hinge(leaf, *found))
     return tuple(hinges)
@@ -99,19 +103,36 @@ def _leaves(
         yield np.isin(part, names[group == g])
 
 
-def _turn_onto(
+def _move_onto(
     leaf: Float[np.ndarray, "t 3 3"], target: Float[np.ndarray, "s 3 3"]
-) -> tuple[Float[np.ndarray, "2"], float] | None:
-    """Pivot and turn that put a leaf onto a surface; None if it does not fit there."""
+) -> tuple[Float[np.ndarray, "2"], float, Float[np.ndarray, "2"]] | None:
+    """Pivot, turn and slide, as of `Hinge`, that put a leaf onto a surface; None if it does not fit there."""
     points, tree = _sample(leaf, SPACING), KDTree(_sample(target, FINEST))
-    fits = [_refine(points, tree, *guess) for guess in _guesses(leaf, target)]
+    guesses = list(_guesses(leaf, target))
+    fits = [_refine(points, tree, *guess) for guess in guesses]
     best = max((share for share, _, _ in fits), default=0.0)
-    good = [(a, s) for share, a, s in fits if share >= max(best - TIE, LEAST_SHARE)]
-    if any(abs(angle) < LEAST_TURN for angle, _ in good):
-        return None  # it slides; a plain leaf fits end to end as well
+    good = [
+        (g, (a, s)) for g, (share, a, s) in zip(guesses, fits, strict=True) if share >= max(best - TIE, LEAST_SHARE)
+    ]
+    straight = [guess[1] for guess, fit in good if max(abs(guess[0]), abs(fit[0])) < LEAST_TURN]
+    if straight:  # it slides, as far as its box; a plain leaf fits end to end as well
+        return _slide(points, min(straight, key=lambda shift: float(np.linalg.norm(shift))))
     # The point that stays: (1 - R) p = shift. A plain leaf fits several ways, but hangs on its own edge.
-    found = [(np.linalg.solve(np.eye(2) - plane_matrix(angle), shift), angle) for angle, shift in good]
-    return min(found, key=lambda f: np.linalg.norm(points[:, :2] - f[0], axis=1).min(), default=None)
+    found = [(np.linalg.solve(np.eye(2) - plane_matrix(angle), shift), angle) for _, (angle, shift) in good]
+    nearest = min(found, key=lambda f: np.linalg.norm(points[:, :2] - f[0], axis=1).min(), default=None)
+    return None if nearest is None else (*nearest, np.zeros(2))
+
+
+def _slide(
+    points: Float[np.ndarray, "p 3"], shift: Float[np.ndarray, "2"]
+) -> tuple[Float[np.ndarray, "2"], float, Float[np.ndarray, "2"]] | None:
+    """Of a leaf that has been shifted along itself; None for anything else, such as a board taken out of its frame."""
+    way = float(np.linalg.norm(shift))
+    box = narrowest_box(points)
+    across = plane_matrix(-float(box.yaw[0]))[int(box.half[0, 0] >= box.half[0, 1])] @ shift
+    if way < LEAST_SLIDE or abs(across) > ASKEW * way:
+        return None
+    return points[:, :2].mean(axis=0), way, shift / way
 
 
 def _guesses(

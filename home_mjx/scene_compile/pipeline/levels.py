@@ -29,7 +29,7 @@ from home_mjx.scene_compile.navigation.nowhere import nowhere_to_stand
 from home_mjx.scene_compile.objects.doorways import Doorway, find_doorways
 from home_mjx.scene_compile.objects.leaves import ajar_leaves, make_doors
 from home_mjx.scene_compile.objects.place import PlacedObject
-from home_mjx.scene_compile.objects.stairs import CATEGORY, Flight, find_flights
+from home_mjx.scene_compile.objects.stairs import CATEGORY, Stairs, find_stairs
 from home_mjx.scene_compile.pipeline.limits import check_levels
 from home_mjx.schema.compiled import Bodies, Colliders, Doors, Ramps, Rooms
 
@@ -44,8 +44,8 @@ class Site:
         plan: Its floors.
         objects: Those that may reach into it, but no stairs that agents climb.
         doorways: Of its doors.
-        upstairs: Flights that begin here.
-        downstairs: Flights that end here.
+        upstairs: Stairs that begin here.
+        downstairs: Stairs that end here.
     """
 
     grid: int
@@ -53,8 +53,8 @@ class Site:
     plan: FloorPlan
     objects: Sequence[PlacedObject]
     doorways: Sequence[Doorway]
-    upstairs: Sequence[Flight]
-    downstairs: Sequence[Flight]
+    upstairs: Sequence[Stairs]
+    downstairs: Sequence[Stairs]
 
     def floors(self, step: float) -> BoxSet:
         """Boxes of its floors; those that are no more than a step above the ground floor's plane are that plane [m]."""
@@ -73,9 +73,9 @@ class Levels:
         spaces: Free space of each level that has rooms, the lowest first.
         doorways: Of each of these levels.
         leaves: Boxes of the leaves of each of these levels that turn, as placed, closed and wide open.
-        flights: Stairs between them that agents climb.
+        stairs: Between them, that agents climb.
         colliders: Static boxes of all levels; the last are barriers, a fence of four boxes, and the ramps.
-        ramps: The slopes of the flights.
+        ramps: The slopes of the stairs.
         bodies: Objects that can be moved.
         doors: Leaves that turn, of all levels.
         stuck: Ids of objects that could be moved if they stood free.
@@ -85,7 +85,7 @@ class Levels:
     spaces: Sequence[FreeSpace]
     doorways: Sequence[Sequence[Doorway]]
     leaves: Sequence[BoxSet]
-    flights: Sequence[Flight]
+    stairs: Sequence[Stairs]
     colliders: Colliders
     ramps: Ramps
     bodies: Bodies
@@ -118,25 +118,26 @@ def build_levels(
     check_levels(frame, shell, navigation.cell)
     rooms, walls = frame.rooms, wall_colliders(shell, colliders)
     sites = find_sites(rooms, objects, navigation.climb)
-    flights = [flight for site in sites for flight in site.upstairs]
-    floors = join([*(site.floors(colliders.step) for site in sites), sills(flights)])
-    sides = guards(flights)
+    stairs = [one for site in sites for one in site.upstairs]
+    floors = join([*(site.floors(colliders.step) for site in sites), sills(stairs)])
+    sides = guards(stairs)
     boxes = [level_boxes(walls, site.objects, site.plan.lowest, colliders) for site in sites]
     fixed = join([*(b.fixed for b in boxes), floors, sides])
     moving, stuck = choose_movables(objects, by_object([b.objects for b in boxes]), fixed, rooms, movables)
     found = [_obstacles(site, b, moving, rooms, colliders, navigation) for site, b in zip(sites, boxes, strict=True)]
     static = join(level.static for level in found)
-    rails = edge_barriers([s.plan for s in sites], floors, flights, join([static, sides]), sites[0].plan.lowest)
+    rails = edge_barriers([s.plan for s in sites], floors, stairs, join([static, sides]), sites[0].plan.lowest)
     unseen = join([sides, rails, fence(rooms)])
     fixtures = static_colliders(found, floors, unseen)
-    ramps = make_ramps(flights, len(fixtures.pos))
+    ramps = make_ramps(stairs, len(fixtures.pos))
     leaves = [leaf for o in objects for leaf in o.leaves]
-    doors, blocked = make_doors(leaves, static), join([sides, rails, ajar_leaves(leaves, static)])
+    around = join(level.things for level in found), join(level.boxes.walls for level in found)
+    doors, blocked = make_doors(leaves, *around), join([sides, rails, ajar_leaves(leaves, *around)])
     return Levels(
         spaces=_spaces(sites, found, blocked, rooms, colliders, navigation),
         doorways=[site.doorways for site in sites],
         leaves=[_leaf_boxes(objects, doors, site.number) for site in sites],
-        flights=flights,
+        stairs=stairs,
         colliders=with_ramps(fixtures, ramps),
         ramps=ramps,
         bodies=make_bodies(moving),
@@ -148,7 +149,7 @@ def build_levels(
             "barriers": sum(len(level.barriers) for level in found) + len(rails),
             "floor_boxes": len(floors),
             "stairs": sum(o.info.coarse == CATEGORY for o in objects),
-            "ramps": len(flights),
+            "ramps": len(ramps.slope),
         },
     )
 
@@ -163,8 +164,8 @@ def find_sites(rooms: Rooms, objects: Sequence[PlacedObject], climb: bool) -> li
     """
     numbers = np.unique(rooms.level).tolist()
     lowest = np.array([rooms.floor[rooms.level == number].min() for number in numbers])
-    flights = find_flights(objects, rooms, numbers, lowest) if climb else []
-    climbed = {flight.object_id for flight in flights}
+    stairs = find_stairs(objects, rooms, numbers, lowest) if climb else []
+    climbed = {one.object_id for one in stairs}
     doorways, sites = find_doorways(objects, rooms), []
     for grid, number in enumerate(numbers):
         here = [doorway for doorway in doorways if doorway.level == number]
@@ -172,11 +173,11 @@ def find_sites(rooms: Rooms, objects: Sequence[PlacedObject], climb: bool) -> li
             Site(
                 grid=grid,
                 number=number,
-                plan=plan_floors(rooms, number, [d.footprint for d in here if not d.leads_outdoors], flights, grid),
+                plan=plan_floors(rooms, number, [d.footprint for d in here if not d.leads_outdoors], stairs, grid),
                 objects=[o for o in objects if o.object_id not in climbed and (grid == 0 or o.level == number)],
                 doorways=here,
-                upstairs=[flight for flight in flights if flight.lower == grid],
-                downstairs=[flight for flight in flights if flight.upper == grid],
+                upstairs=[one for one in stairs if one.lower == grid],
+                downstairs=[one for one in stairs if one.upper == grid],
             )
         )
     return sites
@@ -198,7 +199,7 @@ def _obstacles(
 
     obstacles = find_obstacles(boxes, moving, free_area)
     indoors = [doorway.footprint for doorway in site.doorways if not doorway.leads_outdoors]
-    indoors += [flight.outline for flight in (*site.upstairs, *site.downstairs)]
+    indoors += [outline for one in (*site.upstairs, *site.downstairs) for outline in one.outlines]
     barriers = find_barriers(rooms, site.number, obstacles.static, indoors, colliders.wall_length)
     return replace(obstacles, barriers=barriers)
 

@@ -185,8 +185,8 @@ def test_agents_that_do_not_climb_stay_below():
     assert Solids(house).below(np.array([[-2.5, 1.8, FLOOR + UP + 0.1]])) == pytest.approx(FLOOR + UP, abs=1e-3)
 
 
-def test_stairs_that_turn_have_no_ramp():
-    """Two flights at right angles with a landing between: one slope does not stand for them."""
+def test_stairs_that_turn_without_a_landing_have_no_ramp():
+    """Two flights at right angles, the second beside the last tread of the first."""
     rise = UP / 14
     first = [cuboid((0.25 * i, -0.45, 0), (0.25 * (i + 1), 0.45, rise * (i + 1))) for i in range(7)]
     second = [cuboid((1.75, -0.45 + 0.25 * i, 0), (2.65, -0.45 + 0.25 * (i + 1), rise * (i + 8))) for i in range(7)]

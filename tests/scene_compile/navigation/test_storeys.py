@@ -17,7 +17,7 @@ from home_mjx.scene_compile.navigation.portals import room_hops
 from home_mjx.scene_compile.navigation.regions import label_regions
 from home_mjx.scene_compile.objects.doorways import Doorway
 from home_mjx.scene_compile.objects.place import PlacedObject
-from home_mjx.scene_compile.objects.stairs import find_flights
+from home_mjx.scene_compile.objects.stairs import find_stairs
 from home_mjx.scene_compile.pipeline.compile import CompileOptions, compile_house
 from home_mjx.schema.categories import COARSE
 from home_mjx.schema.compiled import BELOW_FLOOR, FIELD_UNIT, Navigation, PortalKind, Rooms
@@ -58,11 +58,11 @@ ROOMS = rooms_of(outline(0, 0, 6, 4), outline(0, 0, 6, 4), level=(0, 1))
 def two_storeys(climb: bool = True, stairs: PlacedObject | None = None) -> Navigation:
     """A 6 x 4 m room on each level, joined by stairs along the middle."""
     stairs = stairs or stairs_at(1.0, 2.0)
-    flights = find_flights([stairs], ROOMS, [0, 1], np.array([0, UP])) if climb else []
-    sides = guards(flights) if flights else stairs.box
-    below = free_space(ROOMS, sides, upstairs=flights)
-    above = free_space(ROOMS, sides, level=1, downstairs=flights)
-    return build_navigation("x", ROOMS, [below, above], flights=flights)
+    climbed = find_stairs([stairs], ROOMS, [0, 1], np.array([0, UP])) if climb else []
+    sides = guards(climbed) if climbed else stairs.box
+    below = free_space(ROOMS, sides, upstairs=climbed)
+    above = free_space(ROOMS, sides, level=1, downstairs=climbed)
+    return build_navigation("x", ROOMS, [below, above], stairs=climbed)
 
 
 def test_the_category_exists():
@@ -70,18 +70,19 @@ def test_the_category_exists():
 
 
 def test_a_flight_is_the_slope_through_the_middles_of_the_treads():
-    (flight,) = find_flights([stairs_at(1.0, 2.0)], ROOMS, [0, 1], np.array([0, UP]))
+    (found,) = find_stairs([stairs_at(1.0, 2.0)], ROOMS, [0, 1], np.array([0, UP]))
+    (flight,), (top,) = found.slopes, found.top
     np.testing.assert_allclose(flight.foot, [1.0 - RUN / 2, 2.0], atol=0.01)
-    np.testing.assert_allclose([flight.run, flight.landing], [STEPS * RUN, RUN / 2], atol=0.01)
+    np.testing.assert_allclose([flight.run, np.ptp(top[:, 0])], [STEPS * RUN, RUN / 2], atol=0.01)
     np.testing.assert_allclose([flight.low, flight.high, flight.width, flight.yaw], [0, UP, WIDTH, 0], atol=0.01)
-    assert flight.room == (0, 1)
+    assert found.room == (0, 1)
     middles = np.array([[1.0 + RUN * (i + 0.5), 2.0] for i in range(STEPS - 1)])
     np.testing.assert_allclose(flight.surface(middles), UP / STEPS * np.arange(1, STEPS), atol=0.01)
 
 
 @pytest.mark.parametrize(("level", "floor"), [(0, 4.0), (1, UP), (0, 1.5)])
 def test_stairs_that_end_at_no_floor_lead_nowhere(level, floor):
-    assert find_flights([stairs_at(1.0, 2.0, level)], ROOMS, [0, 1], np.array([0, floor])) == []
+    assert find_stairs([stairs_at(1.0, 2.0, level)], ROOMS, [0, 1], np.array([0, floor])) == []
 
 
 def test_agents_that_climb_reach_both_storeys_over_the_stairs():

@@ -62,11 +62,42 @@ def test_both_leaves_of_a_double_door_are_found():
     assert not (hinges[0].leaf & hinges[1].leaf).any()
 
 
-def test_sliding_and_unchanged_doors_have_no_hinge():
+def slid(way: tuple[float, float]) -> np.ndarray:
+    """A leaf with a handle, shifted in the plan from where it is shut."""
+    leaf = np.concatenate([cuboid((-0.39, -0.02, 0.05), (0.39, 0.02, 2.0)), cuboid((0.3, 0.03, 1), (0.32, 0.05, 1.3))])
+    return np.concatenate([*FRAME, leaf + np.array([*way, 0.0])])
+
+
+@pytest.mark.parametrize("degrees", [0.0, 30.0])
+@pytest.mark.parametrize("way", [-0.78, 0.4])
+def test_a_leaf_that_was_shifted_along_itself_slides(way, degrees):
+    """Also in a door that stands askew in its model, in which nothing has turned."""
+    shown, other = (turned(door, np.deg2rad(degrees)) for door in (slid((way, 0.0)), slid((0.0, 0.0))))
+    (found,) = find_hinges(shown, other)
+    assert found.turn == pytest.approx(abs(way), abs=1e-3)
+    along = [np.cos(np.deg2rad(degrees)), np.sin(np.deg2rad(degrees))]
+    np.testing.assert_allclose(found.slide, -np.sign(way) * np.array(along), atol=1e-3)
+    assert found.leaf.tolist() == [False] * 36 + [True] * 24
+    (back,) = find_hinges(other, shown)
+    np.testing.assert_allclose(back.slide, -found.slide, atol=1e-3)
+
+
+def test_both_leaves_of_a_sliding_door_move_apart():
+    """In front of fixed panes, as in model 756 of SUNCG."""
+    frame = [*FRAME, *(cuboid((x, -0.05, 0), (x + 0.78, -0.02, 2)) for x in (-1.6, 0.82))]
+
+    def door(way):
+        leaves = [cuboid((s * (0.4 + way) - 0.39, 0.0, 0.05), (s * (0.4 + way) + 0.39, 0.03, 2)) for s in (-1, 1)]
+        return np.concatenate([*frame, *leaves])
+
+    found = find_hinges(door(0.75), door(0.0))
+    np.testing.assert_allclose(sorted(h.turn * h.slide[0] for h in found), [-0.75, 0.75], atol=1e-3)
+
+
+def test_doors_that_stay_or_are_taken_out_of_their_frames_have_no_hinge():
     assert find_hinges(single(0.0), single(0.0)) == ()
-    slid = np.concatenate([*FRAME, cuboid((-1.17, -0.02, 0.05), (-0.39, 0.02, 2.0))])
-    shut = np.concatenate([*FRAME, cuboid((-0.39, -0.02, 0.05), (0.39, 0.02, 2.0))])
-    assert find_hinges(slid, shut) == ()
+    assert find_hinges(slid((0.0, 0.5)), slid((0.0, 0.0))) == ()
+    assert find_hinges(slid((0.05, 0.0)), slid((0.0, 0.0))) == ()
 
 
 @pytest.mark.parametrize("size", [1e3, 1e7])

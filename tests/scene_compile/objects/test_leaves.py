@@ -101,6 +101,34 @@ def test_a_leaf_that_hardly_opens_is_in_the_way_as_far_open_as_it_can_be():
     np.testing.assert_allclose(boxes.center, shut.box_at(high).center)
 
 
+def sliding(placed: float = 0.7) -> Leaf:
+    """A leaf that is shut between x = 0 and its length, and slides behind the wall to the right by up to 0.7 m."""
+    box = box_set((LENGTH / 2 + placed, 0, 1), (LENGTH / 2, THICK / 2, 1))
+    wide = -placed + 0.7
+    return Leaf(5, box.center[0, :2], -placed, wide, box, np.array([1.0, 0.0]))
+
+
+@pytest.mark.parametrize("placed", [0.0, 0.3, 0.7])
+@pytest.mark.parametrize("face", [0.0, 0.15])
+def test_a_leaf_slides_as_far_as_its_model_beside_and_into_the_wall(placed, face):
+    low, high = swing(sliding(placed), jambs(face))
+    assert (low, high) == pytest.approx((-placed, 0.7 - placed), abs=0.011)
+    doors = make_doors([sliding(placed)], jambs(face))
+    assert doors.slides.tolist() == [True]
+    np.testing.assert_allclose([doors.closed[0], doors.wide[0]], [low, high])
+    np.testing.assert_allclose(doors.pivot, doors.pos[:, :2])
+
+
+def test_a_leaf_that_slides_stops_a_centimetre_before_what_stands_in_its_way():
+    thing = box_set((LENGTH + 0.5, 0.0, 0.4), (0.2, 0.2, 0.4))
+    low, high = swing(sliding(0.0), thing)
+    assert low == 0.0
+    assert 0.3 - CLEARANCE - 0.011 <= high <= 0.3 - CLEARANCE + 1e-6
+    (box,) = ajar_leaves([sliding(0.0)], thing).center  # it hardly opens, so it is in the way
+    np.testing.assert_allclose(box, [LENGTH / 2 + high, 0, 1])
+    assert len(ajar_leaves([sliding(0.0)], no_boxes())) == 0
+
+
 def _distances(house: CompiledHouse, row: int, angle: float) -> np.ndarray:
     """MuJoCo's distance from a leaf at an angle to each static box; negative: depth."""
     doors, boxes = house.doors, house.colliders

@@ -7,8 +7,8 @@ from home_mjx.physics.base.touch import STATIC as STATIC
 from home_mjx.physics.native.shapes.box_box import MOST_POINTS as MOST_POINTS
 
 AGENT_DOFS, BODY_DOFS, DOOR_DOFS = 3, 6, 1  # that contacts act on; an agent's yaw is on its own
-LIMIT = NOTHING  # the second mobile of a hinge at its limit
+LIMIT = NOTHING  # the second mobile of a door at the end of its way
 SLEEPER = -1_000_000  # of a contact with mobile m that sleeps: SLEEPER - m
 NEAR = 24  # static boxes that are kept near each mobile
 POINTS_PER_MOBILE = 24  # contact points that there is room for
-AGENT_COLUMNS, DOOR_COLUMNS, RAMP_COLUMNS, SURFACE_COLUMNS = 8, 13, 8, 5
+AGENT_COLUMNS, DOOR_COLUMNS, RAMP_COLUMNS, SURFACE_COLUMNS = 8, 16, 8, 5

@@ -38,7 +38,7 @@ class Work(NamedTuple):
     num_static: int  # c
     most_points: int  # n
     pos: Pointer  # (m, 3) centres
-    quat: Pointer  # (m, 4) wxyz; of agents and doors the angle about z comes first
+    quat: Pointer  # (m, 4) wxyz; of agents the yaw, of doors their coordinate comes first
     rot: Pointer  # (m, 3, 3) axes as columns
     vel: Pointer  # (m, 6) linear in the world, angular in the mobile's own frame; a door's rate comes first
     acc: Pointer  # (m, 6) the solution of the last physics step, then of this one

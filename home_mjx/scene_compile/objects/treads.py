@@ -1,0 +1,284 @@
+"""Treads of stairs: straight flights with landings between them, or one even curve.
+
+A tread is what faces up at one height. Flights are told apart by their landings, which are larger than treads. What is
+neither straight nor a curve, such as stairs with wedge-shaped treads in a corner, is not known.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from home_mjx.scene_compile.geometry.box_fit import sample_surface
+from home_mjx.scene_compile.geometry.rotations import plane_matrix
+from home_mjx.scene_compile.objects.slopes import Slope
+
+FLAT = 0.95  # least vertical part of the normal of a tread
+STRAIGHT = 0.95  # least correlation of the treads' heights with the way along them: less in stairs that turn
+ASIDE = 0.35  # of their width, by which the middles of the treads of a straight flight lie beside each other
+STEEPEST = 60.0  # [degrees]: steeper ones are ladders
+BEFORE, LANDING = 0.3, 0.4  # [m] that a slope may begin before its stairs, and end before their end
+LEAST_TOP = 0.01  # [m], of a top tread beyond a slope
+SPACING, CELL = 0.04, 0.05  # [m], of the points that stand for treads, and of the cells in which the highest counts
+SAME = 0.03  # [m]: heights that differ by less are one tread's
+SMALL, LARGE = 0.3, 1.8  # times the usual area: less is no tread, more a landing
+HIGHEST = 0.4  # [m], rise of a step
+ADJOIN = 0.25  # [m] between a landing and the treads next to it
+LEAST_TREADS = 4  # of a curve
+LEAST_TURN = 0.05  # [rad], from tread to tread of a curve
+ROUND = 0.15  # greatest part of its radius by which a curve's treads stray from a circle
+FULL = np.deg2rad(330)  # to which curves are climbed: beyond, one end would be above the other
+INNER = 0.4  # of the outer radius: nearer to the middle curves are too steep
+SECTOR = np.deg2rad(20.0)  # greatest that one slope stands for
+BUMP, AXIS = 0.03, 0.1  # [m], greatest step between two slopes of a curve, so far from its edges as an agent's axis is
+
+Polygon = Float[np.ndarray, "_ 2"]
+Slopes = tuple[list[Slope], list[Polygon], list[Polygon]]  # slopes, the top tread's rest, the well: see `stairs.Stairs`
+
+
+@dataclass(frozen=True)
+class Run:
+    """Treads that follow each other straight, in a frame turned by `yaw`: height = `offset` + `grade` * x."""
+
+    yaw: float
+    grade: float
+    offset: float
+    first: float  # [m], x of its begin
+    last: float
+    right: float  # [m], y of its sides
+    left: float
+
+    @classmethod
+    def of(cls, line: tuple[int, float, float], points: Float[np.ndarray, "n 2"]) -> "Run":
+        """From the line through its treads and all points of these."""
+        axis, rise, offset = line
+        yaw = axis * np.pi / 2 + (np.pi if rise < 0 else 0.0)
+        local = points @ plane_matrix(yaw)
+        (first, right), (last, left) = local.min(axis=0).tolist(), local.max(axis=0).tolist()
+        return cls(float(yaw), abs(rise), offset, first, last, right, left)
+
+    def place(self, along: float) -> Float[np.ndarray, "2"]:
+        """The middle at a distance along it [m]."""
+        return plane_matrix(self.yaw) @ [along, (self.left + self.right) / 2]
+
+    def start(self, low: float) -> float:
+        """Where its slope leaves the floor [m]."""
+        return float(np.clip((low - self.offset) / self.grade, self.first - BEFORE, self.first + BEFORE))
+
+    def end(self, high: float) -> float:
+        """Where its slope reaches the floor [m]."""
+        return float(np.clip((high - self.offset) / self.grade, self.last - LANDING, self.last))
+
+    def slope(self, start: float, end: float, low: float, high: float) -> Slope:
+        """Between two distances along it, from height to height [m]."""
+        return Slope(self.place(start), self.yaw, end - start, self.left - self.right, low, high)
+
+
+@dataclass(frozen=True)
+class Flights:
+    """Straight flights with a landing between each two; of a landing its height and its corners [m]."""
+
+    runs: Sequence[Run]
+    landings: Sequence[tuple[float, Float[np.ndarray, "4 2"]]]
+
+    def ends(self, beside: float) -> tuple[Float[np.ndarray, "2"], Float[np.ndarray, "2"]]:
+        """Points so far before the first tread and beyond the last [m]."""
+        return self.runs[0].place(self.runs[0].first - beside), self.runs[-1].place(self.runs[-1].last + beside)
+
+    def slopes(self, low: float, high: float) -> Slopes:
+        """Slopes from floor to floor [m]; between landings they go from edge to edge."""
+        heights, found = [low, *(height for height, _ in self.landings), high], []
+        for i, run in enumerate(self.runs):
+            start = run.start(low) if i == 0 else _extent(self.landings[i - 1][1], run.yaw)[1][0]
+            end = run.end(high) if i == len(self.landings) else _extent(self.landings[i][1], run.yaw)[0][0]
+            found.append(run.slope(start, end, heights[i], heights[i + 1]))
+            if i < len(self.landings):
+                (first, right), (last, left) = _extent(self.landings[i][1], run.yaw)
+                foot = plane_matrix(run.yaw) @ [first, (left + right) / 2]
+                found.append(Slope(foot, run.yaw, last - first, left - right, heights[i + 1], heights[i + 1]))
+        rest = self.runs[-1].last - end
+        top = [found[-1].part(found[-1].run, found[-1].run + rest)] if rest > LEAST_TOP else []
+        return found, top, [slope.outline for slope in found]
+
+    @property
+    def joined(self) -> bool:
+        """Whether flights begin and end at their landings."""
+        gaps = [run.last - _extent(box, run.yaw)[0][0] for run, (_, box) in zip(self.runs, self.landings, strict=False)]
+        gaps += [
+            run.first - _extent(b, run.yaw)[1][0] for run, (_, b) in zip(self.runs[1:], self.landings, strict=True)
+        ]
+        return all(abs(gap) < ADJOIN for gap in gaps)
+
+
+def _extent(corners: Float[np.ndarray, "4 2"], yaw: float) -> tuple[list[float], list[float]]:
+    """Least and greatest x and y in a frame that is turned by `yaw`."""
+    local = corners @ plane_matrix(yaw)
+    return local.min(axis=0).tolist(), local.max(axis=0).tolist()
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Treads around a vertical axis: height = `offset` + `rise` * angle, which is counted in the `sense` uphill."""
+
+    center: Float[np.ndarray, "2"]  # [m]
+    inner: float  # [m], radius
+    outer: float
+    sense: float  # 1: counter-clockwise
+    first: float  # [rad], where its treads begin
+    last: float
+    rise: float  # [m/rad]
+    offset: float  # [m]
+
+    @property
+    def radius(self) -> float:
+        """Of its middle [m]."""
+        return (self.inner + self.outer) / 2
+
+    def point(self, angle: float, radius: float) -> Float[np.ndarray, "2"]:
+        """Of the plan [m]."""
+        return self.center + radius * np.array([np.cos(self.sense * angle), np.sin(self.sense * angle)])
+
+    def yaw(self, angle: float) -> float:
+        """Direction uphill [rad]."""
+        return self.sense * (angle + np.pi / 2)
+
+    def ends(self, beside: float) -> tuple[Float[np.ndarray, "2"], Float[np.ndarray, "2"]]:
+        """Points so far before the first tread and beyond the last [m]."""
+        found = []
+        for angle, way in ((self.first, -beside), (self.last, beside)):
+            up = np.array([np.cos(self.yaw(angle)), np.sin(self.yaw(angle))])
+            found.append(self.point(angle, self.radius) + way * up)
+        return found[0], found[1]
+
+    def slopes(self, low: float, high: float) -> Slopes:
+        """Slopes from floor to floor [m], so many that an agent can step from one to the next."""
+        before, landing = BEFORE / self.radius, LANDING / self.radius
+        start = float(np.clip((low - self.offset) / self.rise, self.first - before, self.first + before))
+        end = float(np.clip((high - self.offset) / self.rise, self.last - landing, self.last))
+        width = self.outer - self.inner
+        bumps = (high - low) * max(width / 2 - AXIS, 0.0) / (self.radius * BUMP)
+        angles, step = np.linspace(start, end, int(np.ceil(max(bumps, (end - start) / SECTOR, 2))) + 1, retstep=True)
+        grade = (high - low) / (end - start) / self.radius
+        found = [self._slope(a + step / 2, step, low + (a - start) * self.radius * grade, grade) for a in angles[:-1]]
+        found[0], found[-1] = self._cut(found[0], step, True), self._cut(found[-1], step, False)
+        corners = [(end, self.inner), (end, self.outer), (self.last, self.outer), (self.last, self.inner)]
+        top = [np.array([self.point(*c) for c in corners])] if (self.last - end) * self.radius > LEAST_TOP else []
+        arc = [self.point(a, self.outer / np.cos(step / 2)) for a in angles]
+        return found, top, [np.array([self.center, *arc])]
+
+    def _slope(self, middle: float, step: float, low: float, grade: float) -> Slope:
+        """A sector, out to its corners; `low` is the height where it begins on the middle line."""
+        yaw, half = self.yaw(middle), self.outer * np.tan(step / 2)
+        height = low + self.radius * step / 2 * grade
+        foot = self.point(middle, self.radius) - half * np.array([np.cos(yaw), np.sin(yaw)])
+        return Slope(foot, yaw, 2 * half, self.outer - self.inner, height - half * grade, height + half * grade)
+
+    def _cut(self, slope: Slope, step: float, begins: bool) -> Slope:
+        """The first or last slope, which begins or ends with the middle line at the height of the floor."""
+        beyond = (self.outer - self.radius) * np.tan(step / 2) + self.radius * (np.tan(step / 2) - step / 2)
+        foot = slope.foot + beyond * slope.up if begins else slope.foot
+        low, high = (beyond, 0.0) if begins else (0.0, beyond)
+        grade = slope.grade
+        return Slope(
+            foot, slope.yaw, slope.run - beyond, slope.width, slope.low + low * grade, slope.high - high * grade
+        )
+
+
+def tread_triangles(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "n 3 3"]:
+    """Every triangle on which one can stand."""
+    normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    return triangles[normal[:, 2] > FLAT * np.maximum(np.linalg.norm(normal, axis=1), 1e-12)]
+
+
+def find_path(triangles: Float[np.ndarray, "t 3 3"], treads: Float[np.ndarray, "n 3 3"]) -> Flights | Curve | None:
+    """The way up stairs; None if it is not known, or too steep.
+
+    Args:
+        triangles: All of the stairs, straight flights along x or y [m].
+        treads: Those on which one can stand.
+    """
+    if not len(treads):
+        return None
+    normal = np.cross(treads[:, 1] - treads[:, 0], treads[:, 2] - treads[:, 0])
+    line, steps = _line(treads.mean(axis=1), np.linalg.norm(normal, axis=1)), _steps(treads)
+    area = _areas(steps)
+    steps = [step for step, size in zip(steps, area, strict=True) if size > SMALL * np.median(area)]
+    middle = np.array([step.mean(axis=0) for step in steps])
+    if line is not None and np.ptp(middle, axis=0)[1 - line[0]] < ASIDE * np.ptp(treads, axis=(0, 1))[1 - line[0]]:
+        return Flights([Run.of(line, triangles.reshape(-1, 3)[:, :2])], [])
+    if len(steps) < LEAST_TREADS or np.diff(middle[:, 2]).max() > HIGHEST:
+        return None
+    return _flights(steps, middle) or _curve(steps, middle)
+
+
+def _steps(treads: Float[np.ndarray, "n 3 3"]) -> list[Float[np.ndarray, "_ 3"]]:
+    """Points of each height, from below, of which nothing is above another one."""
+    points = sample_surface(treads, SPACING)
+    _, cell = np.unique(np.floor(points[:, :2] / CELL), axis=0, return_inverse=True)
+    highest = np.full(cell.max() + 1, -np.inf)
+    np.maximum.at(highest, cell.ravel(), points[:, 2])
+    points = points[points[:, 2] > highest[cell.ravel()] - SAME]
+    points = points[np.argsort(points[:, 2], kind="stable")]
+    return np.split(points, np.flatnonzero(np.diff(points[:, 2]) > SAME) + 1)
+
+
+def _areas(steps: Sequence[Float[np.ndarray, "_ 3"]]) -> Int[np.ndarray, " s"]:
+    """Cells of each tread."""
+    return np.array([len(np.unique(np.floor(step[:, :2] / CELL), axis=0)) for step in steps])
+
+
+def _flights(steps: Sequence[Float[np.ndarray, "_ 3"]], middle: Float[np.ndarray, "n 3"]) -> Flights | None:
+    """Straight flights with landings; None if there are no landings, or what is between them is not straight."""
+    area = _areas(steps)
+    large = np.flatnonzero(area > LARGE * np.median(area))
+    between = [k for k in large.tolist() if 0 < k < len(steps) - 1]
+    runs = []
+    for first, last in zip([0, *(k + 1 for k in between)], [*between, len(steps)], strict=True):
+        line = _line(middle[first:last], np.ones(last - first)) if last - first > 1 else None
+        if line is None:
+            return None
+        runs.append(Run.of(line, np.concatenate(steps[first:last])[:, :2]))
+    landings = []
+    for k in between:
+        (x0, y0), (x1, y1) = steps[k][:, :2].min(axis=0), steps[k][:, :2].max(axis=0)
+        landings.append((float(middle[k, 2]), np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])))
+    found = Flights(runs, landings)
+    return found if found.joined else None
+
+
+def _curve(steps: Sequence[Float[np.ndarray, "_ 3"]], middle: Float[np.ndarray, "n 3"]) -> Curve | None:
+    """A curve of less than a full turn; its circle is that of least squares (Kåsa, 1976)."""
+    x, y = middle[:, :2].T
+    (a, b, _), *_ = np.linalg.lstsq(np.c_[2 * x, 2 * y, np.ones(len(x))], x * x + y * y, rcond=None)
+    center = np.array([a, b])
+    away = np.linalg.norm(middle[:, :2] - center, axis=1)
+    turn = np.unwrap(np.arctan2(y - b, x - a))
+    sense = float(np.sign(turn[-1] - turn[0]))
+    angle = sense * turn
+    reach = np.linalg.norm(np.concatenate(steps)[:, :2] - center, axis=1)
+    outer = float(np.quantile(reach, 0.98))
+    inner = max(float(np.quantile(reach, 0.02)), INNER * outer)
+    first, last = 1.5 * angle[0] - 0.5 * angle[1], 1.5 * angle[-1] - 0.5 * angle[-2]
+    rise, offset = np.polyfit(angle, middle[:, 2], 1)
+    strays = abs(away - away.mean()).max() > ROUND * away.mean()
+    steep = 2 * rise / (inner + outer) > np.tan(np.deg2rad(STEEPEST))
+    if strays or steep or np.diff(angle).min() < LEAST_TURN or last - first > FULL:
+        return None
+    return Curve(center, inner, outer, sense, float(first), float(last), float(rise), float(offset))
+
+
+def _line(middle: Float[np.ndarray, "n 3"], weight: Float[np.ndarray, " n"]) -> tuple[int, float, float] | None:
+    """The line height = rise * (way) + offset through treads: axis of the way, rise, offset; None if they turn."""
+    away = middle - np.average(middle, axis=0, weights=weight)
+    spread = np.einsum("n,na,nb->ab", weight, away, away)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        correlation = spread[:2, 2] / np.sqrt(np.diag(spread)[:2] * spread[2, 2])
+    axis = int(np.nan_to_num(abs(correlation)).argmax())
+    if not abs(correlation[axis]) >= STRAIGHT:
+        return None
+    rise = float(spread[axis, 2] / spread[axis, axis])
+    if abs(rise) > np.tan(np.deg2rad(STEEPEST)):
+        return None
+    mean = np.average(middle, axis=0, weights=weight)
+    return axis, rise, float(mean[2] - rise * mean[axis])
