@@ -60,8 +60,8 @@ class ExportedTemplate(Template):
 
 def exported_in_c(config: PhysicsConfig, layout: Layout, house: CompiledHouse, collision: str = "box") -> HouseInC:
     """C MuJoCo's model of an exported house with agents."""
-    numbers = {"friction": config.friction, "restitution": config.restitution}
-    xml, files = to_mjcf(house, timestep=config.timing.sim_dt, collision=collision, **numbers)
+    friction, restitution, dt = config.friction, config.restitution, config.timing.sim_dt
+    xml, files = to_mjcf(house, timestep=dt, friction=friction, restitution=restitution, collision=collision)
     root = ET.fromstring(xml)
     ET.SubElement(root, "compiler", discardvisual="true")
     world = root.find("worldbody")
