@@ -62,7 +62,7 @@ class HouseInC:
         qacc: Float[np.ndarray, " v"],
         applied: Float[np.ndarray, " v"],
     ) -> Moved:
-        """One physics step; what the house does not have stays where it is.
+        """One physics step; what the house does not have stays where it is, and so does a state that is broken.
 
         Args:
             qpos: As in `PhysicsState`.
@@ -70,6 +70,11 @@ class HouseInC:
             qacc: As there; the solver begins here.
             applied: Forces on all joints [N], [N m].
         """
+        if not all(np.isfinite(x).all() for x in (qpos, qvel, applied)):  # MuJoCo would write a log file
+            mobiles = self._layout.num_mobiles
+            zeros, nothing = np.zeros(mobiles), np.full(mobiles, NOTHING)
+            none = Touched(np.zeros(self._layout.num_agents, int), zeros, zeros, np.zeros((mobiles, 3)), nothing)
+            return Moved(qpos, qvel, qacc, none, False)
         data = self._take()
         try:
             data.qpos[:], data.qvel[:] = qpos[self._qpos], qvel[self._dofs]
