@@ -50,7 +50,7 @@ def captioned(image: UInt8[np.ndarray, "h w 3"], text: str) -> UInt8[np.ndarray,
     return np.asarray(canvas)
 
 
-def sheet(rows: Sequence[Sequence[UInt8[np.ndarray, "h w 3"]]], gap: int = 6) -> UInt8[np.ndarray, "h2 w2 3"]:
+def sheet(rows: Sequence[Sequence[UInt8[np.ndarray, "_ _ 3"]]], gap: int = 6) -> UInt8[np.ndarray, "_ _ 3"]:
     """Panels in rows, on a dark ground."""
     heights = [max(panel.shape[0] for panel in row) for row in rows]
     widths = [sum(panel.shape[1] + gap for panel in row) for row in rows]
