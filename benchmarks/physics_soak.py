@@ -120,7 +120,7 @@ def choose(template: Template, bank: HouseBank, house, key, kind, at, state: Phy
     (pos,), (yaw,) = (x[a : a + 1] for x in physics.agent_pose(template, state))
     thing, to_thing = nearest(pos, physics.body_pose(template, state)[0])
     leaves = jax.tree.map(lambda x: x[house], Leaf.of(bank.physics))
-    door, to_door = nearest(pos, leaves.turned(physics.door_angle(template, state))[0])
+    door, to_door = nearest(pos, leaves.moved(physics.door_angle(template, state))[0])
     touching = physics.agent_contact(template, state)[a]
     turns = jnp.where(touching & swings, before[a].at[2].set(extreme[2]), jnp.array([1.0, 0.0, 0.0]))
     after_thing, after_door = chase(to_thing, yaw), jnp.where(swings, extreme, chase(to_door, yaw))
@@ -173,7 +173,7 @@ class Looker:
         self.agents = np.tile(np.array(shapes), (len(house), 1, 1))
         self.bodies = np.where(arrays.body_valid[..., None], arrays.body_size, -1.0)[house]
         self.leaves = jax.tree.map(lambda x: np.asarray(x)[house], Leaf.of(bank.physics))
-        self.turned = jax.jit(Leaf.turned)
+        self.turned = jax.jit(Leaf.moved)
         shape = (len(house), template.layout.num_mobiles)
         whole = [np.zeros((2, *shape), kind) for kind in (float, float, int, int, int)]
         self.seen = Seen(*whole, *(np.zeros(s, int) for s in (shape, shape, shape[:1], shape[:1])))
@@ -182,7 +182,8 @@ class Looker:
         """Another step's end."""
         seen, mobile = self.seen, self.mobiles(qpos)
         awake = self.awake(qvel) | (at == 0)
-        look(mobile, self.layout.num_agents, awake, self.static, self.house, self.floor, seen.now[0], seen.now[1])
+        counts = self.layout.num_agents, self.layout.num_doors
+        look(mobile, *counts, awake, self.static, self.house, self.floor, seen.now[0], seen.now[1])
         seen.deep[:] = np.where(seen.now > DEEP, seen.deep + 1, 0)
         np.maximum(seen.longest, seen.deep, out=seen.longest)
         seen.when[seen.now > seen.depth] = at

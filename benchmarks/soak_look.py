@@ -44,12 +44,13 @@ def _turned(quat, half):
 
 
 @numba.njit(parallel=True)
-def look(mobile, agents, awake, static, house, floor, in_static, in_mobile):
+def look(mobile, agents, doors, awake, static, house, floor, in_static, in_mobile):
     """Updates the depths [m] of each mobile in the house and in other mobiles.
 
     Args:
         mobile: `Boxes` of each environment's agents (of which half extents are radius and half height), then the rest.
         agents: How many of them are agents.
+        doors: How many, at their end, are doors; these do not meet each other.
         awake: (n, m), which are looked at.
         static: `Boxes` of each house.
         house: (n,), of each environment.
@@ -68,7 +69,7 @@ def look(mobile, agents, awake, static, house, floor, in_static, in_mobile):
             in_static[e, m] = max(depth, 0.0)
             depth = 0.0
             for k in range(mobiles):
-                if k != m:
+                if k != m and min(k, m) < mobiles - doors:
                     depth = max(depth, _depth(mobile, e, m, agents, mobile, e, k, agents))
             in_mobile[e, m] = depth
 

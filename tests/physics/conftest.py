@@ -1,8 +1,16 @@
 """Scenes that are stepped once for all tests."""
 
+import jax
 import jax.numpy as jnp
 import pytest
 import rollouts
+
+
+def pytest_runtest_setup(item):
+    """C MuJoCo is called on CPUs only, and refuses elsewhere: see tests/physics/mujoco_c."""
+    params = getattr(item, "callspec", None)
+    if params and "c" in params.params.values() and jax.default_backend() != "cpu":
+        pytest.skip("C MuJoCo runs on CPUs only: JAX_PLATFORMS=cpu")
 
 
 class World:

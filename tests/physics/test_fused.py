@@ -64,7 +64,7 @@ def test_nested_batches_and_banks_of_their_own(scene):
     actions = jax.random.uniform(jax.random.key(1), (rollouts.BATCH, 1, 3), minval=-1.0)
     step = stepper(template)
     want = step(bank, HOUSES, start, actions).qpos
-    pairs = jax.tree.map(lambda x: x.reshape(2, -1, *x.shape[1:]), (HOUSES, start, actions))
+    pairs = jax.tree.map(lambda x: x.reshape(3, -1, *x.shape[1:]), (HOUSES, start, actions))
     nested = jax.vmap(step, (None, 0, 0, 0))(bank, *pairs).qpos
     np.testing.assert_array_equal(nested.reshape(want.shape), want)
     banks = jax.tree.map(lambda x: jnp.stack([x, x]), bank)
