@@ -14,7 +14,6 @@ from home_mjx.scene_compile.objects.place import PlacedObject
 GAP = 0.03  # [m]: what ends lower above the underside of another object stands beside it, not on it
 LEVEL = 0.002  # [m]: upper sides that differ by less carry an object together
 REST = 0.3  # of the half extents of a box, around its middle: what carries it must lie below all of this
-SUNK = 1e-4  # [m]: so deep is what rests in what carries it, so that contacts act from the first physics step
 TOUCH = 2e-4  # [m]: boxes that overlap by less in height only touch
 
 
@@ -107,8 +106,7 @@ def _stand(
 
 
 def _put(box: BoxSet, base: float, stretch: bool) -> BoxSet:
-    """The box with its underside at rest at a height: moved there or, to keep its top where it is, stretched."""
-    base -= SUNK
+    """The box with its underside at a height: moved there or, to keep its top where it is, stretched."""
     top = float(box.top[0]) if stretch else base + 2 * float(box.half[0, 2])
     return box_set([*box.center[0, :2], (base + top) / 2], [*box.half[0, :2], (top - base) / 2], box.yaw)
 
