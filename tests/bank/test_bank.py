@@ -92,7 +92,7 @@ def test_top_tree_holds_exactly_the_static_instances(bank, houses):
 def house_navigation(bank: HouseBank, house: int) -> dict:
     """All that the bank says of one house's navigation, free of numbers that run through all houses."""
     n = bank.navigation
-    names = {f.name for f in dataclasses.fields(n)} - {"first_cell", "cell", "place", "field"}
+    names = {f.name for f in dataclasses.fields(n)} - {"first_cell", "cell", "place", "field", "room_surface"}
     cell, first, home = np.asarray(n.cell[house]), int(n.first_cell[house]), int(n.num_cells[house])
     count = int((cell >= 0).sum())
     assert sorted(cell[cell >= 0].tolist()) == list(range(first, first + count))
@@ -100,6 +100,8 @@ def house_navigation(bank: HouseBank, house: int) -> dict:
     own = {"cell": np.where(cell >= 0, cell - first, ~(~cell - first))}
     assert (own["cell"] >= ~(count - 1)).all()
     own |= {name: np.asarray(getattr(n, name))[first : first + count] for name in ("place", "field")}
+    surface = np.asarray(n.room_surface[house])
+    own["room_surface"] = np.where(surface[..., None] < 0, -1, np.asarray(bank.semantics)[surface])
     return own | {name: np.asarray(getattr(n, name))[house] for name in names}
 
 

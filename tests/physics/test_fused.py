@@ -13,7 +13,8 @@ from jax.sharding import PartitionSpec as P
 from home_mjx import physics
 from home_mjx.errors import ConfigError
 
-HOUSES = jnp.arange(rollouts.BATCH, dtype=jnp.int32)
+EVEN = rollouts.BATCH // 2 * 2  # environments: two devices share them
+HOUSES = jnp.arange(EVEN, dtype=jnp.int32)
 
 
 @pytest.fixture(scope="module", params=["fused", "c"])
@@ -33,7 +34,7 @@ def test_environments_split_over_devices_stay_there(scene):
     bank, template, start = scene
     mesh = jax.make_mesh((2,), ("envs",), axis_types=(AxisType.Auto,), devices=jax.devices()[:2])
     by_env, whole = NamedSharding(mesh, P("envs")), NamedSharding(mesh, P())
-    actions = jax.random.uniform(jax.random.key(0), (rollouts.BATCH, 1, 3), minval=-1.0)
+    actions = jax.random.uniform(jax.random.key(0), (EVEN, 1, 3), minval=-1.0)
     given = [jax.device_put(x, s) for x, s in zip((bank, HOUSES, start, actions), (whole, *[by_env] * 3), strict=True)]
     program = jax.jit(stepper(template)).lower(*given).compile()
     text = program.as_text()
@@ -49,7 +50,7 @@ def test_a_gradient_is_refused(scene):
     bank, template, start = scene
 
     def reward(scale, stop):
-        actions = jnp.ones((rollouts.BATCH, 1, 3)) * (jax.lax.stop_gradient(scale) if stop else scale)
+        actions = jnp.ones((EVEN, 1, 3)) * (jax.lax.stop_gradient(scale) if stop else scale)
         return scale * jnp.sum(stepper(template)(bank, HOUSES, start, actions).qpos)
 
     with pytest.raises(ConfigError, match=r"no gradient.*PhysicsConfig\(impl='jax'\)"):
@@ -61,10 +62,10 @@ def test_a_gradient_is_refused(scene):
 def test_nested_batches_and_banks_of_their_own(scene):
     """`vmap` of `vmap` is one batch; a batch of banks is stepped bank by bank."""
     bank, template, start = scene
-    actions = jax.random.uniform(jax.random.key(1), (rollouts.BATCH, 1, 3), minval=-1.0)
+    actions = jax.random.uniform(jax.random.key(1), (EVEN, 1, 3), minval=-1.0)
     step = stepper(template)
     want = step(bank, HOUSES, start, actions).qpos
-    pairs = jax.tree.map(lambda x: x.reshape(3, -1, *x.shape[1:]), (HOUSES, start, actions))
+    pairs = jax.tree.map(lambda x: x.reshape(2, -1, *x.shape[1:]), (HOUSES, start, actions))
     nested = jax.vmap(step, (None, 0, 0, 0))(bank, *pairs).qpos
     np.testing.assert_array_equal(nested.reshape(want.shape), want)
     banks = jax.tree.map(lambda x: jnp.stack([x, x]), bank)

@@ -66,13 +66,13 @@ def action_spec(config: EnvConfig) -> ArraySpec:
     return ArraySpec((), "int32", 0, len(names) - 1, text).for_agents(config.num_agents)
 
 
-def moves_of(config: EnvConfig, action: Any, stopped: Bool[Array, " a"]) -> Moves:
+def moves_of(config: EnvConfig, action: Any, stopped: Any) -> Moves:
     """What an action of all agents means.
 
     Args:
         config: Options.
         action: As `action_spec` says.
-        stopped: Agents that have stopped before: they do nothing.
+        stopped: (a,) bool, agents that have stopped before: they do nothing. Read after the action has been checked.
 
     Raises:
         ConfigError: The action has another shape or type.
