@@ -22,8 +22,8 @@ def stack_levels(levels: Sequence[Level], rise: float) -> tuple[Level, ...]:
         >>> from home_mjx.datasets import RoomOutline, outline_house
         >>> ground = outline_house("x", [RoomOutline("Hall", [(0, 0), (4, 0), (4, 3)])]).levels[0]
         >>> heights = [level.rooms[0].floor.vertices[:, 1].max() for level in stack_levels([ground, ground], 2.8)]
-        >>> [round(float(height), 2) for height in heights]
-        [0.05, 2.85]
+        >>> print(*(f"{height:.2f}" for height in heights))
+        0.05 2.85
     """
     return tuple(_raised(level, number, rise * number) for number, level in enumerate(levels))
 
