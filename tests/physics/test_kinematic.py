@@ -151,7 +151,10 @@ def _product(a, b):
     return np.array([[w, -x, -y, -z], [x, w, -z, y], [y, z, w, -x], [z, -y, x, w]]) @ b
 
 
-@pytest.mark.parametrize("name", ["free", "slide", "wardrobe"])
+# A minute each to compile.
+@pytest.mark.parametrize(
+    "name", ["slide", *(pytest.param(name, marks=pytest.mark.slow) for name in ("free", "wardrobe"))]
+)
 def test_gradients_are_those_of_finite_differences(name):
     """In the open, along a wall, and against a body, half a second after the start."""
     bank, template = rollouts.build("kinematic")
