@@ -6,6 +6,7 @@ from typing import Any
 import jax
 import numpy as np
 from jaxtyping import Bool, Float, Int
+from scipy.spatial.transform import Rotation
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.scene_compile.geometry.boxes import BoxSet, overlap
@@ -106,13 +107,13 @@ def _semantics(bank: HouseBank, house: int, instance: Int[np.ndarray, " k"]) -> 
 def _boxes(pos: Float[np.ndarray, "n 3"], quat: Float[np.ndarray, "n 4"], half: Float[np.ndarray, "n 3"]) -> BoxSet:
     pos, quat, half = (np.asarray(x, float).reshape(-1, x.shape[-1]) for x in (pos, quat, half))
     leans = abs(quat[:, 1:3]).max(axis=1, initial=0) > 1e-4
-    w, x, y, z = quat.T
-    rows = [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)]
-    rows += [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)]
-    rows += [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]
-    around = np.einsum("nij,nj->ni", abs(np.stack(rows, axis=-1).reshape(-1, 3, 3)), half)
-    half, yaw = np.where(leans[:, None], around, half), np.where(leans, 0, 2 * np.arctan2(z, w))
+    around = np.einsum("nij,nj->ni", abs(_matrices(quat)), half)
+    half, yaw = np.where(leans[:, None], around, half), np.where(leans, 0, 2 * np.arctan2(quat[:, 3], quat[:, 0]))
     return BoxSet(pos, half, yaw)
+
+
+def _matrices(quat: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 3 3"]:
+    return Rotation.from_quat(quat[:, [1, 2, 3, 0]]).as_matrix() if len(quat) else np.zeros((0, 3, 3))
 
 
 def _bear(bodies: BoxSet) -> Bool[np.ndarray, " k"]:

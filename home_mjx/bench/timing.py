@@ -8,6 +8,8 @@ from typing import Any
 
 import jax
 
+from home_mjx.core.workers import usable_cores
+
 
 def compiled(function: Callable[..., Any], *args: Any) -> tuple[Callable[..., Any], float]:
     """A function compiled for these arguments, and the seconds that tracing and compiling took."""
@@ -47,9 +49,7 @@ def versions() -> dict[str, str]:
 
 def device_name() -> str:
     """Kind of the device, and how many processor cores stand behind a CPU device."""
-    import os
-
     device = jax.devices()[0]
     if device.platform == "cpu":
-        return f"cpu ({len(os.sched_getaffinity(0)) if hasattr(os, 'sched_getaffinity') else os.cpu_count()} cores)"
+        return f"cpu ({usable_cores()} cores)"
     return device.device_kind

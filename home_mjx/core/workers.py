@@ -8,6 +8,16 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 
 
+def usable_cores() -> int:
+    """CPU cores that this process may use; all of the machine where that is not known.
+
+    Example:
+        >>> usable_cores() >= 1
+        True
+    """
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
 @contextmanager
 def worker_pool(workers: int) -> Iterator[ProcessPoolExecutor]:
     """A pool of freshly started processes. Work that has not begun when the block ends is dropped.

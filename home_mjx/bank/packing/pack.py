@@ -30,16 +30,8 @@ COMMON: Mapping[str, Callable[[CompiledHouse], float]] = {
     "agent_height": lambda house: house.navigation.agent_height,
 }
 MESSAGES = {"cell": "navigation cell size", "agent_radius": "agent radius", "agent_height": "agent height"}
-SPEC_AXES = (
-    "instances",
-    "bodies",
-    "doors",
-    "colliders",
-    "planes",
-    "starts",
-    "goals",
-    "slides",
-)  # that `BankSpec` names
+# That `BankSpec` names.
+SPEC_AXES = ("instances", "bodies", "doors", "slides", "colliders", "planes", "starts", "goals")
 
 
 @dataclass(frozen=True)

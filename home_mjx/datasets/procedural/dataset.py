@@ -13,7 +13,7 @@ from typing import SupportsIndex
 from tqdm import tqdm
 
 from home_mjx.core.paths import CACHE_VARIABLE, cache_folder
-from home_mjx.core.workers import worker_pool
+from home_mjx.core.workers import usable_cores, worker_pool
 from home_mjx.datasets.procedural.build import build_house
 from home_mjx.datasets.procedural.categories import CATEGORIES
 from home_mjx.datasets.procedural.furniture import library
@@ -124,7 +124,7 @@ def _write(root: Path, seed: int) -> None:
 @contextmanager
 def _mapper(count: int) -> Iterator:
     """A `map` for `count` houses: worker processes if that pays."""
-    workers = min(len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1, count)
+    workers = min(usable_cores(), count)
     if count < POOL_FROM or workers < 2:
         yield map
         return

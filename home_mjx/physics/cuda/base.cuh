@@ -48,14 +48,13 @@ constexpr real AWAKE = 1e-6;  // acceleration that tells what was woken from wha
 constexpr real HEAVY = 1e20;                                          // mass against which nothing moves that a door holds
 constexpr int LOST_STATIC = 0, LOST_POINTS = 1;
 constexpr int LINE_STEPS = 40;
-constexpr int NUM_NUMBERS = 34;
+constexpr int NUM_NUMBERS = 32;
 constexpr real ALIKE = 0.99, ALIKE_FACTOR = 0.95;  // see native/shapes/box_box.py
 constexpr real REACH = 0.1;                        // [m], see native/contacts.py
 
 struct Numbers {
-  real sim_dt, substeps, gravity, control, response_time, max_body_speed, max_body_spin, agent_stiffness,
-      agent_damping, limit_stiffness, limit_damping, impedance_low, impedance_high,
-      impedance_width, iterations, corner_radius, sleep, rest_speed, rest_spin, rest_pull, on_ramp,
+  real sim_dt, substeps, gravity, control, response_time, max_body_speed, max_body_spin, stiffness, damping,
+      impedance_low, impedance_high, impedance_width, iterations, corner_radius, sleep, rest_speed, rest_spin, rest_pull, on_ramp,
       hand_time, hand_speed, hand_spin, hand_twist, hand_acceleration, hand_force, hand_stiffness, hand_slack,
       hand_leash, door_drag, door_time, door_speed, door_torque;
 };

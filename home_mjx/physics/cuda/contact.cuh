@@ -79,8 +79,7 @@ struct Surface {
 
 INLINE Surface surface_of(const Env& e, int first, int second) {
   const Numbers& n = e.numbers;
-  if (second == LIMIT) return {0, n.limit_stiffness, n.limit_damping, n.impedance_low, n.impedance_width};
-  if (first < e.agents) return {0, n.agent_stiffness, n.agent_damping, n.impedance_low, n.impedance_width};
+  if (second == LIMIT || first < e.agents) return {0, n.stiffness, n.damping, n.impedance_low, n.impedance_width};
   int other = second <= SLEEPER ? SLEEPER - second : second;
   if (first >= e.free) other = first, first = SLEEPER - second;  // a door that meets a sleeping body
   const float* own = e.surface + SURFACE_COLUMNS * (first - e.agents);

@@ -1,6 +1,5 @@
 """Calls of C MuJoCo on the host from JAX programs."""
 
-import os
 from collections.abc import Sequence
 
 import jax
@@ -35,8 +34,3 @@ def refuse_where_impossible() -> None:
             element="PhysicsConfig.impl",
             hint="Set JAX_PLATFORMS=cpu, or write `with jax.default_device(jax.devices('cpu')[0]):`",
         )
-
-
-def num_threads() -> int:
-    """CPU cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -12,12 +12,11 @@ import mujoco
 import numpy as np
 
 from home_mjx.core.native.host_call import register_host_call
+from home_mjx.core.workers import usable_cores
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.base.layout import Layout
-from home_mjx.physics.mujoco_c.calls import num_threads
 from home_mjx.physics.mujoco_c.house import HouseInC
 from home_mjx.physics.mujoco_c.mjcf import Rows, house_mjcf
-from home_mjx.scene_compile.mjcf.boxes import DOOR_DRAG
 
 MOST_KEPT = 1024  # houses
 
@@ -69,7 +68,7 @@ class HousesInC:
         return number
 
     def _step(self, given: Arrays, results: Arrays) -> None:
-        envs = np.array_split(np.arange(len(given[0])), min(num_threads(), len(given[0])))
+        envs = np.array_split(np.arange(len(given[0])), min(usable_cores(), len(given[0])))
         if len(envs) == 1:
             return self._step_some(given, results, envs[0])
         for done in [_pool().submit(self._step_some, given, results, some) for some in envs]:
@@ -91,8 +90,6 @@ def house_in_c(config: PhysicsConfig, layout: Layout, rows: Rows) -> HouseInC:
     agents = [f"agent{a}" for a in range(layout.num_agents)]
     bodies = [f"body{k}" if valid else "" for k, valid in enumerate(rows.body_valid)]
     doors = [f"door{h}" if valid else "" for h, valid in enumerate(rows.door_valid)]
-    dofs = [model.joint(name).dofadr[0] for name in doors if name]
-    model.dof_damping[dofs] = DOOR_DRAG * model.dof_M0[dofs]
     static = {f"static{c}": c for c in np.flatnonzero((rows.collider_size > 0).all(axis=-1)).tolist()}
     return HouseInC(model, layout, agents + bodies + doors, static)
 
@@ -125,4 +122,4 @@ def houses_in_c(config: PhysicsConfig, layout: Layout) -> HousesInC:
 
 @functools.cache
 def _pool() -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(num_threads(), "home_mjx_c")
+    return ThreadPoolExecutor(usable_cores(), "home_mjx_c")

@@ -10,7 +10,7 @@ from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.reference.template_mjcf import CORNER_RADIUS, CORNERS
 from home_mjx.scene_compile.geometry.boxes import box_inertia
 from home_mjx.scene_compile.materials.contact import damping_ratio
-from home_mjx.scene_compile.mjcf.agent import BODY_SOLREF, FRICTIONLESS, add_agent, solimp
+from home_mjx.scene_compile.mjcf.agent import FRICTIONLESS, SOLREF, add_agent, solimp
 from home_mjx.scene_compile.mjcf.assets import numbers
 from home_mjx.scene_compile.mjcf.boxes import MEETS_LEAVES, add_leaf, body_surface
 from home_mjx.schema.compiled import Doors
@@ -54,7 +54,7 @@ def house_mjcf(config: PhysicsConfig, rows: Rows) -> str:
     root = ET.Element("mujoco", model="house")
     _add_options(root, config)
     default = ET.SubElement(root, "default")
-    ET.SubElement(default, "geom", condim="3", solref=BODY_SOLREF, solimp=solimp())
+    ET.SubElement(default, "geom", condim="3", solref=SOLREF, solimp=solimp())
     world = ET.SubElement(root, "worldbody")
     ET.SubElement(world, "geom", FLOOR, name="floor", type="plane", size="0 0 1", pos=f"0 0 {rows.floor:.9g}")
     for c in np.flatnonzero((rows.collider_size > 0).all(axis=-1)).tolist():

@@ -14,8 +14,9 @@ from mujoco import rollout
 
 from home_mjx.core.checks import check_number
 from home_mjx.core.native.host_call import register_host_call
+from home_mjx.core.workers import usable_cores
 from home_mjx.physics.base.batched import batched, without_gradient
-from home_mjx.physics.mujoco_c.calls import call_host, num_threads, refuse_where_impossible
+from home_mjx.physics.mujoco_c.calls import call_host, refuse_where_impossible
 
 FULL = mujoco.mjtState.mjSTATE_FULLPHYSICS.value  # pyright: ignore[reportAttributeAccessIssue]
 
@@ -50,8 +51,8 @@ class ModelInC:
         check_number("substeps", substeps, 1, whole=True)
         self.model, self._substeps = model, substeps
         self.qpos, self.qvel = slice(1, 1 + model.nq), slice(1 + model.nq, 1 + model.nq + model.nv)
-        self._data = [mujoco.MjData(model) for _ in range(num_threads())]  # pyright: ignore[reportAttributeAccessIssue]
-        self._pool, self._lock = rollout.Rollout(nthread=num_threads()), threading.Lock()
+        self._data = [mujoco.MjData(model) for _ in range(usable_cores())]  # pyright: ignore[reportAttributeAccessIssue]
+        self._pool, self._lock = rollout.Rollout(nthread=usable_cores()), threading.Lock()
         start = np.zeros(mujoco.mj_stateSize(model, FULL))  # pyright: ignore[reportAttributeAccessIssue]
         mujoco.mj_getState(model, self._data[0], start, FULL)  # pyright: ignore[reportAttributeAccessIssue]
         self.start = jnp.asarray(start, jnp.float32)

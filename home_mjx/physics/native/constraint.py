@@ -125,10 +125,8 @@ def _door_jacobian(work, n, side, m, sign):
 @no_type_check
 def _surface(work, numbers, a, b):
     """What decides a contact or a hinge's limit, as a row of `base.surfaces`; agents are always first."""
-    if b == LIMIT:
-        return 0.0, numbers.limit_stiffness, numbers.limit_damping, numbers.impedance_low, numbers.impedance_width
-    if a < work.num_agents:
-        return 0.0, numbers.agent_stiffness, numbers.agent_damping, numbers.impedance_low, numbers.impedance_width
+    if b == LIMIT or a < work.num_agents:
+        return 0.0, numbers.stiffness, numbers.damping, numbers.impedance_low, numbers.impedance_width
     other = SLEEPER - b if b <= SLEEPER else b
     if a >= work.num_free:  # a door that meets a sleeping body
         a, other = other, a

@@ -9,14 +9,13 @@ import numpy as np
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.base.surfaces import usual_surface
-from home_mjx.scene_compile.mjcf.agent import AGENT_SOLREF, add_agent, add_motors, solimp
+from home_mjx.scene_compile.mjcf.agent import SOLREF, add_agent, add_motors, solimp
 from home_mjx.scene_compile.mjcf.boxes import DOOR_DRAG
 
 PARKED_HEIGHT = 500.0  # [m]: unused bodies are parked this far above the house, unused slots this far below
 PARKED_SIZE = 0.1  # [m], half extent
 PARKED_MASS = 1.0  # [kg]
 CORNER_RADIUS = 1e-3  # [m]
-LIMIT_SOLREF = "0.02 1"  # of doors; MuJoCo's default
 PARKED_RANGE = (-1.0, 1.0)  # [rad] or [m]
 PARKED_ARM, PARKED_YAW = (0.4, 0.1), 0.5  # [m], [rad], of leaves: neither at the hinge nor upright, as with slots
 CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)), np.float32)
@@ -74,7 +73,7 @@ def _add_agent(world: ET.Element, config: PhysicsConfig, a: int) -> None:
 def _add_pair(contact: ET.Element, config: PhysicsConfig, first: str, second: str, agent: bool) -> None:
     friction, stiffness, damping, _, _ = usual_surface(config).tolist()  # of bodies that are not there
     body = {"condim": "3", "solref": f"{-stiffness} {-damping}", "friction": f"{friction} {friction}"}
-    kind = {"condim": "1", "solref": AGENT_SOLREF} if agent else body
+    kind = {"condim": "1", "solref": SOLREF} if agent else body
     ET.SubElement(contact, "pair", kind, geom1=first, geom2=second, solimp=solimp())
 
 
@@ -120,7 +119,7 @@ def _add_door(world: ET.Element, h: int, slides: bool) -> None:
     inertia = PARKED_MASS * 2 / 3 * PARKED_SIZE**2
     moved = PARKED_MASS if slides else inertia + PARKED_MASS * (x * x + y * y)
     damping = DOOR_DRAG * moved
-    ET.SubElement(body, "joint", joint, damping=str(damping), solreflimit=LIMIT_SOLREF, solimplimit=solimp())
+    ET.SubElement(body, "joint", joint, damping=str(damping), solreflimit=SOLREF, solimplimit=solimp())
     at = {"pos": f"{x} {y} 0", "quat": f"{math.cos(PARKED_YAW / 2)} 0 0 {math.sin(PARKED_YAW / 2)}"}
     diagonal = f"{inertia} {inertia} {inertia}"
     ET.SubElement(body, "inertial", at, mass=str(PARKED_MASS), diaginertia=diagonal)

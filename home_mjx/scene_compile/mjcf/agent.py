@@ -4,17 +4,13 @@ import xml.etree.ElementTree as ET
 
 from home_mjx.schema.agent import Body
 
-AGENT_SOLREF = "0.02 1"
 # What strikes at speed v goes v T / e deep, T the time constant: 4 cm at 5 m/s, and out again within a control step.
 # With 0.05 s light things that were thrown stayed deep in furniture for several steps. The price: a friction pyramid
 # lifts what slides, and a light box that is pushed at 1 m/s hops by 12 mm instead of 9 (friction 0.4).
 TIME_CONSTANT = 0.02  # [s]
-BODY_SOLREF = f"{TIME_CONSTANT} 1"  # of what does not bounce, see `contact`
+SOLREF = f"{TIME_CONSTANT} 1"  # of agents, of ends of doors' ways, and of what does not bounce, see `contact`
 # Impedance of all contacts and limits: least, greatest, and width of the curve between [m]; MuJoCo's defaults.
 SOLIMP = (0.9, 0.95, 0.001)
-
-# What makes an agent's contacts frictionless, whatever it touches.
-FRICTIONLESS = {"condim": "1", "priority": "2", "solref": AGENT_SOLREF, "solimp": " ".join(map(str, SOLIMP))}
 
 
 def solimp() -> str:
@@ -25,6 +21,10 @@ def solimp() -> str:
         '0.9 0.95 0.001'
     """
     return " ".join(map(str, SOLIMP))
+
+
+# What makes an agent's contacts frictionless, whatever it touches.
+FRICTIONLESS = {"condim": "1", "priority": "2", "solref": SOLREF, "solimp": solimp()}
 
 
 def add_agent(world: ET.Element, shape: Body, name: str, **capsule: str) -> ET.Element:

@@ -15,7 +15,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.scene_compile.architecture.rooms import ground_floor
 from home_mjx.scene_compile.geometry.boxes import box_inertia
 from home_mjx.scene_compile.materials.contact import USUAL, damping_ratio
-from home_mjx.scene_compile.mjcf.agent import BODY_SOLREF, FRICTIONLESS, add_agent, add_motors, solimp
+from home_mjx.scene_compile.mjcf.agent import FRICTIONLESS, SOLREF, add_agent, add_motors, solimp
 from home_mjx.scene_compile.mjcf.assets import MjcfAssets, numbers, safe_name
 from home_mjx.scene_compile.mjcf.boxes import (
     COLLIDER,
@@ -81,7 +81,7 @@ def to_mjcf(
     center, extent = house.box.mean(axis=0), float(np.ptp(house.box, axis=0).max())
     ET.SubElement(root, "statistic", center=numbers(center), extent=f"{extent:.6g}")
     default = ET.SubElement(root, "default")
-    ET.SubElement(default, "geom", condim="3", friction=USUAL_FRICTION, solref=BODY_SOLREF, solimp=solimp())
+    ET.SubElement(default, "geom", condim="3", friction=USUAL_FRICTION, solref=SOLREF, solimp=solimp())
     world = ET.Element("worldbody")
     _add_surroundings(world, house)
     add_lamps(world, house)

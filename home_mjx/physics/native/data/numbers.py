@@ -7,7 +7,7 @@ import numpy as np
 
 from home_mjx.physics.base import servo
 from home_mjx.physics.base.config import PhysicsConfig
-from home_mjx.physics.reference.template_mjcf import CORNER_RADIUS, LIMIT_SOLREF
+from home_mjx.physics.reference.template_mjcf import CORNER_RADIUS
 from home_mjx.scene_compile.mjcf import agent
 from home_mjx.scene_compile.mjcf.boxes import DOOR_DRAG
 
@@ -28,10 +28,8 @@ class Numbers(NamedTuple):
     response_time: float
     max_body_speed: float
     max_body_spin: float
-    agent_stiffness: float  # of contacts with agents: reference acceleration per depth and impedance
-    agent_damping: float  # and per velocity
-    limit_stiffness: float
-    limit_damping: float
+    stiffness: float  # of contacts with agents, and ends of doors' ways: reference acceleration per depth and impedance
+    damping: float  # and per velocity
     impedance_low: float
     impedance_high: float
     impedance_width: float
@@ -60,6 +58,7 @@ class Numbers(NamedTuple):
 def numbers_of(config: PhysicsConfig) -> Numbers:
     """The numbers of a template."""
     dt = config.timing.sim_dt
+    constant = max(agent.TIME_CONSTANT, 2 * dt)  # see MuJoCo's "Solver parameters"; the damping ratio is 1
     return Numbers(
         sim_dt=dt,
         substeps=config.timing.substeps,
@@ -68,8 +67,8 @@ def numbers_of(config: PhysicsConfig) -> Numbers:
         response_time=config.response_time,
         max_body_speed=config.max_body_speed,
         max_body_spin=config.max_body_spin,
-        **_spring("agent", agent.AGENT_SOLREF, dt),
-        **_spring("limit", LIMIT_SOLREF, dt),
+        stiffness=1 / (agent.SOLIMP[1] * constant) ** 2,
+        damping=2 / (agent.SOLIMP[1] * constant),
         impedance_low=agent.SOLIMP[0],
         impedance_high=agent.SOLIMP[1],
         impedance_width=agent.SOLIMP[2],
@@ -100,11 +99,3 @@ def reference_surfaces(surfaces: Values) -> Values:
     """`base.surfaces` with reference accelerations: stiffness per depth and impedance, damping per velocity."""
     factor = np.array([1, agent.SOLIMP[1] ** -2, 1 / agent.SOLIMP[1], 1, 1], surfaces.dtype)
     return surfaces * factor.reshape((1,) * (surfaces.ndim - 1) + (-1,))
-
-
-def _spring(kind: str, solref: str, sim_dt: float) -> dict[str, float]:
-    """MuJoCo's stiffness and damping of a `solref` (time constant and damping ratio); see "Solver parameters"."""
-    constant, ratio = (float(x) for x in solref.split())
-    constant = max(constant, 2 * sim_dt)
-    stiffness = 1 / (agent.SOLIMP[1] * constant * ratio) ** 2
-    return {f"{kind}_stiffness": stiffness, f"{kind}_damping": 2 / (agent.SOLIMP[1] * constant)}
