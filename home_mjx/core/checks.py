@@ -64,3 +64,17 @@ def check_number(
     above = f" of at least {least:g}" if math.isfinite(least) else ""
     below = f"{' and' if above else ' of'} at most {most:g}" if math.isfinite(most) else ""
     raise ConfigError(f"`{name}` must be a {'whole ' if whole else 'finite '}number{above}{below}, got {value!r}")
+
+
+def check_shape(name: str, shape: tuple[int, ...], expected: tuple[int, ...]) -> None:
+    """Raises `ConfigError` unless an array of one environment has the expected shape.
+
+    Example:
+        >>> check_shape("x", (64, 3), (3,))
+        Traceback (most recent call last):
+        ...
+        home_mjx.errors.ConfigError: `x` must have the shape (3,), got (64, 3). For many environments use `jax.vmap`.
+    """
+    if tuple(shape) != expected:
+        message = f"`{name}` must have the shape {expected}, got {tuple(shape)}"
+        raise ConfigError(message, hint="For many environments use `jax.vmap`.")

@@ -5,6 +5,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
+from home_mjx.core.checks import check_shape
 from home_mjx.physics.base.control import FORWARD_SPEED, TURN_RATE
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.base.servo import FREE, GRAVITY
@@ -42,7 +43,11 @@ def reset(
         door_angle: [rad], about +z from as placed, or [m] of what slides; None: as placed.
         arrangement: Which of the house's settled poses bodies have, see `arrangements.settled_poses`; -1 or None: they
             are where the house has them.
+
+    Raises:
+        ConfigError: Positions or angles are not one per agent or door.
     """
+    _check_places(template.layout, agent_pos, agent_yaw, door_angle)
     layout, bodies = template.layout, movable_bodies(bank.physics, house)
     half = jnp.array([body.height / 2 for body in template.config.agents], jnp.float32)
     agents = jnp.concatenate([agent_pos.at[:, 2].add(half), agent_yaw[:, None]], axis=-1)
@@ -71,6 +76,13 @@ def reset(
     )
 
 
+def _check_places(layout: Layout, agent_pos: Array, agent_yaw: Array, door_angle: Array | None) -> None:
+    check_shape("agent_pos", jnp.shape(agent_pos), (layout.num_agents, 3))
+    check_shape("agent_yaw", jnp.shape(agent_yaw), (layout.num_agents,))
+    if door_angle is not None:
+        check_shape("door_angle", jnp.shape(door_angle), (layout.num_doors,))
+
+
 def _falling(layout: Layout) -> Float[Array, " v"]:
     """Accelerations of what has not come to rest yet: what has zeros sleeps."""
     bodies = jnp.zeros((layout.num_bodies, 6), jnp.float32).at[:, 2].set(-GRAVITY)
@@ -92,6 +104,10 @@ def step(
 
     Returns:
         The state after.
+
+    Raises:
+        ConfigError: The action has not three numbers per agent, or the program is made for something that
+            `PhysicsConfig.impl` does not work on.
     """
     return step_checked(template, bank, house, state, action)[0]
 
@@ -100,6 +116,7 @@ def step_checked(
     template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState, action: Float[Array, "a 3"]
 ) -> tuple[PhysicsState, Lost]:
     """`step`, and what it left out because it did not fit: of contacts, in the last physics step."""
+    check_shape("action", jnp.shape(action), (template.layout.num_agents, 3))
     return STEPS[template.config.impl](template, bank.physics, house, state, action)
 
 

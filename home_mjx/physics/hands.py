@@ -21,6 +21,7 @@ from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.dynamics import agent_pose, body_pose, door_angle
 from home_mjx.physics.reference.house_model import MovableBodies, house_doors, movable_bodies
 from home_mjx.physics.reference.template import Template
+from home_mjx.schema.agent import Body
 
 CARRY = 0.1  # [m], between an agent and what it carries
 LOW = 0.45  # [m], of what is carried below the eyes
@@ -40,7 +41,7 @@ class Commands(Pytree):
     pick: Int[Array, " a"]  # movable body to take; -1 none
     place: Float[Array, "a 3"]  # [m], point of a surface to put down what is held; inf: none
     drop: Bool[Array, " a"]
-    throw: Float[Array, "a 3"]  # unit vector; 0: not
+    throw: Float[Array, "a 3"]  # direction, of any length; 0, or not finite: not
     door: Int[Array, " a"]  # leaf to turn; -1 none
     open: Bool[Array, " a"]  # to open it, or else to close it
 
@@ -58,7 +59,7 @@ def obey(
     """Hands after their commands; what cannot be done is left undone.
 
     A body is taken by an empty hand within its agent's `reach` if it weighs no more than `lift` and nobody holds it.
-    Doors are turned within reach. Whether anything is in the line of sight is for the caller to see.
+    Surfaces and doors must be within reach, too. Whether anything is in the line of sight is for the caller to see.
     """
     bodies = movable_bodies(bank.physics, house)
     for a in range(template.layout.num_agents):
@@ -99,7 +100,7 @@ def _release(
     template: Template, bodies: MovableBodies, state: PhysicsState, a: int, commands: Commands
 ) -> PhysicsState:
     """Opens a hand that is to drop or to throw."""
-    held, aim = state.held[a], commands.throw[a]
+    held, aim = state.held[a], _direction(commands.throw[a])
     throws = (held >= 0) & jnp.any(aim != 0)
     mass = bodies.mass[jnp.maximum(held, 0)]
     speed = jnp.minimum(jnp.float32(THROW_SPEED), jnp.float32(THROW_IMPULSE) / mass)
@@ -109,6 +110,14 @@ def _release(
     qvel = state.qvel.at[rows].set(jnp.where(throws, thrown, state.qvel[rows]))
     opens = (held >= 0) & (throws | commands.drop[a])
     return _opened(template, state.replace(qvel=qvel), a, opens)
+
+
+def _direction(vector: Float[Array, "3"]) -> Float[Array, "3"]:
+    """The unit vector of a direction; 0 where there is none."""
+    largest = jnp.max(jnp.abs(vector))
+    points = jnp.all(jnp.isfinite(vector)) & (largest > 0)
+    scaled = jnp.where(points, vector, 1.0) / jnp.where(points, largest, 1.0)  # its square is in range
+    return jnp.where(points, scaled / jnp.linalg.norm(scaled), 0.0)
 
 
 def _opened(template: Template, state: PhysicsState, a: int, opens: Bool[Array, ""]) -> PhysicsState:
@@ -151,6 +160,11 @@ def _distance(
     return jnp.min(jnp.linalg.norm(beyond, axis=-1))
 
 
+def _beyond(offset: Float[Array, "3"], body: Body) -> Float[Array, "3"]:
+    """What an offset from an agent's middle is beyond the nearest point of its axis."""
+    return offset.at[2].set(jnp.maximum(jnp.abs(offset[2]) - jnp.float32(body.height / 2), 0.0))
+
+
 def _carried(
     template: Template, bodies: MovableBodies, a: int, body: Int[Array, ""], turned: Float[Array, "4"]
 ) -> Float[Array, "7"]:
@@ -167,7 +181,7 @@ def _aim(
 ) -> PhysicsState:
     """A hand begins to put down what it holds."""
     at, _ = _agent(template, state, a)
-    away = jnp.linalg.norm(spot[:2] - at[:2])
+    away = jnp.linalg.norm(_beyond(spot - at, template.config.agents[a]))
     starts = (state.held[a] >= 0) & jnp.all(jnp.isfinite(spot)) & (away <= jnp.float32(template.config.agents[a].reach))
     state = state.replace(
         spot=state.spot.at[a].set(jnp.where(starts, spot, state.spot[a])),
@@ -225,8 +239,9 @@ def _turn(
     door = jnp.clip(commands.door[a], 0, template.layout.num_doors - 1)
     middle, quat = jax.tree.map(lambda x: x[door], leaves.moved(door_angle(template, state)))
     local = jnp.matmul(at - middle, quat_matrix(quat), precision="highest")
-    beyond = jnp.maximum(jnp.abs(local[:2]) - leaves.size[door, :2], 0.0)
-    near = jnp.linalg.norm(beyond) <= jnp.float32(template.config.agents[a].reach)
+    body = template.config.agents[a]
+    beyond = jnp.maximum(_beyond(jnp.abs(local), body) - leaves.size[door], 0.0)
+    near = jnp.linalg.norm(beyond) <= jnp.float32(body.reach)
     turns = (commands.door[a] == door) & bank.physics.door_valid[house, door] & near
     goal = jnp.where(commands.open[a], bank.physics.door_wide[house, door], bank.physics.door_closed[house, door])
     return state.replace(goal=state.goal.at[door].set(jnp.where(turns, goal, state.goal[door])))

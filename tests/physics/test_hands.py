@@ -138,6 +138,40 @@ def test_what_is_thrown_flies(fused):
     assert fused.body(fused.run(thrown, 20), CUP)[0] < 3  # the wall stops it
 
 
+@pytest.mark.parametrize("length", [1e-30, 1e9])
+def test_a_throw_has_a_direction_and_no_length(scene, length):
+    held = scene.run(scene.start, 12, pick=CUP)
+    aim = np.array([0.6, 0.0, 0.8])
+    as_unit, thrown = (scene.run(held, 2, throw=aim * factor) for factor in (1, length))
+    assert thrown.held.tolist() == [-1, -1]
+    assert_allclose(thrown.qpos, as_unit.qpos, atol=1e-4)
+
+
+@pytest.mark.parametrize("wrong", [np.nan, np.inf])
+def test_a_throw_to_nowhere_is_left_undone(scene, wrong):
+    held = scene.run(scene.start, 12, pick=CUP)
+    kept = scene.run(held, 1, throw=np.array([0.6, wrong, 0.8]))
+    assert kept.held.tolist() == [CUP, -1]
+    assert bool(jnp.isfinite(kept.qvel).all())
+
+
+@pytest.mark.parametrize("height", [-100.0, 2.7, 50.0, np.nan])
+def test_nothing_is_put_down_far_above_or_below(scene, height):
+    """The hand once took things through the roof, as its reach was that in the plan."""
+    held = scene.run(scene.start, 12, pick=CUP)
+    kept = scene.run(held, 3, place=np.array([0.9, 0.0, height]))
+    assert not bool(jnp.isfinite(kept.spot).any())
+    assert_allclose(scene.body(kept, CUP), scene.body(held, CUP), atol=2e-3)
+
+
+def test_doors_of_other_storeys_are_out_of_reach(scene):
+    middle = HOUSE.doors[0].height + scene.template.config.agents[1].height / 2  # of an agent on top of the leaf
+    for rise, turns in ((0.9, True), (1.1, False)):
+        z = middle + rise
+        above = scene.start.replace(qpos=scene.start.qpos.at[4:7].set(jnp.array([0.7, 1.2, z])))
+        assert (scene.run(above, 1, agent=1, door=0, open=True).goal[0] != FREE) == turns
+
+
 def test_a_thing_that_is_stuck_is_torn_away(fused):
     """It hangs behind a wall for ever, so the hand lets go of it; the agent is held back, but not for ever."""
     state = fused.run(fused.start, 12, pick=CUP)

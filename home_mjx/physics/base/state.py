@@ -15,14 +15,14 @@ class PhysicsState(Pytree):
 
     qpos: Float[
         Array, "*batch nq"
-    ]  # of an agent x, y, z [m] and yaw [rad]; of a body x, y, z and quaternion wxyz; of a door its angle
+    ]  # of an agent x, y, z [m] and yaw [rad]; of a body x, y, z and quaternion wxyz; of a door [rad] or [m]
     qvel: Float[Array, "*batch nv"]  # [m/s], [rad/s]; a body turns about its own axes
     qacc: Float[Array, "*batch nv"]  # of the last physics step; the next one's solver begins there
     held: Int[Array, "*batch a"]  # movable body in each agent's hand; -1 none
     grip: Float[Array, "*batch a 7"]  # where it shall be in the agent's frame: position [m], quaternion
     spot: Float[Array, "*batch a 3"]  # [m], where a hand puts down what it holds; inf: nowhere
     tries: Int[Array, "*batch a"]  # control steps since it began to take or to put down
-    goal: Float[Array, "*batch h"]  # [rad], angle that a door is driven to; `servo.FREE`: none
+    goal: Float[Array, "*batch h"]  # [rad] or [m], where a door is driven to; `servo.FREE`: nowhere
     touched: Int[Array, "*batch a"]  # contact points of each agent with anything but the floor, the most in a step
     impulse: Float[Array, "*batch m"]  # [N s], of all contacts of each mobile in the last control step
     place: Float[Array, "*batch m 3"]  # [m], of the strongest of them

@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Array, Float
 from mujoco import rollout
 
-from home_mjx.core.checks import check_number
+from home_mjx.core.checks import check_number, check_shape
 from home_mjx.core.native.host_call import register_host_call
 from home_mjx.core.workers import usable_cores
 from home_mjx.physics.base.batched import batched, without_gradient
@@ -73,9 +73,12 @@ class ModelInC:
             The state after, and MuJoCo's `sensordata` of the last physics step.
 
         Raises:
-            ConfigError: The program is made for something else than a CPU, or a gradient is asked for.
+            ConfigError: `state` or `ctrl` has another length than the model's, the program is made for something else
+                than a CPU, or a gradient is asked for.
             ExecutorError: In a forked child of a process that has stepped before.
         """
+        check_shape("state", jnp.shape(state), self.start.shape)
+        check_shape("ctrl", jnp.shape(ctrl), (self.model.nu,))
         refuse_where_impossible()
         after, sensors = self._step(state[None], ctrl[None])
         return after[0], sensors[0]

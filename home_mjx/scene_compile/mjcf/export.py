@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
-from home_mjx.core.checks import check_known
+from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.files import replace_folder
 from home_mjx.errors import ConfigError
 from home_mjx.scene_compile.architecture.rooms import ground_floor
@@ -69,13 +69,14 @@ def to_mjcf(
         The XML and file contents by relative path, as `mujoco.MjModel.from_xml_string` takes them.
 
     Raises:
-        ConfigError: `exact` without the extra of that name, or an unknown kind of collision.
+        ConfigError: `exact` without the extra of that name, an unknown kind of collision, or a useless timestep.
         DatasetError: A texture cannot be read.
 
     Example:
         >>> model = mujoco.MjModel.from_xml_string(*to_mjcf(house))  # doctest: +SKIP
     """
     check_known("collision", [collision], COLLISIONS)
+    check_number("timestep", timestep, 1e-6)
     root = ET.Element("mujoco", model=safe_name(house.id))
     ET.SubElement(root, "option", timestep=str(timestep), integrator="implicitfast")
     center, extent = house.box.mean(axis=0), float(np.ptp(house.box, axis=0).max())

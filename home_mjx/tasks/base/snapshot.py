@@ -33,7 +33,7 @@ class Snapshot(Pytree):
     stopped: Bool[Array, " a"]  # has chosen the discrete action `stop`, and does nothing more
     contact: Bool[Array, " a"]  # touched anything but the floor during the last step
     held: Int[Array, " a"]  # movable body in each hand; -1 none
-    door_angle: Float[Array, " h"]  # [rad], about +z from as placed
+    door_angle: Float[Array, " h"]  # [rad] about +z from as placed, of what slides [m]
     touch: Touch
     source: Float[Array, "3"]  # [m], where the sound comes from
     scene: Scene  # the same as rays see it
@@ -68,7 +68,7 @@ def touch_meaning(scene: Scene, touch: Touch | PhysicsState) -> TouchMeaning:
 
     Example:
         >>> meaning = touch_meaning(snapshot.scene, snapshot.touch)  # doctest: +SKIP
-        >>> on_glass = meaning.other[:, Semantic.MATERIAL] == MATERIAL_KINDS.index("glass")  # doctest: +SKIP
+        >>> on_glass = meaning.other[:, Semantic.MATERIAL] == number_of(Semantic.MATERIAL, "glass")  # doctest: +SKIP
     """
     bank, house, moving = scene.bank, scene.house, scene.moving
     agents = moving.instance.shape[0] - bank.spec.num_bodies - bank.spec.num_doors  # they are the last there

@@ -150,3 +150,18 @@ def test_a_gradient_and_no_substeps_are_refused(driven):
         jax.grad(lambda ctrl: house.step(house.start, ctrl)[0].sum())(jnp.zeros(3))
     with pytest.raises(ConfigError, match="substeps"):
         ModelInC(house.model, 0)
+
+
+def test_states_and_controls_of_other_models_are_refused(driven):
+    """MuJoCo once told of them from inside of XLA, as an internal error."""
+    house = driven[0]
+    with pytest.raises(ConfigError, match=r"`ctrl` must have the shape \(3,\), got \(4,\)"):
+        house.step(house.start, jnp.zeros(4))
+    with pytest.raises(ConfigError, match="`state` must have the shape"):
+        house.step(house.start[1:], jnp.zeros(3))
+
+
+@pytest.mark.parametrize("timestep", [0.0, -0.01, float("nan")])
+def test_useless_timesteps_are_refused(timestep):
+    with pytest.raises(ConfigError, match="`timestep` must be"):
+        robot_in_house(HOUSE, WHEELED, timestep=timestep)
