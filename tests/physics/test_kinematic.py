@@ -14,9 +14,11 @@ from tiny_houses import Box, Door, TinyHouse, make_bank
 
 import home_mjx
 from home_mjx import HouseBank, physics
+from home_mjx.errors import ConfigError
 from home_mjx.physics import PhysicsConfig, Template
 from home_mjx.physics.kinematic.footprints import SLOP, Footprints
 from home_mjx.physics.reference.slots import Boxes
+from home_mjx.schema import Body
 
 CONFIG = PhysicsConfig(impl="kinematic")
 RADIUS, HALF = CONFIG.body.radius, CONFIG.body.half_length
@@ -200,3 +202,13 @@ def test_agents_push_sliding_doors_by_their_ends_only():
         assert_allclose(way, end, atol=1e-6)
         face = 0.5 if house == 0 else 0.48
         assert_allclose(x, face + end - RADIUS, atol=1e-4)
+
+
+def test_agents_too_fast_for_their_size_are_refused():
+    """They once took as many parts of a step as that needs, and compiling never ended."""
+    bank = make_bank([TinyHouse()])
+    template, house = Template(PhysicsConfig(impl="kinematic", body=Body(forward_speed=1e6)), bank.spec), jnp.int32(0)
+    state = physics.reset(template, bank, house, jnp.zeros((1, 3)), jnp.zeros(1))
+    with pytest.raises(ConfigError, match="may move by 100 times its radius in a control step") as error:
+        physics.step(template, bank, house, state, jnp.zeros((1, 3)))
+    assert error.value.hint

@@ -8,6 +8,7 @@ from jaxtyping import Array, Float, Int
 
 from home_mjx.bank.records import Physics
 from home_mjx.core.transforms import body_quat, quat_matrix, quat_multiply
+from home_mjx.errors import ConfigError
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.base.control import FORWARD_SPEED, HALF_LENGTH, RADIUS, TURN_RATE
 from home_mjx.physics.base.state import PhysicsState
@@ -19,6 +20,7 @@ from home_mjx.physics.reference.lost import Lost
 from home_mjx.physics.reference.slots import Boxes
 from home_mjx.physics.reference.template import Template
 
+MOST_STEPS = 100  # parts of a control step; each makes the program longer
 STEP_HEIGHT = 0.05  # [m], what agents step over
 
 
@@ -70,7 +72,14 @@ def step_kinematic(
 def _num_steps(config: PhysicsConfig) -> int:
     """So many that an agent moves by less than its radius in each: it cannot pass through anything."""
     dt = config.timing.ctrl_dt
-    return max(1, *(math.ceil(math.hypot(b.forward_speed, b.strafe_speed) * dt / b.radius) for b in config.agents))
+    steps = max(1, *(math.ceil(math.hypot(b.forward_speed, b.strafe_speed) * dt / b.radius) for b in config.agents))
+    if steps > MOST_STEPS:
+        raise ConfigError(
+            f"a kinematic agent may move by {MOST_STEPS} times its radius in a control step, not by {steps} times",
+            element="PhysicsConfig.body",
+            hint="Lower `forward_speed` and `strafe_speed`, or `ctrl_dt`.",
+        )
+    return steps
 
 
 def _obstacles(template: Template, physics: Physics, house: Array, state: PhysicsState) -> Footprints:
