@@ -20,11 +20,12 @@ help:  ## show this list
 demo: $(USER_STAMP)  ## see and hear agents in houses; SUNCG_DATA_DIR=... uses real ones
 	$(BIN)/home-mjx demo $(ARGS)
 
+# Workers begin with one half of the files each, so that what tests of a file share is made once.
 test: $(DEV_STAMP)  ## fast tests
-	$(BIN)/python -m pytest -n $(WORKERS) -m "not slow" $(ARGS)
+	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m "not slow" $(ARGS)
 
 test-slow: $(DEV_STAMP)  ## the tests that take long
-	$(BIN)/python -m pytest -n $(WORKERS) -m slow $(ARGS)
+	XLA_FLAGS= $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m slow $(ARGS)
 
 test-matrix:  ## a short suite on every supported jax, each in a .venv-<name> of its own
 	scripts/test_matrix.sh $(ARGS)

@@ -29,7 +29,7 @@ run_row() {
     { grep -vE '^(jax|jaxlib|flax)==' requirements/constraints.txt; printf '%s\n' "jax==$jax" $extra; } >"$pins" &&
         MIN_PYTHON=$python scripts/setup_venv.sh "$venv" '.[test]' "$pins" &&
         echo "== $name: $("$venv/bin/python" -c 'import sys, jax; print("jax", jax.__version__, "Python", sys.version.split()[0])')" &&
-        "$venv/bin/python" -m pytest -q -n "${WORKERS:-2}" -m "not slow" $SUITE
+        "$venv/bin/python" -m pytest -q -n "${WORKERS:-2}" --dist worksteal -m "not slow" $SUITE
 }
 
 pins=$(mktemp)

@@ -1,5 +1,6 @@
 """Settings of every test: two CPU devices, a compile cache, and where the real SUNCG sample is, if it is."""
 
+import gc
 import os
 import tempfile
 from pathlib import Path
@@ -13,11 +14,18 @@ ROOT = Path(__file__).resolve().parent.parent
 # In the environment, which JAX reads when it is first imported, so that processes started by tests have the same.
 os.environ.setdefault("JAX_PLATFORMS", "cpu")
 os.environ.setdefault("JAX_NUM_CPU_DEVICES", "2")
+# Most time goes into compiling programs that run for milliseconds. XLA_FLAGS="" compiles them as users do (as `make
+# test-slow` has it), at more than twice the time.
+if os.environ["JAX_PLATFORMS"] == "cpu":
+    os.environ.setdefault("XLA_FLAGS", "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false")
 # Taken out of the environment, where it would change what `make` does without `houses`.
 SUNCG_DATA_DIR = os.environ.pop("SUNCG_DATA_DIR", None)
 os.environ.setdefault("MPLBACKEND", "agg")
 os.environ.setdefault("HOME_MJX_CACHE", str(Path(tempfile.gettempdir()) / "home_mjx_test_cache"))
 os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.5")
+
+# Tracing makes millions of objects that stay: looking for garbage among them takes a tenth of the time.
+gc.set_threshold(50_000, 20, 100)
 
 # Deterministic: the same examples in every run. No deadline, since the first example pays for compilation.
 hypothesis.settings.register_profile("home_mjx", derandomize=True, deadline=None, database=None)

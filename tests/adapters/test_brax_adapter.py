@@ -83,8 +83,9 @@ def test_action_repeat_is_refused(brax_env):
         wrap_for_training(brax_env, action_repeat=2)
 
 
-def test_both_kinds_of_key_and_two_devices(brax_env):
-    wrapped = wrap_for_training(brax_env, episode_length=4)
+def test_both_kinds_of_key_and_two_devices(generated_bank):
+    options = {"sensors": ("depth", "state"), "width": 8, "height": 8, "impl": "kinematic"}
+    wrapped = wrap_for_training(BraxEnv(home_mjx.make("PointNav-v0", generated_bank, **options)), episode_length=4)
     keys = jax.random.split(jax.random.PRNGKey(0), 4).reshape(2, 2, 2)
     states = jax.pmap(wrapped.reset)(keys)
     step = jax.pmap(wrapped.step)

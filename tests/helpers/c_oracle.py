@@ -15,6 +15,7 @@ from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.base.surfaces import usual_surface
 from home_mjx.physics.native.data.numbers import numbers_of, reference_surfaces
 from home_mjx.physics.native.data.work import NEWTON_STEPS, NUM_CONTACTS, free_work, make_work
+from home_mjx.physics.native.handler import sources_digest
 from home_mjx.physics.native.step import load_agents, load_house, step_env
 from home_mjx.physics.reference.template_mjcf import CORNER_RADIUS, template_mjcf
 from home_mjx.scene_compile.mjcf.boxes import DOOR_DRAG
@@ -178,7 +179,8 @@ class Oracle:
         mobiles = self.layout.num_mobiles
         self.push, self.other = np.zeros((mobiles, 4)), np.zeros(mobiles, np.int64)
         touched, lost = np.zeros(self.agents, np.int64), np.zeros(2, np.int64)
-        numbers = self.numbers._replace(substeps=float(substeps))
+        # All of one type, so that Numba compiles once.
+        numbers = type(self.numbers)(*map(float, self.numbers._replace(substeps=substeps)))
         sizes = self.agents, len(self.mass), len(self.doors.mass), len(self.static.pos)
         table, door = self.table.ravel(), self.door_rows.ravel()
         held, grip, goal = self.driven
@@ -213,25 +215,34 @@ def _resize(model, geom, half) -> None:
     model.geom_aabb[geom] = np.concatenate([np.zeros_like(half), half], axis=-1)
 
 
-@njit
-def _fused(numbers, sizes, house, state, control, out, report):
-    work = make_work(sizes[0], sizes[1], sizes[2], sizes[3])
-    (pos, quat, half), (valid, size, mass, inertia, surface), table, door, ramps = house
-    load_agents(work, _at(table))
-    bodies = ints(valid.ctypes.data), _at(size), _at(mass), _at(inertia), _at(surface)
-    load_house(work, (_at(pos), _at(quat), _at(half)), bodies, _at(door))
-    before = _at(state[0]), _at(state[1]), _at(state[2])
-    after = _at(out[0]), _at(out[1]), _at(out[2])
-    action, held, grip, goal = control
-    driven = _at(action), ints(held.ctypes.data), _at(grip), _at(goal)
-    touched, lost, push, other = report
-    said = ints(touched.ctypes.data), ints(lost.ctypes.data), _at(push), ints(other.ctypes.data)
-    step_env(work, numbers, (0.0, _at(ramps.reshape(-1)), len(ramps)), before, driven, after, said)
-    count, steps = work.counts[NUM_CONTACTS], work.counts[NEWTON_STEPS]
-    free_work(work)
-    return count, steps
+def _compiled():
+    digest = sources_digest()
+
+    @njit(cache=True)
+    def fused(numbers, sizes, house, state, control, out, report):
+        _ = digest
+        work = make_work(sizes[0], sizes[1], sizes[2], sizes[3])
+        (pos, quat, half), (valid, size, mass, inertia, surface), table, door, ramps = house
+        load_agents(work, _at(table))
+        bodies = ints(valid.ctypes.data), _at(size), _at(mass), _at(inertia), _at(surface)
+        load_house(work, (_at(pos), _at(quat), _at(half)), bodies, _at(door))
+        before = _at(state[0]), _at(state[1]), _at(state[2])
+        after = _at(out[0]), _at(out[1]), _at(out[2])
+        action, held, grip, goal = control
+        driven = _at(action), ints(held.ctypes.data), _at(grip), _at(goal)
+        touched, lost, push, other = report
+        said = ints(touched.ctypes.data), ints(lost.ctypes.data), _at(push), ints(other.ctypes.data)
+        step_env(work, numbers, (0.0, _at(ramps.reshape(-1)), len(ramps)), before, driven, after, said)
+        count, steps = work.counts[NUM_CONTACTS], work.counts[NEWTON_STEPS]
+        free_work(work)
+        return count, steps
+
+    return fused
 
 
 @njit
 def _at(array):
     return floats(array.ctypes.data)
+
+
+_fused = _compiled()

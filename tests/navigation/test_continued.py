@@ -14,7 +14,7 @@ from home_mjx.scene_compile.geometry.boxes import BoxSet, footprint_distance
 from home_mjx.schema.compiled import CompiledHouse
 from home_mjx.tasks.environment.bound import BoundEnv
 
-NUM_HOUSES, NUM_STEPS, NUM_ENVS = 8, 500, 32
+NUM_HOUSES, NUM_STEPS, NUM_ENVS = 4, 500, 32
 MOVED = 0.05  # [m], between the points of a pair
 
 

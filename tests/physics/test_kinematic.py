@@ -1,5 +1,6 @@
 """Kinematic agents against closed forms, and against boxes sampled point by point."""
 
+import functools
 import itertools
 
 import jax
@@ -95,6 +96,12 @@ def depth(pos, box: Box, step=0.01):
     return RADIUS - np.linalg.norm(np.maximum(local, 0), axis=1).min()
 
 
+@functools.cache
+def stepper(spec):
+    template = Template(CONFIG, spec)
+    return template, jax.jit(jax.vmap(functools.partial(physics.step, template), (None, 0, 0, 0)))
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_nobody_is_ever_inside_anything(seed):
     """A cluttered house of boxes at all angles, some tilted, some overhead; held random actions for a minute."""
@@ -110,19 +117,18 @@ def test_nobody_is_ever_inside_anything(seed):
     ]
     fence = [Box((x, 0, 1), (0.05, 3, 1)) for x in (-3, 3)] + [Box((0, y, 1), (3, 0.05, 1)) for y in (-3, 3)]
     bank = make_bank([TinyHouse(static=[*boxes, *fence])])
-    template = Template(CONFIG, bank.spec)
+    template, step = stepper(bank.spec)
     spots = np.array(list(itertools.product(np.arange(-2.6, 2.7, 0.4), repeat=2)))
     free = [p for p in spots if max(depth(np.array([*p, 0.8]), b) for b in boxes) < -0.2][:8]
     assert len(free) >= 4
     feet = jnp.array([[*p, 0.0] for p in free])[:, None]
     house = jnp.zeros(len(free), jnp.int32)
     state = jax.vmap(lambda h, p: physics.reset(template, bank, h, p, jnp.zeros(1)))(house, feet)
-    step = jax.jit(jax.vmap(lambda h, s, a: physics.step(template, bank, h, s, a)))
     way = np.zeros(len(free))
     for tick in range(600):
         if tick % 10 == 0:
             action = jnp.asarray(rng.choice([-1.0, 0.3, 1.0], (len(free), 1, 3)), jnp.float32)
-        before, state = np.asarray(state.qpos[:, :2]), step(house, state, action)
+        before, state = np.asarray(state.qpos[:, :2]), step(bank, house, state, action)
         way += np.linalg.norm(np.asarray(state.qpos[:, :2]) - before, axis=1)
         if tick % 5 == 0:
             for pos in np.asarray(state.qpos[:, :3]):
@@ -153,27 +159,30 @@ def _product(a, b):
     return np.array([[w, -x, -y, -z], [x, w, -z, y], [y, z, w, -x], [z, -y, x, w]]) @ b
 
 
-# A minute each to compile.
-@pytest.mark.parametrize(
-    "name", ["slide", *(pytest.param(name, marks=pytest.mark.slow) for name in ("free", "wardrobe"))]
-)
-def test_gradients_are_those_of_finite_differences(name):
-    """In the open, along a wall, and against a body, half a second after the start."""
+@pytest.fixture(scope="module")
+def end():
+    """Where five steps with one action end, as a number, and its gradient: of an action, a house and a start."""
     bank, template = rollouts.build("kinematic")
-    house = jnp.int32(rollouts.NAMES.index(name))
-    feet = jnp.array([[0.0, 0.0, 0.0]]) + (jnp.array([[1.35, 0, 0]]) if name == "slide" else 0)
-    start = physics.reset(template, bank, house, feet, jnp.zeros(1))
 
-    @jax.jit
-    def end(action):
-        state = start
-        for _ in range(5):
-            state = physics.step(template, bank, house, state, action[None])
+    def run(action, house, feet):
+        def step(state, _):
+            return physics.step(template, bank, house, state, action[None]), None
+
+        begun = physics.reset(template, bank, house, feet, jnp.zeros(1))
+        state, _ = jax.lax.scan(step, begun, None, length=5)
         return state.qpos[0] + 2 * state.qpos[1] + 3 * state.qpos[3]
 
+    return jax.jit(jax.value_and_grad(run))
+
+
+@pytest.mark.parametrize("name", ["slide", "free", "wardrobe"])
+def test_gradients_are_those_of_finite_differences(end, name):
+    """In the open, along a wall, and against a body, half a second after the start."""
+    house, feet = jnp.int32(rollouts.NAMES.index(name)), jnp.array([[1.35 * (name == "slide"), 0.0, 0.0]])
     action = jnp.array([0.6, 0.3, 0.1])
-    numbers = [(end(action.at[i].add(1e-2)) - end(action.at[i].add(-1e-2))) / 2e-2 for i in range(3)]
-    assert_allclose(jax.grad(end)(action), numbers, atol=2e-3)
+    ends = [[end(action.at[i].add(way), house, feet)[0] for way in (1e-2, -1e-2)] for i in range(3)]
+    numbers = [(ahead - behind) / 2e-2 for ahead, behind in ends]
+    assert_allclose(end(action, house, feet)[1], numbers, atol=2e-3)
 
 
 def test_an_environment_takes_it():

@@ -59,9 +59,12 @@ task_address = symbol_address(TASK)
 compiled = njit(error_model="numpy")
 
 
-def build_handler() -> tuple[Any, Any]:
-    """The task and the handler, compiled or loaded from Numba's cache on disk; keep both as long as XLA may call."""
-    # The cache watches this file only. That the functions name the digest makes it tell versions of the rest apart.
+def sources_digest() -> int:
+    """Of the files that the step is compiled from.
+
+    Numba's cache watches the file of the compiled function only. That the function names the digest makes the cache
+    tell versions of the rest apart.
+    """
     parts: tuple[Any, ...] = (
         ffi,
         memory,
@@ -82,7 +85,12 @@ def build_handler() -> tuple[Any, Any]:
         state,
         touch,
     )
-    digest = ffi.digest(*(part.__file__ for part in parts))
+    return ffi.digest(*(part.__file__ for part in parts))
+
+
+def build_handler() -> tuple[Any, Any]:
+    """The task and the handler, compiled or loaded from Numba's cache on disk; keep both as long as XLA may call."""
+    digest = sources_digest()
 
     @cfunc(types.intp(types.intp), cache=True)
     @no_type_check

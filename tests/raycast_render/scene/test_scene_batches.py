@@ -48,7 +48,8 @@ def test_scenes_that_cross_the_border_of_vmap_give_what_scenes_inside_do(bank, b
     assert jax.tree.map(jnp.shape, scenes.bank) == jax.tree.map(jnp.shape, bank)
     assert scenes.house.shape == (E,)
     outside = jax.jit(jax.vmap(sense, in_axes=(Scene.axes(), 0)))(scenes, eyes)
-    jax.tree.map(np.testing.assert_array_equal, inside, outside)
+    # Two programs: XLA may round them differently.
+    jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, atol=0 if sense is see else 1e-6), inside, outside)
 
 
 def shapes_of(jaxpr):

@@ -229,8 +229,8 @@ def test_more_samples_smooth_edges_and_leave_other_images_alone():
 
     for preset in ("fast", "lit"):
         one, many = look(preset, 1), look(preset, 12)
-        for kind in ("depth", "instance"):
-            np.testing.assert_array_equal(one[kind], many[kind])
+        np.testing.assert_array_equal(one["instance"], many["instance"])
+        np.testing.assert_allclose(one["depth"], many["depth"], rtol=1e-6)  # two programs round differently
         difference = abs(np.asarray(one["rgb"], int) - np.asarray(many["rgb"], int)).max(axis=-1)
         post = np.asarray(one["instance"]) == 0
         edge = post ^ np.roll(post, 1, axis=1)
@@ -239,13 +239,15 @@ def test_more_samples_smooth_edges_and_leave_other_images_alone():
 
 def test_no_lights_at_all_show_what_is_reflected_and_nothing_breaks():
     bank = HouseBank.from_compiled([shoebox()])
-    image = render(scene_of(bank), camera_at(), Lens(8, 8), kinds=("rgb",), preset="lit")["rgb"]
-    assert (np.asarray(image) == 0).all(), "a closed room without lights is dark"
-    none = Lit(num_lights=0)
-    image = render(scene_of(bank), camera_at(), Lens(8, 8), kinds=("rgb",), preset=none)["rgb"]
-    assert (np.asarray(image) == 0).all()
-    up = camera_at(0.0, 0.0, 10.0, quat=[0.0, 1, 0, 0])
-    sky = np.asarray(render(scene_of(bank), up, Lens(8, 8), kinds=("rgb",), preset="lit")["rgb"])
+
+    def looker(preset):
+        look = jax.jit(lambda b, camera: render(scene_of(b), camera, Lens(8, 8), kinds=("rgb",), preset=preset)["rgb"])
+        return lambda camera: np.asarray(look(bank, camera))
+
+    look = looker("lit")
+    assert (look(camera_at()) == 0).all(), "a closed room without lights is dark"
+    assert (looker(Lit(num_lights=0))(camera_at()) == 0).all()
+    sky = look(camera_at(0.0, 0.0, 10.0, quat=[0.0, 1, 0, 0]))
     assert (sky[..., 2] >= sky[..., 0]).all()
     assert sky.min() > 100
 

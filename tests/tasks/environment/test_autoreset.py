@@ -27,48 +27,62 @@ def params(core):
 
 
 @pytest.fixture(scope="module")
-def plain(core):
-    return checked(jax.jit(jax.vmap(core.step, (None, 0, 0))))
+def program(core):
+    """A step without automatic resets."""
+    return jax.jit(jax.vmap(core.step, (None, 0, 0)))
 
 
 @pytest.fixture(scope="module")
-def auto(core, params):
+def plain(program):
+    return checked(program)
+
+
+@pytest.fixture(scope="module")
+def lowered(core, params):
     """Last images of up to two environments are rendered alone, of more for the whole batch."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("home_mjx.tasks.environment.autoreset.FEW", 2)
         batch = AutoReset(core, "all")
         shapes = jax.eval_shape(batch.reset, params, keys())
-        step = jax.jit(batch.step).lower(params, shapes, jnp.zeros((NUM, 4))).compile()
-    return batch, checked(step)
+        return batch, jax.jit(batch.step).lower(params, shapes, jnp.zeros((NUM, 4)))
+
+
+@pytest.fixture(scope="module")
+def auto(lowered):
+    batch, program = lowered
+    return jax.jit(batch.reset), checked(program.compile())
+
+
+@pytest.fixture(scope="module")
+def perceive(core):
+    return jax.jit(jax.vmap(core.perceive, (None, 0)))
 
 
 def keys():
     return jax.random.split(jax.random.key(0), NUM)
 
 
-def casts(function, *args) -> int:
+def casts(lowered) -> int:
     """Ray casts in a lowered program."""
-    return jax.jit(function).lower(*args).as_text().count("home_mjx_cast")
+    return lowered.as_text().count("home_mjx_cast")
 
 
-def test_everybody_is_observed_once(core, params):
+def test_everybody_is_observed_once(core, params, program, lowered):
     """Programs of a step with and without automatic resets cast the same rays."""
     states = jax.eval_shape(jax.vmap(core.reset, (None, 0)), params, keys())
-    once = casts(jax.vmap(core.step, (None, 0, 0)), params, states, jnp.zeros((NUM, 4)))
-    counts = {}
-    for choice in ("cheap", "all"):
-        batch = AutoReset(core, choice)
-        states = jax.eval_shape(batch.reset, params, keys())
-        counts[choice] = casts(batch.step, params, states, jnp.zeros((NUM, 4)))
+    once = casts(program.lower(params, states, jnp.zeros((NUM, 4))))
+    batch = AutoReset(core, "cheap")
+    states = jax.eval_shape(batch.reset, params, keys())
     assert once > 0
-    assert counts == {"cheap": once, "all": 3 * once}  # besides: a few, or the whole batch
+    assert casts(jax.jit(batch.step).lower(params, states, jnp.zeros((NUM, 4)))) == once
+    assert casts(lowered[1]) == 3 * once  # besides: a few, or the whole batch
 
 
 @pytest.mark.parametrize("ages", [[0, 2, 1, 2, 0], [2, 2, 1, 2, 2], [0, 1, 0, 1, 0]], ids=["few", "many", "none"])
-def test_final_observations_are_those_before_the_reset(core, params, auto, plain, ages):
+def test_final_observations_are_those_before_the_reset(params, auto, plain, perceive, ages):
     """Environments that end at different steps; a twin without resets says what each saw and heard last."""
-    batch, step = auto
-    states = jax.jit(batch.reset)(params, keys())
+    reset, step = auto
+    states = reset(params, keys())
     ages = jnp.array(ages, jnp.int32)
     states = states.replace(world=states.world.replace(step=ages))
     action = jnp.tile(jnp.array([1.0, 0.0, 0.5, 0.0]), (NUM, 1))
@@ -86,7 +100,7 @@ def test_final_observations_are_those_before_the_reset(core, params, auto, plain
     np.testing.assert_allclose(new.reward, twin.reward, atol=1e-5)
     # The first frame of an episode does not fade from the last one's response.
     np.testing.assert_array_equal(new.world.sensors["audio"].phase[ended], 0)
-    again = jax.jit(jax.vmap(core.perceive, (None, 0)))(params, new)
+    again = perceive(params, new)
     np.testing.assert_allclose(again.obs["audio"][ended], new.obs["audio"][ended], atol=1e-6)
 
 

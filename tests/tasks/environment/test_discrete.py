@@ -1,5 +1,7 @@
 """Discrete actions: how far moves go, where they end, what stop ends, and who takes them."""
 
+import functools
+
 import gymnasium
 import jax
 import jax.numpy as jnp
@@ -37,7 +39,8 @@ class Room:
         self.env = home_mjx.make("PointNav-v0", bank, actions=actions, sensors=("state",), **options)
         self.half = self.env.config.body.height / 2
         self.reset = jax.jit(self.env.core.reset)
-        self.step = checked(jax.jit(self.env.core.step))
+        self.program = jax.jit(self.env.core.step)
+        self.step = checked(self.program)
         self.many = checked(jax.jit(jax.vmap(self.env.core.step, (None, 0, 0))))
 
     def at(self, x: float, y: float, yaw: float, seed: int = 0):
@@ -57,9 +60,15 @@ def pose(state) -> np.ndarray:
     return np.concatenate([qpos[..., [0, 1, 3]], np.asarray(state.world.pitch, float)[..., :1]], axis=-1)
 
 
+@pytest.fixture(scope="module")
+def rooms(bank):
+    """The room of an implementation, made once."""
+    return functools.cache(lambda impl: Room(bank, impl=impl))
+
+
 @pytest.fixture(scope="module", params=IMPLS)
-def room(request, bank):
-    return Room(bank, impl=request.param)
+def room(request, rooms):
+    return rooms(request.param)
 
 
 def expected(before: np.ndarray, name: str, forward: float, turn: float, tilt: float) -> np.ndarray:
@@ -119,9 +128,9 @@ def test_along_a_wall_the_agent_slides(room):
     assert_allclose(turned, 0, atol=1e-5)
 
 
-def test_looks_stay_on_their_grid(bank):
+def test_looks_stay_on_their_grid(rooms):
     """A look that would end beyond `pitch_max` (57.3 degrees) is not done."""
-    room = Room(bank, impl="kinematic")
+    room = rooms("kinematic")
     state, seen = room.at(0, 0, 0), []
     for name in ["look_up"] * 5 + ["look_down"] * 8:
         state = room.do(state, name)
@@ -130,10 +139,10 @@ def test_looks_stay_on_their_grid(bank):
 
 
 @pytest.mark.parametrize("number", [-1, 6, 1000])
-def test_a_number_that_is_no_action_does_nothing(bank, number):
-    room = Room(bank, impl="kinematic")
+def test_a_number_that_is_no_action_does_nothing(rooms, number):
+    room = rooms("kinematic")
     before = room.at(0, 0, 1.0)
-    after = jax.jit(room.env.core.step)(room.env.params, before, jnp.int32(number))
+    after = room.program(room.env.params, before, jnp.int32(number))
     assert_array_equal(pose(after), pose(before))
     assert not after.world.stopped.any()
     assert int(after.world.step) == 1
@@ -165,8 +174,8 @@ def test_stop_declares_arrival(bank):
         assert_allclose(done.reward, progress - 0.01 + 2.5 * success, atol=1e-5)
 
 
-def test_stop_gives_up_where_arrival_needs_no_word(bank):
-    room = Room(bank, impl="kinematic")
+def test_stop_gives_up_where_arrival_needs_no_word(rooms):
+    room = rooms("kinematic")
     start = room.at(0, 0, 0)
     done = room.do(at_goal(room, start, 0.5), "stop")
     assert bool(done.terminated)

@@ -18,8 +18,7 @@ config = make_config(sensors=(*SENSORS, "goal"), width=8, height=8, num_agents=2
 core, params = HouseholdEnv(config), EnvParams(HouseBank.from_compiled([shoebox()]))
 keys = jnp.zeros((2, 2), jnp.uint32)
 reset = jax.jit(jax.vmap(core.reset, (None, 0))).lower(params, keys)
-states = jax.eval_shape(jax.vmap(core.reset, (None, 0)), params, keys)
-step = jax.jit(jax.vmap(core.step, (None, 0, 0))).lower(params, states, jnp.zeros((2, 2, 4)))
+step = jax.jit(jax.vmap(core.step, (None, 0, 0))).lower(params, reset.out_info, jnp.zeros((2, 2, 4)))
 for program in (reset, step):
     sys.stdout.write(program.as_text() + "\\n")
 """

@@ -144,6 +144,8 @@ def test_states_are_kept_and_go_on(begun, step, batch, tmp_path):
         load_states(tmp_path / "all.npz", two)
 
 
+# How MJX breaks is shown above; a step of its own without automatic resets takes long to compile.
+@pytest.mark.parametrize("batch", ["fused", pytest.param("jax", marks=pytest.mark.slow)], indirect=True, scope="module")
 def test_a_step_that_breaks_is_kept_and_breaks_again(begun, step, batch, tmp_path):
     """The second environment breaks, the fourth leaves the lot; automatic resets have gone on when the dump is made."""
     core, path = batch.core.core, tmp_path / "broken.npz"
