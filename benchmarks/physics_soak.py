@@ -112,17 +112,22 @@ def start(template: Template, bank: HouseBank, house: jax.Array, key: jax.Array)
 
 def one(template: Template, bank: HouseBank, house, key, kind, state: PhysicsState, before, at):
     """An environment's next step: state as it begins and ends, actions, whether it broke or lost contacts."""
+    begun, actions = obeyed(template, bank, house, key, kind, state, before, at)
+    state, lost = physics.step_checked(template, bank, house, begun, actions)
+    state = physics.settle(template, bank, house, state)
+    lost = functools.reduce(jnp.logical_or, jax.tree.leaves(lost))
+    return begun, state, actions, physics.is_broken(state), lost
+
+
+def obeyed(template: Template, bank: HouseBank, house, key, kind, state: PhysicsState, before, at):
+    """The state when hands have obeyed their commands, and the actions of the step that follows."""
     drawn = jax.random.split(jax.random.fold_in(key, at), template.layout.num_agents)
     chosen = [choose(template, bank, house, k, kind, at, state, before, a) for a, k in enumerate(drawn)]
     actions, commands = (
         jnp.stack([c[0] for c in chosen]),
         jax.tree.map(lambda *x: jnp.stack(x), *[c[1] for c in chosen]),
     )
-    begun = physics.obey(template, bank, house, state, commands)
-    state, lost = physics.step_checked(template, bank, house, begun, actions)
-    state = physics.settle(template, bank, house, state)
-    lost = functools.reduce(jnp.logical_or, jax.tree.leaves(lost))
-    return begun, state, actions, physics.is_broken(state), lost
+    return physics.obey(template, bank, house, state, commands), actions
 
 
 def between(template: Template, bank: HouseBank, envs, house, state: PhysicsState, actions):

@@ -111,7 +111,10 @@ def measure(model, start: np.ndarray, begins: np.ndarray, num_envs: int) -> dict
         times.append((time.perf_counter() - begun) / STEPS)
     seconds, z = statistics.median(times[1:]), d.qpos.numpy()[:, 2]
     record = {"num_envs": num_envs, "compile_s": round(compiled, 1), "ms": round(1e3 * seconds, 3)}
-    record |= {"env_steps_per_s": round(num_envs / seconds), "physics_steps_per_s": round(num_envs * SUBSTEPS / seconds)}
+    record |= {
+        "env_steps_per_s": round(num_envs / seconds),
+        "physics_steps_per_s": round(num_envs * SUBSTEPS / seconds),
+    }
     most = int(d.nacon.numpy()[0]), int(d.nefc.numpy().max())
     record |= {"contacts": most[0], "constraints": most[1], "overflow": most[0] > d.naconmax or most[1] > d.njmax}
     return record | {"fell": int((z < qpos[:, 2] - 1).sum()), "device": str(wp.get_device().name)}
