@@ -18,6 +18,7 @@ import argparse
 import dataclasses
 import functools
 import json
+import math
 import time
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -26,6 +27,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from soak_look import Boxes, boxes, look
+from tqdm import tqdm
 
 import home_mjx
 from home_mjx import HouseBank, physics
@@ -63,6 +65,7 @@ def main() -> None:
     parser.add_argument("--num-envs", type=int, default=4096)
     parser.add_argument("--num-agents", type=int, default=1)
     parser.add_argument("--steps", type=int, default=2500)
+    parser.add_argument("--seconds", type=float, default=math.inf, help="ends after so long, and says how far it came")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--impl", default="fused")
     parser.add_argument("--sim-dt", type=float, default=Timing().sim_dt)
@@ -71,16 +74,18 @@ def main() -> None:
     timing = Timing(sim_dt=args.sim_dt)
     template = Template(PhysicsConfig(impl=args.impl, timing=timing, num_agents=args.num_agents), bank.spec)
     begun = time.perf_counter()
-    house, seen = soak(template, bank, args.num_envs, args.steps, args.seed)
+    house, seen, steps = soak(template, bank, args.num_envs, args.steps, args.seed, args.seconds)
     record = {"case": f"physics_soak/{args.impl}", "houses": args.houses or "generated", "num_houses": bank.num_houses}
-    record |= {"agent_steps": args.num_envs * args.num_agents * args.steps, "num_agents": args.num_agents}
+    record |= {"agent_steps": args.num_envs * args.num_agents * steps, "num_agents": args.num_agents}
     record |= {"seconds": round(time.perf_counter() - begun, 1), "seed": args.seed, "sim_dt": args.sim_dt}
     print(json.dumps(record | {"device": device_name()}), flush=True)
     report(house, seen, template)
 
 
-def soak(template: Template, bank: HouseBank, num_envs: int, steps: int, seed: int) -> tuple[np.ndarray, Seen]:
-    """The houses of the environments, and what was seen."""
+def soak(
+    template: Template, bank: HouseBank, num_envs: int, steps: int, seed: int, seconds: float = math.inf
+) -> tuple[np.ndarray, Seen, int]:
+    """The houses of the environments, what was seen, and in how many steps."""
     kind = jnp.arange(num_envs) % len(KINDS)
     house = jnp.arange(num_envs) // len(KINDS) % bank.num_houses
     keys = jax.random.split(jax.random.key(seed), num_envs)
@@ -90,7 +95,12 @@ def soak(template: Template, bank: HouseBank, num_envs: int, steps: int, seed: i
     advance = jax.jit(jax.vmap(functools.partial(one, template), (None, 0, 0, 0, 0, 0, None)), donate_argnums=(4, 5))
     look_between = jax.jit(functools.partial(between, template))
     looker = Looker(template, bank, np.asarray(house))
-    for at in range(steps):
+    end = math.inf
+    for at in tqdm(range(steps), desc="soak", unit="step", mininterval=2):
+        end = time.perf_counter() + seconds if at == 1 else end  # what compiles does not count
+        if time.perf_counter() > end:
+            steps = at
+            break
         begun, state, actions, broken, lost = advance(bank, house, keys, kind, state, actions, jnp.int32(at))
         before = looker.seen.now.copy()
         looker.add(at, np.asarray(state.qpos), np.asarray(state.qvel), np.asarray(broken), np.asarray(lost))
@@ -100,7 +110,7 @@ def soak(template: Template, bank: HouseBank, num_envs: int, steps: int, seed: i
             some = np.flatnonzero(deep)[first : first + CHUNK]
             looks = look_between(bank, np.resize(some, CHUNK), house, begun, actions)
             looker.time(some, before, [np.asarray(x)[:, : len(some)] for x in looks])
-    return looker.house, looker.seen
+    return looker.house, looker.seen, steps
 
 
 def start(template: Template, bank: HouseBank, house: jax.Array, key: jax.Array) -> PhysicsState:
