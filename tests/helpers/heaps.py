@@ -15,29 +15,31 @@ def unit(quats: np.ndarray) -> np.ndarray:
     return quats / np.linalg.norm(quats, axis=-1, keepdims=True)
 
 
-def heap(rng) -> tuple[Oracle, np.ndarray, np.ndarray, np.ndarray]:
+def heap(rng, num_bodies: int = BODIES) -> tuple[Oracle, np.ndarray, np.ndarray, np.ndarray]:
     """Agents, bodies and doors in one heap with static boxes, moving: all touch several others, many deeply."""
     static = Boxes(
         rng.uniform(-1.2, 1.2, (STATIC, 3)), rng.normal(size=(STATIC, 4)), rng.uniform(0.05, 0.8, (STATIC, 3))
     )
     static.pos[:, 2] = rng.uniform(0, 1, STATIC)
     static.quat[: STATIC // 2, 1:3] = 0
-    bodies = Boxes(rng.uniform(-1, 1, (BODIES, 3)), rng.normal(size=(BODIES, 4)), rng.uniform(0.08, 0.4, (BODIES, 3)))
-    bodies.pos[:, 2] = rng.uniform(0.1, 1.2, BODIES)
-    bodies.quat[: BODIES // 2, 1:3] *= 0.05
+    size = num_bodies, 3
+    bodies = Boxes(rng.uniform(-1, 1, size), rng.normal(size=(num_bodies, 4)), rng.uniform(0.08, 0.4, size))
+    bodies.pos[:, 2] = rng.uniform(0.1, 1.2, num_bodies)
+    bodies.quat[: num_bodies // 2, 1:3] *= 0.05
     static, bodies = static._replace(quat=unit(static.quat)), bodies._replace(quat=unit(bodies.quat))
     config = PhysicsConfig(num_agents=AGENTS)
-    oracle = Oracle(config, static, bodies, rng.uniform(1, 60, BODIES), leaves(rng), surfaces(rng, config))
+    mass = rng.uniform(1, 60, num_bodies)
+    oracle = Oracle(config, static, bodies, mass, leaves(rng), surfaces(rng, config, num_bodies))
     agents = np.c_[rng.uniform(-1, 1, (AGENTS, 2)), rng.uniform(0.75, 0.82, AGENTS), rng.uniform(-3, 3, AGENTS)]
     low, high = oracle.doors.range.T  # some beyond the ends of their ways
     qpos = np.r_[agents.ravel(), np.c_[bodies.pos, bodies.quat].ravel(), rng.uniform(low - 0.1, high + 0.1)]
-    return oracle, qpos, 0.5 * rng.normal(size=4 * AGENTS + 6 * BODIES + DOORS), rng.uniform(-1, 1, (AGENTS, 3))
+    return oracle, qpos, 0.5 * rng.normal(size=4 * AGENTS + 6 * num_bodies + DOORS), rng.uniform(-1, 1, (AGENTS, 3))
 
 
-def surfaces(rng, config) -> np.ndarray:
+def surfaces(rng, config, num_bodies: int) -> np.ndarray:
     """Of bodies of all kinds: slippery and rough ones, those that bounce and others."""
-    ratio = [damping_ratio(e) for e in rng.choice([0.0, 0.1, 0.3, 0.6, 0.9], BODIES)]
-    return np.stack([rng.uniform(0.1, 1, BODIES), *contact_numbers(np.array(ratio), config.timing.sim_dt)], axis=1)
+    ratio = [damping_ratio(e) for e in rng.choice([0.0, 0.1, 0.3, 0.6, 0.9], num_bodies)]
+    return np.stack([rng.uniform(0.1, 1, num_bodies), *contact_numbers(np.array(ratio), config.timing.sim_dt)], axis=1)
 
 
 def leaves(rng) -> Leaves:

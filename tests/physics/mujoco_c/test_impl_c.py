@@ -121,6 +121,17 @@ def test_a_heap_accelerates_as_in_the_templates_model(rng):
     assert total > 300
 
 
+@pytest.mark.parametrize("seed", [33, 149])
+def test_large_heaps_converge_as_the_sparse_jacobian_does_not(seed):
+    """MuJoCo would choose that from 60 numbers on; Newton's method then ends far from the minimum after 100 steps."""
+    oracle, qpos, qvel, action = heap(np.random.default_rng(seed), 12)
+    truth, _ = oracle.accelerations(qpos, qvel, action)
+    moved = heap_in_c(oracle).step(qpos, qvel, np.zeros_like(qvel), oracle.data.qfrc_actuator)
+    _, _, fused, _, _ = oracle.fused(qpos, qvel, action)
+    for found in (moved.qacc, fused):
+        assert_allclose(found, truth, atol=1e-6 * np.abs(truth).max())
+
+
 def test_state_of_environments_is_their_own(bank):
     """A batch of both houses, each twice, is each alone, to the last bit."""
     template = Template(PhysicsConfig(impl="c"), bank.spec)
