@@ -71,7 +71,7 @@ class Case(NamedTuple):
     """An implementation, and how many states it steps."""
 
     impl: str
-    device: jax.Device
+    device: Any  # a `jax.Device`
     count: int
 
     @property
