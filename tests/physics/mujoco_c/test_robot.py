@@ -11,10 +11,9 @@ from numpy.testing import assert_allclose
 from robots import WHEELED
 
 from home_mjx.datasets.procedural.dataset import generate_dataset
-from home_mjx.datasets.suncg.dataset import open_dataset
 from home_mjx.errors import ConfigError
 from home_mjx.physics import ModelInC, robot_in_house
-from home_mjx.scene_compile.pipeline.compile import compile_house
+from home_mjx.scene_compile.cache.house_set import HouseSet
 
 SUBSTEPS, DT = 5, 0.01
 DRIVE = np.array([8.0, 8.0, 0.5], np.float32)  # [rad/s] of both wheels, [rad] of the arm
@@ -100,9 +99,7 @@ def test_a_robot_pushes_what_is_movable():
 
 
 def test_doors_meet_the_robot_but_not_the_house(tmp_path):
-    (house_id,) = generate_dataset(tmp_path, [0])
-    dataset = open_dataset(tmp_path)
-    house = compile_house(dataset.load_house(house_id), dataset.metadata)
+    (house,) = HouseSet(tmp_path, ids=generate_dataset(tmp_path, [0])).load()
     x, y, _ = house.doors.pos[0]
     spec = robot_in_house(house, mujoco.MjSpec.from_string(WHEELED), (x, y, 0.02), visuals=False)
     model = spec.compile()

@@ -10,8 +10,8 @@ from home_mjx.datasets.procedural.dataset import generate_dataset
 from home_mjx.datasets.suncg.dataset import open_dataset
 from home_mjx.physics.base.touch import FLOOR, NOTHING, STATIC
 from home_mjx.raycast_render.scene.scene import make_scene
+from home_mjx.scene_compile.cache.house_set import HouseSet
 from home_mjx.scene_compile.materials.contact import CONTACTS, HEAVY, RUBBER, USUAL
-from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.scene_compile.semantics.engine import house_semantics
 from home_mjx.schema.categories import coarse_index
 from home_mjx.schema.material_kinds import MATERIAL_KINDS
@@ -26,7 +26,7 @@ class World:
         ids = generate_dataset(root, [0, 1])
         dataset = open_dataset(root)
         files = [dataset.load_house(i) for i in ids]
-        houses = [compile_house(file, dataset.metadata) for file in files]
+        houses = HouseSet(dataset, ids=ids).load()
         self.bank, self.house = HouseBank.from_compiled(houses), houses[1]
         self.file = house_semantics(files[1], dataset.metadata)
 

@@ -17,9 +17,9 @@ from home_mjx.tasks import SENSORS, make_config
 config = make_config(sensors=(*SENSORS, "goal"), width=8, height=8, num_agents=2, rgb_preset=sys.argv[1])
 core, params = HouseholdEnv(config), EnvParams(HouseBank.from_compiled([shoebox()]))
 keys = jnp.zeros((2, 2), jnp.uint32)
-reset = jax.jit(jax.vmap(core.reset, (None, 0))).lower(params, keys)
-step = jax.jit(jax.vmap(core.step, (None, 0, 0))).lower(params, reset.out_info, jnp.zeros((2, 2, 4)))
-for program in (reset, step):
+begin = jax.jit(jax.vmap(core.begin, (None, 0))).lower(params, keys)  # a reset is this and what a step ends with
+step = jax.jit(jax.vmap(core.step, (None, 0, 0))).lower(params, begin.out_info, jnp.zeros((2, 2, 4)))
+for program in (begin, step):
     sys.stdout.write(program.as_text() + "\\n")
 """
 
