@@ -9,12 +9,17 @@ them, so that heaps arise; that turn doors to and fro beside themselves and walk
 Looked for after every step: numbers that are not finite, mobiles outside of the house or with their middle below its
 floor, lost contacts, and depths of mobiles in the house and in one another (`soak_look.py`). One JSON object a line;
 failures name kind, environment, house, step and mobile: the same arguments repeat them.
+
+What bounces can be deep at the ends of two steps and out between them. So a step at whose beginning or end something is
+deep is repeated physics step by physics step: these tell how long it stays so.
 """
 
 import argparse
+import dataclasses
 import functools
 import json
 import time
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import jax
@@ -33,6 +38,7 @@ from home_mjx.schema.timing import Timing
 KINDS = ("drawn", "held", "chases", "turns", "throws", "doors")
 DEEP = 0.02  # [m], that may not last longer than one step
 WORST = 12  # failures that are printed
+CHUNK = 64  # environments that are repeated at once
 
 
 class Seen(NamedTuple):
@@ -40,8 +46,8 @@ class Seen(NamedTuple):
 
     now: np.ndarray  # (2, e, m) [m], depth
     depth: np.ndarray  # (2, e, m) [m], deepest
-    deep: np.ndarray  # (2, e, m) steps on end deeper than DEEP
-    longest: np.ndarray  # (2, e, m) most of them
+    deep: np.ndarray  # (2, e, m) physics steps on end deeper than DEEP
+    longest: np.ndarray  # (2, e, m) most of them, in which a step's beginning or end is
     when: np.ndarray  # (2, e, m) step of the deepest
     outside: np.ndarray  # (e, m) steps outside of the house
     below: np.ndarray  # (e, m) steps below the floor
@@ -82,10 +88,18 @@ def soak(template: Template, bank: HouseBank, num_envs: int, steps: int, seed: i
     actions = jnp.zeros((num_envs, template.layout.num_agents, 3))
     # The bank as an argument: baked in, it would be compiled.
     advance = jax.jit(jax.vmap(functools.partial(one, template), (None, 0, 0, 0, 0, 0, None)), donate_argnums=(4, 5))
+    look_between = jax.jit(functools.partial(between, template))
     looker = Looker(template, bank, np.asarray(house))
     for at in range(steps):
-        state, actions, broken, lost = advance(bank, house, keys, kind, state, actions, jnp.int32(at))
+        begun, state, actions, broken, lost = advance(bank, house, keys, kind, state, actions, jnp.int32(at))
+        before = looker.seen.now.copy()
         looker.add(at, np.asarray(state.qpos), np.asarray(state.qvel), np.asarray(broken), np.asarray(lost))
+        deep = np.any(np.maximum(before, looker.seen.now) > DEEP, axis=(0, 2))
+        looker.seen.deep[:, ~deep] = 0
+        for first in range(0, deep.sum(), CHUNK):
+            some = np.flatnonzero(deep)[first : first + CHUNK]
+            looks = look_between(bank, np.resize(some, CHUNK), house, begun, actions)
+            looker.time(some, before, [np.asarray(x)[:, : len(some)] for x in looks])
     return looker.house, looker.seen
 
 
@@ -97,18 +111,32 @@ def start(template: Template, bank: HouseBank, house: jax.Array, key: jax.Array)
 
 
 def one(template: Template, bank: HouseBank, house, key, kind, state: PhysicsState, before, at):
-    """An environment's next step: state, actions, whether it broke, whether contacts were lost."""
+    """An environment's next step: state as it begins and ends, actions, whether it broke or lost contacts."""
     drawn = jax.random.split(jax.random.fold_in(key, at), template.layout.num_agents)
     chosen = [choose(template, bank, house, k, kind, at, state, before, a) for a, k in enumerate(drawn)]
     actions, commands = (
         jnp.stack([c[0] for c in chosen]),
         jax.tree.map(lambda *x: jnp.stack(x), *[c[1] for c in chosen]),
     )
-    state = physics.obey(template, bank, house, state, commands)
-    state, lost = physics.step_checked(template, bank, house, state, actions)
+    begun = physics.obey(template, bank, house, state, commands)
+    state, lost = physics.step_checked(template, bank, house, begun, actions)
     state = physics.settle(template, bank, house, state)
     lost = functools.reduce(jnp.logical_or, jax.tree.leaves(lost))
-    return state, actions, physics.is_broken(state), lost
+    return begun, state, actions, physics.is_broken(state), lost
+
+
+def between(template: Template, bank: HouseBank, envs, house, state: PhysicsState, actions):
+    """`qpos` and `qvel` of some environments after each physics step of a step (t, e, ...)."""
+    timing = template.config.timing
+    short = dataclasses.replace(template.config, timing=Timing(ctrl_dt=timing.sim_dt, sim_dt=timing.sim_dt))
+    house, state, actions = jax.tree.map(lambda x: x[envs], (house, state, actions))
+    step = jax.vmap(functools.partial(physics.step, Template(short, bank.spec), bank))
+
+    def substep(state: PhysicsState, _: None) -> tuple[PhysicsState, tuple[jax.Array, jax.Array]]:
+        state = step(house, state, actions)
+        return state, (state.qpos, state.qvel)
+
+    return jax.lax.scan(substep, state, None, length=timing.substeps)[1]
 
 
 def choose(template: Template, bank: HouseBank, house, key, kind, at, state: PhysicsState, before, a: int):
@@ -180,12 +208,8 @@ class Looker:
 
     def add(self, at: int, qpos: np.ndarray, qvel: np.ndarray, broken: np.ndarray, lost: np.ndarray) -> None:
         """Another step's end."""
-        seen, mobile = self.seen, self.mobiles(qpos)
-        awake = self.awake(qvel) | (at == 0)
-        counts = self.layout.num_agents, self.layout.num_doors
-        look(mobile, *counts, awake, self.static, self.house, self.floor, seen.now[0], seen.now[1])
-        seen.deep[:] = np.where(seen.now > DEEP, seen.deep + 1, 0)
-        np.maximum(seen.longest, seen.deep, out=seen.longest)
+        seen, everywhere = self.seen, np.arange(len(self.house))
+        mobile = self.look(everywhere, qpos, self.awake(qvel) | (at == 0), seen.now)
         seen.when[seen.now > seen.depth] = at
         np.maximum(seen.depth, seen.now, out=seen.depth)
         used, plan = mobile.half[..., 0] >= 0, mobile.pos[..., :2]
@@ -194,17 +218,32 @@ class Looker:
         seen.broken[:] += broken
         seen.lost[:] += lost
 
-    def mobiles(self, qpos: np.ndarray) -> Boxes:
+    def time(self, envs: np.ndarray, before: np.ndarray, looks: Sequence[np.ndarray]) -> None:
+        """How long things are deep in some environments, from depths before a step and its physics steps."""
+        depth, deep, longest = (x[:, envs] for x in (before, self.seen.deep, self.seen.longest))
+        for qpos, qvel in zip(*looks, strict=True):
+            self.look(envs, qpos, self.awake(qvel), depth)
+            deep = np.where(depth > DEEP, deep + 1, 0)
+            longest = np.maximum(longest, deep)
+        self.seen.deep[:, envs], self.seen.longest[:, envs] = deep, longest
+
+    def look(self, envs: np.ndarray, qpos: np.ndarray, awake: np.ndarray, depth: np.ndarray) -> Boxes:
+        """Updates depths (2, e, m) of what is awake in some environments; where all their mobiles are."""
+        mobile, counts = self.mobiles(envs, qpos), (self.layout.num_agents, self.layout.num_doors)
+        look(mobile, *counts, awake, self.static, self.house[envs], self.floor, depth[0], depth[1])
+        return mobile
+
+    def mobiles(self, envs: np.ndarray, qpos: np.ndarray) -> Boxes:
         """Agents, bodies and doors."""
-        layout, n = self.layout, len(qpos)
+        layout, n, own = self.layout, len(qpos), jax.tree.map(lambda x: x[envs], self.leaves)
         agents = qpos[:, layout.agent_qpos].reshape(n, -1, 4)
         bodies = qpos[:, layout.body_qpos].reshape(n, -1, 7)
-        leaves = [np.asarray(x) for x in self.turned(self.leaves, qpos[:, layout.door_qpos])]
+        leaves = [np.asarray(x) for x in self.turned(own, qpos[:, layout.door_qpos])]
         upright = np.broadcast_to([1.0, 0.0, 0.0, 0.0], (*agents.shape[:2], 4))
         return boxes(
             np.concatenate([agents[..., :3], bodies[..., :3], leaves[0]], axis=1),
             np.concatenate([upright, bodies[..., 3:], leaves[1]], axis=1),
-            np.concatenate([self.agents, self.bodies, self.leaves.size], axis=1),
+            np.concatenate([self.agents[envs], self.bodies[envs], own.size], axis=1),
         )
 
     def awake(self, qvel: np.ndarray) -> np.ndarray:
@@ -237,12 +276,12 @@ def report(house: np.ndarray, seen: Seen, template: Template) -> None:
                 record[name][where] = {
                     "deepest [m]": round(float(depth.max(initial=0)), 4),
                     "deeper than 2 cm": int((depth > DEEP).sum()),
-                    "longer than a step": int((longest > 1).sum()),
+                    "longer than a step": int((longest > template.config.timing.substeps).sum()),
                 }
         print(json.dumps(record), flush=True)
     depth = seen.depth[0].copy()
     depth[:, columns["doors"]] = 0
-    long = np.where(seen.longest[0] > 1, depth, 0)
+    long = np.where(seen.longest[0] > template.config.timing.substeps, depth, 0)
     failed = long + 10.0 * (seen.outside > 0) + 10.0 * (seen.below > 0)
     order = np.argsort(-failed, axis=None)[: min(WORST, int((failed > 0).sum()))]
     for env, mobile in zip(*np.unravel_index(order, depth.shape), strict=True):

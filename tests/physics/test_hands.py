@@ -8,13 +8,16 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 from numpy.testing import assert_allclose
+from scipy.spatial.transform import Rotation
 from tiny_houses import Box, Door, TinyHouse, make_bank
 
 from home_mjx import physics
 from home_mjx.physics import PhysicsConfig, Template
 from home_mjx.physics.base.servo import FREE
 from home_mjx.physics.hands import THROW_SPEED, TORN, TRIES, Commands, obey, settle
+from home_mjx.scene_compile.geometry.boxes import box_set, overlap
 from home_mjx.schema import Body
+from home_mjx.schema.timing import Timing
 
 CUP, STOOL, SOFA, BOOK = range(4)
 TABLE = Box((1.0, 0.0, 0.35), (0.3, 0.6, 0.35))
@@ -136,6 +139,40 @@ def test_what_is_thrown_flies(fused):
     speed = THROW_SPEED * np.array([0.6, 0.0, 0.8]) - [0, 0, 9.81 * 0.1]
     assert_allclose(thrown.qvel[start : start + 3], speed, atol=0.05)
     assert fused.body(fused.run(thrown, 20), CUP)[0] < 3  # the wall stops it
+
+
+@pytest.mark.parametrize("impl", ["fused", "c"])
+def test_an_edge_that_a_hand_presses_against_an_edge_is_not_2_cm_deep(impl):
+    """MuJoCo finds one contact of two parallel edges, at one end and the other by turns: so hands must be weak.
+
+    A long box stands before the frame of a door, and the hand is behind that and rises.
+    """
+    frame, turned = Box((0, 0, 1.06), (0.064, 0.07, 1.06)), np.radians([80, 80, 88])
+    boxes = [
+        Box((0.094 + x, y, 1.1), (0.475, 0.11, 0.317), yaw=yaw, mass=4, friction=0.35, restitution=0.35)
+        for x, y, yaw in zip((0.191, 0.191, 0.127), (0.2, 0.25, 0.2), turned, strict=True)
+    ]
+    bank = make_bank([TinyHouse(static=[frame], movable=[box]) for box in boxes])
+    template = Template(PhysicsConfig(impl=impl, timing=Timing(ctrl_dt=0.01)), bank.spec)
+    house, agent = jnp.arange(len(boxes)), jnp.array([[-0.4, -1.5, 0.0]])
+    state = jax.vmap(lambda h: physics.reset(template, bank, h, agent, jnp.zeros(1)))(house)
+    state = state.replace(held=jnp.zeros_like(state.held))
+    step = jax.jit(jax.vmap(lambda h, s: physics.step(template, bank, h, s, jnp.zeros((1, 3)))))
+    grip = np.stack([[*(np.array(box.pos) - [0.4, 0, 0] - np.asarray(state.qpos[0, :3])), *box.quat] for box in boxes])
+    deepest = 0.0
+    for _ in range(120):
+        grip[:, 2] += 0.003
+        state = step(house, state.replace(grip=jnp.array(grip[:, None], jnp.float32)))
+        deepest = max(deepest, *(depth_in(np.asarray(pose), boxes[0].size, frame) for pose in state.qpos[:, 4:11]))
+    assert 0.01 < deepest < 0.02
+
+
+def depth_in(pose: np.ndarray, half: tuple[float, ...], other: Box) -> float:
+    """How deep a box that stands upright is in another one [m]."""
+    yaw, *tilt = Rotation.from_quat(pose[3:], scalar_first=True).as_euler("zyx")
+    assert_allclose(tilt, 0, atol=0.05)
+    both = box_set(np.stack([pose[:3], other.pos]), np.stack([half, other.size]), np.array([yaw, other.yaw]))
+    return overlap(both[:1], both[1:])[0]
 
 
 def test_a_thing_that_is_stuck_is_torn_away(fused):
