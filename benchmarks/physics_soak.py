@@ -107,9 +107,10 @@ def soak(
         deep = np.any(np.maximum(before, looker.seen.now) > DEEP, axis=(0, 2))
         looker.seen.deep[:, ~deep] = 0
         for first in range(0, deep.sum(), CHUNK):
-            some = np.flatnonzero(deep)[first : first + CHUNK]
-            looks = look_between(bank, np.resize(some, CHUNK), house, begun, actions)
-            looker.time(some, before, [np.asarray(x)[:, : len(some)] for x in looks])
+            # Always as many, some of them several times: another number would be compiled anew.
+            some = np.resize(np.flatnonzero(deep)[first : first + CHUNK], CHUNK)
+            looks = look_between(bank, some, house, begun, actions)
+            looker.time(some, before, [np.asarray(x) for x in looks])
     return looker.house, looker.seen, steps
 
 
@@ -294,14 +295,15 @@ def report(house: np.ndarray, seen: Seen, template: Template) -> None:
                     "longer than a step": int((longest > template.config.timing.substeps).sum()),
                 }
         print(json.dumps(record), flush=True)
-    depth = seen.depth[0].copy()
-    depth[:, columns["doors"]] = 0
-    long = np.where(seen.longest[0] > template.config.timing.substeps, depth, 0)
-    failed = long + 10.0 * (seen.outside > 0) + 10.0 * (seen.below > 0)
+    depth = seen.depth.copy()
+    depth[0, :, columns["doors"]] = 0
+    long = np.where(seen.longest > template.config.timing.substeps, depth, 0)
+    failed = long.max(axis=0) + 10.0 * (seen.outside > 0) + 10.0 * (seen.below > 0)
     order = np.argsort(-failed, axis=None)[: min(WORST, int((failed > 0).sum()))]
-    for env, mobile in zip(*np.unravel_index(order, depth.shape), strict=True):
+    for env, mobile in zip(*np.unravel_index(order, failed.shape), strict=True):
         found = {"kind": KINDS[env % len(KINDS)], "env": int(env), "house": int(house[env]), "mobile": int(mobile)}
-        found |= {key: round(float(getattr(seen, key)[0, env, mobile]), 4) for key in ("depth", "when", "longest")}
+        for key in ("depth", "when", "longest"):  # in the house, and in mobiles
+            found[key] = [round(float(x), 4) for x in getattr(seen, key)[:, env, mobile]]
         found |= {key: int(getattr(seen, key)[env, mobile]) for key in ("outside", "below")}
         print(json.dumps(found), flush=True)
 
