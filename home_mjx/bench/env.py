@@ -4,7 +4,6 @@ from collections.abc import Callable
 from typing import Any
 
 import jax
-import jax.numpy as jnp
 
 from home_mjx.bench import timing
 from home_mjx.bench.record import Record, Settings, make_record
@@ -25,9 +24,9 @@ def _steps(settings: Settings, case: str, **options: Any) -> Record:
     env = make("PointNav-v0", settings.bank, episode_length=10**6, **options)
     keys = jax.random.key_data(jax.random.split(jax.random.key(0), settings.num_envs))
     states = jax.jit(jax.vmap(env.core.reset, (None, 0)))(env.params, keys)
-    actions = jnp.full((settings.num_envs, env.action_size), 0.5, jnp.float32)
-    step, seconds = timing.compiled(jax.vmap(env.core.step, (None, 0, 0)), env.params, states, actions)
-    rate = timing.calls_per_second(step, env.params, states, actions, seconds=settings.seconds)
+    actions = timing.drawn_actions((settings.num_envs, env.action_size))
+    step, seconds = timing.compiled(jax.vmap(env.core.step, (None, 0, 0)), env.params, states, actions[0])
+    rate = timing.steps_per_second(lambda s, a: step(env.params, s, a), states, actions, settings.seconds)
     note = f"PointNav-v0 with {', '.join(env.config.sensors or ())}; {settings.houses}"
     steps = rate * settings.num_envs
     return make_record(case, steps, "steps/s", note, num_envs=settings.num_envs, compile_seconds=seconds)

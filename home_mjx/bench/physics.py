@@ -43,10 +43,10 @@ def _record(settings: Settings, case: str, impl: str, peer: tuple[str, float] | 
     yaw = jnp.zeros((settings.num_envs, 1), jnp.float32)
     reset = jax.jit(jax.vmap(lambda *args: physics.reset(template, bank, *args)))
     data = reset(houses, starts[:, None], yaw)
-    action = jnp.full((settings.num_envs, 1, 3), 0.5, jnp.float32)
+    actions = timing.drawn_actions((settings.num_envs, 1, 3))
     function = jax.vmap(lambda bank, *args: physics.step(template, bank, *args), (None, 0, 0, 0))
-    program, seconds = timing.compiled(function, bank, houses, data, action)
-    rate = timing.calls_per_second(program, bank, houses, data, action, seconds=settings.seconds)
+    program, seconds = timing.compiled(function, bank, houses, data, actions[0])
+    rate = timing.steps_per_second(lambda s, a: program(bank, houses, s, a), data, actions, settings.seconds)
     value = rate * settings.num_envs
     note = f"{config.timing.substeps} x {config.timing.sim_dt} s, {bank.spec.num_bodies} bodies; {settings.houses}"
     return make_record(

@@ -1,14 +1,17 @@
 """Steps per second: compile and run are timed apart."""
 
+import math
 import resource
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import jax
 
 from home_mjx.core.workers import usable_cores
+
+WARM, NUM_ACTIONS = 10, 8
 
 
 def compiled(function: Callable[..., Any], *args: Any) -> tuple[Callable[..., Any], float]:
@@ -26,6 +29,30 @@ def calls_per_second(program: Callable[..., Any], *args: Any, seconds: float = 1
         jax.block_until_ready(program(*args))
         calls += 1
     return calls / (time.perf_counter() - start)
+
+
+def steps_per_second(
+    step: Callable[[Any, jax.Array], Any], state: Any, actions: Sequence[jax.Array], seconds: float = 1.0
+) -> float:
+    """Rate of a compiled step from state to state, with actions in turn.
+
+    After a reset everything is awake and settles. So what is timed begins after `WARM` steps, or as many as fit into
+    `seconds`.
+    """
+    rates = []
+    for most in (WARM, math.inf):
+        start, calls = time.perf_counter(), 0
+        while time.perf_counter() - start < seconds and calls < most:
+            state = jax.block_until_ready(step(state, actions[calls % len(actions)]))
+            calls += 1
+        rates.append(calls / (time.perf_counter() - start))
+    return rates[-1]
+
+
+def drawn_actions(shape: tuple[int, ...]) -> list[jax.Array]:
+    """Actions in [-1, 1] for some steps."""
+    keys = jax.random.split(jax.random.key(0), NUM_ACTIONS)
+    return [jax.random.uniform(key, shape, minval=-1.0) for key in keys]
 
 
 def peak_memory_bytes() -> dict[str, int]:
