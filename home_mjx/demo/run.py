@@ -1,5 +1,6 @@
 """The demo from houses to files: compile, walk, draw, measure, and only then move everything into place."""
 
+import functools
 import json
 import time
 from dataclasses import dataclass
@@ -157,17 +158,18 @@ def make_walkers(env: BoundEnv[HouseholdEnv], states: State, pos: np.ndarray) ->
 
 def measure(env: BoundEnv[HouseholdEnv], states: State) -> tuple[dict[str, float], dict[str, float]]:
     """Environment steps per second with all sensors, and of physics and each sensor alone; seconds of compiling."""
-    num_envs, actions = states.reward.shape[0], _no_actions(env, states)
+    num_envs, none = states.reward.shape[0], _no_actions(env, states)
+    actions = timing.drawn_actions(none.shape)
     step, seconds_step = _compiled_step(env, states)
-    rates = {"all": num_envs * timing.calls_per_second(step, env.params, states, actions, seconds=2.0)}
-    seconds = {"step with all sensors": seconds_step}
-    programs: dict[str, tuple[Any, tuple]] = {
-        "physics": (jax.vmap(env.core.advance, (None, 0, 0)), (env.params, states, actions))
+    advance, seconds_physics = timing.compiled(jax.vmap(env.core.advance, (None, 0, 0)), env.params, states, none)
+    seconds = {"step with all sensors": seconds_step, "physics": seconds_physics}
+    rates = {
+        name: num_envs * timing.steps_per_second(functools.partial(program, env.params), states, actions, 2.0)
+        for name, program in (("all", step), ("physics", advance))
     }
     for name, kinds in SENSORS_ALONE.items():
         alone = HouseholdEnv(env.config.replace(sensors=kinds), env.task)
-        programs[name] = (jax.vmap(lambda p, s, alone=alone: alone.perceive(p, s).obs, (None, 0)), (env.params, states))
-    for name, (function, args) in programs.items():
-        program, seconds[name] = timing.compiled(function, *args)
-        rates[name] = num_envs * timing.calls_per_second(program, *args)
+        perceive = jax.vmap(lambda p, s, alone=alone: alone.perceive(p, s).obs, (None, 0))
+        program, seconds[name] = timing.compiled(perceive, env.params, states)
+        rates[name] = num_envs * timing.calls_per_second(program, env.params, states)
     return rates, seconds
