@@ -21,6 +21,7 @@ import home_mjx
 from home_mjx import physics
 from home_mjx.physics import PhysicsConfig, Template
 from home_mjx.physics.mujoco_c.mjcf import Rows, house_mjcf
+from home_mjx.physics.reference.slots import half_above_floor
 from home_mjx.schema.timing import Timing
 
 STEPS, CALLS, SUBSTEPS = 20, 5, Timing().substeps
@@ -54,8 +55,9 @@ def main() -> None:
 
 
 def rows_of(bank, house: int, bodies: int) -> Rows:
-    """A house's rows with its first bodies; without bodies, also without doors."""
-    rows = {name: np.array(getattr(bank.physics, name)[house]) for name in Rows._fields}
+    """A house's rows with its first bodies; doors only beside all bodies that the bank has room for."""
+    tables = bank.physics.replace(collider_size=half_above_floor(bank.physics))  # as `impl="c"` does
+    rows = {name: np.array(getattr(tables, name)[house]) for name in Rows._fields}
     rows["body_valid"][bodies:] = False
     rows["door_valid"][:] &= bodies == rows["body_valid"].shape[0]
     return Rows(**rows)
