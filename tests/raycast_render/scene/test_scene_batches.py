@@ -40,7 +40,8 @@ def batch():
     return jnp.array([0, 1, 0]), jnp.array([[-1.0, -1, 1.5], [-2.0, 0, 1.5], [-0.5, -1, 1.2]])
 
 
-@pytest.mark.parametrize("sense", [see, hear])
+# Two programs of sound give the same bits only as users compile them.
+@pytest.mark.parametrize("sense", [see, pytest.param(hear, marks=pytest.mark.slow)])
 def test_scenes_that_cross_the_border_of_vmap_give_what_scenes_inside_do(bank, batch, sense):
     houses, eyes = batch
     inside = jax.jit(jax.vmap(lambda house, eye: sense(place(bank, house), eye)))(houses, eyes)
@@ -48,8 +49,7 @@ def test_scenes_that_cross_the_border_of_vmap_give_what_scenes_inside_do(bank, b
     assert jax.tree.map(jnp.shape, scenes.bank) == jax.tree.map(jnp.shape, bank)
     assert scenes.house.shape == (E,)
     outside = jax.jit(jax.vmap(sense, in_axes=(Scene.axes(), 0)))(scenes, eyes)
-    # Two programs: XLA may round them differently.
-    jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, atol=0 if sense is see else 1e-6), inside, outside)
+    jax.tree.map(np.testing.assert_array_equal, inside, outside)
 
 
 def shapes_of(jaxpr):

@@ -217,6 +217,7 @@ def test_tone_mapping_keeps_order_and_ends():
     )
 
 
+@pytest.mark.slow  # two programs give the same bits only as users compile them
 def test_more_samples_smooth_edges_and_leave_other_images_alone():
     bank = HouseBank.from_compiled([shoebox(furniture=(POST,))])
     bank = bank.replace(lights=bank.lights.replace(ambient=jnp.ones_like(bank.lights.ambient)))
@@ -229,8 +230,8 @@ def test_more_samples_smooth_edges_and_leave_other_images_alone():
 
     for preset in ("fast", "lit"):
         one, many = look(preset, 1), look(preset, 12)
-        np.testing.assert_array_equal(one["instance"], many["instance"])
-        np.testing.assert_allclose(one["depth"], many["depth"], rtol=1e-6)  # two programs round differently
+        for kind in ("depth", "instance"):
+            np.testing.assert_array_equal(one[kind], many[kind])
         difference = abs(np.asarray(one["rgb"], int) - np.asarray(many["rgb"], int)).max(axis=-1)
         post = np.asarray(one["instance"]) == 0
         edge = post ^ np.roll(post, 1, axis=1)
