@@ -201,11 +201,8 @@ def compare(template: Template, bank: HouseBank, house: np.ndarray, one: After, 
     """The largest difference of each kind of each state, not a number where contacts were left out; and counts."""
     count = min(len(one.lost), len(two.lost))
     one, two = (After(*(x[:count] for x in given)) for given in (one, two))
-    layout, valid = (
-        template.layout,
-        [np.asarray(x)[house[:count]] for x in (bank.physics.body_valid, bank.physics.door_valid)],
-    )
-    differ = differences(layout, one, two, *valid)
+    valid = [np.asarray(x)[house[:count]] for x in (bank.physics.body_valid, bank.physics.door_valid)]
+    differ = differences(template.layout, one, two, *valid)
     lost, same = one.lost | two.lost, np.all(one.touched == two.touched, axis=-1)
     differ = {name: np.where(lost, np.nan, value) for name, value in differ.items()}
     counts = {"states": count, "left contacts out": [int(one.lost.sum()), int(two.lost.sum())]}

@@ -1,5 +1,6 @@
 """The whole environment step."""
 
+import functools
 from collections.abc import Callable
 from typing import Any
 
@@ -26,7 +27,7 @@ def _steps(settings: Settings, case: str, **options: Any) -> Record:
     states = jax.jit(jax.vmap(env.core.reset, (None, 0)))(env.params, keys)
     actions = timing.drawn_actions((settings.num_envs, env.action_size))
     step, seconds = timing.compiled(jax.vmap(env.core.step, (None, 0, 0)), env.params, states, actions[0])
-    rate = timing.steps_per_second(lambda s, a: step(env.params, s, a), states, actions, settings.seconds)
+    rate = timing.steps_per_second(functools.partial(step, env.params), states, actions, settings.seconds)
     note = f"PointNav-v0 with {', '.join(env.config.sensors or ())}; {settings.houses}"
     steps = rate * settings.num_envs
     return make_record(case, steps, "steps/s", note, num_envs=settings.num_envs, compile_seconds=seconds)

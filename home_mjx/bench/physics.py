@@ -1,5 +1,6 @@
 """Bodies and agents alone: no images, no sound."""
 
+import functools
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -46,7 +47,7 @@ def _record(settings: Settings, case: str, impl: str, peer: tuple[str, float] | 
     actions = timing.drawn_actions((settings.num_envs, 1, 3))
     function = jax.vmap(lambda bank, *args: physics.step(template, bank, *args), (None, 0, 0, 0))
     program, seconds = timing.compiled(function, bank, houses, data, actions[0])
-    rate = timing.steps_per_second(lambda s, a: program(bank, houses, s, a), data, actions, settings.seconds)
+    rate = timing.steps_per_second(functools.partial(program, bank, houses), data, actions, settings.seconds)
     value = rate * settings.num_envs
     note = f"{config.timing.substeps} x {config.timing.sim_dt} s, {bank.spec.num_bodies} bodies; {settings.houses}"
     return make_record(

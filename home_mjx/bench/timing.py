@@ -1,5 +1,6 @@
 """Steps per second: compile and run are timed apart."""
 
+import itertools
 import math
 import resource
 import sys
@@ -11,7 +12,8 @@ import jax
 
 from home_mjx.core.workers import usable_cores
 
-WARM, NUM_ACTIONS = 10, 8
+WARM = 10  # steps after a reset that are not timed
+NUM_ACTIONS = 8
 
 
 def compiled(function: Callable[..., Any], *args: Any) -> tuple[Callable[..., Any], float]:
@@ -23,12 +25,12 @@ def compiled(function: Callable[..., Any], *args: Any) -> tuple[Callable[..., An
 
 def calls_per_second(program: Callable[..., Any], *args: Any, seconds: float = 1.0) -> float:
     """Rate of a compiled function, after one call to warm up."""
-    jax.block_until_ready(program(*args))
-    start, calls = time.perf_counter(), 0
-    while time.perf_counter() - start < seconds:
+
+    def call() -> None:
         jax.block_until_ready(program(*args))
-        calls += 1
-    return calls / (time.perf_counter() - start)
+
+    call()
+    return _rate(call, seconds)
 
 
 def steps_per_second(
@@ -39,14 +41,23 @@ def steps_per_second(
     After a reset everything is awake and settles. So what is timed begins after `WARM` steps, or as many as fit into
     `seconds`.
     """
-    rates = []
-    for most in (WARM, math.inf):
-        start, calls = time.perf_counter(), 0
-        while time.perf_counter() - start < seconds and calls < most:
-            state = jax.block_until_ready(step(state, actions[calls % len(actions)]))
-            calls += 1
-        rates.append(calls / (time.perf_counter() - start))
-    return rates[-1]
+    turns = itertools.cycle(actions)
+
+    def advance() -> None:
+        nonlocal state
+        state = jax.block_until_ready(step(state, next(turns)))
+
+    _rate(advance, seconds, WARM)
+    return _rate(advance, seconds)
+
+
+def _rate(call: Callable[[], None], seconds: float, most: float = math.inf) -> float:
+    """Calls per second of so many seconds, or of `most` calls."""
+    start, calls = time.perf_counter(), 0
+    while time.perf_counter() - start < seconds and calls < most:
+        call()
+        calls += 1
+    return calls / (time.perf_counter() - start)
 
 
 def drawn_actions(shape: tuple[int, ...]) -> list[jax.Array]:
