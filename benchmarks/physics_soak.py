@@ -287,7 +287,7 @@ def report(house: np.ndarray, seen: Seen, template: Template) -> None:
             record[name] = {key: int((getattr(seen, key)[rows, part] > 0).sum()) for key in ("outside", "below")}
             for place, where in enumerate(("in the house", "in mobiles")):
                 if name == "doors" and place == 0:
-                    continue  # their range of angles is clear of the house; hinges hold them
+                    continue  # is not looked for
                 depth, longest = seen.depth[place, rows, part], seen.longest[place, rows, part]
                 record[name][where] = {
                     "deepest [m]": round(float(depth.max(initial=0)), 4),
@@ -295,9 +295,7 @@ def report(house: np.ndarray, seen: Seen, template: Template) -> None:
                     "longer than a step": int((longest > template.config.timing.substeps).sum()),
                 }
         print(json.dumps(record), flush=True)
-    depth = seen.depth.copy()
-    depth[0, :, columns["doors"]] = 0
-    long = np.where(seen.longest > template.config.timing.substeps, depth, 0)
+    long = np.where(seen.longest > template.config.timing.substeps, seen.depth, 0)
     failed = long.max(axis=0) + 10.0 * (seen.outside > 0) + 10.0 * (seen.below > 0)
     order = np.argsort(-failed, axis=None)[: min(WORST, int((failed > 0).sum()))]
     for env, mobile in zip(*np.unravel_index(order, failed.shape), strict=True):

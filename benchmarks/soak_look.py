@@ -1,7 +1,8 @@
 """How deep agents, things and doors are in walls, furniture and one another: for `physics_soak.py`.
 
 By the separating axis theorem and the distance of a capsule's axis, which are formulas of their own: the physics finds
-its contacts otherwise. Only what is awake is looked at: what sleeps has not moved since.
+its contacts otherwise. Only what is awake is looked at, and what was in another mobile, which may have left it since:
+what sleeps has not moved.
 """
 
 from typing import NamedTuple
@@ -55,21 +56,23 @@ def look(mobile, agents, doors, awake, static, house, floor, in_static, in_mobil
         static: `Boxes` of each house.
         house: (n,), of each environment.
         floor: (h,) [m], heights of the floors.
-        in_static: (n, m), updated.
+        in_static: (n, m), updated; not of doors, whose range of angles is clear of the house: hinges hold them.
         in_mobile: (n, m), updated.
     """
     envs, mobiles = awake.shape
+    hinged = mobiles - doors
     for e in numba.prange(envs):
         for m in range(mobiles):
-            if not awake[e, m] or mobile.half[e, m, 0] < 0:
+            if mobile.half[e, m, 0] < 0 or not (awake[e, m] or in_mobile[e, m] > 0):
                 continue
-            depth = floor[house[e]] - mobile.pos[e, m, 2] + mobile.reach[e, m, 2]
-            for k in range(static.pos.shape[1]):
-                depth = max(depth, _depth(mobile, e, m, agents, static, house[e], k, 0))
-            in_static[e, m] = max(depth, 0.0)
+            if m < hinged and awake[e, m]:
+                depth = floor[house[e]] - mobile.pos[e, m, 2] + mobile.reach[e, m, 2]
+                for k in range(static.pos.shape[1]):
+                    depth = max(depth, _depth(mobile, e, m, agents, static, house[e], k, 0))
+                in_static[e, m] = max(depth, 0.0)
             depth = 0.0
             for k in range(mobiles):
-                if k != m and min(k, m) < mobiles - doors:
+                if k != m and min(k, m) < hinged:
                     depth = max(depth, _depth(mobile, e, m, agents, mobile, e, k, agents))
             in_mobile[e, m] = depth
 

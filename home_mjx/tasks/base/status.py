@@ -29,7 +29,7 @@ class Status(IntFlag):
     ACTION = 64  # a number of the action was NaN, which counted as 0, or out of range: clipped, or no discrete action
 
     @classmethod
-    def names(cls, status: int | np.integer) -> list[str]:
+    def names(cls, status: int | np.integer | Int[Array, ""]) -> list[str]:
         """Names of the flags that are set.
 
         Example:

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from jax.typing import ArrayLike
 
@@ -108,7 +109,7 @@ def load_states(path: str | Path, env: BoundEnv) -> State:
             message = f"expected {leaf.dtype} {leaf.shape}, got {array.dtype} {array.shape[1:]}"
             hint = "Make the environment with the options that the states were saved with."
             raise DatasetError(message, file=path, element=jax.tree_util.keystr(place), hint=hint)
-    return jax.tree.unflatten(structure, arrays)
+    return jax.tree.unflatten(structure, [jnp.asarray(array) for array in arrays])
 
 
 def _batch(states: State) -> State:
