@@ -63,7 +63,7 @@ def geodesic_distance(
     # Where a thing stands in the way, distances in its place are other than beside it.
     usable = (rank <= rank[_MIDDLE]) & (rank < NOWHERE)
     usable = usable.at[_MIDDLE].set(True)
-    nearest = navigation.place[_row(cell[_MIDDLE])]
+    nearest = navigation.place[row_of_cell(cell[_MIDDLE])]
     plan = jnp.stack([x, y], axis=-1).at[_MIDDLE].set(nearest[:0:-1].astype(jnp.int32))
     centre = (plan.astype(jnp.float32) + 0.5) * jnp.float32(bank.spec.cell)
     way = jnp.linalg.norm(centre + (navigation.origin[house] - pos[:2])[None], axis=-1)
@@ -101,7 +101,7 @@ def _rank(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Int
     return jnp.where(cell >= 0, rank, NOWHERE)
 
 
-def _row(cell: Int[Array, "*n"]) -> Int[Array, "*n"]:
+def row_of_cell(cell: Int[Array, "*n"]) -> Int[Array, "*n"]:
     """Of entries of `Navigation.cell`: the row of `field` and `place` that counts there."""
     return jnp.where(cell >= 0, cell, ~cell)
 
@@ -110,7 +110,7 @@ def stored_distance(
     field: UInt16[Array, "cell goals"], cell: Int[Array, " n"], goal: Int[Array, "*g"] | None
 ) -> Float[Array, "n ..."]:
     """Distance from cells, as `Navigation.cell` numbers them, to a goal of their house, to some, or to all [m]."""
-    rows = _row(cell)
+    rows = row_of_cell(cell)
     stored = field[rows] if goal is None else field[rows.reshape(-1, *[1] * goal.ndim), goal]
     metres = stored.astype(jnp.float32) * jnp.float32(FIELD_UNIT)
     return jnp.where(stored == jnp.uint16(FIELD_FAR), jnp.float32(jnp.inf), metres)
