@@ -18,7 +18,6 @@ from home_mjx.tasks.rows.task_bank import TaskBank
 from home_mjx.tasks.rows.words import NUM_DESCRIPTORS, NUM_TOKENS, Kind, Word
 
 
-
 @dataclass(frozen=True)
 class Row:
     """One task of a house as a generator writes it.
@@ -127,7 +126,9 @@ def _of_house(
     return found, field_
 
 
-def _start(view: HouseView, field_: np.ndarray, random: np.random.Generator, limits: tuple[float, float]) -> dict | None:
+def _start(
+    view: HouseView, field_: np.ndarray, random: np.random.Generator, limits: tuple[float, float]
+) -> dict | None:
     """A start at random among the cells whose way to the goal is neither too short nor too long; None: there is none."""
     way = np.where(field_ == FIELD_FAR, np.inf, field_ * FIELD_UNIT)
     fit = np.flatnonzero(np.isfinite(way) & (way >= limits[0]) & (way <= limits[1]))

@@ -65,7 +65,9 @@ def nearest_meant(
 ) -> tuple[Float[Array, "a d"], Float[Array, "a d 2 3"]]:
     """Straight distance from each agent's middle to the nearest thing that is meant [m], and that thing's bounds."""
     pos, kind = snapshot.pose.pos, program.descriptor[:, Word.KIND]
-    away = jax.vmap(lambda at: jnp.linalg.norm(jnp.maximum(boxes[:, 0] - at, 0) + jnp.maximum(at - boxes[:, 1], 0), axis=-1))(pos)
+    away = jax.vmap(
+        lambda at: jnp.linalg.norm(jnp.maximum(boxes[:, 0] - at, 0) + jnp.maximum(at - boxes[:, 1], 0), axis=-1)
+    )(pos)
     away = jnp.where(means.instance[None], away[:, None], FAR)
     index = jnp.argmin(away, axis=-1)
     point = jnp.where((kind == Kind.AGENT)[:, None], pos[program.descriptor[:, Word.AGENT]], program.place)

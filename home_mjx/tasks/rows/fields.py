@@ -17,7 +17,9 @@ STEP = 0.35  # [m], at most, between cells of a ramp and of the level that it le
 STOREY = 2.5  # [m]: what is higher above a floor belongs to another storey
 TINY = 1e-6  # [m]: a way of no length would be none in a sparse matrix
 
-Ends = tuple[Int[np.ndarray, " n"], Float[np.ndarray, " n"]]  # cells from which a goal is reached, and how far it is [m]
+Ends = tuple[
+    Int[np.ndarray, " n"], Float[np.ndarray, " n"]
+]  # cells from which a goal is reached, and how far it is [m]
 
 
 class CellGraph:
@@ -53,9 +55,7 @@ class CellGraph:
         home = self.distances(ends)
         parts = [(np.argwhere(self._home), home)]
         around = [self._rank <= rank for rank in (1, 2)]
-        parts += continued_fields(
-            self._home, around, self._standable, self._rooms, self._height, home, self._cell
-        )
+        parts += continued_fields(self._home, around, self._standable, self._rooms, self._height, home, self._cell)
         place, distance = (np.concatenate(part) for part in zip(*parts, strict=True))
         whole = np.full((int(self._number.max()) + 1, len(ends)), np.inf)
         whole[self._number[tuple(place.T)]] = distance

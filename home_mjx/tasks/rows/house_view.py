@@ -64,7 +64,9 @@ class HouseView:
         """Of each room, index into ROOM_TYPES; -1 unknown, and padding."""
         return np.asarray(self.bank.navigation.room_type[self.house])
 
-    def ends(self, kind: int, instances: Bool[np.ndarray, " i"], rooms: Bool[np.ndarray, " r"], place: np.ndarray) -> Ends:
+    def ends(
+        self, kind: int, instances: Bool[np.ndarray, " i"], rooms: Bool[np.ndarray, " r"], place: np.ndarray
+    ) -> Ends:
         """Cells from which what a descriptor means is reached, and how far it is from each [m]."""
         if kind == Kind.PLACE:
             return self.graph.at(place)

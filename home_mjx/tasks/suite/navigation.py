@@ -20,7 +20,9 @@ from home_mjx.tasks.rows.words import FAILURE, SUCCESS, Feature
 
 STOPPED = When(Feature.STOPPED, least=1)
 # What is part of the house, hangs where nobody looks for it, or is not known.
-NO_GOALS = frozenset(("unknown", "wall", "floor", "ceiling", "door", "window", "arch", "person", "curtain", "ceiling_fan"))
+NO_GOALS = frozenset(
+    ("unknown", "wall", "floor", "ceiling", "door", "window", "arch", "person", "curtain", "ceiling_fan")
+)
 
 
 def arrive(there: tuple[When, ...], stop: bool, reward: float, guide: int = 0) -> Stage:
