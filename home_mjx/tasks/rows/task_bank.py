@@ -2,10 +2,9 @@
 
 from collections.abc import Mapping
 
-import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float, Int, UInt16
+from jaxtyping import Array, Bool, Int, UInt16
 
 from home_mjx.core.pytree import Pytree, static
 from home_mjx.errors import ConfigError
