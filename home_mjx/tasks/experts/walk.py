@@ -53,7 +53,7 @@ def expert_action(snapshot: Snapshot, state: RowState) -> Array:
 
 def should_stop(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
     """Whether a transition of the present stage waits for nothing but each agent's `stop`."""
-    program, at = state.program, jnp.maximum(state.stage, 0)
+    program = state.program
     said = values.at[Feature.STOPPED].set(1.0)
     after, _, taken = advance(program, state.stage, conditions(program, said))
     quiet = advance(program, state.stage, conditions(program, values))[2]

@@ -129,7 +129,7 @@ def _of_house(
 def _start(
     view: HouseView, field_: np.ndarray, random: np.random.Generator, limits: tuple[float, float]
 ) -> dict | None:
-    """A start at random among the cells whose way to the goal is neither too short nor too long; None: there is none."""
+    """A start at random among cells whose way to the goal is neither too short nor too long; None: there is none."""
     way = np.where(field_ == FIELD_FAR, np.inf, field_ * FIELD_UNIT)
     fit = np.flatnonzero(np.isfinite(way) & (way >= limits[0]) & (way <= limits[1]))
     if not len(fit):

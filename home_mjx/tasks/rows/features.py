@@ -143,7 +143,7 @@ def beside(means: Means, boxes: Float[Array, "i 2 3"]) -> Float[Array, "d d"]:
 def rests(means: Means, boxes: Float[Array, "i 2 3"]) -> Bool[Array, "d d"]:
     """Whether something that the first descriptor means lies on something that the second means.
 
-    Its middle is above the other's plan, and its underside at most `REST` from the other's top or within its upper half.
+    Its middle is above the other's plan, its underside at most `REST` above the other's top or within its upper half.
     """
     middle, low, high = boxes.mean(axis=1), boxes[:, 0], boxes[:, 1]
     over = (middle[:, None, :2] >= low[None, :, :2]) & (middle[:, None, :2] <= high[None, :, :2])

@@ -51,7 +51,7 @@ class CellGraph:
         self._edges = tuple(np.concatenate(parts) for parts in zip(*edges, strict=True))
 
     def fields(self, ends: Sequence[Ends]) -> UInt16[np.ndarray, "c g"]:
-        """Distances of all of the house's cells, in the order of the bank, to goals; as `Navigation.field` keeps them."""
+        """Distances of all of the house's cells to goals, ordered and kept as in `Navigation.field`."""
         home = self.distances(ends)
         parts = [(np.argwhere(self._home), home)]
         around = [self._rank <= rank for rank in (1, 2)]

@@ -6,7 +6,7 @@ from functools import cached_property
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.transforms import bounds
@@ -83,7 +83,7 @@ def house_views(bank: HouseBank) -> tuple[HouseView, ...]:
     """A view of each house."""
     geometry = bank.geometry
 
-    def placed(house):
+    def placed(house: Int[Array, ""]) -> Float[Array, "i 2 3"]:
         model = jnp.maximum(geometry.instance_model[house], 0)
         return jax.vmap(bounds)(geometry.instance_pose[house], geometry.model_box[model])
 

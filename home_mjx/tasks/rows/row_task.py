@@ -75,7 +75,7 @@ class RowTask(Task):
     @property
     def observation_spec(self) -> Specs:
         """`goal`, `goal_words` and `instruction`."""
-        polar = "of a goal that is a place: distance in the plane [m], cosine and sine of its bearing, left positive; else 0"
+        polar = "of a goal that is a place: distance [m], cosine and sine of its bearing, left positive; else 0"
         return {
             "goal": ArraySpec((3,), "float32", (0.0, -1.0, -1.0), (FARTHEST, 1.0, 1.0), polar),
             "goal_words": ArraySpec((len(Word),), "int32", -1, 32767, "first descriptor, columns `Word`; -1 any"),
