@@ -18,6 +18,7 @@ from home_mjx.tasks.rows.words import FAILURE, Feature, Kind, Word
 
 LOOK_AHEAD = 4  # cells
 NEAR = 0.35  # [m]: from here on an agent turns to what is meant
+ARRIVED = 0.2  # [m]
 ALIGNED = 0.8  # [rad]: an agent that looks farther away from its way turns first
 
 
@@ -43,7 +44,8 @@ def expert_action(snapshot: Snapshot, state: RowState) -> Array:
     offset = box[:, guide].mean(axis=1) - snapshot.pose.pos
     faces = jnp.arctan2(offset[:, 1], offset[:, 0])
     is_thing = state.program.descriptor[guide, Word.KIND] == Kind.OBJECT
-    near = is_thing & (values[Feature.DISTANCE, :, guide, 0] < NEAR)
+    there = jnp.linalg.norm(aim, axis=-1) < ARRIVED  # no cell is nearer
+    near = is_thing & (there | (values[Feature.DISTANCE, :, guide, 0] < NEAR))
     heading = jnp.where(near & jnp.all(jnp.isfinite(offset), axis=-1), faces, way)
     error = (heading - snapshot.pose.yaw + jnp.pi) % (2 * jnp.pi) - jnp.pi
     level = jnp.linalg.norm(offset[:, :2], axis=-1)
