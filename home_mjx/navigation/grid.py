@@ -3,7 +3,7 @@
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Array, Bool, Float, Int, UInt16
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.schema.compiled import BELOW_FLOOR, FIELD_FAR, FIELD_UNIT
@@ -34,9 +34,13 @@ def room_of(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "3"]) -> I
 
 
 def geodesic_distance(
-    bank: HouseBank, house: Int[Array, ""], goal: Int[Array, ""] | None, pos: Float[Array, "3"]
+    bank: HouseBank,
+    house: Int[Array, ""],
+    goal: Int[Array, "*n"] | None,
+    pos: Float[Array, "3"],
+    field: UInt16[Array, "cell goals"] | None = None,
 ) -> Float[Array, "..."]:
-    """Length of the shortest path from a point to a goal, or to every goal if `goal` is None.
+    """Length of the shortest path from a point to a goal, to some, or to every goal if `goal` is None.
 
     It is the best of the 3 × 3 cells around the point plus the way to that cell's centre. Close to what stands, and
     where a thing was moved away, the distances of the home region are continued without a step: see
@@ -45,8 +49,9 @@ def geodesic_distance(
     Args:
         bank: The houses.
         house: Index of the house.
-        goal: Index of the goal, or None.
+        goal: Index of the goal, or of some, or None.
         pos: The point [m], world frame.
+        field: Distances of all cells to other goals, stored as in `Navigation.field`; None: to the bank's own.
 
     Returns:
         [m]; finite, since all goals lie in the home region.
@@ -58,12 +63,12 @@ def geodesic_distance(
     # Where a thing stands in the way, distances in its place are other than beside it.
     usable = (rank <= rank[_MIDDLE]) & (rank < NOWHERE)
     usable = usable.at[_MIDDLE].set(True)
-    nearest = navigation.place[_row(cell[_MIDDLE])]
+    nearest = navigation.place[row_of_cell(cell[_MIDDLE])]
     plan = jnp.stack([x, y], axis=-1).at[_MIDDLE].set(nearest[:0:-1].astype(jnp.int32))
     centre = (plan.astype(jnp.float32) + 0.5) * jnp.float32(bank.spec.cell)
     way = jnp.linalg.norm(centre + (navigation.origin[house] - pos[:2])[None], axis=-1)
     way = jnp.where(usable, way, jnp.float32(jnp.inf))
-    around = stored_distance(bank, cell, goal)
+    around = stored_distance(bank.navigation.field if field is None else field, cell, goal)
     return jnp.min(around + way.reshape(way.shape + (1,) * (around.ndim - 1)), axis=0)
 
 
@@ -96,14 +101,17 @@ def _rank(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Int
     return jnp.where(cell >= 0, rank, NOWHERE)
 
 
-def _row(cell: Int[Array, "*n"]) -> Int[Array, "*n"]:
+def row_of_cell(cell: Int[Array, "*n"]) -> Int[Array, "*n"]:
     """Of entries of `Navigation.cell`: the row of `field` and `place` that counts there."""
     return jnp.where(cell >= 0, cell, ~cell)
 
 
-def stored_distance(bank: HouseBank, cell: Int[Array, " n"], goal: Int[Array, ""] | None) -> Float[Array, "n ..."]:
-    """Distance from cells, as `Navigation.cell` numbers them, to a goal of their house, or to all [m]."""
-    stored = bank.navigation.field[_row(cell)] if goal is None else bank.navigation.field[_row(cell), goal]
+def stored_distance(
+    field: UInt16[Array, "cell goals"], cell: Int[Array, " n"], goal: Int[Array, "*g"] | None
+) -> Float[Array, "n ..."]:
+    """Distance from cells, as `Navigation.cell` numbers them, to a goal of their house, to some, or to all [m]."""
+    rows = row_of_cell(cell)
+    stored = field[rows] if goal is None else field[rows.reshape(-1, *[1] * goal.ndim), goal]
     metres = stored.astype(jnp.float32) * jnp.float32(FIELD_UNIT)
     return jnp.where(stored == jnp.uint16(FIELD_FAR), jnp.float32(jnp.inf), metres)
 
@@ -114,7 +122,7 @@ def ground_fields(bank: HouseBank, house: int) -> Float[np.ndarray, "g ny nx"]:
     It is inf where no path of the home region is: there agents cannot stand, unless something is moved.
     """
     cell = bank.navigation.cell[house, 0]
-    stored = np.asarray(stored_distance(bank, cell.ravel(), None))
+    stored = np.asarray(stored_distance(bank.navigation.field, cell.ravel(), None))
     known = np.asarray(_rank(bank, jnp.asarray(house), cell) == HOME).ravel()
     return np.where(known[:, None], stored, np.inf).T.reshape(-1, *cell.shape)
 

@@ -1,15 +1,18 @@
 """One environment at one instant, as tasks and sensors read it."""
 
+from typing import Any
+
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int, UInt32
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.core.pytree import Pytree
+from home_mjx.core.pytree import Pytree, static
 from home_mjx.navigation import room_of
 from home_mjx.physics import PhysicsState
 from home_mjx.physics.base.touch import FLOOR, STATIC
 from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.pose import AgentPose
 
 UNDERFOOT = 0.15  # [m]: a box of the architecture that reaches no higher above the bottom of what touches it is a floor
@@ -37,6 +40,8 @@ class Snapshot(Pytree):
     touch: Touch
     source: Float[Array, "3"]  # [m], where the sound comes from
     scene: Scene  # the same as rays see it
+    tasks: Any  # `EnvParams.tasks`
+    config: EnvConfig = static()
 
     @property
     def bank(self) -> HouseBank:

@@ -42,7 +42,7 @@ class EnvParams(Pytree):
 
     Attributes:
         bank: The houses. Another bank of the same `BankSpec` and shapes runs the same program.
-        tasks: Episodes that resets take their rows from; None: every reset draws afresh.
+        tasks: Episodes, or a `TaskBank`, that resets take their rows from; None: every reset draws afresh.
         variation: Parameters of domain randomisation; none yet.
 
     Example:
@@ -51,7 +51,7 @@ class EnvParams(Pytree):
     """
 
     bank: HouseBank
-    tasks: Episodes | None = None
+    tasks: Any = None
     variation: dict[str, Array] | None = None
 
 

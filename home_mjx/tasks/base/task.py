@@ -49,6 +49,10 @@ class Task:
         """Names of what an episode of this task needs besides house, start and yaw."""
         return ()
 
+    def task_bank(self, bank: HouseBank) -> Any:
+        """Tasks of these houses that resets take their rows from; None: every reset draws afresh."""
+        return None
+
     def init(self, snapshot: Snapshot, key: Array, columns: dict[str, Array] | None) -> Any:
         """The task's state at the start of an episode.
 

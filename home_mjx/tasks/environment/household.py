@@ -104,7 +104,7 @@ class HouseholdEnv:
         Raises:
             ConfigError: The houses were compiled for another body, see `check_bank`.
         """
-        return BoundEnv(self, bank if isinstance(bank, EnvParams) else EnvParams(bank))
+        return BoundEnv(self, bank if isinstance(bank, EnvParams) else EnvParams(bank, self.task.task_bank(bank)))
 
     def reset(
         self,
@@ -293,6 +293,8 @@ class HouseholdEnv:
             door_angle=angle,
             touch=Touch(impulse=data.impulse, place=data.place, other=data.other),
             source=world.source,
+            tasks=params.tasks,
+            config=self.config,
             scene=make_scene(bank, world.house, *bodies, pos, turned, self.config.executor, angle, sizes),
         )
 
@@ -335,8 +337,8 @@ class HouseholdEnv:
             return jnp.full((), -1, jnp.int32), None
         if episode is None:
             episode = jax.random.randint(key, (), 0, len(tasks))
-        number = jnp.asarray(episode, jnp.int32)
-        return number, jax.tree.map(lambda rows: rows[number % len(tasks)], tasks)
+        number, rows = jnp.asarray(episode, jnp.int32), getattr(tasks, "rows", tasks)
+        return number, jax.tree.map(lambda row: row[number % len(tasks)], rows)
 
     def _squeeze(self, tree: Any) -> Any:
         """The border: inside, the agent axis is always there; outside, one agent goes without."""

@@ -9,10 +9,14 @@ from home_mjx.tasks.base.sensor import Sensor, register_sensor, registered_senso
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.sensors.cameras import Cameras
 from home_mjx.tasks.sensors.hearing import Hearing
+from home_mjx.tasks.sensors.locating import GpsCompass, Lidar, LocalMap
 from home_mjx.tasks.sensors.own_state import OwnState
 
 register_sensor(Hearing())
 register_sensor(OwnState())
+register_sensor(GpsCompass())
+register_sensor(Lidar())
+register_sensor(LocalMap())
 
 
 NAME, OBSERVATION = "the name", "an observation"

@@ -1,0 +1,119 @@
+"""Going along the shortest path, turning to what is meant, stopping where the task says so."""
+
+import math
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.navigation.grid import cell_of, place_position, row_of_cell
+from home_mjx.schema.compiled import FIELD_FAR
+from home_mjx.tasks.base.config import EnvConfig
+from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.environment.moves import action_names
+from home_mjx.tasks.rows.features import boxes_now, nearest_meant, table
+from home_mjx.tasks.rows.machine import advance, conditions
+from home_mjx.tasks.rows.row_task import RowState
+from home_mjx.tasks.rows.words import FAILURE, Feature, Kind, Word
+
+LOOK_AHEAD = 4  # cells
+NEAR = 0.35  # [m]: from here on an agent turns to what is meant
+ARRIVED = 0.2  # [m]
+ALIGNED = 0.8  # [rad]: an agent that looks farther away from its way turns first
+
+
+def expert_action(snapshot: Snapshot, state: RowState) -> Array:
+    """What every agent should do now.
+
+    Args:
+        snapshot: The environment.
+        state: Of its row task.
+
+    Returns:
+        Actions as the environment takes them, with a leading agent axis.
+
+    Example:
+        >>> action = expert_action(env.core.snapshot(env.params, state), state.task)  # doctest: +SKIP
+    """
+    values = table(snapshot, state.program, state.means, snapshot.tasks.field, snapshot.step - state.since)
+    stop = should_stop(state, values)
+    guide = jnp.maximum(state.program.guide[jnp.maximum(state.stage, 0)], 0)
+    aim = downhill(snapshot, state, guide) - snapshot.pose.pos[:, :2]
+    way = jnp.arctan2(aim[:, 1], aim[:, 0])
+    _, box = nearest_meant(snapshot, state.program, state.means, boxes_now(snapshot))
+    offset = box[:, guide].mean(axis=1) - snapshot.pose.pos
+    faces = jnp.arctan2(offset[:, 1], offset[:, 0])
+    is_thing = state.program.descriptor[guide, Word.KIND] == Kind.OBJECT
+    there = jnp.linalg.norm(aim, axis=-1) < ARRIVED  # no cell is nearer
+    near = is_thing & (there | (values[Feature.DISTANCE, :, guide, 0] < NEAR))
+    heading = jnp.where(near & jnp.all(jnp.isfinite(offset), axis=-1), faces, way)
+    error = (heading - snapshot.pose.yaw + jnp.pi) % (2 * jnp.pi) - jnp.pi
+    level = jnp.linalg.norm(offset[:, :2], axis=-1)
+    rise = jnp.where(near & jnp.isfinite(level), jnp.arctan2(offset[:, 2], jnp.maximum(level, 0.3)), 0.0)
+    return to_actions(snapshot.config, error, rise - snapshot.pose.pitch, near, stop)
+
+
+def should_stop(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
+    """Whether a transition of the present stage waits for nothing but each agent's `stop`."""
+    program = state.program
+    said = values.at[Feature.STOPPED].set(1.0)
+    after, _, taken = advance(program, state.stage, conditions(program, said))
+    quiet = advance(program, state.stage, conditions(program, values))[2]
+    good = taken & ~quiet & (after != FAILURE)
+    return jnp.broadcast_to(good, values.shape[1:2])
+
+
+def downhill(snapshot: Snapshot, state: RowState, guide: Int[Array, ""]) -> Float[Array, "a 2"]:
+    """A place on the shortest way to what a descriptor means, `LOOK_AHEAD` cells ahead of each agent [m]."""
+    bank, house = snapshot.bank, snapshot.house
+    field = snapshot.tasks.field[:, jnp.maximum(state.program.field[guide], 0)]
+    numbers = bank.navigation.cell[house]
+
+    def ahead(pos: Float[Array, "3"]) -> Float[Array, "2"]:
+        at = cell_of(bank, house, pos)
+        at = bank.navigation.place[row_of_cell(numbers[at[0], at[1], at[2]])].astype(jnp.int32)
+        for _ in range(LOOK_AHEAD):
+            around = at + jnp.array([(0, dy, dx) for dy in (-1, 0, 1) for dx in (-1, 0, 1)], jnp.int32)
+            around = jnp.clip(around, 0, jnp.array(numbers.shape, jnp.int32) - 1)
+            cell = numbers[around[:, 0], around[:, 1], around[:, 2]]
+            home = (cell >= 0) & (cell - bank.navigation.first_cell[house] < bank.navigation.num_cells[house])
+            far = jnp.where(home, field[row_of_cell(cell)].astype(jnp.int32), FIELD_FAR + 1)
+            at = jnp.where(jnp.any(home), around[jnp.argmin(far)], at)
+        return place_position(bank, house, at)[:2]
+
+    return jax.vmap(ahead)(snapshot.pose.pos)
+
+
+def to_actions(
+    config: EnvConfig,
+    error: Float[Array, " a"],
+    tilt: Float[Array, " a"],
+    near: Bool[Array, " a"],
+    stop: Bool[Array, " a"],
+) -> Array:
+    """Actions that turn by `error` to the left and by `tilt` up [rad] and, unless near, go on."""
+    if config.discrete is None:
+        return _continuous(config, error, tilt, near, stop)
+    return _discrete(config, error, tilt, near, stop)
+
+
+def _continuous(config: EnvConfig, error: Array, tilt: Array, near: Array, stop: Array) -> Float[Array, "a n"]:
+    dt = config.timing.ctrl_dt
+    rates = jnp.array([body.turn_rate for body in config.physics.agents], jnp.float32)
+    forward = jnp.where(jnp.abs(error) < ALIGNED, jnp.cos(error), 0.0)
+    forward = jnp.where(near | stop, 0.0, forward)
+    turn, look = jnp.clip(error / (rates * dt), -1, 1), jnp.clip(tilt / (config.look_rate * dt), -1, 1)
+    actions = jnp.zeros((error.shape[0], len(action_names(config))), jnp.float32)
+    return actions.at[:, 0].set(forward).at[:, 2].set(turn).at[:, 3].set(look)
+
+
+def _discrete(config: EnvConfig, error: Array, tilt: Array, near: Array, stop: Array) -> Int[Array, " a"]:
+    moves, names = config.discrete, action_names(config)
+    assert moves is not None
+    half, step = math.radians(moves.turn_angle) / 2, math.radians(moves.tilt_angle) / 2
+    turn = jnp.where(error > 0, names.index("turn_left"), names.index("turn_right"))
+    look = jnp.where(tilt > 0, names.index("look_up"), names.index("look_down"))
+    there = jnp.where(jnp.abs(tilt) > step, look, names.index("move_forward"))
+    ahead = jnp.where(near, there, names.index("move_forward"))
+    chosen = jnp.where(jnp.abs(error) > half + 1e-3, turn, ahead)
+    return jnp.where(stop, names.index("stop"), chosen).astype(jnp.int32)

@@ -1,0 +1,79 @@
+"""Tokens: one per word of the tasks' language, the same for all houses and tasks."""
+
+from collections.abc import Iterable, Sequence
+from functools import cache
+
+import numpy as np
+from jaxtyping import Int
+
+from home_mjx.errors import ConfigError, did_you_mean
+from home_mjx.scene_compile.semantics.vocabulary import vocabularies
+from home_mjx.schema.semantic import Semantic
+
+PAD = 0
+# Words that are no names of things or of what they are like. New ones go to the end: tokens keep their numbers.
+FUNCTION_WORDS = (
+    *("the", "a", "an", "is", "are", "in", "on", "of", "to", "and", "then", "before", "after", "it", "there", "any"),
+    *("go", "walk", "find", "enter", "leave", "take", "pick", "up", "bring", "put", "place", "open", "close", "drop"),
+    *("follow", "stop", "at", "next", "near", "with", "what", "which", "where", "how", "many", "colour", "material"),
+    *("size", "made", "room", "thing", "yes", "no", "than", "larger", "smaller", "more", "fewer", "same", "as", "or"),
+    *("house", "you", "do", "see", "from", "here", "first", "second", "sound", "look", "for", "your", "me", "person"),
+)
+NUMBERS = tuple(str(number) for number in range(11))
+NAMED = (Semantic.COARSE, Semantic.FINE, Semantic.BASIC, Semantic.MATERIAL, Semantic.SIZE, Semantic.ROOM_TYPE)
+
+
+def spoken(name: str) -> str:
+    """How a name of a vocabulary is said.
+
+    Example:
+        >>> spoken("Living_Room"), spoken("decoration stone")
+        ('living_room', 'decoration_stone')
+    """
+    return name.lower().replace(" ", "_")
+
+
+@cache
+def words() -> tuple[str, ...]:
+    """All words, by token; the first one is padding.
+
+    Example:
+        >>> words()[:3]
+        ('', 'the', 'a')
+    """
+    named = (spoken(name) for column in NAMED for name in vocabularies()[column])
+    return tuple(dict.fromkeys(("", *FUNCTION_WORDS, *NUMBERS, *named)))
+
+
+@cache
+def _tokens() -> dict[str, int]:
+    return {word: token for token, word in enumerate(words())}
+
+
+def tokenize(text: str) -> tuple[int, ...]:
+    """Tokens of a text.
+
+    Raises:
+        ConfigError: It has a word that the vocabulary lacks.
+
+    Example:
+        >>> detokenize(tokenize("go to the red chair in the living_room"))
+        'go to the red chair in the living_room'
+    """
+    unknown = [word for word in text.split() if word not in _tokens()]
+    if unknown:
+        raise ConfigError(f"unknown word `{unknown[0]}`", hint=did_you_mean(unknown[0], words()))
+    return tuple(_tokens()[word] for word in text.split())
+
+
+def detokenize(tokens: Iterable[int] | Int[np.ndarray, " n"]) -> str:
+    """The text of tokens; padding is left out.
+
+    Raises:
+        ConfigError: There is no such token.
+    """
+    numbers: Sequence[int] = [int(token) for token in tokens]
+    wrong = [number for number in numbers if not 0 <= number < len(words())]
+    if wrong:
+        raise ConfigError(f"there are tokens 0 to {len(words()) - 1}, got {wrong[0]}")
+    return " ".join(words()[number] for number in numbers if number != PAD)

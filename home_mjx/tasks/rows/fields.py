@@ -1,0 +1,104 @@
+"""Distances of all cells of a house to what descriptors mean, on the host."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Bool, Float, Int, UInt16
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import dijkstra
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.scene_compile.navigation.fringe import continued_fields
+from home_mjx.scene_compile.navigation.geodesic import grid_edges
+from home_mjx.schema.compiled import FIELD_FAR, FIELD_UNIT
+
+REACH = 0.3  # [m]: besides the nearest cell, those that are farther by so much are ends of ways to a thing
+STEP = 0.35  # [m], at most, between cells of a ramp and of the level that it leads to
+STOREY = 2.5  # [m]: what is higher above a floor belongs to another storey
+TINY = 1e-6  # [m]: a way of no length would be none in a sparse matrix
+
+Ends = tuple[
+    Int[np.ndarray, " n"], Float[np.ndarray, " n"]
+]  # cells from which a goal is reached, and how far it is [m]
+
+
+class CellGraph:
+    """The cells of a house's home region, and the ways between them.
+
+    Args:
+        bank: The houses.
+        house: Index of the house.
+
+    Attributes:
+        place: Middle of each home cell, on the floor [m].
+        room: Room of each home cell; -1 none.
+    """
+
+    def __init__(self, bank: HouseBank, house: int) -> None:
+        navigation, self._cell = bank.navigation, bank.spec.cell
+        number = np.asarray(navigation.cell[house])
+        first, home, free = (int(x[house]) for x in (navigation.first_cell, navigation.num_cells, navigation.num_free))
+        rank = np.where(number < 0, 3, (number >= first + home).astype(int) + (number >= first + free))
+        self._number, self._rank, self._home = number - first, rank, rank == 0
+        self._standable = np.asarray(navigation.region[house]) >= 0
+        self._rooms = np.asarray(navigation.room[house])
+        self._height = np.zeros(number.shape)
+        self._height[number >= 0] = np.asarray(navigation.height)[number[number >= 0]]
+        plan = (np.argwhere(self._home)[:, :0:-1] + 0.5) * self._cell + np.asarray(navigation.origin[house])
+        self.place = np.concatenate([plan, self._height[self._home][:, None]], axis=1)
+        self.room = self._rooms[self._home]
+        edges = [grid_edges(self._home, self._height, self._cell), *self._between_levels()]
+        self._edges = tuple(np.concatenate(parts) for parts in zip(*edges, strict=True))
+
+    def fields(self, ends: Sequence[Ends]) -> UInt16[np.ndarray, "c g"]:
+        """Distances of all of the house's cells to goals, ordered and kept as in `Navigation.field`."""
+        home = self.distances(ends)
+        parts = [(np.argwhere(self._home), home)]
+        around = [self._rank <= rank for rank in (1, 2)]
+        parts += continued_fields(self._home, around, self._standable, self._rooms, self._height, home, self._cell)
+        place, distance = (np.concatenate(part) for part in zip(*parts, strict=True))
+        whole = np.full((int(self._number.max()) + 1, len(ends)), np.inf)
+        whole[self._number[tuple(place.T)]] = distance
+        units = np.minimum(np.round(np.where(np.isfinite(whole), whole, 0) / FIELD_UNIT), FIELD_FAR - 1)
+        return np.where(np.isfinite(whole), units, FIELD_FAR).astype(np.uint16)
+
+    def distances(self, ends: Sequence[Ends]) -> Float[np.ndarray, "c g"]:
+        """Of each home cell to goals [m]; inf where there is no way."""
+        cells, goals = len(self.place), len(ends)
+        sources, targets, lengths = self._edges
+        # From each goal to its ends and never back, so that no way leads through a goal.
+        begins = np.concatenate([sources, targets, *[np.full(len(n), cells + g) for g, (n, _) in enumerate(ends)]])
+        stops = np.concatenate([targets, sources, *[number for number, _ in ends]])
+        ways = np.concatenate([lengths, lengths, *[np.maximum(way, TINY) for _, way in ends]])
+        graph = csr_matrix((ways, (begins, stops)), shape=(cells + goals,) * 2)
+        return dijkstra(graph, indices=np.arange(cells, cells + goals)).T[:cells]
+
+    def beside(self, low: Float[np.ndarray, " 3"], high: Float[np.ndarray, " 3"]) -> Ends:
+        """Cells from which a box is reached, and how far it is from each; none if its storey has no cell."""
+        storey = np.flatnonzero((self.place[:, 2] <= high[2]) & (self.place[:, 2] > low[2] - STOREY))
+        gap = np.maximum(low[:2] - self.place[storey, :2], 0) + np.maximum(self.place[storey, :2] - high[:2], 0)
+        away = np.hypot(*gap.T)
+        near = away <= away.min(initial=np.inf) + REACH
+        return storey[near], away[near]
+
+    def inside(self, rooms: Bool[np.ndarray, " r"]) -> Ends:
+        """The cells of some rooms."""
+        cells = np.flatnonzero((self.room >= 0) & rooms[np.maximum(self.room, 0)])
+        return cells, np.zeros(len(cells))
+
+    def at(self, place: Float[np.ndarray, " 3"]) -> Ends:
+        """The cell that is nearest to a point."""
+        nearest = np.argmin(np.linalg.norm(self.place - place, axis=1))
+        return np.array([nearest]), np.linalg.norm(self.place[[nearest], :2] - place[:2], axis=1)
+
+    def _between_levels(self) -> list[tuple[np.ndarray, ...]]:
+        """Ways from the top of a ramp, which is in the grid of the level below, to the floor that it leads to."""
+        number = np.where(self._home, np.cumsum(self._home).reshape(self._home.shape) - 1, -1)
+        ways = []
+        for level in range(len(number) - 1):
+            for shift in ((0, 1), (0, -1), (1, 0), (-1, 0)):
+                beyond, above = (np.roll(x[level + 1], shift, (0, 1)) for x in (number, self._height))
+                rise = np.abs(above - self._height[level])
+                joined = self._home[level] & (beyond >= 0) & (rise < STEP)
+                ways.append((number[level][joined], beyond[joined], np.hypot(self._cell, rise[joined])))
+        return ways

@@ -1,0 +1,97 @@
+"""One house of a bank as generators of tasks read it, on the host."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.core.transforms import bounds
+from home_mjx.schema.semantic import Semantic
+from home_mjx.tasks.rows.fields import CellGraph, Ends
+from home_mjx.tasks.rows.words import Kind
+
+
+@dataclass(frozen=True)
+class Thing:
+    """An object of a house."""
+
+    object_id: int
+    row: Int[np.ndarray, " columns"]  # of the semantic table; columns are those of `Semantic`
+    box: Float[np.ndarray, "2 3"]  # [m], world bounds where it stands
+    body: int  # movable body; -1 static
+
+    def word(self, column: Semantic) -> int:
+        """A column of its semantic row; -1 unknown."""
+        return int(self.row[column])
+
+
+class HouseView:
+    """What generators need to know of a house.
+
+    Args:
+        bank: The houses, with arrays on the host.
+        house: Index of the house.
+        boxes: World bounds of its instances [m].
+    """
+
+    def __init__(self, bank: HouseBank, house: int, boxes: Float[np.ndarray, "i 2 3"]) -> None:
+        self.bank, self.house, self._boxes = bank, house, boxes
+
+    @cached_property
+    def graph(self) -> CellGraph:
+        """Where agents can walk."""
+        return CellGraph(self.bank, self.house)
+
+    @cached_property
+    def things(self) -> tuple[Thing, ...]:
+        """All objects; a door's frame and leaves are one."""
+        geometry = self.bank.geometry
+        ids, rows = geometry.instance_object[self.house], geometry.instance_semantic[self.house]
+        found = []
+        for number in np.unique(ids[ids >= 0]).tolist():
+            parts = np.flatnonzero(ids == number)
+            box = np.stack([self._boxes[parts, 0].min(axis=0), self._boxes[parts, 1].max(axis=0)])
+            body = int(geometry.instance_body[self.house, parts].max())
+            found.append(Thing(number, self.bank.semantics[rows[parts[0]]], box, body))
+        return tuple(found)
+
+    @cached_property
+    def room_types(self) -> Int[np.ndarray, " r"]:
+        """Of each room, index into ROOM_TYPES; -1 unknown, and padding."""
+        return np.asarray(self.bank.navigation.room_type[self.house])
+
+    def ends(
+        self, kind: int, instances: Bool[np.ndarray, " i"], rooms: Bool[np.ndarray, " r"], place: np.ndarray
+    ) -> Ends:
+        """Cells from which what a descriptor means is reached, and how far it is from each [m]."""
+        if kind == Kind.PLACE:
+            return self.graph.at(place)
+        if kind == Kind.ROOM:
+            return self.graph.inside(rooms)
+        parts = [self.graph.beside(*self._boxes[i]) for i in np.flatnonzero(instances)]
+        if not parts:
+            return np.zeros(0, int), np.zeros(0)
+        cells, away = (np.concatenate(part) for part in zip(*parts, strict=True))
+        return cells, away
+
+
+def house_views(bank: HouseBank) -> tuple[HouseView, ...]:
+    """A view of each house."""
+    geometry = bank.geometry
+
+    def placed(house: Int[Array, ""]) -> Float[Array, "i 2 3"]:
+        model = jnp.maximum(geometry.instance_model[house], 0)
+        return jax.vmap(bounds)(geometry.instance_pose[house], geometry.model_box[model])
+
+    boxes = np.asarray(jax.jit(jax.vmap(placed))(jnp.arange(bank.num_houses)))
+    host = bank.replace(geometry=bank.geometry.replace(gpu=None))
+    host = host.replace(
+        geometry=jax.tree.map(np.asarray, host.geometry),
+        navigation=jax.tree.map(np.asarray, host.navigation),
+        semantics=np.asarray(bank.semantics),
+    )
+    return tuple(HouseView(host, house, boxes[house]) for house in range(bank.num_houses))

@@ -1,0 +1,174 @@
+"""The task that does what a row says."""
+
+from dataclasses import dataclass
+
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.core.checks import check_number
+from home_mjx.core.pytree import Pytree
+from home_mjx.errors import ConfigError
+from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.base.specs import ArraySpec, Specs
+from home_mjx.tasks.base.task import Task
+from home_mjx.tasks.rows.build import Generator, build_task_bank
+from home_mjx.tasks.rows.features import table
+from home_mjx.tasks.rows.machine import advance, conditions
+from home_mjx.tasks.rows.meaning import Means, means
+from home_mjx.tasks.rows.program import Program
+from home_mjx.tasks.rows.task_bank import TaskBank, program_of
+from home_mjx.tasks.rows.words import NUM_TOKENS, SUCCESS, Feature, Word
+
+FARTHEST = 1000.0  # [m]: no house is larger
+
+
+class RowState(Pytree):
+    """Where an episode stands; A agents."""
+
+    program: Program
+    means: Means
+    task: Int[Array, ""]  # index into `TaskBank.names`
+    tokens: Int[Array, " n"]
+    length: Float[Array, ""]  # [m], of the shortest path from start to goal
+    stage: Int[Array, ""]
+    since: Int[Array, ""]  # step in which the stage began
+    gained: Float[Array, ""]  # reward of the last transition
+    distance: Float[Array, "a d"]  # [m], to what each descriptor means
+    place: Float[Array, "a 3"]  # [m], of each agent
+    walked: Float[Array, " a"]  # [m]
+    collisions: Int[Array, " a"]  # steps in which an agent touched anything but the floor
+
+
+@dataclass(frozen=True)
+class RowTask(Task):
+    """Base of tasks whose episodes are rows of a `TaskBank`: whatever the rows, the compiled step is the same.
+
+    Attributes:
+        num_tasks: Rows per house, where it has so many.
+        task_seed: Of their draw.
+        min_length: Least shortest path from start to goal [m].
+        max_length: Greatest one [m].
+        progress_reward: Per metre towards what a stage leads to.
+        step_cost: Taken every step.
+        contact_cost: Taken while touching anything but the floor.
+    """
+
+    num_tasks: int = 64
+    task_seed: int = 0
+    min_length: float = 1.0
+    max_length: float = FARTHEST
+    progress_reward: float = 1.0
+    step_cost: float = 0.01
+    contact_cost: float = 0.01
+
+    def __post_init__(self) -> None:
+        check_number("num_tasks", self.num_tasks, 1, whole=True)
+        for name in ("min_length", "max_length", "progress_reward", "step_cost", "contact_cost"):
+            check_number(name, getattr(self, name), 0)
+
+    @property
+    def generators(self) -> tuple[Generator, ...]:
+        """Who writes the rows."""
+        raise NotImplementedError
+
+    @property
+    def observation_spec(self) -> Specs:
+        """`goal`, `goal_words` and `instruction`."""
+        polar = "of a goal that is a place: distance [m], cosine and sine of its bearing, left positive; else 0"
+        return {
+            "goal": ArraySpec((3,), "float32", (0.0, -1.0, -1.0), (FARTHEST, 1.0, 1.0), polar),
+            "goal_words": ArraySpec((len(Word),), "int32", -1, 32767, "first descriptor, columns `Word`; -1 any"),
+            "instruction": ArraySpec((NUM_TOKENS,), "int32", 0, 32767, "tokens; 0 ends"),
+        }
+
+    def task_bank(self, bank: HouseBank) -> TaskBank:
+        """Rows for these houses."""
+        limits = self.min_length, self.max_length
+        return build_task_bank(bank, self.generators, self.num_tasks, self.task_seed, *limits)
+
+    def init(self, snapshot: Snapshot, key: Array, columns: dict[str, Array] | None) -> RowState:
+        """The first stage of the row's program."""
+        if columns is None or not isinstance(snapshot.tasks, TaskBank):
+            hint = "Write EnvParams(bank, tasks=task.task_bank(bank)), or core.bind(bank)."
+            raise ConfigError(f"{type(self).__name__} needs a task bank", hint=hint)
+        program = program_of(columns)
+        agents, zero = snapshot.pose.yaw.shape[0], jnp.zeros((), jnp.int32)
+        meant = means(snapshot.bank, snapshot.house, program.descriptor)
+        values = table(snapshot, program, meant, snapshot.tasks.field, zero)
+        return RowState(
+            program=program,
+            means=meant,
+            task=columns["task"].astype(jnp.int32),
+            tokens=columns["tokens"].astype(jnp.int32),
+            length=columns["length"],
+            stage=zero,
+            since=zero,
+            gained=jnp.zeros((), jnp.float32),
+            distance=values[Feature.DISTANCE, :, :, 0],
+            place=snapshot.pose.pos,
+            walked=jnp.zeros(agents, jnp.float32),
+            collisions=jnp.zeros(agents, jnp.int32),
+        )
+
+    def update(self, snapshot: Snapshot, state: RowState) -> RowState:
+        """The next stage, if its conditions hold."""
+        time = snapshot.step - state.since
+        values = table(snapshot, state.program, state.means, snapshot.tasks.field, time)
+        stage, gained, taken = advance(state.program, state.stage, conditions(state.program, values))
+        moved = jnp.linalg.norm(snapshot.pose.pos - state.place, axis=-1)
+        return state.replace(
+            stage=stage.astype(jnp.int32),
+            since=jnp.where(taken, snapshot.step, state.since),
+            gained=gained,
+            distance=values[Feature.DISTANCE, :, :, 0],
+            place=snapshot.pose.pos,
+            walked=state.walked + moved,
+            collisions=state.collisions + snapshot.contact.astype(jnp.int32),
+        )
+
+    def observe(self, snapshot: Snapshot, state: RowState) -> dict[str, Array]:
+        """What `observation_spec` promises."""
+        pose, place = snapshot.pose, state.program.place[0]
+        known = jnp.all(jnp.isfinite(place))
+        offset = jnp.where(known, place[:2] - pose.pos[:, :2], 0.0)
+        bearing = jnp.arctan2(offset[:, 1], offset[:, 0]) - pose.yaw
+        goal = jnp.stack([jnp.linalg.norm(offset, axis=-1), jnp.cos(bearing), jnp.sin(bearing)], axis=-1)
+        agents = (pose.yaw.shape[0],)
+        return {
+            "goal": jnp.where(known, goal, 0.0),
+            "goal_words": jnp.broadcast_to(state.program.descriptor[0].astype(jnp.int32), (*agents, len(Word))),
+            "instruction": jnp.broadcast_to(state.tokens, agents + state.tokens.shape),
+        }
+
+    def reward(self, snapshot: Snapshot, before: RowState, state: RowState) -> Float[Array, " a"]:
+        """The transition's reward, progress towards what the stage leads to, less costs."""
+        guide = state.program.guide[jnp.maximum(before.stage, 0)]
+        progress = (before.distance - state.distance)[:, jnp.maximum(guide, 0)]
+        progress = jnp.where(guide < 0, 0.0, progress)
+        costs = jnp.float32(self.step_cost) + jnp.float32(self.contact_cost) * snapshot.contact.astype(jnp.float32)
+        return jnp.float32(self.progress_reward) * progress + state.gained - costs
+
+    def terminated(self, snapshot: Snapshot, state: RowState) -> Bool[Array, ""]:
+        """A stage that ends the episode, or all agents have stopped."""
+        return (state.stage < 0) | jnp.all(snapshot.stopped)
+
+    def metrics(self, snapshot: Snapshot, state: RowState) -> dict[str, Float[Array, ""]]:
+        """Habitat's: success, SPL, soft SPL, distance to the goal [m], collisions; and the stage.
+
+        Anderson et al., "On Evaluation of Embodied Navigation Agents", 2018 (arXiv:1807.06757), and for soft SPL Datta
+        et al., "Integrating Egocentric Localization", 2020 (arXiv:2009.03231). Paths are those of the first agent.
+        """
+        success = (state.stage == SUCCESS).astype(jnp.float32)
+        short = state.length / jnp.maximum(jnp.maximum(state.length, state.walked[0]), 1e-6)
+        goal = jnp.maximum(state.program.guide[0], 0)
+        left = jnp.min(state.distance[:, goal])
+        near = jnp.clip(1 - left / jnp.maximum(state.length, 1e-6), 0, 1)
+        return {
+            "success": success,
+            "spl": success * short,
+            "soft_spl": near * short,
+            "distance": left,
+            "collisions": jnp.mean(state.collisions.astype(jnp.float32)),
+            "stage": state.stage.astype(jnp.float32),
+        }

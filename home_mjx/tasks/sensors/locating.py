@@ -1,0 +1,119 @@
+"""Where agents are: since the episode began, and among what is around them."""
+
+import math
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from home_mjx.core.pytree import Pytree
+from home_mjx.navigation.grid import cell_of
+from home_mjx.raycast_render.casting.cast import cast
+from home_mjx.tasks.base.config import EnvConfig
+from home_mjx.tasks.base.sensor import Sensor
+from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.base.specs import ArraySpec, Specs
+from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
+
+FARTHEST = 1000.0  # [m]: no house is larger
+NUM_RAYS = 64
+MAP_SIZE, MAP_CELL = 32, 0.2  # cells of the map, and their edge [m]
+
+
+class Start(Pytree):
+    """Where each of A agents began."""
+
+    pos: Float[Array, "a 3"]  # [m]
+    yaw: Float[Array, " a"]  # [rad]
+
+
+class GpsCompass(Sensor):
+    """`gps` (3,) and `compass` (2,): where an agent is in the frame of its start, as in Habitat.
+
+    x, y, z [m] forward, left and up of where it began; cosine and sine of how far it has turned to the left since.
+    """
+
+    name = "gps_compass"
+
+    def spec(self, config: EnvConfig) -> Specs:
+        """Both."""
+        return {
+            "gps": ArraySpec((3,), "float32", -FARTHEST, FARTHEST, "forward, left and up of the start [m]"),
+            "compass": ArraySpec((2,), "float32", -1.0, 1.0, "cosine and sine of the turn to the left since the start"),
+        }
+
+    def init(self, config: EnvConfig) -> Start:
+        """Nowhere yet."""
+        return Start(jnp.zeros((config.num_agents, 3), jnp.float32), jnp.zeros(config.num_agents, jnp.float32))
+
+    def update(self, config: EnvConfig, snapshot: Snapshot, state: Start) -> Start:
+        """The start is where the agent is at the reset."""
+        now = Start(snapshot.pose.pos, snapshot.pose.yaw)
+        return jax.tree.map(lambda new, old: jnp.where(snapshot.step == 0, new, old), now, state)
+
+    def observe(self, config: EnvConfig, snapshot: Snapshot, state: Start) -> dict[str, Array]:
+        """Pose in the frame of the start."""
+        away, turn = snapshot.pose.pos - state.pos, snapshot.pose.yaw - state.yaw
+        cos, sin = jnp.cos(state.yaw), jnp.sin(state.yaw)
+        x, y = cos * away[:, 0] + sin * away[:, 1], cos * away[:, 1] - sin * away[:, 0]
+        return {
+            "gps": jnp.stack([x, y, away[:, 2]], axis=-1),
+            "compass": jnp.stack([jnp.cos(turn), jnp.sin(turn)], axis=-1),
+        }
+
+
+class Lidar(Sensor):
+    """`lidar` (64,): distances all around at the height of the eyes [m], from straight ahead to the left."""
+
+    name = "lidar"
+    costly = True
+
+    def spec(self, config: EnvConfig) -> Specs:
+        """`NUM_RAYS` distances."""
+        text = "from straight ahead to the left [m], clipped"
+        return {"lidar": ArraySpec((NUM_RAYS,), "float32", 0.0, config.depth_max, text)}
+
+    def observe(self, config: EnvConfig, snapshot: Snapshot, state: tuple) -> dict[str, Array]:
+        """One ray per direction."""
+        angles = snapshot.pose.yaw[:, None] + jnp.arange(NUM_RAYS) * jnp.float32(2 * math.pi / NUM_RAYS)
+        ways = jnp.stack([jnp.cos(angles), jnp.sin(angles), jnp.zeros_like(angles)], axis=-1)
+        eyes = jnp.broadcast_to(eye_position(config, snapshot.pose)[:, None], ways.shape)
+        own = jnp.broadcast_to(agent_ids(snapshot.bank, config.num_agents)[:, None], angles.shape)
+        hit = cast(snapshot.scene, eyes, ways, exclude=own)
+        return {"lidar": jnp.minimum(hit.t, jnp.float32(config.depth_max))}
+
+
+class LocalMap(Sensor):
+    """`local_map` (32, 32): where an agent could walk around it, itself in the middle, ahead is up.
+
+    1 where agents can come to, 0 elsewhere; of the house as compiled, on the agent's storey.
+    """
+
+    name = "local_map"
+
+    def spec(self, config: EnvConfig) -> Specs:
+        """A square map."""
+        return {
+            "local_map": ArraySpec((MAP_SIZE, MAP_SIZE), "uint8", 0, 1, f"1: free; {MAP_CELL} m a cell, ahead is up")
+        }
+
+    def observe(self, config: EnvConfig, snapshot: Snapshot, state: tuple) -> dict[str, Array]:
+        """The cells that the map's middles fall into."""
+        bank, house = snapshot.bank, snapshot.house
+        steps = (jnp.arange(MAP_SIZE) - (MAP_SIZE - 1) / 2) * jnp.float32(MAP_CELL)
+        ahead, left = jnp.meshgrid(-steps, -steps, indexing="ij")
+
+        def look(pos: Float[Array, "3"], yaw: Float[Array, ""]) -> Array:
+            cos, sin = jnp.cos(yaw), jnp.sin(yaw)
+            x, y = pos[0] + cos * ahead - sin * left, pos[1] + sin * ahead + cos * left
+            level = cell_of(bank, house, pos)[0]
+            column, row = (
+                jnp.floor((p - o) / jnp.float32(bank.spec.cell)).astype(jnp.int32)
+                for p, o in zip((x, y), bank.navigation.origin[house], strict=True)
+            )
+            rows, columns = bank.navigation.region.shape[2:]
+            known = (row >= 0) & (row < rows) & (column >= 0) & (column < columns)
+            region = bank.navigation.region[house, level, jnp.clip(row, 0, rows - 1), jnp.clip(column, 0, columns - 1)]
+            return (known & (region >= 0)).astype(jnp.uint8)
+
+        return {"local_map": jax.vmap(look)(snapshot.pose.pos, snapshot.pose.yaw)}

@@ -1,0 +1,61 @@
+"""InstructionFollowing: sentences of one to three parts, in the order that they say."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from home_mjx.core.checks import check_number
+from home_mjx.schema.categories import COARSE
+from home_mjx.schema.semantic import Semantic
+from home_mjx.tasks.language.phrases import phrase, telling
+from home_mjx.tasks.language.vocabulary import tokenize
+from home_mjx.tasks.rows.build import Row
+from home_mjx.tasks.rows.house_view import HouseView
+from home_mjx.tasks.rows.program import Go, Stage, When
+from home_mjx.tasks.rows.words import Feature, Word
+from home_mjx.tasks.suite.handling import meant
+from home_mjx.tasks.suite.navigation import NO_GOALS, Navigation, arrive
+
+VERBS = ("go to", "walk to", "find")
+JOINED = ("{} then {}", "{} and then {}", "before you {1} {0}")  # one after the other, however it is said
+
+
+@dataclass(frozen=True)
+class InstructionFollowing(Navigation):
+    """Go to one thing after another, as the instruction says.
+
+    Attributes:
+        num_parts: At most so many things, from 1 to 3.
+        success_distance: From each thing [m].
+    """
+
+    num_parts: int = 2
+    success_distance: float = 1.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_number("num_parts", self.num_parts, 1, 3, whole=True)
+        check_number("success_distance", self.success_distance, 0)
+
+    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
+        """Sentences drawn at random; the things in one are different."""
+        things = [thing for thing in view.things if COARSE[thing.word(Semantic.COARSE)] not in NO_GOALS]
+        told = [words for words in (telling(view.things, thing, random) for thing in things) if words is not None]
+        while told:
+            count = min(int(random.integers(1, self.num_parts + 1)), len(told))
+            yield self._row([told[i] for i in random.permutation(len(told))[:count]], random)
+
+    def _row(self, parts: list[dict[Word, int]], random: np.random.Generator) -> Row:
+        stages = []
+        for at in range(len(parts)):
+            there = When(Feature.DISTANCE, at, most=self.success_distance), When(Feature.SEEN, at, least=1)
+            if at < len(parts) - 1:
+                stages.append(Stage((Go(at + 1, there, reward=self.success_reward / 2),), guide=at))
+            else:
+                stages.append(arrive(there, self.stop, self.success_reward, guide=at))
+        said = [f"{VERBS[int(random.integers(len(VERBS)))]} {phrase(words)}" for words in parts]
+        text = said[0]
+        for part in said[1:]:
+            text = JOINED[int(random.integers(2 if len(said) > 2 else 3))].format(text, part)
+        return Row([meant(words) for words in parts], stages, tokens=tokenize(text))

@@ -1,0 +1,127 @@
+"""Tasks of going somewhere: to a room, to a kind of object.
+
+Anderson et al., "On Evaluation of Embodied Navigation Agents", 2018 (arXiv:1807.06757); for objects Batra et al.,
+"ObjectNav Revisited", 2020 (arXiv:2006.13171).
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from home_mjx.core.checks import check_flag, check_number
+from home_mjx.schema.categories import COARSE
+from home_mjx.schema.semantic import Semantic
+from home_mjx.tasks.rows.build import Generator, Row
+from home_mjx.tasks.rows.house_view import HouseView
+from home_mjx.tasks.rows.program import Go, Meant, Stage, When
+from home_mjx.tasks.rows.row_task import RowTask
+from home_mjx.tasks.rows.words import FAILURE, SUCCESS, Feature
+
+STOPPED = When(Feature.STOPPED, least=1)
+# What is part of the house, hangs where nobody looks for it, or is not known.
+NO_GOALS = frozenset(
+    ("unknown", "wall", "floor", "ceiling", "door", "window", "arch", "person", "curtain", "ceiling_fan")
+)
+
+
+def arrive(there: tuple[When, ...], stop: bool, reward: float, guide: int = 0) -> Stage:
+    """One stage: be where all of `there` holds; with `stop`, say so, once."""
+    if not stop:
+        return Stage((Go(SUCCESS, there, reward=reward),), guide)
+    return Stage((Go(SUCCESS, (*there, STOPPED), reward=reward), Go(FAILURE, (STOPPED,))), guide)
+
+
+@dataclass(frozen=True)
+class Navigation(RowTask):
+    """What tasks of going somewhere share.
+
+    Attributes:
+        stop: Agents must say that they have arrived: only `stop` counts, and a wrong one fails.
+        success_reward: Added on success.
+    """
+
+    stop: bool = False
+    success_reward: float = 2.5
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_flag("stop", self.stop)
+        check_number("success_reward", self.success_reward, 0)
+
+    @property
+    def needs_stop(self) -> bool:
+        """With `stop`."""
+        return self.stop
+
+    @property
+    def name(self) -> str:
+        """Of the task."""
+        return type(self).__name__
+
+    @property
+    def generators(self) -> tuple[Generator, ...]:
+        """The task itself."""
+        return (self,)
+
+    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
+        """Tasks of one house."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class RoomNav(Navigation):
+    """Go into a room of some type."""
+
+    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
+        """Types of rooms that the house has, again and again in another order."""
+        types = np.unique(view.room_types[view.room_types >= 0])
+        while len(types):
+            for kind in random.permutation(types).tolist():
+                stage = arrive((When(Feature.INSIDE, 0, least=1),), self.stop, self.success_reward)
+                yield Row([Meant.space(room_type=kind)], [stage])
+
+
+@dataclass(frozen=True)
+class ObjectNav(Navigation):
+    """Go to any object of a category, and look at it.
+
+    Attributes:
+        success_distance: From the object [m].
+    """
+
+    success_distance: float = 1.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_number("success_distance", self.success_distance, 0)
+
+    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
+        """Coarse categories that the house has, again and again in another order."""
+        kinds = {thing.word(Semantic.COARSE) for thing in view.things}
+        kinds = np.array(sorted(kind for kind in kinds if kind >= 0 and COARSE[kind] not in NO_GOALS), int)
+        there = When(Feature.DISTANCE, 0, most=self.success_distance), When(Feature.SEEN, 0, least=1)
+        while len(kinds):
+            for kind in random.permutation(kinds).tolist():
+                yield Row([Meant.thing(coarse=kind)], [arrive(there, self.stop, self.success_reward)])
+
+
+@dataclass(frozen=True)
+class HouseTasks(RowTask):
+    """A mix of tasks, each as often as any other.
+
+    Attributes:
+        tasks: Their generators.
+    """
+
+    tasks: tuple[Generator, ...] = (RoomNav(), ObjectNav())
+
+    @property
+    def needs_stop(self) -> bool:
+        """One of the tasks does."""
+        return any(getattr(task, "needs_stop", False) for task in self.tasks)
+
+    @property
+    def generators(self) -> tuple[Generator, ...]:
+        """Those of all tasks."""
+        return self.tasks
