@@ -11,14 +11,15 @@ from home_mjx.schema.compiled import FIELD_FAR
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.environment.moves import action_names
-from home_mjx.tasks.rows.features import boxes_now, nearest_meant, table
+from home_mjx.tasks.rows.features import boxes_now, nearest_meant, sights, table
 from home_mjx.tasks.rows.machine import advance, conditions
 from home_mjx.tasks.rows.row_task import RowState
 from home_mjx.tasks.rows.words import FAILURE, Feature, Kind, Word
+from home_mjx.tasks.sensors.cameras import eye_position
 
-LOOK_AHEAD = 4  # cells
-NEAR = 0.35  # [m]: from here on an agent turns to what is meant
-ARRIVED = 0.2  # [m]
+LOOK_AHEAD = 6  # cells
+REACH = 0.6  # [m]: from here on an agent takes what it is to hold
+SAMPLES = 8  # places of a straight way that are looked at
 ALIGNED = 0.8  # [rad]: an agent that looks farther away from its way turns first
 
 
@@ -38,19 +39,32 @@ def expert_action(snapshot: Snapshot, state: RowState) -> Array:
     values = table(snapshot, state.program, state.means, snapshot.tasks.field, snapshot.step - state.since)
     stop = should_stop(state, values)
     guide = jnp.maximum(state.program.guide[jnp.maximum(state.stage, 0)], 0)
-    aim = downhill(snapshot, state, guide) - snapshot.pose.pos[:, :2]
+    aim, there = downhill(snapshot, state, guide)
+    aim = aim - snapshot.pose.pos[:, :2]
     way = jnp.arctan2(aim[:, 1], aim[:, 0])
     _, box = nearest_meant(snapshot, state.program, state.means, boxes_now(snapshot))
-    offset = box[:, guide].mean(axis=1) - snapshot.pose.pos
+    points, free = (x[:, guide] for x in sights(snapshot, box))
+    agents = jnp.arange(points.shape[0])
+    offset = points[agents, jnp.argmax(free, axis=-1)] - eye_position(snapshot.config, snapshot.pose)
     faces = jnp.arctan2(offset[:, 1], offset[:, 0])
     is_thing = state.program.descriptor[guide, Word.KIND] == Kind.OBJECT
-    there = jnp.linalg.norm(aim, axis=-1) < ARRIVED  # no cell is nearer
-    near = is_thing & (there | (values[Feature.DISTANCE, :, guide, 0] < NEAR))
+    near = is_thing & (there | (jnp.any(free, axis=-1) & should_look(state, values)))
     heading = jnp.where(near & jnp.all(jnp.isfinite(offset), axis=-1), faces, way)
     error = (heading - snapshot.pose.yaw + jnp.pi) % (2 * jnp.pi) - jnp.pi
     level = jnp.linalg.norm(offset[:, :2], axis=-1)
     rise = jnp.where(near & jnp.isfinite(level), jnp.arctan2(offset[:, 2], jnp.maximum(level, 0.3)), 0.0)
     return to_actions(snapshot.config, error, rise - snapshot.pose.pitch, near, stop)
+
+
+def should_look(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
+    """Whether a transition of the present stage waits for each agent to look at what it is near to, or to pick it up."""
+    turned = values
+    for feature in (Feature.STOPPED, Feature.SEEN, Feature.HELD):
+        turned = turned.at[feature].set(1.0)
+    close = values[Feature.DISTANCE, :, :, 0] < REACH
+    turned = turned.at[Feature.HELD].set(close[:, :, None].astype(jnp.float32))
+    after, _, taken = advance(state.program, state.stage, conditions(state.program, turned))
+    return jnp.broadcast_to(taken & (after != FAILURE), values.shape[1:2])
 
 
 def should_stop(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
@@ -63,25 +77,40 @@ def should_stop(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[
     return jnp.broadcast_to(good, values.shape[1:2])
 
 
-def downhill(snapshot: Snapshot, state: RowState, guide: Int[Array, ""]) -> Float[Array, "a 2"]:
-    """A place on the shortest way to what a descriptor means, `LOOK_AHEAD` cells ahead of each agent [m]."""
+def downhill(
+    snapshot: Snapshot, state: RowState, guide: Int[Array, ""]
+) -> tuple[Float[Array, "a 2"], Bool[Array, " a"]]:
+    """A place on the shortest way to what a descriptor means, to which each agent can walk straight [m]; whether it is there.
+
+    It is the farthest of the next `LOOK_AHEAD` cells for which all cells of the straight way are free; the next one
+    for an agent that has run into something.
+    """
     bank, house = snapshot.bank, snapshot.house
     field = snapshot.tasks.field[:, jnp.maximum(state.program.field[guide], 0)]
     numbers = bank.navigation.cell[house]
+    part = jnp.linspace(0.0, 1.0, SAMPLES, dtype=jnp.float32)[:, None]
 
-    def ahead(pos: Float[Array, "3"]) -> Float[Array, "2"]:
+    def is_home(cell: Int[Array, "n"]) -> Bool[Array, "n"]:
+        return (cell >= 0) & (cell - bank.navigation.first_cell[house] < bank.navigation.num_cells[house])
+
+    def ahead(pos: Float[Array, "3"], touches: Bool[Array, ""]) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
         at = cell_of(bank, house, pos)
         at = bank.navigation.place[row_of_cell(numbers[at[0], at[1], at[2]])].astype(jnp.int32)
-        for _ in range(LOOK_AHEAD):
+        first, aim = at, place_position(bank, house, at)
+        for step in range(LOOK_AHEAD):
             around = at + jnp.array([(0, dy, dx) for dy in (-1, 0, 1) for dx in (-1, 0, 1)], jnp.int32)
             around = jnp.clip(around, 0, jnp.array(numbers.shape, jnp.int32) - 1)
             cell = numbers[around[:, 0], around[:, 1], around[:, 2]]
-            home = (cell >= 0) & (cell - bank.navigation.first_cell[house] < bank.navigation.num_cells[house])
+            home = is_home(cell)
             far = jnp.where(home, field[row_of_cell(cell)].astype(jnp.int32), FIELD_FAR + 1)
             at = jnp.where(jnp.any(home), around[jnp.argmin(far)], at)
-        return place_position(bank, house, at)[:2]
+            there = place_position(bank, house, at)
+            between = jax.vmap(lambda p: cell_of(bank, house, p))(pos + part * (there - pos))
+            free = jnp.all(is_home(numbers[between[:, 0], between[:, 1], between[:, 2]]))
+            aim = jnp.where((free & ~touches) | (step == 0), there, aim)
+        return aim[:2], jnp.all(at == first)
 
-    return jax.vmap(ahead)(snapshot.pose.pos)
+    return jax.vmap(ahead)(snapshot.pose.pos, snapshot.contact)
 
 
 def to_actions(

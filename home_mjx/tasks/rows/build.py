@@ -131,7 +131,7 @@ def _start(
 ) -> dict | None:
     """A start at random among cells whose way to the goal is neither too short nor too long; None: there is none."""
     way = np.where(field_ == FIELD_FAR, np.inf, field_ * FIELD_UNIT)
-    fit = np.flatnonzero(np.isfinite(way) & (way >= limits[0]) & (way <= limits[1]))
+    fit = np.flatnonzero(np.isfinite(way) & (way >= limits[0]) & (way <= limits[1]) & ~view.graph.at_leaf)
     if not len(fit):
         return None
     cell = random.choice(fit)

@@ -6,16 +6,15 @@ from jaxtyping import Array, Bool, Float, Int, UInt16
 
 from home_mjx.core.transforms import bounds
 from home_mjx.navigation import geodesic_distance, room_of
-from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.rows.meaning import Means
 from home_mjx.tasks.rows.program import Program
+from home_mjx.tasks.rows.sight import clear, look_points
 from home_mjx.tasks.rows.words import Feature, Kind, Word
 from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
 
 FAR = 1000.0  # [m]: away from what is nowhere
 REST = 0.03  # [m]
-SLACK = 0.02  # [m]: a box counts as seen if a ray comes as near to it
 
 
 def boxes_now(snapshot: Snapshot) -> Float[Array, "i 2 3"]:
@@ -88,33 +87,40 @@ def distances(
 
 
 def seen(snapshot: Snapshot, box: Float[Array, "a d 2 3"]) -> Bool[Array, "a d"]:
-    """Whether the middle of these bounds is in each agent's view, with nothing before them."""
+    """Whether one of the `look_points` of these bounds is in each agent's view, with nothing before them."""
+    points, free = sights(snapshot, box)
+    return jnp.any(in_frame(snapshot, points) & free, axis=-1)
+
+
+def sights(snapshot: Snapshot, box: Float[Array, "a d 2 3"]) -> tuple[Float[Array, "a d p 3"], Bool[Array, "a d p"]]:
+    """Where each agent would look for what has these bounds [m], and where nothing is before them."""
+    eyes, own = eye_position(snapshot.config, snapshot.pose), agent_ids(snapshot.bank, box.shape[0])
+
+    def one(eye: Array, own: Array, box: Array) -> tuple[Array, Array]:
+        points = look_points(eye, box)
+        return points, clear(snapshot.scene, eye, box, points, own)
+
+    return jax.vmap(jax.vmap(one, (None, None, 0)))(eyes, own, box)
+
+
+def in_frame(snapshot: Snapshot, points: Float[Array, "a d p 3"]) -> Bool[Array, "a d p"]:
+    """Which points are in each agent's view, if nothing is before them."""
     config, pose = snapshot.config, snapshot.pose
-    eyes = eye_position(config, pose)
-    way = box.mean(axis=2) - eyes[:, None]
+    way = points - eye_position(config, pose)[:, None, None]
     known = jnp.all(jnp.isfinite(way), axis=-1)
-    way = jnp.where(known[..., None], way, 1.0)
-    ahead, left, up = _in_view(way, pose.yaw, pose.pitch)
+    ahead, left, up = _in_view(jnp.where(known[..., None], way, 1.0), pose.yaw, pose.pitch)
     tall = jnp.tan(jnp.deg2rad(jnp.float32(config.fovy)) / 2)
     wide = tall * jnp.float32(config.width / config.height)
-    framed = (ahead > 0) & (jnp.abs(left) <= wide * ahead) & (jnp.abs(up) <= tall * ahead)
-    inverse = 1 / jnp.where(jnp.abs(way) < 1e-6, 1e-6, way)
-    walls = (box - eyes[:, None, None]) * inverse[:, :, None]
-    entry = jnp.clip(jnp.max(jnp.min(walls, axis=2), axis=-1), 0, 1)  # part of the way
-    own = jnp.broadcast_to(agent_ids(snapshot.bank, config.num_agents)[:, None], way.shape[:2])
-    length = jnp.linalg.norm(way, axis=-1)
-    start = jnp.broadcast_to(eyes[:, None], way.shape)
-    hit = cast(snapshot.scene, start, way / length[..., None], exclude=own)
-    return known & framed & (hit.t >= entry * length - SLACK)
+    return known & (ahead > 0) & (jnp.abs(left) <= wide * ahead) & (jnp.abs(up) <= tall * ahead)
 
 
 def _in_view(
-    way: Float[Array, "a d 3"], yaw: Float[Array, " a"], pitch: Float[Array, " a"]
-) -> tuple[Float[Array, "a d"], Float[Array, "a d"], Float[Array, "a d"]]:
+    way: Float[Array, "a d p 3"], yaw: Float[Array, " a"], pitch: Float[Array, " a"]
+) -> tuple[Float[Array, "a d p"], Float[Array, "a d p"], Float[Array, "a d p"]]:
     """Ways along the optical axis, to the left and up of the image [m]."""
-    cos, sin = jnp.cos(yaw)[:, None], jnp.sin(yaw)[:, None]
+    cos, sin = jnp.cos(yaw)[:, None, None], jnp.sin(yaw)[:, None, None]
     level, left = cos * way[..., 0] + sin * way[..., 1], cos * way[..., 1] - sin * way[..., 0]
-    cos, sin = jnp.cos(pitch)[:, None], jnp.sin(pitch)[:, None]
+    cos, sin = jnp.cos(pitch)[:, None, None], jnp.sin(pitch)[:, None, None]
     return cos * level + sin * way[..., 2], left, cos * way[..., 2] - sin * level
 
 

@@ -2,19 +2,23 @@
 
 from collections.abc import Sequence
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float, Int, UInt16
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
 from home_mjx.bank.bank import HouseBank
+from home_mjx.physics.base.doors import Leaf
 from home_mjx.scene_compile.navigation.fringe import continued_fields
 from home_mjx.scene_compile.navigation.geodesic import grid_edges
 from home_mjx.schema.compiled import FIELD_FAR, FIELD_UNIT
 
-REACH = 0.3  # [m]: besides the nearest cell, those that are farther by so much are ends of ways to a thing
 STEP = 0.35  # [m], at most, between cells of a ramp and of the level that it leads to
 STOREY = 2.5  # [m]: what is higher above a floor belongs to another storey
+BRUSHES = 4.0  # times as long counts a way on which an agent would brush the leaf of an open door, and so shut it
+MARGIN = 0.15  # [m], to a leaf
 TINY = 1e-6  # [m]: a way of no length would be none in a sparse matrix
 
 Ends = tuple[
@@ -32,6 +36,7 @@ class CellGraph:
     Attributes:
         place: Middle of each home cell, on the floor [m].
         room: Room of each home cell; -1 none.
+        at_leaf: Home cells in which an agent touches the leaf of an open door.
     """
 
     def __init__(self, bank: HouseBank, house: int) -> None:
@@ -48,7 +53,21 @@ class CellGraph:
         self.place = np.concatenate([plan, self._height[self._home][:, None]], axis=1)
         self.room = self._rooms[self._home]
         edges = [grid_edges(self._home, self._height, self._cell), *self._between_levels()]
-        self._edges = tuple(np.concatenate(parts) for parts in zip(*edges, strict=True))
+        sources, targets, lengths = (np.concatenate(parts) for parts in zip(*edges, strict=True))
+        self.at_leaf = self._beside_leaves(bank, house)
+        brushes = self.at_leaf[sources] | self.at_leaf[targets]
+        self._edges = sources, targets, np.where(brushes, BRUSHES * lengths, lengths)
+
+    def _beside_leaves(self, bank: HouseBank, house: int) -> Bool[np.ndarray, " c"]:
+        leaves = jax.tree.map(lambda x: x[house], Leaf.of(jax.tree.map(jnp.asarray, bank.physics)))
+        pos, quat = (np.asarray(x) for x in leaves.moved(jnp.asarray(bank.physics.door_wide[house])))
+        found, reach = np.zeros(len(self.place), bool), bank.spec.agent_radius + MARGIN
+        for middle, (w, _, _, z), half in zip(pos, quat, np.asarray(leaves.size), strict=True):
+            away, yaw = self.place - middle, 2 * np.arctan2(z, w)
+            along, across = away[:, :2] @ [np.cos(yaw), np.sin(yaw)], away[:, :2] @ [-np.sin(yaw), np.cos(yaw)]
+            gap = np.hypot(np.maximum(abs(along) - half[0], 0), np.maximum(abs(across) - half[1], 0))
+            found |= (half[0] > 0) & (gap < reach) & (abs(away[:, 2]) < STOREY)
+        return found
 
     def fields(self, ends: Sequence[Ends]) -> UInt16[np.ndarray, "c g"]:
         """Distances of all of the house's cells to goals, ordered and kept as in `Navigation.field`."""
@@ -73,13 +92,13 @@ class CellGraph:
         graph = csr_matrix((ways, (begins, stops)), shape=(cells + goals,) * 2)
         return dijkstra(graph, indices=np.arange(cells, cells + goals)).T[:cells]
 
-    def beside(self, low: Float[np.ndarray, " 3"], high: Float[np.ndarray, " 3"]) -> Ends:
-        """Cells from which a box is reached, and how far it is from each; none if its storey has no cell."""
+    def around(self, low: Float[np.ndarray, " 3"], high: Float[np.ndarray, " 3"], most: int) -> Ends:
+        """The cells of a box's storey that are nearest to it in the plan, at most so many, and how far it is."""
         storey = np.flatnonzero((self.place[:, 2] <= high[2]) & (self.place[:, 2] > low[2] - STOREY))
         gap = np.maximum(low[:2] - self.place[storey, :2], 0) + np.maximum(self.place[storey, :2] - high[:2], 0)
         away = np.hypot(*gap.T)
-        near = away <= away.min(initial=np.inf) + REACH
-        return storey[near], away[near]
+        order = np.argsort(away, kind="stable")[:most]
+        return storey[order], away[order]
 
     def inside(self, rooms: Bool[np.ndarray, " r"]) -> Ends:
         """The cells of some rooms."""

@@ -12,7 +12,12 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.core.transforms import bounds
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.rows.fields import CellGraph, Ends
+from home_mjx.tasks.rows.sight import seen_from
 from home_mjx.tasks.rows.words import Kind
+
+CELLS = 64  # that are nearest to a thing are tried
+REACH = 0.3  # [m]: besides the nearest cell, those that are farther by so much are ends of ways to a thing
+BELOW_TOP = 0.1  # [m], eyes of an agent
 
 
 @dataclass(frozen=True)
@@ -36,10 +41,12 @@ class HouseView:
         bank: The houses, with arrays on the host.
         house: Index of the house.
         boxes: World bounds of its instances [m].
+        device: The houses, for rays.
     """
 
-    def __init__(self, bank: HouseBank, house: int, boxes: Float[np.ndarray, "i 2 3"]) -> None:
-        self.bank, self.house, self._boxes = bank, house, boxes
+    def __init__(self, bank: HouseBank, house: int, boxes: Float[np.ndarray, "i 2 3"], device: HouseBank) -> None:
+        self.bank, self.house, self._boxes, self._device = bank, house, boxes, device
+        self._beside: dict[int, Ends] = {}
 
     @cached_property
     def graph(self) -> CellGraph:
@@ -72,11 +79,27 @@ class HouseView:
             return self.graph.at(place)
         if kind == Kind.ROOM:
             return self.graph.inside(rooms)
-        parts = [self.graph.beside(*self._boxes[i]) for i in np.flatnonzero(instances)]
+        parts = [self.beside(i) for i in np.flatnonzero(instances).tolist()]
         if not parts:
             return np.zeros(0, int), np.zeros(0)
         cells, away = (np.concatenate(part) for part in zip(*parts, strict=True))
         return cells, away
+
+    def beside(self, instance: int) -> Ends:
+        """Cells beside an instance from which it can be seen: the nearest, and those hardly farther away.
+
+        None, if it cannot be seen from any of the `CELLS` nearest: a thing behind a wall, or in a chest.
+        """
+        if instance not in self._beside:
+            box = self._boxes[instance]
+            cells, away = self.graph.around(*box, CELLS)
+            eyes = np.full((CELLS, 3), np.inf)
+            eyes[: len(cells)] = self.graph.place[cells]
+            eyes[:, 2] += self.bank.spec.agent_height - BELOW_TOP
+            seen = seen_from(self._device, self.house, eyes, box)[: len(cells)]
+            near = seen & (away <= np.min(away, where=seen, initial=np.inf) + REACH)
+            self._beside[instance] = cells[near], away[near]
+        return self._beside[instance]
 
 
 def house_views(bank: HouseBank) -> tuple[HouseView, ...]:
@@ -94,4 +117,4 @@ def house_views(bank: HouseBank) -> tuple[HouseView, ...]:
         navigation=jax.tree.map(np.asarray, host.navigation),
         semantics=np.asarray(bank.semantics),
     )
-    return tuple(HouseView(host, house, boxes[house]) for house in range(bank.num_houses))
+    return tuple(HouseView(host, house, boxes[house], bank) for house in range(bank.num_houses))

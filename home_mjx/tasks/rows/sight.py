@@ -1,0 +1,78 @@
+"""What can be seen from where: rays from eyes to a few points of a thing's bounds."""
+
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.raycast_render.casting.cast import cast
+from home_mjx.raycast_render.scene.scene import make_scene
+from home_mjx.raycast_render.scene.types import Scene
+
+# Where one looks for a thing: across and up from the middle of its bounds, in half extents.
+POINTS = ((0.0, 0.0), (0.0, 0.7), (0.0, -0.7), (0.7, 0.0), (-0.7, 0.0))
+SLACK = 0.02  # [m]: a box counts as seen if a ray comes as near to it
+
+
+def look_points(eye: Float[Array, "3"], box: Float[Array, "2 3"]) -> Float[Array, "p 3"]:
+    """Where an eye looks for what has these bounds: its middle, above, below and to both sides of it [m].
+
+    They are inf for bounds that are.
+    """
+    middle, half = box.mean(axis=0), (box[1] - box[0]) / 2
+    way = middle - eye
+    across = jnp.stack([-way[1], way[0]])
+    across = across / jnp.maximum(jnp.linalg.norm(across), 1e-6)
+    side, up = jnp.array(POINTS, jnp.float32).T
+    wide = jnp.sum(jnp.abs(across) * half[:2])
+    points = middle + jnp.concatenate([side[:, None] * across * wide, up[:, None] * half[2]], axis=1)
+    return jnp.where(jnp.all(jnp.isfinite(middle)), points, jnp.inf)
+
+
+def clear(
+    scene: Scene,
+    eye: Float[Array, "3"],
+    box: Float[Array, "2 3"],
+    points: Float[Array, "p 3"],
+    own: Int[Array, ""],
+) -> Bool[Array, " p"]:
+    """Whether nothing is before these bounds on the way from an eye to points in them.
+
+    Args:
+        scene: One environment.
+        eye: [m].
+        box: The bounds [m].
+        points: Such as `look_points`; inf: none.
+        own: Object that rays pass through, the agent's own body; -1 none.
+    """
+    way = points - eye
+    known = jnp.all(jnp.isfinite(way), axis=-1)
+    way = jnp.where(known[:, None], way, 1.0)
+    inverse = 1 / jnp.where(jnp.abs(way) < 1e-6, 1e-6, way)
+    walls = (box[None] - eye) * inverse[:, None]  # slab method: the ray enters the box at the last of its near sides
+    entry = jnp.clip(jnp.max(jnp.min(walls, axis=1), axis=-1), 0, 1)  # part of the way
+    length = jnp.linalg.norm(way, axis=-1)
+    eyes, exclude = jnp.broadcast_to(eye, way.shape), jnp.broadcast_to(own, length.shape)
+    hit = cast(scene, eyes, way / length[:, None], exclude=exclude)
+    return known & (hit.t >= entry * length - SLACK)
+
+
+def seen_from(
+    bank: HouseBank, house: int, eyes: Float[np.ndarray, "n 3"], box: Float[np.ndarray, "2 3"]
+) -> Bool[np.ndarray, " n"]:
+    """From which places something with these bounds can be seen, in a house as it begins, doors open."""
+    return np.asarray(_seen_from(bank, jnp.int32(house), jnp.asarray(eyes, jnp.float32), jnp.asarray(box, jnp.float32)))
+
+
+@jax.jit
+def _seen_from(bank: HouseBank, house: Array, eyes: Array, box: Array) -> Array:
+    physics = bank.physics
+    nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
+    bodies = physics.body_pos[house], physics.body_quat[house]
+    scene = make_scene(bank, house, *bodies, *nobody, door_angle=physics.door_wide[house])
+    points = jax.vmap(look_points, (0, None))(eyes, box)
+    look = partial(clear, scene, own=jnp.full((), -1, jnp.int32))
+    return jnp.any(jax.vmap(lambda eye, at: look(eye, box, at))(eyes, points), axis=1)
