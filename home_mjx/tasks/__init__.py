@@ -18,11 +18,24 @@ from home_mjx.tasks.environment.episodes import load_episodes, sample_episodes, 
 from home_mjx.tasks.environment.household import HouseholdEnv
 from home_mjx.tasks.environment.memory import MemoryEstimate, estimate_memory
 from home_mjx.tasks.environment.saved import dump_flagged, load_flagged, load_states, save_states
+from home_mjx.tasks.experts.walk import expert_action
+from home_mjx.tasks.language.vocabulary import detokenize, tokenize
+from home_mjx.tasks.rows.build import Row, build_task_bank
+from home_mjx.tasks.rows.house_view import HouseView, Thing
+from home_mjx.tasks.rows.program import Go, Meant, Stage, When
+from home_mjx.tasks.rows.row_task import RowState, RowTask
+from home_mjx.tasks.rows.task_bank import TaskBank
+from home_mjx.tasks.rows.words import FAILURE, SUCCESS, Feature
+from home_mjx.tasks.suite.instructions import InstructionFollowing
+from home_mjx.tasks.suite.navigation import HouseTasks, Navigation, ObjectNav, RoomNav
 from home_mjx.tasks.suite.point_nav import PointNav, PointNavState
+from home_mjx.tasks.suite.task_lines import load_tasks, save_tasks
 
 __all__ = [
     "DEFAULT_SENSORS",
+    "FAILURE",
     "SENSORS",
+    "SUCCESS",
     "AgentCamera",
     "AgentPose",
     "ArraySpec",
@@ -32,30 +45,52 @@ __all__ = [
     "EnvConfig",
     "EnvParams",
     "Episodes",
+    "Feature",
+    "Go",
+    "HouseTasks",
+    "HouseView",
     "HouseholdEnv",
+    "InstructionFollowing",
+    "Meant",
     "MemoryEstimate",
+    "Navigation",
+    "ObjectNav",
     "PointNav",
     "PointNavState",
+    "RoomNav",
+    "Row",
+    "RowState",
+    "RowTask",
     "Sensor",
     "Snapshot",
+    "Stage",
     "State",
     "Status",
     "StatusError",
     "Task",
+    "TaskBank",
+    "Thing",
     "Touch",
     "TouchMeaning",
+    "When",
     "World",
+    "build_task_bank",
     "check_status",
+    "detokenize",
     "dump_flagged",
     "estimate_memory",
+    "expert_action",
     "load_episodes",
     "load_flagged",
     "load_states",
+    "load_tasks",
     "make_config",
     "register_sensor",
     "sample_episodes",
     "save_episodes",
     "save_states",
+    "save_tasks",
+    "tokenize",
     "touch_meaning",
 ]
 

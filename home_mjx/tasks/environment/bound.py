@@ -16,6 +16,7 @@ from home_mjx.tasks.base.state import EnvParams, Episodes, State
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.environment.moves import action_names
 from home_mjx.tasks.environment.usable import check_bank
+from home_mjx.tasks.rows.task_bank import TaskBank
 
 
 @runtime_checkable
@@ -101,7 +102,7 @@ class BoundEnv(Generic[C]):
         """The state with its observations computed anew."""
         return self.core.observe(self.params, state)
 
-    def with_tasks(self, episodes: Episodes | None) -> "BoundEnv[C]":
+    def with_tasks(self, episodes: Episodes | TaskBank | None) -> "BoundEnv[C]":
         """The same environment whose resets take their rows from episodes drawn beforehand; None: draw afresh."""
         return BoundEnv(self.core, self.params.replace(tasks=episodes), self.spec)
 

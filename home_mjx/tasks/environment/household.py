@@ -36,6 +36,7 @@ from home_mjx.tasks.environment.usable import (
     check_task,
     checked_metrics,
 )
+from home_mjx.tasks.rows.task_bank import TaskBank
 from home_mjx.tasks.sensors.choose import choose_sensors, sensor_names
 from home_mjx.tasks.suite.point_nav import PointNav
 
@@ -327,7 +328,7 @@ class HouseholdEnv:
         return _template(self.config.physics, bank.spec)
 
     def _row(
-        self, tasks: Episodes | None, episode: Int[Array, ""] | int | None, key: Array
+        self, tasks: Episodes | TaskBank | None, episode: Int[Array, ""] | int | None, key: Array
     ) -> tuple[Int[Array, ""], Episodes | None]:
         """Number and content of the episode to begin; -1 and None: it is drawn afresh."""
         if tasks is None:
@@ -337,7 +338,7 @@ class HouseholdEnv:
             return jnp.full((), -1, jnp.int32), None
         if episode is None:
             episode = jax.random.randint(key, (), 0, len(tasks))
-        number, rows = jnp.asarray(episode, jnp.int32), getattr(tasks, "rows", tasks)
+        number, rows = jnp.asarray(episode, jnp.int32), tasks.rows if isinstance(tasks, TaskBank) else tasks
         return number, jax.tree.map(lambda row: row[number % len(tasks)], rows)
 
     def _squeeze(self, tree: Any) -> Any:

@@ -57,7 +57,7 @@ def expert_action(snapshot: Snapshot, state: RowState) -> Array:
 
 
 def should_look(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
-    """Whether a transition of the present stage waits for each agent to look at what it is near to, or to pick it up."""
+    """Whether a transition of the present stage waits for no more than a look, a grip or a stop of each agent."""
     turned = values
     for feature in (Feature.STOPPED, Feature.SEEN, Feature.HELD):
         turned = turned.at[feature].set(1.0)
@@ -80,10 +80,10 @@ def should_stop(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[
 def downhill(
     snapshot: Snapshot, state: RowState, guide: Int[Array, ""]
 ) -> tuple[Float[Array, "a 2"], Bool[Array, " a"]]:
-    """A place on the shortest way to what a descriptor means, to which each agent can walk straight [m]; whether it is there.
+    """A place on the shortest way to what a descriptor means [m], and whether none is nearer than where an agent is.
 
-    It is the farthest of the next `LOOK_AHEAD` cells for which all cells of the straight way are free; the next one
-    for an agent that has run into something.
+    Each agent can walk there straight: it is the farthest of the next `LOOK_AHEAD` cells for which all cells of the
+    straight way are free; the next one for an agent that has run into something.
     """
     bank, house = snapshot.bank, snapshot.house
     field = snapshot.tasks.field[:, jnp.maximum(state.program.field[guide], 0)]

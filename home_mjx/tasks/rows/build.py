@@ -1,16 +1,20 @@
 """From what generators write to a task bank."""
 
+import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Int, UInt16
+from tqdm import tqdm
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
 from home_mjx.schema.compiled import FIELD_FAR, FIELD_UNIT
 from home_mjx.tasks.base.state import Episodes
+from home_mjx.tasks.rows.fields import Ends
 from home_mjx.tasks.rows.house_view import HouseView, house_views
 from home_mjx.tasks.rows.meaning import means_on_host
 from home_mjx.tasks.rows.program import Meant, Stage, written
@@ -35,6 +39,7 @@ class Row:
     tokens: Sequence[int] = field(default=())
 
 
+@runtime_checkable
 class Generator(Protocol):
     """Writes tasks of a house."""
 
@@ -55,6 +60,7 @@ def build_task_bank(
     seed: int = 0,
     least: float = 1.0,
     most: float = np.inf,
+    progress: bool = False,
 ) -> TaskBank:
     """Draws tasks of all houses.
 
@@ -65,27 +71,26 @@ def build_task_bank(
         seed: Of the draw.
         least: Least shortest path from start to goal [m].
         most: Greatest one [m].
+        progress: Show a progress bar.
 
     Raises:
         ConfigError: No house has a task.
     """
     drawn: list[dict] = []
-    fields = []
-    for view in house_views(bank):
+    fields = {}
+    for view in tqdm(house_views(bank), desc="tasks", unit="house", disable=not progress):
         random = np.random.default_rng([seed, view.house])
         rows = [(g, row) for g, generator in enumerate(generators) for row in _some(generator, view, random, num_tasks)]
-        found, field_ = _of_house(bank, view, rows, random, (least, most))
+        found, fields[view.house] = _of_house(bank, view, rows, random, (least, most))
         drawn += found
-        fields.append(field_)
+    names = tuple(generator.name for generator in generators)
     if not drawn:
-        names = ", ".join(generator.name for generator in generators)
-        raise ConfigError(f"no house has a task of {names} with a way of {least} m to {most} m")
-    return _packed(bank, drawn, fields, tuple(generator.name for generator in generators))
+        raise ConfigError(f"no house has a task of {', '.join(names)} with a way of {least} m to {most} m")
+    return packed(bank, _in_turns(drawn), fields, names)
 
 
 def _some(generator: Generator, view: HouseView, random: np.random.Generator, most: int) -> list[Row]:
-    rows = generator.rows(view, random)
-    return [row for row, _ in zip(rows, range(most), strict=False)]
+    return list(itertools.islice(generator.rows(view, random), most))
 
 
 def _of_house(
@@ -97,33 +102,52 @@ def _of_house(
 ) -> tuple[list[dict], np.ndarray]:
     """Columns of a house's tasks that can be done, and the fields of what they mean."""
     columns = [written(row.meant, row.stages) for _, row in rows]
-    if not columns:
-        return [], view.graph.fields([])
-    meanings = means_on_host(bank, view.house, np.stack([c["descriptor"] for c in columns]))
-    known: dict[bytes, int] = {}
-    ends: list = []
-    for at, column in enumerate(columns):
-        column["field"] = np.full(NUM_DESCRIPTORS, -1, np.int16)
-        for d in range(NUM_DESCRIPTORS):
-            kind = int(column["descriptor"][d, Word.KIND])
-            if kind in (Kind.NOTHING, Kind.AGENT):
-                continue
-            end = view.ends(kind, meanings.instance[at, d], meanings.room[at, d], column["place"][d])
-            key = end[0].tobytes() + end[1].tobytes()
-            if len(end[0]) and key not in known:
-                known[key] = len(ends)
-                ends.append(end)
-            column["field"][d] = known.get(key, -1)
-    field_ = view.graph.fields(ends)
+    field_ = add_fields(bank, view, columns)
     found = []
     for (task, row), column in zip(rows, columns, strict=True):
         goal = column["field"][row.goal]
         start = None if goal < 0 else _start(view, field_[: len(view.graph.place), goal], random, limits)
         if start is not None:
-            tokens = np.zeros(NUM_TOKENS, np.int16)
-            tokens[: len(row.tokens)] = row.tokens
-            found.append(column | start | {"house": view.house, "task": task, "tokens": tokens})
+            found.append(column | start | {"house": view.house, "task": task, "tokens": padded(row.tokens)})
     return found, field_
+
+
+def padded(tokens: Sequence[int]) -> Int[np.ndarray, " n"]:
+    """Tokens of an instruction, filled up.
+
+    Raises:
+        ConfigError: There are too many.
+    """
+    if len(tokens) > NUM_TOKENS:
+        raise ConfigError(f"an instruction has room for {NUM_TOKENS} words, got {len(tokens)}")
+    whole = np.zeros(NUM_TOKENS, np.int16)
+    whole[: len(tokens)] = tokens
+    return whole
+
+
+def add_fields(bank: HouseBank, view: HouseView, columns: list[dict]) -> UInt16[np.ndarray, "c g"]:
+    """Distances of a house's cells to what its tasks' descriptors mean; adds `field` to their columns.
+
+    What several descriptors mean alike has one field. What cannot be reached has none: -1.
+    """
+    if not columns:
+        return view.graph.fields([])
+    meanings = means_on_host(bank, view.house, np.stack([c["descriptor"] for c in columns]))
+    instance, room = np.asarray(meanings.instance), np.asarray(meanings.room)
+    known: dict[bytes, int] = {}
+    ends: list[Ends] = []
+    for at, column in enumerate(columns):
+        column["field"] = np.full(NUM_DESCRIPTORS, -1, np.int16)
+        for d, kind in enumerate(column["descriptor"][:, Word.KIND].tolist()):
+            if kind in (Kind.NOTHING, Kind.AGENT):
+                continue
+            end = view.ends(kind, instance[at, d], room[at, d], column["place"][d])
+            key = end[0].tobytes() + end[1].tobytes()
+            if len(end[0]) and key not in known:
+                known[key] = len(ends)
+                ends.append(end)
+            column["field"][d] = known.get(key, -1)
+    return view.graph.fields(ends)
 
 
 def _start(
@@ -139,19 +163,22 @@ def _start(
     return {"start": place, "yaw": np.float32(random.uniform(-np.pi, np.pi)), "length": np.float32(way[cell])}
 
 
-def _packed(bank: HouseBank, drawn: list[dict], fields: list[np.ndarray], names: tuple[str, ...]) -> TaskBank:
-    """All rows, in an order in which houses take turns, and the fields of all houses beside one another."""
-    seen: dict[int, int] = {}
-    turn = [seen.setdefault(row["house"], 0) or 0 for row in drawn]
-    for at, row in enumerate(drawn):
-        turn[at] = seen[row["house"]]
-        seen[row["house"]] += 1
-    order = np.lexsort([[row["house"] for row in drawn], turn])
-    arrays = {name: jnp.asarray(np.stack([drawn[i][name] for i in order])) for name in drawn[0]}
-    whole = np.full((bank.navigation.field.shape[0], max(f.shape[1] for f in fields)), FIELD_FAR, np.uint16)
-    for house, field_ in enumerate(fields):
+def _in_turns(drawn: list[dict]) -> list[dict]:
+    """In an order in which houses take turns, so that the first rows are of as many houses as there are."""
+    counts: dict[int, Iterator[int]] = {}
+    turns = [next(counts.setdefault(row["house"], itertools.count())) for row in drawn]
+    return [drawn[i] for i in np.lexsort([[row["house"] for row in drawn], turns])]
+
+
+def packed(
+    bank: HouseBank, rows: list[dict], fields: dict[int, UInt16[np.ndarray, "c g"]], names: tuple[str, ...]
+) -> TaskBank:
+    """Columns of rows, and the fields of their houses, as one task bank."""
+    arrays = {name: jnp.asarray(np.stack([row[name] for row in rows])) for name in rows[0]}
+    whole = np.full((bank.navigation.field.shape[0], max(f.shape[1] for f in fields.values())), FIELD_FAR, np.uint16)
+    for house, field_ in fields.items():
         first = int(bank.navigation.first_cell[house])
         whole[first : first + len(field_), : field_.shape[1]] = field_
     own = {name: arrays.pop(name) for name in ("house", "start", "yaw")}
-    rows = Episodes(house=own["house"].astype(jnp.int32), start=own["start"], yaw=own["yaw"], columns=arrays)
-    return TaskBank(rows=rows, field=jnp.asarray(whole), names=names)
+    episodes = Episodes(house=own["house"].astype(jnp.int32), start=own["start"], yaw=own["yaw"], columns=arrays)
+    return TaskBank(rows=episodes, field=jnp.asarray(whole), names=names)

@@ -9,9 +9,9 @@ from home_mjx.navigation import geodesic_distance, room_of
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.rows.meaning import Means
 from home_mjx.tasks.rows.program import Program
-from home_mjx.tasks.rows.sight import clear, look_points
 from home_mjx.tasks.rows.words import Feature, Kind, Word
 from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
+from home_mjx.tasks.sensors.sight import clear, look_points
 
 FAR = 1000.0  # [m]: away from what is nowhere
 REST = 0.03  # [m]

@@ -17,13 +17,12 @@ from home_mjx.schema.compiled import FIELD_FAR, FIELD_UNIT
 
 STEP = 0.35  # [m], at most, between cells of a ramp and of the level that it leads to
 STOREY = 2.5  # [m]: what is higher above a floor belongs to another storey
-BRUSHES = 4.0  # times as long counts a way on which an agent would brush the leaf of an open door, and so shut it
+BRUSHES = 4.0  # who brushes the leaf of an open door may shut it
 MARGIN = 0.15  # [m], to a leaf
 TINY = 1e-6  # [m]: a way of no length would be none in a sparse matrix
 
-Ends = tuple[
-    Int[np.ndarray, " n"], Float[np.ndarray, " n"]
-]  # cells from which a goal is reached, and how far it is [m]
+# Cells from which a goal is reached, and how far it is from each [m]; as many of both.
+Ends = tuple[Int[np.ndarray, "_"], Float[np.ndarray, "_"]]
 
 
 class CellGraph:
@@ -32,6 +31,7 @@ class CellGraph:
     Args:
         bank: The houses.
         house: Index of the house.
+        brushes: So many times as long counts a way on which an agent would brush the leaf of an open door.
 
     Attributes:
         place: Middle of each home cell, on the floor [m].
@@ -39,7 +39,7 @@ class CellGraph:
         at_leaf: Home cells in which an agent touches the leaf of an open door.
     """
 
-    def __init__(self, bank: HouseBank, house: int) -> None:
+    def __init__(self, bank: HouseBank, house: int, brushes: float = BRUSHES) -> None:
         navigation, self._cell = bank.navigation, bank.spec.cell
         number = np.asarray(navigation.cell[house])
         first, home, free = (int(x[house]) for x in (navigation.first_cell, navigation.num_cells, navigation.num_free))
@@ -55,8 +55,8 @@ class CellGraph:
         edges = [grid_edges(self._home, self._height, self._cell), *self._between_levels()]
         sources, targets, lengths = (np.concatenate(parts) for parts in zip(*edges, strict=True))
         self.at_leaf = self._beside_leaves(bank, house)
-        brushes = self.at_leaf[sources] | self.at_leaf[targets]
-        self._edges = sources, targets, np.where(brushes, BRUSHES * lengths, lengths)
+        brushed = self.at_leaf[sources] | self.at_leaf[targets]
+        self._edges = sources, targets, np.where(brushed, brushes * lengths, lengths)
 
     def _beside_leaves(self, bank: HouseBank, house: int) -> Bool[np.ndarray, " c"]:
         leaves = jax.tree.map(lambda x: x[house], Leaf.of(jax.tree.map(jnp.asarray, bank.physics)))

@@ -12,8 +12,8 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.core.transforms import bounds
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.rows.fields import CellGraph, Ends
-from home_mjx.tasks.rows.sight import seen_from
 from home_mjx.tasks.rows.words import Kind
+from home_mjx.tasks.sensors.sight import seen_from
 
 CELLS = 64  # that are nearest to a thing are tried
 REACH = 0.3  # [m]: besides the nearest cell, those that are farther by so much are ends of ways to a thing
@@ -58,12 +58,12 @@ class HouseView:
         """All objects; a door's frame and leaves are one."""
         geometry = self.bank.geometry
         ids, rows = geometry.instance_object[self.house], geometry.instance_semantic[self.house]
-        found = []
+        semantics, found = np.asarray(self.bank.semantics), []
         for number in np.unique(ids[ids >= 0]).tolist():
             parts = np.flatnonzero(ids == number)
             box = np.stack([self._boxes[parts, 0].min(axis=0), self._boxes[parts, 1].max(axis=0)])
             body = int(geometry.instance_body[self.house, parts].max())
-            found.append(Thing(number, self.bank.semantics[rows[parts[0]]], box, body))
+            found.append(Thing(number, semantics[rows[parts[0]]], box, body))
         return tuple(found)
 
     @cached_property
@@ -92,7 +92,7 @@ class HouseView:
         """
         if instance not in self._beside:
             box = self._boxes[instance]
-            cells, away = self.graph.around(*box, CELLS)
+            cells, away = self.graph.around(box[0], box[1], CELLS)
             eyes = np.full((CELLS, 3), np.inf)
             eyes[: len(cells)] = self.graph.place[cells]
             eyes[:, 2] += self.bank.spec.agent_height - BELOW_TOP

@@ -1,6 +1,6 @@
 """What is to be done, written by a person, and the same as arrays."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -68,6 +68,11 @@ class Meant:
             3
         """
         return cls({"kind": Kind.OBJECT, **words})
+
+    @classmethod
+    def of(cls, words: Mapping[Word, int]) -> "Meant":
+        """Objects that have these words in common, by `Word`."""
+        return cls.thing(**{word.name.lower(): value for word, value in words.items()})
 
     @classmethod
     def space(cls, **words: int) -> "Meant":

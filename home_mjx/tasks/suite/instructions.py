@@ -12,9 +12,8 @@ from home_mjx.tasks.language.phrases import phrase, telling
 from home_mjx.tasks.language.vocabulary import tokenize
 from home_mjx.tasks.rows.build import Row
 from home_mjx.tasks.rows.house_view import HouseView
-from home_mjx.tasks.rows.program import Go, Stage, When
+from home_mjx.tasks.rows.program import Go, Meant, Stage, When
 from home_mjx.tasks.rows.words import Feature, Word
-from home_mjx.tasks.suite.handling import meant
 from home_mjx.tasks.suite.navigation import NO_GOALS, Navigation, arrive
 
 VERBS = ("go to", "walk to", "find")
@@ -58,4 +57,4 @@ class InstructionFollowing(Navigation):
         text = said[0]
         for part in said[1:]:
             text = JOINED[int(random.integers(2 if len(said) > 2 else 3))].format(text, part)
-        return Row([meant(words) for words in parts], stages, tokens=tokenize(text))
+        return Row([Meant.of(words) for words in parts], stages, tokens=tokenize(text))

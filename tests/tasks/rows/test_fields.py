@@ -1,11 +1,13 @@
 """Distances to what descriptors mean, against those that houses are compiled with."""
 
+import jax
 import numpy as np
 import pytest
 
+from home_mjx.physics.base.doors import Leaf
 from home_mjx.registry import as_bank
 from home_mjx.schema.compiled import FIELD_FAR, FIELD_UNIT
-from home_mjx.tasks.rows.fields import CellGraph
+from home_mjx.tasks.rows.fields import BRUSHES, MARGIN, STOREY, CellGraph
 
 
 @pytest.fixture(scope="module")
@@ -17,7 +19,7 @@ def test_fields_to_the_banks_goals_are_the_banks(bank):
     """Also up stairs, close to walls and where things stand."""
     navigation = bank.navigation
     for house in range(bank.num_houses):
-        graph = CellGraph(bank, house)
+        graph = CellGraph(bank, house, brushes=1.0)
         ends = [graph.at(np.asarray(goal)) for goal in navigation.goal[house]]
         ends = [(cells, np.zeros(1)) for cells, _ in ends]
         found = graph.fields(ends)
@@ -28,12 +30,42 @@ def test_fields_to_the_banks_goals_are_the_banks(bank):
         assert apart[found != FIELD_FAR].max() < 0.01
 
 
-def test_a_box_is_reached_from_cells_beside_it(bank):
+def test_the_cells_around_a_box_are_the_nearest(bank):
     graph = CellGraph(bank, 0)
     low = graph.place[0] - [0.5, 0.5, 0]
-    cells, away = graph.beside(low, low + [1, 1, 1])
-    assert away.min() == 0
-    plan = graph.place[cells, :2]
-    gap = np.maximum(np.maximum(low[:2] - plan, plan - low[:2] - 1), 0)
-    np.testing.assert_allclose(np.hypot(*gap.T), away)
-    assert not len(graph.beside(low + [0, 0, 50], low + [1, 1, 51])[0])
+    cells, away = graph.around(low, low + 1, 40)
+    plan = graph.place[:, :2]
+    gap = np.hypot(*np.maximum(np.maximum(low[:2] - plan, plan - low[:2] - 1), 0).T)
+    np.testing.assert_allclose(gap[cells], away)
+    assert len(set(cells.tolist())) == 40
+    assert away.max() <= np.delete(gap, cells).min()
+    assert not len(graph.around(low + 50, low + 51, 40)[0])
+
+
+def test_cells_at_leaves_are_those_near_points_of_open_leaves(bank):
+    leaves = jax.tree.map(lambda x: x[0], Leaf.of(bank.physics))
+    pos, quat = (np.asarray(x) for x in leaves.moved(bank.physics.door_wide[0]))
+    graph = CellGraph(bank, 0)
+    least = np.full(len(graph.place), np.inf)
+    u, v = np.meshgrid(np.linspace(-1, 1, 81), np.linspace(-1, 1, 5))
+    for middle, (w, _, _, z), half in zip(pos, quat, np.asarray(leaves.size), strict=True):
+        if half[0] <= 0:
+            continue
+        yaw = 2 * np.arctan2(z, w)
+        x, y = half[0] * u.ravel(), half[1] * v.ravel()
+        points = middle[:2] + np.stack([np.cos(yaw) * x - np.sin(yaw) * y, np.sin(yaw) * x + np.cos(yaw) * y], axis=1)
+        away = np.linalg.norm(graph.place[:, None, :2] - points, axis=-1).min(axis=1)
+        least = np.minimum(least, np.where(np.abs(graph.place[:, 2] - middle[2]) < STOREY, away, np.inf))
+    reach = bank.spec.agent_radius + MARGIN
+    assert graph.at_leaf.any()
+    assert graph.at_leaf[least < reach - 0.02].all()
+    assert not graph.at_leaf[least > reach + 0.02].any()
+
+
+def test_a_way_past_a_leaf_is_no_shorter(bank):
+    graph, plain = CellGraph(bank, 0), CellGraph(bank, 0, brushes=1.0)
+    ends = [graph.at(np.asarray(bank.navigation.goal[0, 0]))]
+    far, near = graph.distances(ends)[:, 0], plain.distances(ends)[:, 0]
+    assert (far >= near - 1e-9).all()
+    assert (far[graph.at_leaf] > near[graph.at_leaf] + 0.1).any()
+    assert (far <= BRUSHES * near + 1e-9).all()

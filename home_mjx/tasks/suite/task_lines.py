@@ -1,0 +1,169 @@
+"""Tasks as JSON lines: names and places instead of numbers, so that any bank of the houses will do."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import jax
+import numpy as np
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.core.files import read_text
+from home_mjx.errors import ConfigError, DatasetError, UnknownIdError
+from home_mjx.scene_compile.semantics.vocabulary import number_of, vocabularies
+from home_mjx.tasks.language.phrases import COLUMN
+from home_mjx.tasks.language.vocabulary import detokenize, tokenize
+from home_mjx.tasks.rows.build import add_fields, packed, padded
+from home_mjx.tasks.rows.house_view import house_views
+from home_mjx.tasks.rows.program import Go, Meant, Stage, When, written
+from home_mjx.tasks.rows.task_bank import TaskBank
+from home_mjx.tasks.rows.words import ANY, FAILURE, NUM_CONDITIONS, SUCCESS, Feature, Kind, Word
+
+MAX_BYTES = 1 << 30  # of a file: about a million tasks
+ENDS = {SUCCESS: "success", FAILURE: "failure"}
+
+
+def save_tasks(path: str | Path, bank: HouseBank, tasks: TaskBank) -> None:
+    """Writes tasks, one JSON object a line.
+
+    Args:
+        path: The file.
+        bank: The houses that they are of.
+        tasks: What `Task.task_bank` or `build_task_bank` has drawn.
+
+    Raises:
+        ConfigError: The file cannot be written.
+
+    Example:
+        >>> save_tasks("tasks.jsonl", env.params.bank, env.params.tasks)  # doctest: +SKIP
+    """
+    ids, host = bank.house_ids, jax.tree.map(np.asarray, tasks.rows)
+    lines = []
+    for at in range(len(host)):
+        row = {name: values[at] for name, values in host.columns.items()}
+        line = {"house": ids[int(host.house[at])], "task": tasks.names[int(row["task"])]}
+        line |= {"start": host.start[at].tolist(), "yaw": float(host.yaw[at]), "length": float(row["length"])}
+        line |= {"instruction": detokenize(row["tokens"]), "meant": _meant(row), "stages": _stages(row)}
+        lines.append(json.dumps(line))
+    try:
+        Path(path).write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
+    except OSError as error:
+        raise ConfigError(f"tasks cannot be written: {error.strerror}", file=path) from None
+
+
+def load_tasks(path: str | Path, bank: HouseBank) -> TaskBank:
+    """Reads what `save_tasks`, or a person, has written.
+
+    Args:
+        path: The file.
+        bank: Has the houses, maybe others as well.
+
+    Raises:
+        MissingFileError: There is no such file.
+        DatasetError: A line is broken, or names a house that the bank lacks; says which.
+
+    Example:
+        >>> env = env.with_tasks(load_tasks("tasks.jsonl", env.params.bank))  # doctest: +SKIP
+    """
+    index = {name: number for number, name in enumerate(bank.house_ids)}
+    names: dict[str, int] = {}
+    rows = list(_rows(Path(path), index, names))
+    if not rows:
+        raise DatasetError("file holds no task", file=path)
+    fields = {}
+    for view in house_views(bank):
+        own = [row for row in rows if row["house"] == view.house]
+        fields[view.house] = add_fields(bank, view, own)
+    return packed(bank, rows, fields, tuple(names))
+
+
+def _rows(path: Path, index: dict[str, int], names: dict[str, int]) -> Iterator[dict[str, Any]]:
+    for number, line in enumerate(read_text(path, most=MAX_BYTES).splitlines(), 1):
+        try:
+            yield _row(json.loads(line), index, names)
+        except DatasetError as error:
+            raise type(error)(error.message, file=path, element=f"line {number}", hint=error.hint) from None
+        except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+            what = f"`{error.args[0]}` is missing" if type(error) is KeyError else str(error)
+            raise DatasetError(f"no task: {what}", file=path, element=f"line {number}") from None
+
+
+def _row(line: dict[str, Any], index: dict[str, int], names: dict[str, int]) -> dict[str, Any]:
+    if line["house"] not in index:
+        raise UnknownIdError(f"the bank has no house {line['house']}", hint="Give the houses that the tasks are of.")
+    start, yaw, length = np.array(line["start"], np.float32), float(line["yaw"]), float(line["length"])
+    if start.shape != (3,) or not np.isfinite([*start, yaw, length]).all():
+        raise ValueError("`start` must be three finite numbers, `yaw` and `length` one each")
+    arrays = written([_read_meant(item) for item in line["meant"]], [_read_stage(item) for item in line["stages"]])
+    own = {"house": index[line["house"]], "task": names.setdefault(line["task"], len(names))}
+    own |= {"start": start, "yaw": np.float32(yaw), "length": np.float32(length)}
+    return arrays | own | {"tokens": padded(tokenize(line["instruction"]))}
+
+
+def _meant(row: dict[str, np.ndarray]) -> list[dict[str, Any]]:
+    found = []
+    for words, place in zip(row["descriptor"].tolist(), row["place"], strict=True):
+        if words[Word.KIND] == Kind.NOTHING:
+            break
+        item: dict[str, Any] = {"kind": Kind(words[Word.KIND]).name.lower()}
+        for word in list(Word)[1:]:
+            if words[word] != ANY:
+                item[word.name.lower()] = vocabularies()[COLUMN[word]][words[word]] if word in COLUMN else words[word]
+        found.append(item | ({"place": place.tolist()} if np.isfinite(place).all() else {}))
+    return found
+
+
+def _read_meant(item: dict[str, Any]) -> Meant:
+    words = {"kind": int(Kind[item["kind"].upper()])}
+    for name, value in item.items():
+        if name not in ("kind", "place"):
+            word = Word[name.upper()]
+            words[name] = number_of(COLUMN[word], value) if word in COLUMN else int(value)
+    return Meant(words, tuple(item["place"])) if "place" in item else Meant(words)
+
+
+def _stages(row: dict[str, np.ndarray]) -> list[dict[str, Any]]:
+    whens = [_when(row, c) for c in range(NUM_CONDITIONS)]
+    found = []
+    for needs, bars, after, reward, guide in zip(
+        *(row[name].tolist() for name in ("needs", "bars", "next", "reward", "guide")), strict=True
+    ):
+        ways = [
+            {"next": ENDS.get(after[g], after[g]), "needs": _of_bits(needs[g], whens), "reward": reward[g]}
+            | ({"bars": _of_bits(bars[g], whens)} if bars[g] else {})
+            for g in range(len(needs))
+            if needs[g] >= 0
+        ]
+        if ways:
+            found.append({"ways": ways, "guide": guide})
+    return found
+
+
+def _of_bits(bits: int, whens: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    return [when for c, when in enumerate(whens) if bits >> c & 1]
+
+
+def _when(row: dict[str, np.ndarray], c: int) -> dict[str, Any]:
+    item = {"feature": Feature(int(row["feature"][c])).name.lower()}
+    plain = When(Feature.TRUE)
+    for name in ("first", "second", "agent", "least", "most"):
+        value = row[name][c].item()
+        item |= {} if value == getattr(plain, name) else {name: value}
+    return item
+
+
+def _read_stage(item: dict[str, Any]) -> Stage:
+    return Stage(tuple(_read_way(way) for way in item["ways"]), int(item.get("guide", ANY)))
+
+
+def _read_way(way: dict[str, Any]) -> Go:
+    ends = {name: number for number, name in ENDS.items()}
+    needs, bars = (tuple(_read_when(when) for when in way.get(name, ())) for name in ("needs", "bars"))
+    after = way["next"]
+    return Go(ends[after] if isinstance(after, str) else int(after), needs, bars, float(way.get("reward", 0.0)))
+
+
+def _read_when(item: dict[str, Any]) -> When:
+    options = {name: value for name, value in item.items() if name != "feature"}
+    return When(Feature[item["feature"].upper()], **options)

@@ -1,0 +1,197 @@
+"""Tasks as rows: experts do them, files keep them, whatever cannot be done is refused."""
+
+import dataclasses
+import json
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import home_mjx
+from home_mjx.errors import ConfigError, DatasetError, MissingFileError, UnknownIdError
+from home_mjx.physics import PhysicsConfig
+from home_mjx.registry import as_bank
+from home_mjx.schema.categories import COARSE
+from home_mjx.tasks import (
+    EnvConfig,
+    EnvParams,
+    HouseholdEnv,
+    HouseTasks,
+    InstructionFollowing,
+    ObjectNav,
+    RoomNav,
+    detokenize,
+    expert_action,
+    load_tasks,
+    save_tasks,
+    tokenize,
+)
+
+STOPS = {"stop": True}
+TASKS = HouseTasks(tasks=(RoomNav(**STOPS), ObjectNav(**STOPS), InstructionFollowing(**STOPS)), num_tasks=6)
+CONFIG = EnvConfig(sensors=("state",), actions="discrete", physics=PhysicsConfig(impl="kinematic"))
+MOST_STEPS = 400
+
+
+@pytest.fixture(scope="module")
+def bank():
+    return as_bank(None, 4)
+
+
+@pytest.fixture(scope="module")
+def env(bank):
+    return HouseholdEnv(CONFIG, TASKS).bind(bank)
+
+
+@pytest.fixture(scope="module")
+def reset(env):
+    """Of every row, and the environments' states."""
+    rows = len(env.params.tasks)
+    keys, index = jax.random.split(jax.random.key(0), rows), jnp.arange(rows)
+    return jax.jit(jax.vmap(env.core.reset, (None, 0, None, 0)))(env.params, keys, None, index)
+
+
+def run(env, states, act):
+    """Until all have ended, but no longer than `MOST_STEPS`."""
+
+    def step(state, key):
+        after = env.core.step(env.params, state, act(state, key))
+        return jax.tree.map(lambda old, new: jnp.where(state.done, old, new), state, after)
+
+    def body(carry):
+        number, states = carry
+        keys = jax.random.split(jax.random.fold_in(jax.random.key(1), number), states.done.shape[0])
+        return number + 1, jax.vmap(step)(states, keys)
+
+    go = lambda carry: (carry[0] < MOST_STEPS) & ~jnp.all(carry[1].done)  # noqa: E731
+    return jax.jit(lambda s: jax.lax.while_loop(go, body, (0, s))[1])(states)
+
+
+@pytest.mark.slow
+def test_experts_do_what_rows_say_by_the_shortest_way(env, reset):
+    done = run(env, reset, lambda s, _: expert_action(env.core.snapshot(env.params, s), s.task)[0])
+    success, spl = (np.asarray(done.metrics[name]) for name in ("success", "spl"))
+    for number, name in enumerate(env.params.tasks.names):
+        own = np.asarray(done.task.task) == number
+        assert own.sum() >= 12
+        assert success[own].mean() >= 0.95, name
+        assert spl[own].mean() >= 0.9, name
+
+
+@pytest.mark.slow
+def test_random_actions_hardly_ever_succeed(env, reset):
+    num = int(env.core.action_spec.high) + 1
+    done = run(env, reset, lambda _, key: jax.random.randint(key, (), 0, num))
+    assert np.asarray(done.metrics["success"]).mean() < 0.1
+    assert np.asarray(done.done).all()  # a wrong stop ends an episode
+
+
+def test_rows_are_of_all_houses_and_tasks_and_begin_on_their_floors(env, bank, reset):
+    rows = env.params.tasks.rows
+    counts = np.zeros((bank.num_houses, 3), int)
+    np.add.at(counts, (np.asarray(rows.house), np.asarray(rows.columns["task"])), 1)
+    assert counts.min() >= 1
+    assert counts.max() <= TASKS.num_tasks
+    assert len(set(np.asarray(rows.house[: bank.num_houses]).tolist())) == bank.num_houses
+    assert np.asarray(rows.columns["length"]).min() >= TASKS.min_length
+    guide = np.asarray(rows.columns["guide"][:, 0])
+    told = np.asarray(reset.task.distance)[np.arange(len(rows)), 0, guide]
+    np.testing.assert_allclose(told, rows.columns["length"], atol=0.15)
+
+
+def test_a_file_of_tasks_holds_all_of_them(env, bank, tmp_path):
+    path, tasks = tmp_path / "tasks.jsonl", env.params.tasks
+    save_tasks(path, bank, tasks)
+    again = load_tasks(path, bank)
+    (names, fields, rows), (read_names, read_fields, read_rows) = (parts(x) for x in (tasks, again))
+    assert (names == read_names).all()
+    jax.tree.map(np.testing.assert_array_equal, rows, read_rows)
+    np.testing.assert_array_equal(fields, read_fields)
+
+
+def parts(tasks):
+    """Of all rows: the task's name, distances of the house's first cell to its descriptors, and everything else."""
+    columns = dict(tasks.rows.columns)
+    names, field = np.array(tasks.names)[np.asarray(columns.pop("task"))], np.asarray(columns.pop("field"))
+    distances = np.where(field >= 0, np.asarray(tasks.field)[0][np.maximum(field, 0)], 0)
+    return names, distances, tasks.rows.replace(columns=columns)
+
+
+def test_a_line_can_be_read_and_written_by_people(env, bank, tmp_path):
+    path = tmp_path / "tasks.jsonl"
+    save_tasks(path, bank, env.params.tasks)
+    lines = [json.loads(line) for line in path.read_text().splitlines()]
+    nav = next(line for line in lines if line["task"] == "ObjectNav")
+    assert nav["meant"][0]["kind"] == "object"
+    assert nav["meant"][0]["coarse"] in COARSE
+    ways = nav["stages"][0]["ways"]
+    assert [way["next"] for way in ways] == ["success", "failure"]
+    assert [need["feature"] for need in ways[0]["needs"]] == ["distance", "seen", "stopped"]
+    assert next(line for line in lines if line["task"] == "InstructionFollowing")["instruction"].split()
+
+
+@pytest.mark.parametrize(
+    ("change", "error", "what"),
+    [
+        ({"house": "nowhere"}, UnknownIdError, "nowhere"),
+        ({"start": [0, 0]}, DatasetError, "start"),
+        ({"instruction": "go to the blorb"}, DatasetError, "blorb"),
+        ({"meant": [{"kind": "object", "coarse": "blorb"}]}, DatasetError, "blorb"),
+        ({"stages": []}, DatasetError, "stages"),
+        ({"stages": [{"ways": [{"next": 4}]}]}, DatasetError, "stage 4"),
+    ],
+)
+def test_a_broken_line_is_named(env, bank, tmp_path, change, error, what):
+    path = tmp_path / "tasks.jsonl"
+    save_tasks(path, bank, env.params.tasks.pick(jnp.arange(2)))
+    first, second = (json.loads(line) for line in path.read_text().splitlines())
+    path.write_text(json.dumps(first) + "\n" + json.dumps(second | change) + "\n")
+    with pytest.raises(error, match=what) as raised:
+        load_tasks(path, bank)
+    assert "line 2" in str(raised.value)
+
+
+def test_no_file_and_no_task(bank, tmp_path):
+    with pytest.raises(MissingFileError):
+        load_tasks(tmp_path / "nothing.jsonl", bank)
+    (tmp_path / "empty.jsonl").write_text("")
+    with pytest.raises(DatasetError, match="no task"):
+        load_tasks(tmp_path / "empty.jsonl", bank)
+    with pytest.raises(ConfigError, match="no house has a task of RoomNav"):
+        RoomNav(min_length=900.0).task_bank(bank)
+
+
+def test_a_task_of_rows_needs_its_rows(bank):
+    core = HouseholdEnv(CONFIG, RoomNav(stop=True))
+    with pytest.raises(ConfigError, match="task bank"):
+        core.reset(EnvParams(bank), jax.random.key(0))
+
+
+def test_rows_can_be_chosen(env):
+    tasks = env.params.tasks
+    long = tasks.where(np.asarray(tasks.rows.columns["length"]) > 4)
+    assert 0 < len(long) < len(tasks)
+    assert np.asarray(long.rows.columns["length"]).min() > 4
+    with pytest.raises(ConfigError, match="no task"):
+        tasks.where(np.zeros(len(tasks), bool))
+
+
+def test_instructions_are_words_of_the_vocabulary(env):
+    tokens = np.asarray(env.params.tasks.rows.columns["tokens"])
+    texts = [detokenize(row) for row in tokens]
+    told = [text for text in texts if text]
+    assert told
+    assert all(tokenize(text) == tuple(t for t in row if t) for text, row in zip(texts, tokens.tolist(), strict=True))
+
+
+@pytest.mark.parametrize("env_id", ["RoomNav-v0", "ObjectNav-v0", "InstructionFollowing-v0"])
+def test_ids(env_id, bank):
+    sensors = ("state", "goal_words", "instruction")
+    env = home_mjx.make(env_id, bank, sensors=sensors, num_tasks=2, impl="kinematic")
+    state = jax.jit(env.reset)(jax.random.key(0))
+    assert set(state.obs) == set(sensors)
+    assert env.core.config.discrete is not None
+    state = jax.jit(env.step)(state, jnp.int32(1))
+    assert bool(jnp.isfinite(state.reward))
+    assert dataclasses.asdict(env.core.task)["stop"]
