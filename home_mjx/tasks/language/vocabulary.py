@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from functools import cache
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Array, Int
 
 from home_mjx.errors import ConfigError, did_you_mean
 from home_mjx.scene_compile.semantics.vocabulary import vocabularies
@@ -66,13 +66,13 @@ def tokenize(text: str) -> tuple[int, ...]:
     return tuple(_tokens()[word] for word in text.split())
 
 
-def detokenize(tokens: Iterable[int] | Int[np.ndarray, " n"]) -> str:
+def detokenize(tokens: Iterable[int] | Int[np.ndarray, " n"] | Int[Array, " n"]) -> str:
     """The text of tokens; padding is left out.
 
     Raises:
         ConfigError: There is no such token.
     """
-    numbers: Sequence[int] = [int(token) for token in tokens]
+    numbers: Sequence[int] = np.asarray(tokens).tolist()
     wrong = [number for number in numbers if not 0 <= number < len(words())]
     if wrong:
         raise ConfigError(f"there are tokens 0 to {len(words()) - 1}, got {wrong[0]}")

@@ -7,7 +7,7 @@ from typing import Protocol, runtime_checkable
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Int, UInt16
+from jaxtyping import Float, Int, UInt16
 from tqdm import tqdm
 
 from home_mjx.bank.bank import HouseBank
@@ -19,7 +19,7 @@ from home_mjx.tasks.rows.house_view import HouseView, house_views
 from home_mjx.tasks.rows.meaning import means_on_host
 from home_mjx.tasks.rows.program import Meant, Stage, written
 from home_mjx.tasks.rows.task_bank import TaskBank
-from home_mjx.tasks.rows.words import NUM_DESCRIPTORS, NUM_TOKENS, Kind, Word
+from home_mjx.tasks.rows.words import NUM_DESCRIPTORS, NUM_TOKENS, Feature, Kind, Word
 
 
 @dataclass(frozen=True)
@@ -103,13 +103,32 @@ def _of_house(
     """Columns of a house's tasks that can be done, and the fields of what they mean."""
     columns = [written(row.meant, row.stages) for _, row in rows]
     field_ = add_fields(bank, view, columns)
+    nearest = field_[: len(view.graph.place)].min(axis=0, initial=FIELD_FAR) * FIELD_UNIT
     found = []
     for (task, row), column in zip(rows, columns, strict=True):
         goal = column["field"][row.goal]
-        start = None if goal < 0 else _start(view, field_[: len(view.graph.place), goal], random, limits)
+        start = (
+            None
+            if goal < 0 or not _can_be_done(column, nearest)
+            else _start(view, field_[: len(view.graph.place), goal], random, limits)
+        )
         if start is not None:
             found.append(column | start | {"house": view.house, "task": task, "tokens": padded(row.tokens)})
     return found, field_
+
+
+def _can_be_done(column: dict, nearest: Float[np.ndarray, " g"]) -> bool:
+    """Whether there is a way to all that stages lead to, and as near to it as conditions ask.
+
+    Args:
+        column: Of one task.
+        nearest: How near one can come to what each field leads to [m].
+    """
+    field_, guide = column["field"], column["guide"]
+    asked = column["feature"] == Feature.DISTANCE
+    first = np.maximum(column["first"][asked], 0)
+    leads = np.all(field_[guide[guide >= 0]] >= 0) and np.all(field_[first] >= 0)
+    return bool(leads and np.all(nearest[field_[first]] <= column["most"][asked]))
 
 
 def padded(tokens: Sequence[int]) -> Int[np.ndarray, " n"]:
