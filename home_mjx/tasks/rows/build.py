@@ -21,6 +21,8 @@ from home_mjx.tasks.rows.program import Meant, Stage, written
 from home_mjx.tasks.rows.task_bank import TaskBank
 from home_mjx.tasks.rows.words import NUM_DESCRIPTORS, NUM_TOKENS, Feature, Kind, Word
 
+ROOM = 0.15  # [m]: who walks in steps comes no nearer to the middle of a cell
+
 
 @dataclass(frozen=True)
 class Row:
@@ -107,11 +109,9 @@ def _of_house(
     found = []
     for (task, row), column in zip(rows, columns, strict=True):
         goal = column["field"][row.goal]
-        start = (
-            None
-            if goal < 0 or not _can_be_done(column, nearest)
-            else _start(view, field_[: len(view.graph.place), goal], random, limits)
-        )
+        if goal < 0 or not _can_be_done(column, nearest):
+            continue
+        start = _start(view, field_[: len(view.graph.place), goal], random, limits)
         if start is not None:
             found.append(column | start | {"house": view.house, "task": task, "tokens": padded(row.tokens)})
     return found, field_
@@ -128,7 +128,7 @@ def _can_be_done(column: dict, nearest: Float[np.ndarray, " g"]) -> bool:
     asked = column["feature"] == Feature.DISTANCE
     first = np.maximum(column["first"][asked], 0)
     leads = np.all(field_[guide[guide >= 0]] >= 0) and np.all(field_[first] >= 0)
-    return bool(leads and np.all(nearest[field_[first]] <= column["most"][asked]))
+    return bool(leads and np.all(nearest[field_[first]] + ROOM <= column["most"][asked]))
 
 
 def padded(tokens: Sequence[int]) -> Int[np.ndarray, " n"]:
