@@ -129,7 +129,9 @@ def test_pins_are_names_and_versions_only_and_cover_the_requirements():
     assert [line for line in lines if not form.fullmatch(line)] == []
     pinned = {normalised(line) for line in lines}
     extras = PROJECT["optional-dependencies"]
-    wanted = PROJECT["dependencies"] + [r for name in ("test", "train", "view", "dev") for r in extras[name]]
+    wanted = PROJECT["dependencies"] + [
+        r for name in ("multiagent", "test", "train", "view", "dev") for r in extras[name]
+    ]
     assert {normalised(r) for r in wanted} - {"home-mjx"} <= pinned
 
 

@@ -12,6 +12,7 @@ from typing import Any
 
 import gymnasium
 import numpy as np
+from gymnasium.utils import EzPickle
 
 from home_mjx.adapters import gymnasium_tools as tools
 from home_mjx.adapters.base.agents import agent_names, by_agent, of_agents, one_agent
@@ -22,7 +23,6 @@ from home_mjx.tasks.base.state import Episodes
 
 try:
     from pettingzoo import ParallelEnv
-    from pettingzoo.utils import EzPickle
 except ModuleNotFoundError as error:
     raise ConfigError("this adapter needs the package `pettingzoo`", hint=install_hint("multiagent")) from error
 

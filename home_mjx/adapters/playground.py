@@ -5,7 +5,10 @@ Example:
     >>> env = mujoco_playground.registry.load("PointNav-v0", config_overrides={"num_houses": 16})  # doctest: +SKIP
 """
 
-from collections.abc import Mapping, Sequence
+# `make types` does without Playground.
+# pyright: reportMissingImports=false
+
+from collections.abc import Mapping
 from functools import partial
 from typing import Any, NoReturn
 
@@ -74,13 +77,16 @@ class PlaygroundEnv(MjxEnv):
         env_id: str = "PointNav-v0",
     ) -> None:
         default = default_config(env_id)
-        config = ConfigDict(default if config is None else config, allow_dotted_keys=True)
+        given: Any = default if config is None else config
+        config = ConfigDict(given, allow_dotted_keys=True)
         for name, value in (config_overrides or {}).items():
             config[name] = value
         if config.action_repeat != 1:
             hint = "Make `ctrl_dt` longer instead"
             raise ConfigError(f"action_repeat must be 1, got {config.action_repeat}", hint=hint)
-        changed = {name: value for name, value in config.items() if name not in default or value != default[name]}
+        changed: dict[str, Any] = {
+            name: value for name, value in config.items() if name not in default or value != default[name]
+        }
         env = make(env_id, **changed)
         self.brax = BraxEnv(env)
         timing = env.config.timing
@@ -112,7 +118,7 @@ class PlaygroundEnv(MjxEnv):
         Raises:
             ConfigError: Always.
         """
-        self._refuse("xml_path", "home_mjx.scene_compile.export_mjcf(house, folder) writes one for a house.")
+        _refuse("xml_path", "home_mjx.scene_compile.export_mjcf(house, folder) writes one for a house.")
 
     @property
     def mj_model(self) -> NoReturn:
@@ -121,7 +127,7 @@ class PlaygroundEnv(MjxEnv):
         Raises:
             ConfigError: Always.
         """
-        self._refuse("mj_model", "home_mjx.scene_compile.export_mjcf(house, folder) writes one for a house.")
+        _refuse("mj_model", "home_mjx.scene_compile.export_mjcf(house, folder) writes one for a house.")
 
     @property
     def mjx_model(self) -> NoReturn:
@@ -130,11 +136,11 @@ class PlaygroundEnv(MjxEnv):
         Raises:
             ConfigError: Always.
         """
-        self._refuse("mjx_model", "To randomise, use more houses: num_houses=64.")
+        _refuse("mjx_model", "To randomise, use more houses: num_houses=64.")
 
     def render(
         self,
-        trajectory: State | Sequence[State],
+        trajectory: Any,
         height: int = 240,
         width: int = 320,
         camera: str | None = None,
@@ -159,16 +165,15 @@ class PlaygroundEnv(MjxEnv):
         """
         for name, value in (("camera", camera), ("scene_option", scene_option), ("modify_scene_fns", modify_scene_fns)):
             if value is not None:
-                raise ConfigError(
-                    f"`{name}` is an option of MuJoCo's renderer", hint="home_mjx.viz has other views"
-                )
+                raise ConfigError(f"`{name}` is an option of MuJoCo's renderer", hint="home_mjx.viz has other views")
         picture = Picture(self.brax.env, (width, height))
         if isinstance(trajectory, State):
             return picture.of(trajectory.data)
         return [picture.of(state.data) for state in trajectory]
 
-    def _refuse(self, name: str, hint: str) -> NoReturn:
-        raise ConfigError(f"a household has no `{name}`: its houses are arrays of a bank", hint=hint)
+
+def _refuse(name: str, hint: str) -> NoReturn:
+    raise ConfigError(f"a household has no `{name}`: its houses are arrays of a bank", hint=hint)
 
 
 def _of_brax(state: BraxState) -> State:

@@ -4,7 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from adapted import IDS, KINDS, assert_equal, cheap, row
+from adapted import assert_equal, cases, cheap, row
 
 from home_mjx.adapters.gymnax import GymnaxEnv
 from home_mjx.errors import ConfigError
@@ -36,8 +36,7 @@ def rollout(env: GymnaxEnv):
     return run
 
 
-@pytest.mark.parametrize("actions", KINDS)
-@pytest.mark.parametrize("env_id", IDS)
+@pytest.mark.parametrize(("env_id", "actions"), cases(("discrete",), ("continuous",)))
 def test_a_loop_like_that_of_purejaxrl(env_id, actions, generated_bank):
     env = GymnaxEnv(cheap(env_id, generated_bank, actions=actions))
     params = env.default_params
@@ -80,6 +79,7 @@ def test_alone_and_in_a_batch_are_the_same(env):
         jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, atol=1e-5), alone, row(stepped, i))
 
 
+@pytest.mark.slow
 def test_batches_in_batches_and_with_houses_of_their_own(env, other_bank):
     keys = jax.random.split(jax.random.key(2), 4).reshape(2, 2)
     obs, _ = jax.vmap(jax.vmap(env.reset))(keys)

@@ -9,20 +9,17 @@ import pytest
 
 pytest.importorskip("pettingzoo", reason="needs the extra `multiagent`")
 
-from adapted import CHEAP, IDS, KINDS
+from adapted import CHEAP, cases
 from pettingzoo.test import parallel_api_test, parallel_seed_test
 
 from home_mjx.adapters.gymnasium import GymEnv
 from home_mjx.adapters.pettingzoo import PettingZooEnv
 from home_mjx.errors import ConfigError
 
-TEAMS = [(1, "discrete"), (2, "continuous"), (3, "discrete")]
-MORE_TEAMS = [(1, "continuous"), (2, "discrete"), (3, "continuous")]
-SLOW = functools.partial(pytest.param, marks=pytest.mark.slow)
+TEAMS = [(2, "discrete"), (1, "continuous"), (3, "discrete"), (1, "discrete"), (2, "continuous"), (3, "continuous")]
 
 
-@pytest.mark.parametrize("env_id", IDS)
-@pytest.mark.parametrize(("num_agents", "actions"), [*TEAMS, *(SLOW(*team) for team in MORE_TEAMS)])
+@pytest.mark.parametrize(("env_id", "num_agents", "actions"), cases(*TEAMS, fast=2))
 def test_pettingzoo_accepts(env_id, num_agents, actions, generated_bank):
     make = functools.partial(
         PettingZooEnv, env_id, houses=generated_bank, num_agents=num_agents, actions=actions, **CHEAP
@@ -87,6 +84,4 @@ def test_houses_pictures_and_pickles(pair):
     assert infos["agent_0"]["house"] == infos["agent_1"]["house"] == 1
     assert pair.render().shape == (6, 8, 3)
     twin = pickle.loads(pickle.dumps(pair))
-    np.testing.assert_array_equal(
-        twin.reset(seed=1)[0]["agent_1"]["state"], pair.reset(seed=1)[0]["agent_1"]["state"]
-    )
+    np.testing.assert_array_equal(twin.reset(seed=1)[0]["agent_1"]["state"], pair.reset(seed=1)[0]["agent_1"]["state"])

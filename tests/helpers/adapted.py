@@ -2,12 +2,20 @@
 
 import jax
 import numpy as np
+import pytest
 
 import home_mjx
 
-IDS = home_mjx.list_envs()
 CHEAP = {"sensors": ("state",), "episode_length": 5}
-KINDS = ("continuous", "discrete")
+
+
+def cases(*combinations, fast=1):
+    """Parameters: every id with every combination; all are slow but the first ones of PointNav."""
+    return [
+        pytest.param(env_id, *values, marks=[pytest.mark.slow] * (env_id != "PointNav-v0" or number >= fast))
+        for env_id in home_mjx.list_envs()
+        for number, values in enumerate(combinations)
+    ]
 
 
 def cheap(env_id, bank, **options):

@@ -5,6 +5,9 @@ Example:
     >>> states = step(states, to_jax(policy(obs)))  # doctest: +SKIP
 """
 
+# No extra installs PyTorch.
+# pyright: reportMissingImports=false
+
 from typing import Any
 
 import jax
