@@ -92,7 +92,8 @@ class GymnaxEnv:
         """
         del key
         state = self._step(self.default_params if params is None else params, state, action)
-        info = {**state.metrics, "status": state.status, "terminated": state.terminated, "truncated": state.truncated}
+        flags = {"status": state.status, "terminated": state.terminated, "truncated": state.truncated}
+        info: dict[str, Any] = {**state.metrics, **flags}
         if "final_obs" in state.info:
             info["final_observation"] = self._seen(state.info["final_obs"])
         return self._seen(state.obs), carried(state), state.reward, state.terminated, state.truncated, info

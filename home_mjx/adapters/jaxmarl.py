@@ -120,8 +120,8 @@ class JaxMarlEnv(MultiAgentEnv):
 
     def _result(self, state: State, final: dict[str, Array] | None) -> Step:
         flags = {"status": state.status, "terminated": state.terminated, "truncated": state.truncated}
-        numbers = {**state.metrics, **flags}
-        infos = {name: jnp.broadcast_to(value, (self.num_agents,)) for name, value in numbers.items()}
+        infos: dict[str, Any] = {**state.metrics, **flags}
+        infos = {name: jnp.broadcast_to(value, (self.num_agents,)) for name, value in infos.items()}
         if final is not None:
             infos["final_obs"] = self._seen(final)
         dones = dict.fromkeys((*self.agents, "__all__"), state.done)

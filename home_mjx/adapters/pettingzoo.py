@@ -66,7 +66,7 @@ class PettingZooEnv(ParallelEnv, EzPickle):
         }
         self.action_spaces = {agent: agent_space(env) for agent in self.possible_agents}
 
-    def observation_space(self, agent: str) -> gymnasium.spaces.Dict:
+    def observation_space(self, agent: str) -> gymnasium.Space:
         """One box per observation; the same object at every call."""
         return self.observation_spaces[agent]
 

@@ -84,9 +84,8 @@ class PlaygroundEnv(MjxEnv):
         if config.action_repeat != 1:
             hint = "Make `ctrl_dt` longer instead"
             raise ConfigError(f"action_repeat must be 1, got {config.action_repeat}", hint=hint)
-        changed: dict[str, Any] = {
-            name: value for name, value in config.items() if name not in default or value != default[name]
-        }
+        options: dict[str, Any] = dict(config.items())
+        changed = {name: x for name, x in options.items() if name not in default or x != default[name]}
         env = make(env_id, **changed)
         self.brax = BraxEnv(env)
         timing = env.config.timing
