@@ -12,13 +12,20 @@ import home_mjx
 
 ROOT = Path(__file__).resolve().parent.parent
 PARTS = {path.name for path in (ROOT / "home_mjx").iterdir() if path.is_dir()}
+OPTIONAL = {
+    "home_mjx.adapters.brax": "brax",
+    "home_mjx.adapters.jaxmarl": "jaxmarl",
+    "home_mjx.adapters.pettingzoo": "pettingzoo",
+    "home_mjx.adapters.playground": "mujoco_playground",
+    "home_mjx.adapters.pytorch": "torch",
+}
 MODULES = sorted(module.name for module in pkgutil.walk_packages(home_mjx.__path__, "home_mjx."))
 
 
 @pytest.mark.parametrize("name", MODULES)
 def test_docstring_examples(name: str):
-    if "brax" in name:
-        pytest.importorskip("brax")
+    if name in OPTIONAL:
+        pytest.importorskip(OPTIONAL[name])
     failed, _ = doctest.testmod(importlib.import_module(name), optionflags=doctest.NORMALIZE_WHITESPACE)
     assert failed == 0
 

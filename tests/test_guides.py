@@ -68,7 +68,8 @@ def houses(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize("page", WITH_BLOCKS, ids=name)
 def test_blocks_run_page_by_page(page: Path, houses: Path, monkeypatch: pytest.MonkeyPatch):
     if name(page) == "docs/adapters.md":
-        pytest.importorskip("brax")
+        for package in ("brax", "jaxmarl", "pettingzoo"):
+            pytest.importorskip(package)
     monkeypatch.chdir(houses)
     namespace: dict = {"__name__": "__main__"}
     for block in blocks(page):

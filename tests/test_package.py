@@ -62,8 +62,10 @@ def test_no_module_starts_a_jax_backend():
     program = """
 import importlib, pkgutil, home_mjx
 from home_mjx.errors import ConfigError
-optional = {"brax", "flax", "matplotlib"}
+optional = {"brax", "flax", "jaxmarl", "matplotlib", "mujoco_playground", "pettingzoo", "torch"}
 for module in pkgutil.walk_packages(home_mjx.__path__, "home_mjx."):
+    if module.name == "home_mjx.adapters.jaxmarl":  # JaxMARL itself starts one
+        continue
     try:
         importlib.import_module(module.name)
     except (ModuleNotFoundError, ConfigError) as error:
@@ -129,7 +131,9 @@ def test_pins_are_names_and_versions_only_and_cover_the_requirements():
     assert [line for line in lines if not form.fullmatch(line)] == []
     pinned = {normalised(line) for line in lines}
     extras = PROJECT["optional-dependencies"]
-    wanted = PROJECT["dependencies"] + [r for name in ("test", "train", "view", "dev") for r in extras[name]]
+    wanted = PROJECT["dependencies"] + [
+        r for name in ("multiagent", "test", "train", "view", "dev") for r in extras[name]
+    ]
     assert {normalised(r) for r in wanted} - {"home-mjx"} <= pinned
 
 

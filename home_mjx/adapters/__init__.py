@@ -1,1 +1,1 @@
-"""Thin views of the environments for other ecosystems: `gymnasium`, `brax`."""
+"""Thin views of the environments for other libraries, a module each."""

@@ -3,6 +3,7 @@
 import gymnasium
 import numpy as np
 
+from home_mjx.adapters.base.agents import one_agent
 from home_mjx.tasks.base.specs import ArraySpec
 from home_mjx.tasks.environment.bound import BoundEnv
 
@@ -14,11 +15,18 @@ def observation_space(env: BoundEnv) -> gymnasium.spaces.Dict:
 
 def action_space(env: BoundEnv) -> gymnasium.Space:
     """A box with every number of an action in [-1, 1], or the numbers of discrete actions; one per agent."""
-    spec = env.action_spec
+    if env.num_agents == 1:
+        return agent_space(env)
     if env.config.discrete is None:
-        return box(spec)
-    count = env.action_size
-    return gymnasium.spaces.MultiDiscrete([count] * spec.shape[0]) if spec.shape else gymnasium.spaces.Discrete(count)
+        return box(env.action_spec)
+    return gymnasium.spaces.MultiDiscrete([env.action_size] * env.num_agents)
+
+
+def agent_space(env: BoundEnv) -> gymnasium.Space:
+    """The actions of one agent: a box, or discrete ones."""
+    if env.config.discrete is not None:
+        return gymnasium.spaces.Discrete(env.action_size)
+    return box(one_agent(env.action_spec, env.num_agents))
 
 
 def box(spec: ArraySpec) -> gymnasium.spaces.Box:

@@ -1,0 +1,89 @@
+"""Spaces whose functions can be jitted, with the names that gymnax gives them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool
+
+from home_mjx.tasks.base.specs import ArraySpec
+
+
+@dataclass(frozen=True)
+class Discrete:
+    """Integers from 0 to n - 1.
+
+    Example:
+        >>> bool(Discrete(6).contains(6))
+        False
+    """
+
+    n: int
+    dtype: Any = jnp.int32
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Of an element."""
+        return ()
+
+    def sample(self, key: Array) -> Array:
+        """One of them, all alike likely."""
+        return jax.random.randint(key, (), 0, self.n, self.dtype)
+
+    def contains(self, x: Any) -> Bool[Array, ""]:
+        """Whether it is one of them."""
+        return (jnp.asarray(x) >= 0) & (jnp.asarray(x) < self.n)
+
+
+@dataclass(frozen=True)
+class Box:
+    """Arrays between two bounds.
+
+    Attributes:
+        low: Least values, in the array's shape.
+        high: Greatest values, in the array's shape.
+        shape: Of the array.
+        dtype: Of the array.
+    """
+
+    low: np.ndarray
+    high: np.ndarray
+    shape: tuple[int, ...]
+    dtype: Any
+
+    def sample(self, key: Array) -> Array:
+        """Uniform between the bounds; where one is infinite, within 1 of the other, and where both are, of 0."""
+        low = np.where(np.isfinite(self.low), self.low, np.where(np.isfinite(self.high), self.high - 1.0, -1.0))
+        high = np.where(np.isfinite(self.high), self.high, low + 1.0)
+        if np.dtype(self.dtype).kind == "f":
+            return jax.random.uniform(key, self.shape, self.dtype, jnp.asarray(low), jnp.asarray(high))
+        least, most = (jnp.asarray(bound.astype(np.int32)) for bound in (low, high))
+        return jax.random.randint(key, self.shape, least, most + 1).astype(self.dtype)
+
+    def contains(self, x: Any) -> Bool[Array, ""]:
+        """Whether every number of it lies between the bounds."""
+        return jnp.all((jnp.asarray(x) >= self.low) & (jnp.asarray(x) <= self.high))
+
+
+@dataclass(frozen=True)
+class Dict:
+    """Spaces by name."""
+
+    spaces: Mapping[str, Any]
+
+    def sample(self, key: Array) -> dict[str, Array]:
+        """An element of each."""
+        keys = jax.random.split(key, len(self.spaces))
+        return {name: space.sample(keys[i]) for i, (name, space) in enumerate(self.spaces.items())}
+
+    def contains(self, x: Mapping[str, Any]) -> Bool[Array, ""]:
+        """Whether each lies in its space."""
+        return jnp.all(jnp.stack([space.contains(x[name]) for name, space in self.spaces.items()]))
+
+
+def space_of(spec: ArraySpec) -> Box:
+    """The space of one array."""
+    return Box(*spec.bounds(), spec.shape, jnp.dtype(spec.dtype))

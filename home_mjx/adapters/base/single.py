@@ -1,0 +1,52 @@
+"""Batches that reset themselves, as functions of one environment."""
+
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jax.custom_batching import custom_vmap
+
+from home_mjx.tasks.base.state import EnvParams, State
+
+
+def single(run: Callable[..., State]) -> Callable[..., State]:
+    """A function of one environment, from one of a batch.
+
+    Under `vmap` the batch goes to `run` whole. `AutoReset` thus still branches on the batch: new episodes are drawn
+    only in steps in which one has ended, and images of last observations are rendered only then.
+
+    Args:
+        run: `(params, *args)`; every array of `args` and of the result has a leading axis of environments.
+
+    Returns:
+        `(params, *args)` without that axis, jitted. Where `params` differ between environments, as under
+        `vmap(..., in_axes=0)`, every environment is a batch of its own.
+
+    Example:
+        >>> step = single(AutoReset(env.core).step)  # doctest: +SKIP
+        >>> states = jax.vmap(step, in_axes=(None, 0, 0))(env.params, states, actions)  # doctest: +SKIP
+    """
+
+    def alone(params: EnvParams, *args: Any) -> State:
+        return jax.tree.map(lambda x: x[0], run(params, *jax.tree.map(lambda x: jnp.asarray(x)[None], args)))
+
+    one = custom_vmap(alone)
+
+    @one.def_vmap
+    def fold(size: int, is_batched: Any, params: EnvParams, *args: Any) -> Any:
+        shared, *own = is_batched
+        if any(jax.tree.leaves(shared)):
+            axes = jax.tree.map(lambda b: 0 if b else None, (shared, *own))
+            result = jax.vmap(alone, axes)(params, *args)
+        else:
+            whole = jax.tree.map(lambda x, b: x if b else jnp.broadcast_to(x, (size, *jnp.shape(x))), args, tuple(own))
+            result = run(params, *whole)
+        return result, jax.tree.map(lambda _: True, result)
+
+    return jax.jit(one)
+
+
+def carried(state: State) -> State:
+    """The state without what no step reads: loops need not hold images twice."""
+    return state.replace(obs={}, info={})

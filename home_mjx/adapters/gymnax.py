@@ -1,0 +1,114 @@
+"""gymnax: environments whose parameters, and with them the houses, are arguments of what is jitted.
+
+The interface is that of gymnax 1: `step` tells `terminated` and `truncated` apart. gymnax itself is not needed.
+
+Example:
+    >>> env = GymnaxEnv(home_mjx.make("PointNav-v0", sensors=("state", "goal")), vector=True)  # doctest: +SKIP
+    >>> params, keys = env.default_params, jax.random.split(jax.random.key(0), 64)  # doctest: +SKIP
+    >>> obs, state = jax.vmap(env.reset, in_axes=(0, None))(keys, params)  # doctest: +SKIP
+"""
+
+from typing import Any
+
+from jax.typing import ArrayLike
+from jaxtyping import Array, Bool, Float
+
+from home_mjx.adapters.base.agents import joined, joined_spec, vector_names
+from home_mjx.adapters.base.jax_spaces import Box, Dict, Discrete, space_of
+from home_mjx.adapters.base.single import carried, single
+from home_mjx.errors import ConfigError
+from home_mjx.tasks.base.keys import to_raw
+from home_mjx.tasks.base.state import EnvParams, State
+from home_mjx.tasks.environment.autoreset import AutoReset
+from home_mjx.tasks.environment.bound import BoundEnv
+from home_mjx.tasks.environment.household import HouseholdEnv
+
+Obs = Array | dict[str, Array]
+
+
+class GymnaxEnv:
+    """One household with gymnax's functions, which begin a new episode when one is over.
+
+    Functions are jitted and meant for `jax.vmap`: under `vmap`, new episodes are drawn only in steps in which one has
+    ended.
+
+    Args:
+        env: The environment, of one agent.
+        vector: Observations are one vector: all that have one axis, one after the other. Otherwise all, by name.
+        final_obs: Whether `info["final_observation"]` holds the observation before the reset, as in gymnax. Images of
+            environments that ended are rendered twice for it.
+
+    Raises:
+        ConfigError: The environment has several agents, or `vector` was asked for and there is none.
+    """
+
+    def __init__(self, env: BoundEnv[HouseholdEnv], vector: bool = False, final_obs: bool = True) -> None:
+        if env.num_agents != 1:
+            raise ConfigError(f"gymnax drives one agent, this environment has {env.num_agents}", hint="Use JaxMarlEnv")
+        self.env = env
+        self._vector = joined_spec(env.observation_spec) if vector else None
+        auto = AutoReset(env.core, "all" if final_obs else "none")
+        self._reset, self._step = single(auto.reset), single(auto.step)
+
+    @property
+    def default_params(self) -> EnvParams:
+        """The houses of the environment; `params.replace(bank=...)` has others."""
+        return self.env.params
+
+    @property
+    def name(self) -> str:
+        """The environment's id, or the name of its task."""
+        return self.env.spec.id if self.env.spec is not None else type(self.env.task).__name__
+
+    @property
+    def num_actions(self) -> int:
+        """Of discrete actions how many there are, of continuous ones how many numbers they have."""
+        return self.env.action_size
+
+    def reset(self, key: Array, params: EnvParams | None = None) -> tuple[Obs, State]:
+        """A new episode.
+
+        Args:
+            key: Typed or raw key. All that is random in this and later episodes comes from it.
+            params: Houses and saved episodes; None: `default_params`.
+        """
+        state = self._reset(self.default_params if params is None else params, to_raw(key))
+        return self._seen(state.obs), carried(state)
+
+    def step(
+        self, key: Array, state: State, action: ArrayLike, params: EnvParams | None = None
+    ) -> tuple[Obs, State, Float[Array, ""], Bool[Array, ""], Bool[Array, ""], dict[str, Any]]:
+        """One control step; if it ends the episode, observation and state are the next one's.
+
+        Args:
+            key: Not used: a state carries its own key from `reset` on.
+            state: The state before.
+            action: As `action_space` says.
+            params: As for `reset`.
+
+        Returns:
+            Observation, state, reward, terminated, truncated and info: metrics and status of this step, `terminated`,
+            `truncated`, `final_observation`.
+        """
+        del key
+        state = self._step(self.default_params if params is None else params, state, action)
+        flags = {"status": state.status, "terminated": state.terminated, "truncated": state.truncated}
+        info: dict[str, Any] = {**state.metrics, **flags}
+        if "final_obs" in state.info:
+            info["final_observation"] = self._seen(state.info["final_obs"])
+        return self._seen(state.obs), carried(state), state.reward, state.terminated, state.truncated, info
+
+    def action_space(self, params: EnvParams | None = None) -> Box | Discrete:
+        """The same whatever the parameters."""
+        del params
+        return Discrete(self.num_actions) if self.env.config.discrete is not None else space_of(self.env.action_spec)
+
+    def observation_space(self, params: EnvParams | None = None) -> Box | Dict:
+        """The same whatever the parameters."""
+        del params
+        if self._vector is not None:
+            return space_of(self._vector)
+        return Dict({name: space_of(spec) for name, spec in self.env.observation_spec.items()})
+
+    def _seen(self, obs: dict[str, Array]) -> Obs:
+        return obs if self._vector is None else joined(obs, vector_names(self.env.observation_spec))

@@ -1,0 +1,142 @@
+"""JaxMARL: one household with several agents as a `MultiAgentEnv`.
+
+Example:
+    >>> env = JaxMarlEnv(home_mjx.make("PointNav-v0", num_agents=2, sensors=("state", "goal")))  # doctest: +SKIP
+    >>> obs, state = env.reset(jax.random.key(0))  # doctest: +SKIP
+    >>> obs, state, rewards, dones, infos = env.step(key, state, actions)  # doctest: +SKIP
+"""
+
+from collections.abc import Mapping
+from functools import partial
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+from home_mjx.adapters.base.agents import by_agent, joined, joined_spec, of_agents, one_agent, vector_names
+from home_mjx.adapters.base.single import carried, single
+from home_mjx.errors import ConfigError, install_hint
+from home_mjx.tasks.base.keys import to_raw
+from home_mjx.tasks.base.specs import ArraySpec
+from home_mjx.tasks.base.state import State
+from home_mjx.tasks.environment.autoreset import AutoReset
+from home_mjx.tasks.environment.bound import BoundEnv
+from home_mjx.tasks.environment.household import HouseholdEnv
+
+try:
+    from jaxmarl.environments.multi_agent_env import MultiAgentEnv
+    from jaxmarl.environments.spaces import Box, Dict, Discrete, Space
+except ModuleNotFoundError as error:
+    raise ConfigError("this adapter needs the package `jaxmarl`", hint=install_hint("multiagent")) from error
+
+Obs = dict[str, Any]  # by agent: a vector, or observations by name
+Step = tuple[Obs, State, dict[str, Float[Array, ""]], dict[str, Bool[Array, ""]], dict[str, Any]]
+
+
+class JaxMarlEnv(MultiAgentEnv):
+    """One household with `agent_0`, `agent_1`, ... whose `step` begins a new episode when one is over.
+
+    Functions are jitted and meant for `jax.vmap`: under `vmap`, new episodes are drawn only in steps in which one has
+    ended. An episode ends for all agents at once.
+
+    `infos` holds one number per agent and name, as JaxMARL's trainers expect: metrics, `status`, `terminated` and
+    `truncated`.
+
+    Args:
+        env: The environment.
+        vector: Each agent observes one vector: all that have one axis, one after the other. JaxMARL's own networks need
+            that. Otherwise all observations, by name.
+        final_obs: Whether `infos["final_obs"]` holds the observations before the reset. JaxMARL's trainers, which take
+            only numbers, need `LogWrapper(env, replace_info=True)` then.
+
+    Raises:
+        ConfigError: `vector` was asked for, and there is none.
+    """
+
+    def __init__(self, env: BoundEnv[HouseholdEnv], vector: bool = True, final_obs: bool = False) -> None:
+        super().__init__(env.num_agents)
+        self.env, self.final_obs = env, final_obs
+        specs = {name: one_agent(spec, env.num_agents) for name, spec in env.observation_spec.items()}
+        self._vectors = vector_names(specs) if vector else None
+        seen = _box(joined_spec(specs)) if vector else Dict({name: _box(spec) for name, spec in specs.items()})
+        self.observation_spaces = dict.fromkeys(self.agents, seen)
+        self.action_spaces = dict.fromkeys(self.agents, _action_space(env))
+        auto = AutoReset(env.core, "all" if final_obs else "none")
+        self._auto_reset, self._auto_step = single(auto.reset), single(auto.step)
+
+    @property
+    def name(self) -> str:
+        """The environment's id, or the name of its task."""
+        return self.env.spec.id if self.env.spec is not None else type(self.env.task).__name__
+
+    @property
+    def agent_classes(self) -> dict[str, list[str]]:
+        """All agents are alike."""
+        return {"agent": list(self.agents)}
+
+    @partial(jax.jit, static_argnums=0)
+    def reset(self, key: Array) -> tuple[Obs, State]:
+        """A new episode. All that is random in this and later episodes comes from this key."""
+        state = self._auto_reset(self.env.params, to_raw(key))
+        return self._seen(state.obs), carried(state)
+
+    @partial(jax.jit, static_argnums=0)
+    def step(self, key: Array, state: State, actions: Mapping[str, Array], reset_state: State | None = None) -> Step:
+        """One control step; if it ends the episode, observations and state are the next one's.
+
+        Args:
+            key: Not used: a state carries its own key from `reset` on.
+            state: The state before.
+            actions: One for every agent, as `action_space` says.
+            reset_state: The state after an episode's end; None: a new episode.
+        """
+        if reset_state is not None:
+            return super().step(key, state, actions, reset_state)
+        new = self._auto_step(self.env.params, state, self._action(actions))
+        return self._result(new, new.info.get("final_obs"))
+
+    @partial(jax.jit, static_argnums=0)
+    def step_env(self, key: Array, state: State, actions: Mapping[str, Array]) -> Step:
+        """One control step without automatic reset."""
+        del key
+        new = self.env.step(state, self._action(actions))
+        return self._result(new, new.obs if self.final_obs else None)
+
+    @partial(jax.jit, static_argnums=0)
+    def get_obs(self, state: State) -> Obs:
+        """What agents observe, computed anew."""
+        return self._seen(self.env.observe(state).obs)
+
+    @partial(jax.jit, static_argnums=0)
+    def get_avail_actions(self, state: State) -> dict[str, Bool[Array, " n"]]:
+        """Every action can be taken at any time."""
+        del state
+        return {agent: jnp.ones(self.env.action_size, bool) for agent in self.agents}
+
+    def _action(self, actions: Mapping[str, Array]) -> Array:
+        taken = of_agents({agent: actions[agent] for agent in self.agents if agent in actions}, self.agents)
+        return taken[0] if len(taken) == 1 else jnp.stack(taken)
+
+    def _result(self, state: State, final: dict[str, Array] | None) -> Step:
+        flags = {"status": state.status, "terminated": state.terminated, "truncated": state.truncated}
+        infos: dict[str, Any] = {**state.metrics, **flags}
+        infos = {name: jnp.broadcast_to(value, (self.num_agents,)) for name, value in infos.items()}
+        if final is not None:
+            infos["final_obs"] = self._seen(final)
+        dones = dict.fromkeys((*self.agents, "__all__"), state.done)
+        return self._seen(state.obs), carried(state), by_agent(state.reward, self.agents), dones, infos
+
+    def _seen(self, obs: dict[str, Array]) -> Obs:
+        each = by_agent(obs, self.agents)
+        return each if self._vectors is None else {agent: joined(own, self._vectors) for agent, own in each.items()}
+
+
+def _box(spec: ArraySpec) -> Space:
+    return Box(*spec.bounds(), spec.shape, jnp.dtype(spec.dtype))
+
+
+def _action_space(env: BoundEnv[HouseholdEnv]) -> Space:
+    if env.config.discrete is not None:
+        return Discrete(env.action_size)
+    return _box(one_agent(env.action_spec, env.num_agents))

@@ -1,0 +1,124 @@
+"""PettingZoo: one household as a `ParallelEnv`, whose agents act at the same time.
+
+Example:
+    >>> env = PettingZooEnv("PointNav-v0", num_agents=2)  # doctest: +SKIP
+    >>> obs, infos = env.reset(seed=0)  # doctest: +SKIP
+    >>> actions = {agent: env.action_space(agent).sample() for agent in env.agents}  # doctest: +SKIP
+    >>> obs, rewards, terminations, truncations, infos = env.step(actions)  # doctest: +SKIP
+"""
+
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.utils import EzPickle
+
+from home_mjx.adapters import gymnasium_tools as tools
+from home_mjx.adapters.base.agents import agent_names, by_agent, of_agents, one_agent
+from home_mjx.adapters.gymnasium import GymEnv
+from home_mjx.adapters.spaces import agent_space, box
+from home_mjx.errors import ConfigError, install_hint
+from home_mjx.tasks.base.state import Episodes
+
+try:
+    from pettingzoo import ParallelEnv
+except ModuleNotFoundError as error:
+    raise ConfigError("this adapter needs the package `pettingzoo`", hint=install_hint("multiagent")) from error
+
+CHECKERS_OPTION = "options"  # PettingZoo's own checker resets with options={"options": 1}
+
+
+class PettingZooEnv(ParallelEnv, EzPickle):
+    """One household with `agent_0`, `agent_1`, ... as a `ParallelEnv` of NumPy arrays.
+
+    An episode ends for all agents at once. `infos` holds house, episode, metrics and status flags, the same for each.
+
+    Args:
+        env_id: An id of `home_mjx.list_envs()`.
+        render_mode: None, or "rgb_array": `render()` gives a picture of what the first agent sees.
+        render_size: Width and height of that picture [px].
+        episodes: Saved episodes (or their file) that resets take their rows from, the first first.
+        **options: As for `home_mjx.make`; `num_agents` among them.
+    """
+
+    metadata = {"name": "home_mjx", "render_modes": ["rgb_array"], "render_fps": 10, "is_parallelizable": True}  # noqa: RUF012
+
+    def __init__(
+        self,
+        env_id: str = "PointNav-v0",
+        render_mode: str | None = None,
+        render_size: tuple[int, int] = (tools.PICTURE, tools.PICTURE),
+        episodes: Episodes | str | Path | None = None,
+        **options: Any,
+    ) -> None:
+        EzPickle.__init__(self, env_id, render_mode, render_size, episodes, **options)
+        self.gym = GymEnv(env_id, render_mode, render_size, episodes, **options)
+        self.render_mode = render_mode
+        self.metadata = {**type(self).metadata, "name": env_id, "render_fps": self.gym.metadata["render_fps"]}
+        env = self.gym.env
+        self.possible_agents, self.agents = agent_names(env.num_agents), []
+        specs = {name: one_agent(spec, env.num_agents) for name, spec in env.observation_spec.items()}
+        # Spaces of their own, so that each can be seeded.
+        self.observation_spaces = {
+            agent: gymnasium.spaces.Dict({name: box(spec) for name, spec in specs.items()})
+            for agent in self.possible_agents
+        }
+        self.action_spaces = {agent: agent_space(env) for agent in self.possible_agents}
+
+    def observation_space(self, agent: str) -> gymnasium.Space:
+        """One box per observation; the same object at every call."""
+        return self.observation_spaces[agent]
+
+    def action_space(self, agent: str) -> gymnasium.Space:
+        """A box of numbers in [-1, 1], or discrete moves; the same object at every call."""
+        return self.action_spaces[agent]
+
+    def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict, dict]:
+        """Begins an episode; `options={"house": i}` or `{"episode": i}` chooses it, see `GymEnv.reset`."""
+        options = {name: value for name, value in (options or {}).items() if name != CHECKERS_OPTION}
+        obs, info = self.gym.reset(seed=seed, options=options)
+        self.agents = list(self.possible_agents)
+        return by_agent(obs, self.agents), self._each(info)
+
+    def step(self, actions: dict[str, Any]) -> tuple[dict, dict, dict, dict, dict]:
+        """One control step.
+
+        Args:
+            actions: One element of its action space for every agent. When the episode is over there are no agents, and
+                `{}` gives five empty dictionaries.
+
+        Returns:
+            Observations, rewards, terminations, truncations and infos by agent.
+        """
+        if not self.agents and not actions:
+            return {}, {}, {}, {}, {}
+        if not self.agents:
+            raise tools.needs_reset()
+        names = self.agents
+        taken = of_agents(actions, names)
+        obs, reward, terminated, truncated, info = self.gym.step(taken[0] if len(names) == 1 else _stacked(taken))
+        rewards = info.pop("agent_reward", np.asarray([reward]))
+        if terminated or truncated:
+            self.agents = []
+        return (
+            by_agent(obs, names),
+            {agent: float(rewards[i]) for i, agent in enumerate(names)},
+            dict.fromkeys(names, terminated),
+            dict.fromkeys(names, truncated),
+            {agent: dict(info) for agent in names},
+        )
+
+    def render(self) -> np.ndarray | None:
+        """What the first agent sees (H, W, 3) uint8."""
+        return self.gym.render()
+
+    def _each(self, info: dict[str, Any]) -> dict[str, dict[str, Any]]:
+        return {agent: dict(info) for agent in self.possible_agents}
+
+
+def _stacked(actions: list[Any]) -> np.ndarray:
+    shapes = [np.shape(action) for action in actions]
+    if len(set(shapes)) > 1:
+        raise ConfigError(f"expected actions of one shape, got {', '.join(map(str, shapes))}")
+    return np.stack(actions)

@@ -1,0 +1,209 @@
+"""MuJoCo Playground: environments for its registry, trainers and wrappers.
+
+Example:
+    >>> register()  # doctest: +SKIP
+    >>> env = mujoco_playground.registry.load("PointNav-v0", config_overrides={"num_houses": 16})  # doctest: +SKIP
+"""
+
+# `make types` does without Playground.
+# pyright: reportMissingImports=false
+
+from collections.abc import Mapping
+from functools import partial
+from typing import Any, NoReturn
+
+from jaxtyping import Array
+
+from home_mjx.adapters.brax import BraxEnv, TrainingWrapper
+from home_mjx.adapters.brax import wrap_for_training as brax_wrapped
+from home_mjx.adapters.gymnasium_tools import Picture
+from home_mjx.errors import ConfigError, install_hint
+from home_mjx.registry import NUM_HOUSES, find_spec, list_envs, make
+from home_mjx.tasks.base.config import EnvConfig
+
+try:
+    from brax.envs.base import State as BraxState
+    from ml_collections import ConfigDict
+    from mujoco_playground import MjxEnv, State, dm_control_suite, registry
+except ModuleNotFoundError as error:
+    raise ConfigError("this adapter needs the package `playground`", hint=install_hint("playground")) from error
+
+
+def default_config(env_id: str = "PointNav-v0") -> ConfigDict:
+    """The options that most will change; any other option of `home_mjx.make` can be added.
+
+    `action_repeat` must stay 1.
+    """
+    plain, options = EnvConfig(), find_spec(env_id).options
+    known = {
+        "ctrl_dt": plain.timing.ctrl_dt,
+        "sim_dt": plain.timing.sim_dt,
+        "episode_length": plain.episode_length,
+        "action_repeat": 1,
+        "impl": plain.physics.impl,
+        "sensors": plain.sensors,
+        "width": plain.width,
+        "height": plain.height,
+        "houses": None,
+        "num_houses": NUM_HOUSES,
+        "split": None,
+    }
+    return ConfigDict({name: options.get(name, value) for name, value in known.items()}, allow_dotted_keys=True)
+
+
+class PlaygroundEnv(MjxEnv):
+    """One household as an `MjxEnv`, with the observations of `BraxEnv`.
+
+    There is no model that holds a house: houses are arrays, and every environment of a batch may be in another. So
+    `xml_path`, `mj_model` and `mjx_model` raise an error that names what to use, and randomisation functions, which
+    change such a model, are refused. `State.data` is `home_mjx`'s own state, without observations.
+
+    Args:
+        config: As `default_config` gives, with any option of `home_mjx.make`; None: that.
+        config_overrides: Options that replace those of the config; also ones that it does not show.
+        env_id: An id of `home_mjx.list_envs()`.
+
+    Attributes:
+        brax: The environment for Brax.
+
+    Raises:
+        ConfigError: An option is unknown, with the closest known one, or Brax cannot drive such an environment.
+    """
+
+    def __init__(
+        self,
+        config: ConfigDict | None = None,
+        config_overrides: Mapping[str, Any] | None = None,
+        env_id: str = "PointNav-v0",
+    ) -> None:
+        default = default_config(env_id)
+        given: Any = default if config is None else config
+        config = ConfigDict(given, allow_dotted_keys=True)
+        for name, value in (config_overrides or {}).items():
+            config[name] = value
+        if config.action_repeat != 1:
+            hint = "Make `ctrl_dt` longer instead"
+            raise ConfigError(f"action_repeat must be 1, got {config.action_repeat}", hint=hint)
+        options: dict[str, Any] = dict(config.items())
+        changed = {name: x for name, x in options.items() if name not in default or x != default[name]}
+        env = make(env_id, **changed)
+        self.brax = BraxEnv(env)
+        timing = env.config.timing
+        config.update(ctrl_dt=timing.ctrl_dt, sim_dt=timing.sim_dt, episode_length=env.config.episode_length)
+        super().__init__(config)
+
+    def reset(self, rng: Array) -> State:
+        """A new episode.
+
+        Args:
+            rng: One key, raw as Playground's wrappers need, or typed.
+        """
+        return _of_brax(self.brax.reset(rng))
+
+    def step(self, state: State, action: Array) -> State:
+        """One control step; running out of time is left to the wrapper."""
+        given = BraxState(state.data, state.obs, state.reward, state.done, state.metrics, state.info)
+        return _of_brax(self.brax.step(given, action))
+
+    @property
+    def action_size(self) -> int:
+        """Numbers of an action."""
+        return self.brax.action_size
+
+    @property
+    def xml_path(self) -> str:
+        """There is none.
+
+        Raises:
+            ConfigError: Always.
+        """
+        _refuse("xml_path", "home_mjx.scene_compile.export_mjcf(house, folder) writes one for a house.")
+
+    @property
+    def mj_model(self) -> NoReturn:
+        """There is none.
+
+        Raises:
+            ConfigError: Always.
+        """
+        _refuse("mj_model", "home_mjx.scene_compile.export_mjcf(house, folder) writes one for a house.")
+
+    @property
+    def mjx_model(self) -> NoReturn:
+        """There is none.
+
+        Raises:
+            ConfigError: Always.
+        """
+        _refuse("mjx_model", "To randomise, use more houses: num_houses=64.")
+
+    def render(
+        self,
+        trajectory: Any,
+        height: int = 240,
+        width: int = 320,
+        camera: str | None = None,
+        scene_option: Any = None,
+        modify_scene_fns: Any = None,
+    ) -> Any:
+        """What the agent sees, from our own renderer: no display and no OpenGL is needed.
+
+        Args:
+            trajectory: States, each of one environment; or one of them.
+            height: Of the pictures [px].
+            width: Of the pictures [px].
+            camera: None, the agent's.
+            scene_option: None, as there is no scene of MuJoCo's.
+            modify_scene_fns: None, likewise.
+
+        Returns:
+            A list of (height, width, 3) uint8, one per state; of one state, its picture.
+
+        Raises:
+            ConfigError: One of the last three is given.
+        """
+        for name, value in (("camera", camera), ("scene_option", scene_option), ("modify_scene_fns", modify_scene_fns)):
+            if value is not None:
+                raise ConfigError(f"`{name}` is an option of MuJoCo's renderer", hint="home_mjx.viz has other views")
+        picture = Picture(self.brax.env, (width, height))
+        if isinstance(trajectory, State):
+            return picture.of(trajectory.data)
+        return [picture.of(state.data) for state in trajectory]
+
+
+def _refuse(name: str, hint: str) -> NoReturn:
+    raise ConfigError(f"a household has no `{name}`: its houses are arrays of a bank", hint=hint)
+
+
+def _of_brax(state: BraxState) -> State:
+    return State(state.pipeline_state, state.obs, state.reward, state.done, state.metrics, state.info)
+
+
+def wrap_for_training(env: PlaygroundEnv, episode_length: int = 1000, **options: Any) -> TrainingWrapper:
+    """The `wrap_env_fn` of Brax's trainers, in place of Playground's `wrap_for_brax_training`.
+
+    It starts each new episode in a new house and pose; Playground's starts in the first one again, or with
+    `full_reset=True` draws a new episode for every environment in every step.
+
+    Args:
+        env: The environment.
+        episode_length: Steps until truncation.
+        **options: As for `home_mjx.adapters.brax.wrap_for_training`.
+    """
+    return brax_wrapped(env.brax, episode_length, **options)
+
+
+def register() -> None:
+    """Adds every id of `home_mjx.list_envs()` to Playground's registry; may be called again after ids were added.
+
+    Its suites cannot be extended: the ids join the suite of DeepMind Control, which alone has no randomisation.
+    """
+    for env_id in list_envs():
+        dm_control_suite.register_environment(
+            env_id, partial(PlaygroundEnv, env_id=env_id), partial(default_config, env_id)
+        )
+    new = tuple(env_id for env_id in list_envs() if env_id not in registry.ALL_ENVS)
+    registry.ALL_ENVS += new  # a tuple, made when Playground was imported
+
+
+register()

@@ -1,0 +1,152 @@
+"""JaxMARL's base class, wrappers and loops take the adapter; every transition is that of the core."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+pytest.importorskip("jaxmarl", reason="needs the extra `multiagent`")
+
+from adapted import CHEAP, assert_equal, cases, cheap
+from jaxmarl.environments import spaces
+from jaxmarl.environments.multi_agent_env import MultiAgentEnv
+from jaxmarl.wrappers.baselines import CTRolloutManager, LogWrapper
+
+from home_mjx.adapters.jaxmarl import JaxMarlEnv
+from home_mjx.errors import ConfigError
+
+NUM_ENVS, NUM_STEPS = 3, 7
+
+
+def rollout(env):
+    """As JaxMARL's trainers collect experience, with the states."""
+
+    @jax.jit
+    def run(key):
+        obs, state = jax.vmap(env.reset)(jax.random.split(key, NUM_ENVS))
+
+        def step(carry, key):
+            obs, state = carry
+            act, move = jax.random.split(key)
+            keys = jax.random.split(act, (len(env.agents), NUM_ENVS))
+            actions = {a: jax.vmap(env.action_space(a).sample)(keys[i]) for i, a in enumerate(env.agents)}
+            new_obs, new, *rest = jax.vmap(env.step)(jax.random.split(move, NUM_ENVS), state, actions)
+            return (new_obs, new), (obs, state, actions, new_obs, new, *rest)
+
+        return jax.lax.scan(step, (obs, state), jax.random.split(key, NUM_STEPS))[1]
+
+    return run
+
+
+TEAMS = [(2, "discrete"), (1, "continuous"), (3, "continuous")]
+
+
+@pytest.mark.parametrize(("env_id", "num_agents", "actions"), cases(*TEAMS))
+def test_a_loop_like_those_of_jaxmarl(env_id, num_agents, actions, generated_bank):
+    env = JaxMarlEnv(cheap(env_id, generated_bank, num_agents=num_agents, actions=actions), vector=False)
+    assert isinstance(env, MultiAgentEnv)
+    assert env.agents == [f"agent_{i}" for i in range(num_agents)]
+    assert (env.num_agents, env.name) == (num_agents, env_id)
+    obs, state, taken, new_obs, new, rewards, dones, infos = rollout(env)(jax.random.key(0))
+
+    action = jnp.stack([taken[agent] for agent in env.agents], axis=2)
+    action = action[:, :, 0] if num_agents == 1 else action
+    core = jax.jit(jax.vmap(jax.vmap(env.env.core.step, (None, 0, 0)), (None, 0, 0)))(env.env.params, state, action)
+    done = np.asarray(core.done)
+    assert set(dones) == {*env.agents, "__all__"}
+    assert set(rewards) == set(obs) == set(env.agents)
+    for i, agent in enumerate(env.agents):
+        assert jax.vmap(jax.vmap(env.observation_space(agent).contains))(obs[agent]).all()
+        assert jax.vmap(jax.vmap(env.action_space(agent).contains))(taken[agent]).all()
+        own = core.reward if num_agents == 1 else core.reward[:, :, i]
+        np.testing.assert_allclose(rewards[agent], own, atol=1e-6)
+        seen = core.obs["state"] if num_agents == 1 else core.obs["state"][:, :, i]
+        np.testing.assert_allclose(new_obs[agent]["state"][~done], seen[~done], atol=1e-5)
+    assert all((np.asarray(x) == done).all() for x in dones.values())
+    assert done.any(axis=0).all()
+    np.testing.assert_array_equal(new.world.step, np.where(done, 0, np.asarray(state.world.step) + 1))
+    assert {np.shape(x) for x in infos.values()} == {(NUM_STEPS, NUM_ENVS, num_agents)}
+    np.testing.assert_array_equal(infos["terminated"] | infos["truncated"], np.repeat(done[..., None], num_agents, -1))
+
+
+@pytest.fixture(scope="module")
+def pair(generated_bank):
+    options = {"num_agents": 2, "actions": "discrete", "sensors": ("state", "goal"), "episode_length": 2}
+    return JaxMarlEnv(cheap("PointNav-v0", generated_bank, **options))
+
+
+def test_step_is_reset_after_step_env(pair):
+    """Where an episode ends: after `reset_state`, from that state; otherwise the two agree."""
+    key, actions = jax.random.key(0), {"agent_0": jnp.int32(1), "agent_1": jnp.int32(2)}
+    obs, first = pair.reset(key)
+    again = pair.get_obs(first)
+    jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, atol=1e-6), obs, again)
+    plain, auto, given = (
+        pair.step_env(key, first, actions),
+        pair.step(key, first, actions),
+        pair.step(key, first, actions, first),
+    )
+    for other in (auto, given):
+        jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, atol=1e-5), plain, other)
+    second = plain[1]
+    ended = pair.step(key, second, actions, first)
+    assert bool(ended[3]["__all__"])
+    assert_equal(ended[1], first)
+    jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, atol=1e-6), ended[0], obs)
+    _, renewed, *_ = pair.step(key, second, actions)
+    assert int(renewed.world.step) == 0
+    assert (renewed.world.key != first.world.key).any()
+
+
+@pytest.mark.slow
+def test_last_observations_are_kept_on_request(pair):
+    key = jax.random.key(0)
+    env = JaxMarlEnv(pair.env, final_obs=True)
+    actions = dict.fromkeys(env.agents, jnp.int32(1))
+    _, state = env.reset(key)
+    for _ in range(2):
+        last, (obs, state, _, dones, infos) = env.step_env(key, state, actions)[0], env.step(key, state, actions)
+        jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, atol=1e-5), infos["final_obs"], last)
+    assert bool(dones["__all__"])
+    assert (obs["agent_0"] != infos["final_obs"]["agent_0"]).any()
+
+
+def test_the_wrapper_of_policy_gradient_trainers(pair):
+    key, logged = jax.random.key(0), LogWrapper(pair)
+    _, state = logged.reset(key)
+    for _ in range(2):
+        _, state, _, _, info = logged.step(key, state, dict.fromkeys(pair.agents, jnp.int32(1)))
+    np.testing.assert_array_equal(info["returned_episode"], [True, True])
+    np.testing.assert_array_equal(info["returned_episode_lengths"], [2, 2])
+
+
+@pytest.mark.slow
+def test_the_wrapper_of_q_learning_trainers(pair):
+    key, manager = jax.random.key(0), CTRolloutManager(pair, batch_size=NUM_ENVS)
+    size = pair.observation_space("agent_0").shape[0]
+    obs, state = manager.batch_reset(key)
+    assert obs["agent_1"].shape == (NUM_ENVS, size + 2)
+    actions = {agent: manager.batch_sample(key, agent) for agent in pair.agents}
+    obs, _, rewards, _, _ = manager.batch_step(key, state, actions)
+    assert obs["__all__"].shape == (NUM_ENVS, 2 * size)
+    np.testing.assert_allclose(rewards["__all__"], rewards["agent_0"] + rewards["agent_1"], rtol=1e-6)
+
+
+def test_spaces_actions_and_classes(pair):
+    assert isinstance(pair.observation_space("agent_0"), spaces.Box)
+    assert isinstance(pair.action_space("agent_1"), spaces.Discrete)
+    _, state = pair.reset(jax.random.key(0))
+    assert {agent: mask.tolist() for agent, mask in pair.get_avail_actions(state).items()} == {
+        "agent_0": [True] * 6,
+        "agent_1": [True] * 6,
+    }
+    assert pair.agent_classes == {"agent": ["agent_0", "agent_1"]}
+
+
+def test_what_cannot_be_driven_is_refused(pair, generated_bank):
+    _, state = pair.reset(jax.random.key(0))
+    with pytest.raises(ConfigError, match="agent_0, agent_1; got agent_1"):
+        pair.step(jax.random.key(0), state, {"agent_1": jnp.int32(0)})
+    blind = cheap("PointNav-v0", generated_bank, **{**CHEAP, "sensors": ("depth",), "width": 4, "height": 4})
+    with pytest.raises(ConfigError, match="no vector"):
+        JaxMarlEnv(blind)
