@@ -104,17 +104,18 @@ def test_a_file_of_tasks_holds_all_of_them(env, bank, tmp_path):
     path, tasks = tmp_path / "tasks.jsonl", env.params.tasks
     save_tasks(path, bank, tasks)
     again = load_tasks(path, bank)
-    (names, fields, rows), (read_names, read_fields, read_rows) = (parts(x) for x in (tasks, again))
+    (names, fields, rows), (read_names, read_fields, read_rows) = (parts(x, bank) for x in (tasks, again))
     assert (names == read_names).all()
     jax.tree.map(np.testing.assert_array_equal, rows, read_rows)
     np.testing.assert_array_equal(fields, read_fields)
 
 
-def parts(tasks):
-    """Of all rows: the task's name, distances of the house's first cell to its descriptors, and everything else."""
+def parts(tasks, bank):
+    """Of all rows: the task's name, distances of its house's first cell to its descriptors, and everything else."""
     columns = dict(tasks.rows.columns)
     names, field = np.array(tasks.names)[np.asarray(columns.pop("task"))], np.asarray(columns.pop("field"))
-    distances = np.where(field >= 0, np.asarray(tasks.field)[0][np.maximum(field, 0)], 0)
+    first = np.asarray(bank.navigation.first_cell)[np.asarray(tasks.rows.house)]
+    distances = np.where(field >= 0, np.asarray(tasks.field)[first[:, None], np.maximum(field, 0)], 0)
     return names, distances, tasks.rows.replace(columns=columns)
 
 
