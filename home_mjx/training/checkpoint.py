@@ -117,7 +117,7 @@ def _load(path: str | Path, like: Any, below: str) -> Any:
 
 def _read(path: str | Path, names: list[str]) -> list[np.ndarray]:
     try:
-        with np.load(path, allow_pickle=False) as file:
+        with Path(path).open("rb") as opened, np.load(opened, allow_pickle=False) as file:
             return [file[name] for name in names]
     except FileNotFoundError:
         raise MissingFileError("there is no checkpoint", file=path) from None

@@ -76,7 +76,7 @@ class PPO:
     """
 
     def __init__(
-        self, core: HouseholdEnv, config: PPOConfig | None = None, devices: Sequence[jax.Device] | None = None
+        self, core: HouseholdEnv, config: PPOConfig | None = None, devices: Sequence[Any] | None = None
     ) -> None:
         self.core, self.config = core, config or PPOConfig()
         devices = list(devices or jax.devices())
@@ -136,7 +136,8 @@ class PPO:
         config, memory = self.config, state.actor.memory
         policy = self.policy(state.net)
         actor, steps, episodes = rollout(self.batch, params, state.actor, policy, config.unroll_length)
-        last = self._values(state.net, actor.memory, to_rows(actor.env.obs, self.core.num_agents), actor.begins)
+        obs = to_rows(actor.env.obs, self.core.num_agents)
+        last = self.agent.read_one(state.net, actor.memory, obs, actor.begins)[2]
         advantage = advantages(steps, last, config.discount, config.gae_lambda)
         batch = Batch.unchecked(
             steps=steps, memory=memory, advantage=advantage, target=advantage + steps.outputs["value"]
@@ -148,28 +149,24 @@ class PPO:
 
     def policy(self, net: Any, greedy: bool = False) -> Policy:
         """The network as a policy; greedy: it does what is likeliest."""
-        choose, keep = self.agent.distribution, not greedy
+        choose = self.agent.distribution
 
         def act(memory: Array, obs: dict[str, Array], begins: Array, keys: Array) -> tuple[Array, Array, dict]:
-            memory, params, value = self.agent.apply(net, memory, jax.tree.map(lambda x: x[None], obs), begins[None])
-            action = choose.mode(params[0]) if greedy else jax.vmap(choose.sample)(params[0], keys)
-            log_prob = choose.log_prob(params[0], action)
-            return memory, action, {"log_prob": log_prob, "value": value[0]} if keep else {}
+            memory, params, value = self.agent.read_one(net, memory, obs, begins)
+            action = choose.mode(params) if greedy else jax.vmap(choose.sample)(params, keys)
+            return memory, action, {"log_prob": choose.log_prob(params, action), "value": value}
 
         def value(memory: Array, last: dict[str, Array], outputs: dict[str, Array]) -> Array:
             if self.batch.final_obs == "none":
                 return outputs["value"]
-            return self._values(net, memory, last, jnp.zeros(memory.shape[0], bool))
+            return self.agent.read_one(net, memory, last, jnp.zeros(memory.shape[0], bool))[2]
 
         return Policy(act, value, choose.clip, self.agent.first_memory)
-
-    def _values(self, net: Any, memory: Array, obs: dict[str, Array], begins: Array) -> Float[Array, " r"]:
-        return self.agent.apply(net, memory, jax.tree.map(lambda x: x[None], obs), begins[None])[2][0]
 
     def loss(self, net: Any, batch: Batch) -> tuple[Array, dict[str, Array]]:
         """PPO's clipped loss, the value's error and the entropy bonus; the whole sequence is run again."""
         config, steps = self.config, batch.steps
-        _, params, value = self.agent.apply(net, batch.memory, steps.obs, steps.begins)
+        _, params, value = self.agent.read(net, batch.memory, steps.obs, steps.begins)
         change = self.agent.distribution.log_prob(params, steps.action) - steps.outputs["log_prob"]
         ratio, clipped = jnp.exp(change), jnp.clip(jnp.exp(change), 1 - config.clip_range, 1 + config.clip_range)
         mean = jax.lax.pmean(jnp.mean(batch.advantage), AXIS)
@@ -203,7 +200,7 @@ class PPO:
             )
             grads, parts = jax.lax.pmean(jax.grad(loss, has_aux=True)(net, part), AXIS)
             change, opt = self.optimizer.update(grads, opt, net)
-            parts = {f"loss/{name}": x for name, x in parts.items()} | {"grad_norm": optax.global_norm(grads)}
+            parts = {f"loss/{name}": x for name, x in parts.items()} | {"grad_norm": optax.tree.norm(grads)}
             return (optax.apply_updates(net, change), opt), parts
 
         orders = jax.vmap(lambda k: jax.random.permutation(k, num_rows))(jax.random.split(key, self.config.num_epochs))

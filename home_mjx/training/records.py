@@ -30,7 +30,10 @@ class Records:
         self.path, self.folder = folder / "metrics.jsonl", folder
         self.lines = [line for line in read_lines(self.path) if line["steps"] <= steps]
         self.path.write_text("".join(f"{json.dumps(line)}\n" for line in self.lines), encoding="utf-8")
-        self._events = tensorboard.SummaryWriter(str(folder / "tensorboard"), purge_step=steps + 1)
+        # The suffix: two files that are begun within one second would have the same name.
+        self._events = tensorboard.SummaryWriter(
+            str(folder / "tensorboard"), purge_step=steps + 1, filename_suffix=f".{steps}"
+        )
 
     def __enter__(self) -> "Records":
         return self

@@ -87,7 +87,7 @@ def rollout(
         totals, ended = _count(actor.totals, env)
         done, late = (jnp.repeat(x, agents) for x in (env.done, env.truncated))
         last = to_rows(env.info.get("final_obs", {}), agents)
-        taken = Steps(
+        taken = Steps.unchecked(
             obs=obs,
             begins=actor.begins,
             action=action,

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import jax
-from tqdm import tqdm
 
 from home_mjx.errors import ConfigError
 from home_mjx.registry import EnvSpec
@@ -16,6 +15,7 @@ from home_mjx.training.checkpoint import check_same, load_checkpoint, load_net, 
 from home_mjx.training.config import RunConfig
 from home_mjx.training.evaluate import evaluate, random_policy, summary
 from home_mjx.training.ppo import PPO, TrainState
+from home_mjx.training.progress import Clock, Sums, progress_bar
 from home_mjx.training.records import Records
 
 CHECKPOINT = "checkpoint.npz"
@@ -63,7 +63,7 @@ def _learn(ppo: PPO, params: Any, state: TrainState, config: RunConfig, out: Pat
     per_line = max(1, num // NUM_LINES)
     per_checkpoint = per_line * max(1, num // NUM_CHECKPOINTS // per_line)
     done = int(state.updates)
-    with Records(out, done * size) as records, _bar(done * size, num * size, progress) as bar:
+    with Records(out, done * size) as records, progress_bar(done * size, num * size, progress) as bar:
         clock, sums = Clock(records.lines[-1] if records.lines else {}), Sums()
         update = ppo.update.lower(params, state).compile()
         clock.start(done * size)
@@ -78,51 +78,6 @@ def _learn(ppo: PPO, params: Any, state: TrainState, config: RunConfig, out: Pat
             if i % per_checkpoint == 0 or i == num:
                 save_checkpoint(out / CHECKPOINT, state, config)
                 records.draw()
-
-
-class Clock:
-    """Time of a run, without that of programs being compiled."""
-
-    def __init__(self, last: dict[str, Any]) -> None:
-        self.begun = time.perf_counter()
-        self.seconds, self.compile_seconds = (float(last.get(name, 0.0)) for name in ("seconds", "compile_seconds"))
-
-    def start(self, steps: int) -> None:
-        """Compiling has ended."""
-        self.steps, self.time = steps, time.perf_counter()
-        self.compile_seconds += self.time - self.begun
-
-    def lap(self, steps: int) -> dict[str, float]:
-        """Times since the first step of the run, and the rate since the last lap."""
-        now = time.perf_counter()
-        rate = (steps - self.steps) / (now - self.time)
-        self.seconds, self.steps, self.time = self.seconds + now - self.time, steps, now
-        return {"seconds": self.seconds, "compile_seconds": self.compile_seconds, "steps_per_second": rate}
-
-
-class Sums:
-    """Metrics of several updates; those of episodes are averaged over the episodes that ended."""
-
-    def __init__(self) -> None:
-        self.count, self.sums = 0, {}
-
-    def add(self, metrics: dict[str, Any]) -> None:
-        """Adds those of an update, and waits for it."""
-        self.count += 1
-        self.sums = {name: self.sums.get(name, 0.0) + float(x) for name, x in metrics.items()}
-
-    def means(self) -> dict[str, float]:
-        """The means, nothing of episodes if none ended; begins anew."""
-        episodes, found = self.sums["episode/episodes"], {}
-        for name, x in self.sums.items():
-            if not name.startswith("episode/"):
-                found[name] = x / self.count
-            elif name == "episode/episodes":
-                found["episodes"] = x
-            elif episodes:
-                found[name.removeprefix("episode/")] = x / episodes
-        self.count, self.sums = 0, {}
-        return found
 
 
 def evaluate_checkpoint(
@@ -172,9 +127,3 @@ def made(spec: EnvSpec, progress: bool | None = None) -> BoundEnv[HouseholdEnv]:
     """
     spec.to_json()
     return spec.make(progress)
-
-
-def _bar(done: int, total: int, progress: bool | None) -> tqdm:
-    """A progress bar of environment steps; None: in a terminal."""
-    hidden = None if progress is None else not progress
-    return tqdm(total=total, initial=done, unit=" steps", unit_scale=True, disable=hidden)

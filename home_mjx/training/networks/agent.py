@@ -72,7 +72,7 @@ class RecurrentAgent(nn.Module):
 
     Example:
         >>> agent = RecurrentAgent.of(core.observation_spec, core.action_spec)  # doctest: +SKIP
-        >>> memory, params, value = agent.apply(net, memory, obs, begins)  # doctest: +SKIP
+        >>> memory, params, value = agent.read(net, memory, obs, begins)  # doctest: +SKIP
     """
 
     specs: tuple[tuple[str, ArraySpec], ...]
@@ -111,6 +111,20 @@ class RecurrentAgent(nn.Module):
         seen = Encoder(self.specs, self.config.features, self.config.channels, dtype)(obs)
         memory, x = Memory(self.config.memory)(memory, (seen, begins))
         return memory, self._policy(x), self._value(x)
+
+    def read(
+        self, net: Any, memory: Float[Array, "n m"], obs: dict[str, Array], begins: Bool[Array, "t n"]
+    ) -> tuple[Float[Array, "n m"], Float[Array, "t n p"], Float[Array, "t n"]]:
+        """The network with its parameters `net`: memory after T steps, parameters of the distribution, values."""
+        applied: Any = self.apply(net, memory, obs, begins)
+        return applied
+
+    def read_one(
+        self, net: Any, memory: Float[Array, "n m"], obs: dict[str, Array], begins: Bool[Array, " n"]
+    ) -> tuple[Float[Array, "n m"], Float[Array, "n p"], Float[Array, " n"]]:
+        """`read` for a single step."""
+        memory, params, value = self.read(net, memory, jax.tree.map(lambda x: x[None], obs), begins[None])
+        return memory, params[0], value[0]
 
     def first_memory(self, num: int) -> Float[Array, "n m"]:
         """What `num` agents remember before their first step."""
