@@ -70,6 +70,9 @@ def test_blocks_run_page_by_page(page: Path, houses: Path, monkeypatch: pytest.M
     if name(page) == "docs/adapters.md":
         for package in ("brax", "jaxmarl", "pettingzoo"):
             pytest.importorskip(package)
+        pytest.importorskip("brax")
+    if name(page) == "docs/training.md":
+        pytest.importorskip("flax")
     monkeypatch.chdir(houses)
     namespace: dict = {"__name__": "__main__"}
     for block in blocks(page):

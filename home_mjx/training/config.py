@@ -112,11 +112,12 @@ CPU_CONFIG = PPOConfig(
     num_timesteps=1_000_000,
     unroll_length=32,
     num_minibatches=4,
-    num_epochs=2,
+    num_epochs=4,
     optimizer="adam",
-    learning_rate=1e-3,
+    learning_rate=5e-4,
     weight_decay=0.0,
     max_grad_norm=0.5,
+    entropy_cost=1e-3,
     network=NetworkConfig(features=128, memory=128, channels=(16, 32, 64)),
 )
 

@@ -13,7 +13,7 @@ from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.household import HouseholdEnv
 from home_mjx.training.checkpoint import check_same, load_checkpoint, load_net, read_config, save_checkpoint
 from home_mjx.training.config import RunConfig
-from home_mjx.training.evaluate import evaluate, random_policy, summary
+from home_mjx.training.evaluation import evaluate, random_policy, summary
 from home_mjx.training.ppo import PPO, TrainState
 from home_mjx.training.progress import Clock, Sums, progress_bar
 from home_mjx.training.records import Records

@@ -24,7 +24,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Prints the figures."""
     from home_mjx.cli.learning.table import as_table
-    from home_mjx.training.run import CHECKPOINT, evaluate_checkpoint
+    from home_mjx.training import evaluate_checkpoint
+    from home_mjx.training.run import CHECKPOINT
 
     path = args.checkpoint / CHECKPOINT if args.checkpoint.is_dir() else args.checkpoint
     report = evaluate_checkpoint(path, args.split, args.houses, args.episodes, args.seed, args.greedy)

@@ -12,7 +12,7 @@ from home_mjx.cli.parsing import positive_int, seed
 
 if TYPE_CHECKING:
     from home_mjx.registry import EnvSpec
-    from home_mjx.training.config import PPOConfig, RunConfig
+    from home_mjx.training import PPOConfig, RunConfig
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -35,7 +35,8 @@ def run(args: argparse.Namespace) -> int:
     """Trains, evaluates, and says where to look."""
     config = run_config(args)
     from home_mjx.cli.learning.table import as_table
-    from home_mjx.training.run import CHECKPOINT, evaluate_checkpoint, train
+    from home_mjx.training import evaluate_checkpoint, train
+    from home_mjx.training.run import CHECKPOINT
 
     out = make_folder(args.out or Path("runs") / config.env.id)
     train(config, out, args.resume)
@@ -47,7 +48,7 @@ def run(args: argparse.Namespace) -> int:
 
 def run_config(args: argparse.Namespace) -> "RunConfig":
     """What the arguments ask for."""
-    from home_mjx.training.config import RunConfig
+    from home_mjx.training import RunConfig
 
     return RunConfig(env_spec(args), ppo_config(args), args.seed)
 
@@ -84,7 +85,7 @@ def ppo_config(args: argparse.Namespace) -> "PPOConfig":
     import jax
 
     from home_mjx.tasks.base.options import override
-    from home_mjx.training.config import CPU_CONFIG, PPOConfig
+    from home_mjx.training import CPU_CONFIG, PPOConfig
 
     given = {"num_envs": args.num_envs, "num_timesteps": args.steps}
     options = {name: value for name, value in given.items() if value is not None} | assignments(args.ppo)

@@ -59,6 +59,7 @@ class ImageEncoder(nn.Module):
         dtype: Type of the convolutions; bfloat16 is about twice as fast on GPUs.
 
     Example:
+        >>> import jax
         >>> encoder, images = ImageEncoder((8, 16), 32), jnp.zeros((4, 64, 64, 3))
         >>> variables = encoder.init(jax.random.key(0), images)
         >>> encoder.apply(variables, images).shape

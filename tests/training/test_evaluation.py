@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import home_mjx
-from home_mjx.training.evaluate import evaluate, random_policy, summary, with_episodes
+from home_mjx.training.evaluation import evaluate, random_policy, summary, with_episodes
 from home_mjx.training.rollout import Policy
 
 NUM = 6
