@@ -56,7 +56,7 @@ class PPOConfig:
     num_minibatches: int = 2
     num_epochs: int = 1
     optimizer: str = "lamb"
-    learning_rate: float = 2.5e-3
+    learning_rate: float = 6e-3
     final_rate: float = 0.1
     weight_decay: float = 1e-2
     max_grad_norm: float = 1.0

@@ -83,8 +83,9 @@ class PPO:
         self.config.check_devices(len(devices), core.num_agents)
         self.agent = agent_of(core, self.config)
         costly = {name for sensor in core.sensors if sensor.costly for name in sensor.spec(core.config)}
-        sees_last = self.config.final_obs == "all" or not costly & {name for name, _ in self.agent.specs}
-        self.batch = AutoReset(core, final_obs=("all" if costly else "cheap") if sees_last else "none")
+        casts_rays = bool(costly & {name for name, _ in self.agent.specs})
+        self._sees_last = self.config.final_obs == "all" or not casts_rays
+        self.batch = AutoReset(core, final_obs=self.config.final_obs if casts_rays else "cheap")
         self.optimizer = optimizer_of(self.config)
         self.mesh = Mesh(np.array(devices), (AXIS,), axis_types=(AxisType.Auto,))
         whole, split = PartitionSpec(), PartitionSpec(AXIS)
@@ -117,7 +118,9 @@ class PPO:
         """First states of this device's environments."""
         num, config = keys.shape[0], self.core.config
         env_keys, time_keys, row_keys = jnp.unstack(jax.vmap(lambda key: jax.random.split(key, 3))(keys), axis=1)
-        env = self.batch.reset(params, env_keys)
+        first = jax.lax.axis_index(AXIS) * num  # each device begins with rows of its own
+        episodes = None if params.tasks is None else first + jnp.arange(num, dtype=jnp.int32)
+        env = self.batch.reset(params, env_keys, None, episodes)
         if self.config.stagger:
             step = jax.vmap(lambda key: jax.random.randint(key, (), 0, config.episode_length))(time_keys)
             env = env.replace(world=env.world.replace(step=step.astype(jnp.int32)))
@@ -157,7 +160,7 @@ class PPO:
             return memory, action, {"log_prob": choose.log_prob(params, action), "value": value}
 
         def value(memory: Array, last: dict[str, Array], outputs: dict[str, Array]) -> Array:
-            if self.batch.final_obs == "none":
+            if not self._sees_last:
                 return outputs["value"]
             return self.agent.read_one(net, memory, last, jnp.zeros(memory.shape[0], bool))[2]
 

@@ -106,8 +106,9 @@ def test_memory_is_forgotten_exactly_where_episodes_begin(rng: np.random.Generat
     memory = jnp.asarray(rng.normal(size=(3, 8)), jnp.float32)
     last, params, value = agent.read(net, memory, obs, begins)
     one_by_one = memory
+    read_one = jax.jit(agent.read_one)
     for t in range(5):
-        one_by_one, p, v = agent.read_one(net, one_by_one, {"goal": obs["goal"][t]}, begins[t])
+        one_by_one, p, v = read_one(net, one_by_one, {"goal": obs["goal"][t]}, begins[t])
         np.testing.assert_allclose(p, params[t], atol=1e-6)
         np.testing.assert_allclose(v, value[t], atol=1e-6)
     np.testing.assert_allclose(one_by_one, last, atol=1e-6)
@@ -119,11 +120,11 @@ def test_memory_is_forgotten_exactly_where_episodes_begin(rng: np.random.Generat
 def test_every_observation_is_read(rng: np.random.Generator):
     agent = RecurrentAgent.of(SPECS, DRIVE, SMALL)
     net, obs = agent.init_net(jax.random.key(0)), observations(rng, 1, 2)
-    begins, memory = jnp.ones((1, 2), bool), agent.first_memory(2)
-    value = agent.read(net, memory, obs, begins)[2]
+    begins, memory, read = jnp.ones((1, 2), bool), agent.first_memory(2), jax.jit(agent.read)
+    value = read(net, memory, obs, begins)[2]
     for name, x in obs.items():
         other = observations(np.random.default_rng(1), 1, 2)[name].at[0, 1].set(x[0, 1])
-        changed = agent.read(net, memory, obs | {name: other}, begins)[2]
+        changed = read(net, memory, obs | {name: other}, begins)[2]
         assert abs(changed - value)[0, 0] > 1e-5, name
         assert changed[0, 1] == value[0, 1], name
 
@@ -135,7 +136,7 @@ def test_bfloat16_is_only_inside(rng: np.random.Generator):
     net, obs = half.init_net(jax.random.key(0)), observations(rng, 1, 4, specs)
     assert {x.dtype for x in jax.tree.leaves(net)} == {jnp.dtype("float32")}
     begins = jnp.ones((1, 4), bool)
-    a, b = (agent.read(net, agent.first_memory(4), obs, begins)[2] for agent in (exact, half))
+    a, b = (jax.jit(agent.read)(net, agent.first_memory(4), obs, begins)[2] for agent in (exact, half))
     assert b.dtype == jnp.float32
     assert 0 < jnp.max(jnp.abs(a - b)) < 0.02 * jnp.max(jnp.abs(a))
 
