@@ -10,6 +10,8 @@ from home_mjx.errors import ConfigError, install_hint
 
 CURVES = ("success", "spl", "return", "length", "distance", "steps_per_second", "loss/entropy", "loss/value")
 
+SMOOTH = 10  # lines
+
 Line = dict[str, Any]
 
 
@@ -81,28 +83,45 @@ def draw_curves(path: Path, lines: list[Line]) -> None:
     names = [name for name in CURVES if any(name in line for line in lines)]
     if not names:
         return
-    figure, axes = _panels(len(names))
+    axes = _panels(len(names))
     for axis, name in zip(axes, names, strict=True):
-        points = [(line["steps"], line[name]) for line in lines if name in line]
-        axis.plot(*zip(*points, strict=True), linewidth=1.2)
+        found = [line for line in lines if name in line]
+        steps, values = [line["steps"] for line in found], [line[name] for line in found]
+        axis.plot(steps, values, color="C0", linewidth=0.8, alpha=0.35)
+        axis.plot(steps, smoothed(values), color="C0", linewidth=1.6)
         axis.set_title(name, fontsize=10, loc="left")
         axis.grid(alpha=0.3)
         if name in ("success", "spl"):
             axis.set_ylim(0, 1)
         axis.set_xlabel("environment steps", fontsize=8)
         axis.tick_params(labelsize=8)
-    figure.savefig(path, dpi=120)
+    axes[0].figure.savefig(path, dpi=120)
 
 
-def _panels(num: int) -> tuple[Any, list[Any]]:
-    """A figure with a panel for each name; without pyplot, which would keep all figures and ask for a screen."""
+def smoothed(values: list[float]) -> list[float]:
+    """The mean of each value and the `SMOOTH` - 1 before it.
+
+    Example:
+        >>> smoothed([1.0, 3.0])
+        [1.0, 2.0]
+    """
+    windows = (values[max(0, i + 1 - SMOOTH) : i + 1] for i in range(len(values)))
+    return [sum(window) / len(window) for window in windows]
+
+
+def _panels(num: int) -> list[Any]:
+    """Axes of a figure; without pyplot, which would keep all figures and ask for a screen."""
     try:
         from matplotlib.figure import Figure
+        from matplotlib.ticker import EngFormatter
     except ModuleNotFoundError as error:
         raise ConfigError("curves need the package `matplotlib`", hint=install_hint("train")) from error
     columns = min(num, 4)
     figure = Figure(figsize=(3.2 * columns, 2.4 * -(-num // columns)), layout="constrained")
-    return figure, [figure.add_subplot(-(-num // columns), columns, i + 1) for i in range(num)]
+    axes = [figure.add_subplot(-(-num // columns), columns, i + 1) for i in range(num)]
+    for axis in axes:
+        axis.xaxis.set_major_formatter(EngFormatter())
+    return axes
 
 
 def _tensorboard() -> Any:
