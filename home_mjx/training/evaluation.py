@@ -58,7 +58,7 @@ def evaluate(
 
     Example:
         >>> results = evaluate(held_out, ppo.policy, state.net)  # doctest: +SKIP
-        >>> summary(results)["success"]["mean"]  # doctest: +SKIP
+        >>> results["success"].mean()  # doctest: +SKIP
     """
     check_number("num_episodes", num_episodes, 1, whole=True)
     env = with_episodes(env, num_episodes, seed)
@@ -100,8 +100,8 @@ def summary(results: Results) -> dict[str, dict[str, float]]:
     """Mean and standard error of every figure.
 
     Example:
-        >>> summary({"success": np.array([1.0, 0.0, 1.0, 0.0])})["success"]["mean"]
-        0.5
+        >>> summary({"success": np.array([1.0, 0.0, 1.0, 0.0])})
+        {'success': {'mean': 0.5, 'stderr': 0.25}}
     """
     return {
         name: {"mean": float(np.mean(x)), "stderr": float(np.std(x) / np.sqrt(len(x)))} for name, x in results.items()
