@@ -14,6 +14,7 @@ import home_mjx
 from home_mjx.registry import EnvSpec
 from home_mjx.training.checkpoint import load_checkpoint, save_checkpoint
 from home_mjx.training.config import PPOConfig, RunConfig
+from home_mjx.training.evaluation import evaluate, random_policy
 from home_mjx.training.networks import NetworkConfig
 from home_mjx.training.ppo import PPO, TrainState
 from home_mjx.training.rollout import rollout
@@ -148,8 +149,8 @@ def test_any_environment_can_be_learned_in(generated_bank, options: dict, final_
 
 
 @pytest.mark.slow
-def test_it_learns_in_one_small_house(tmp_path: Path):
-    """Short episodes, 60,000 steps: success of the last tenth is far above that of the first."""
+def test_it_learns_in_one_small_house():
+    """60,000 steps of short episodes: success of the last ones is far above chance."""
     env = home_mjx.make("PointNav-v0", num_houses=1, sensors=("goal",), ctrl_dt=0.3, episode_length=40)
     config = PPOConfig(
         num_envs=64, num_timesteps=64 * 16 * 60, unroll_length=16, num_minibatches=4, num_epochs=4, optimizer="adam",
@@ -162,5 +163,6 @@ def test_it_learns_in_one_small_house(tmp_path: Path):
         state, metrics = ppo.update(env.params, state)
         success.append(float(metrics["episode/success"]))
         episodes.append(float(metrics["episode/episodes"]))
-    first, last = (sum(success[part]) / sum(episodes[part]) for part in (slice(3, 9), slice(-6, None)))
-    assert last > first + 0.3, (first, last)
+    learned = sum(success[-10:]) / sum(episodes[-10:])
+    chance = evaluate(env, random_policy(env.core), num_episodes=128)["success"].mean()
+    assert learned > chance + 0.2, (learned, chance)
