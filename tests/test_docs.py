@@ -26,8 +26,6 @@ MODULES = sorted(module.name for module in pkgutil.walk_packages(home_mjx.__path
 def test_docstring_examples(name: str):
     if name in OPTIONAL:
         pytest.importorskip(OPTIONAL[name])
-    if "brax" in name:
-        pytest.importorskip("brax")
     if name.startswith("home_mjx.training.") and not name.endswith(".shim"):
         pytest.importorskip("flax")
     failed, _ = doctest.testmod(importlib.import_module(name), optionflags=doctest.NORMALIZE_WHITESPACE)

@@ -70,7 +70,6 @@ def test_blocks_run_page_by_page(page: Path, houses: Path, monkeypatch: pytest.M
     if name(page) == "docs/adapters.md":
         for package in ("brax", "jaxmarl", "pettingzoo"):
             pytest.importorskip(package)
-        pytest.importorskip("brax")
     if name(page) == "docs/training.md":
         pytest.importorskip("flax")
     monkeypatch.chdir(houses)
