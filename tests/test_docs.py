@@ -26,6 +26,8 @@ MODULES = sorted(module.name for module in pkgutil.walk_packages(home_mjx.__path
 def test_docstring_examples(name: str):
     if name in OPTIONAL:
         pytest.importorskip(OPTIONAL[name])
+    if name.startswith("home_mjx.training.") and not name.endswith(".shim"):
+        pytest.importorskip("flax")
     failed, _ = doctest.testmod(importlib.import_module(name), optionflags=doctest.NORMALIZE_WHITESPACE)
     assert failed == 0
 

@@ -70,6 +70,8 @@ def test_blocks_run_page_by_page(page: Path, houses: Path, monkeypatch: pytest.M
     if name(page) == "docs/adapters.md":
         for package in ("brax", "jaxmarl", "pettingzoo"):
             pytest.importorskip(package)
+    if name(page) == "docs/training.md":
+        pytest.importorskip("flax")
     monkeypatch.chdir(houses)
     namespace: dict = {"__name__": "__main__"}
     for block in blocks(page):

@@ -1,4 +1,4 @@
-"""The `home-mjx` command. Each subcommand is one module here with `add_arguments(parser)` and `run(args) -> int`.
+"""The `home-mjx` command. Each subcommand is one module with `add_arguments(parser)` and `run(args) -> int`.
 
 A subcommand's module is imported only when it is called, so that `home-mjx --help` is fast.
 """
@@ -29,6 +29,11 @@ COMMANDS = {
     "bench": "measure speed",
     "doctor": "say whether this machine is ready",
 }
+LEARNING = {
+    "train": "train an agent by recurrent PPO",
+    "evaluate": "play episodes with a trained agent in houses it has not seen",
+}
+FOLDERS = {"commands": COMMANDS, "learning": LEARNING}  # of modules
 BAD_INPUT = 2
 
 
@@ -66,16 +71,17 @@ def _dispatch(argv: list[str]) -> int:
     if args.command is None:
         top.print_help()
         return BAD_INPUT
-    check_known("command", [args.command], COMMANDS)
+    check_known("command", [args.command], COMMANDS | LEARNING)
     use_compile_cache()
-    module = importlib.import_module(f"home_mjx.cli.commands.{args.command}")
+    folder = next(folder for folder, names in FOLDERS.items() if args.command in names)
+    module = importlib.import_module(f"home_mjx.cli.{folder}.{args.command}")
     parser = Parser(prog=f"home-mjx {args.command}", description=module.__doc__)
     module.add_arguments(parser)
     return module.run(parser.parse_args(args.arguments))
 
 
 def _top_parser() -> Parser:
-    listing = "\n".join(f"  {name:<10}{text}" for name, text in COMMANDS.items())
+    listing = "\n".join(f"  {name:<10}{text}" for name, text in (COMMANDS | LEARNING).items())
     parser = Parser(
         prog="home-mjx",
         usage="home-mjx [--help] [--version] [--debug] COMMAND ...",

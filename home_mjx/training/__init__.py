@@ -1,1 +1,58 @@
-"""Training on the environments; `shim` mends brax 0.14.2 under JAX >= 0.10."""
+"""Training on the environments: recurrent PPO in plain JAX; `shim` mends brax 0.14.2 under JAX >= 0.10.
+
+Names are imported on first use: they need the extra `train`, and `shim` does not.
+"""
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+from home_mjx.errors import ConfigError, install_hint
+
+if TYPE_CHECKING:
+    from home_mjx.training.checkpoint import load_checkpoint, load_net, read_config, save_checkpoint
+    from home_mjx.training.config import CPU_CONFIG, PPOConfig, RunConfig
+    from home_mjx.training.evaluation import evaluate, random_policy, summary
+    from home_mjx.training.networks import NetworkConfig, RecurrentAgent
+    from home_mjx.training.ppo import PPO, TrainState
+    from home_mjx.training.rollout import Policy
+    from home_mjx.training.run import evaluate_checkpoint, train
+
+__all__ = [
+    "CPU_CONFIG",
+    "PPO",
+    "NetworkConfig",
+    "PPOConfig",
+    "Policy",
+    "RecurrentAgent",
+    "RunConfig",
+    "TrainState",
+    "evaluate",
+    "evaluate_checkpoint",
+    "load_checkpoint",
+    "load_net",
+    "random_policy",
+    "read_config",
+    "save_checkpoint",
+    "summary",
+    "train",
+]
+
+_MODULES = {
+    "checkpoint": ("load_checkpoint", "load_net", "read_config", "save_checkpoint"),
+    "config": ("CPU_CONFIG", "PPOConfig", "RunConfig"),
+    "evaluation": ("evaluate", "random_policy", "summary"),
+    "networks": ("NetworkConfig", "RecurrentAgent"),
+    "ppo": ("PPO", "TrainState"),
+    "rollout": ("Policy",),
+    "run": ("evaluate_checkpoint", "train"),
+}
+
+
+def __getattr__(name: str) -> Any:
+    module = next((module for module, names in _MODULES.items() if name in names), None)
+    if module is None:
+        raise AttributeError(f"module 'home_mjx.training' has no attribute {name!r}")
+    try:
+        return getattr(importlib.import_module(f"home_mjx.training.{module}"), name)
+    except ModuleNotFoundError as error:
+        raise ConfigError(f"training needs the package `{error.name}`", hint=install_hint("train")) from error

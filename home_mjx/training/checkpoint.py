@@ -1,0 +1,127 @@
+"""Training on disk: one file per checkpoint, complete or not there at all, with its configuration inside."""
+
+import json
+import os
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import jax
+import numpy as np
+
+from home_mjx.core.jsonable import from_json, to_json
+from home_mjx.errors import ConfigError, DatasetError, MissingFileError
+from home_mjx.training.config import RunConfig
+
+CONFIG = "config"  # name of the configuration in a file; names of arrays begin with a dot
+MAX_SHOWN = 5  # differences that an error names
+
+
+def save_checkpoint(path: str | Path, state: Any, config: RunConfig) -> None:
+    """Writes a `TrainState`: first beside the file, then in its place, so that a killed process leaves the old one.
+
+    Args:
+        path: The file, an `.npz` of one array per leaf.
+        state: Of one host, on any number of devices.
+        config: What it belongs to.
+
+    Raises:
+        ConfigError: The file cannot be written, or the configuration is not made of numbers, text and dataclasses.
+    """
+    path = Path(path)
+    arrays = {jax.tree_util.keystr(place): np.asarray(x) for place, x in jax.tree_util.tree_leaves_with_path(state)}
+    beside = path.with_name(f".{path.name}.new")
+    try:
+        with beside.open("wb") as file:
+            np.savez(file, **{CONFIG: np.array(to_json(config))}, **arrays)  # pyright: ignore[reportArgumentType]
+            file.flush()
+            os.fsync(file.fileno())
+        beside.replace(path)
+    except OSError as error:
+        raise ConfigError(f"checkpoint cannot be written: {error.strerror}", file=path) from None
+
+
+def load_checkpoint(path: str | Path, like: Any, config: RunConfig) -> Any:
+    """The `TrainState` of a file, to be given to `PPO.place`.
+
+    Args:
+        path: The file.
+        like: A state of the same shapes and types, or their `jax.eval_shape`.
+        config: The configuration to go on with.
+
+    Raises:
+        ConfigError: The checkpoint has another configuration; the error names what differs.
+        MissingFileError: There is no such file.
+        DatasetError: The file is no checkpoint, or its arrays have other shapes.
+    """
+    check_same(read_config(path), config, path)
+    return _load(path, like, "")
+
+
+def load_net(path: str | Path, like: Any) -> Any:
+    """The parameters alone, whatever else the checkpoint holds; errors as of `load_checkpoint`."""
+    return _load(path, like, ".net")
+
+
+def read_config(path: str | Path) -> RunConfig:
+    """What a checkpoint was made with.
+
+    Raises:
+        MissingFileError: There is no such file.
+        DatasetError: The file is no checkpoint.
+        ConfigError: Its configuration cannot be read by this version.
+    """
+    (text,) = _read(path, [CONFIG])
+    config = from_json(str(text))
+    if not isinstance(config, RunConfig):
+        raise DatasetError("file is no checkpoint of training", file=path)
+    return config
+
+
+def check_same(theirs: RunConfig, ours: RunConfig, path: str | Path) -> None:
+    """Refuses a checkpoint of another configuration.
+
+    Raises:
+        ConfigError: They differ, and in what.
+    """
+    there, here = (dict(_flat(json.loads(to_json(config)), "")) for config in (theirs, ours))
+    wrong = [name for name in {**there, **here} if there.get(name) != here.get(name)]
+    if wrong:
+        shown = "; ".join(f"`{name}` is {there.get(name)} there, {here.get(name)} here" for name in wrong[:MAX_SHOWN])
+        more = f"; and {len(wrong) - MAX_SHOWN} more" if len(wrong) > MAX_SHOWN else ""
+        message = f"checkpoint has another configuration: {shown}{more}"
+        raise ConfigError(message, file=path, hint="Give the same options, or train into another folder.")
+
+
+def _flat(value: Any, name: str) -> Iterator[tuple[str, Any]]:
+    """Names and values of all that is no container."""
+    if not isinstance(value, dict | list):
+        yield name.removesuffix(".__tuple__"), value
+        return
+    for key, x in value.items() if isinstance(value, dict) else enumerate(value):
+        yield from _flat(x, f"{name}.{key}".removeprefix("."))
+
+
+def _load(path: str | Path, like: Any, below: str) -> Any:
+    leaves, structure = jax.tree_util.tree_flatten_with_path(like)
+    names = [below + jax.tree_util.keystr(place) for place, _ in leaves]
+    arrays = _read(path, names)
+    for name, (_, leaf), array in zip(names, leaves, arrays, strict=True):
+        if array.shape != leaf.shape or array.dtype != leaf.dtype:
+            message = f"expected {leaf.dtype} {leaf.shape}, got {array.dtype} {array.shape}"
+            hint = "Houses of another capacity, or another version of the package, made it."
+            raise DatasetError(message, file=path, element=name, hint=hint)
+    return jax.tree.unflatten(structure, arrays)
+
+
+def _read(path: str | Path, names: list[str]) -> list[np.ndarray]:
+    try:
+        with Path(path).open("rb") as opened, np.load(opened, allow_pickle=False) as file:
+            return [file[name] for name in names]
+    except FileNotFoundError:
+        raise MissingFileError("there is no checkpoint", file=path) from None
+    except KeyError as error:
+        raise DatasetError(f"file lacks {error.args[0]}", file=path, hint="Another version made it.") from None
+    except (OSError, ValueError, AttributeError, zipfile.BadZipFile) as error:
+        raise DatasetError(f"file is no checkpoint: {error}", file=path) from None

@@ -1,0 +1,142 @@
+"""Options of training."""
+
+from dataclasses import dataclass, field, fields
+
+from home_mjx.core.checks import check_flag, check_known, check_number, check_type
+from home_mjx.errors import ConfigError
+from home_mjx.registry import EnvSpec
+from home_mjx.training.networks.agent import NetworkConfig
+
+OPTIMIZERS = ("adam", "lamb")
+FINAL_OBS = ("cheap", "all")
+WHOLE = ("num_envs", "num_timesteps", "unroll_length", "num_minibatches", "num_epochs")
+PARTS = ("discount", "gae_lambda", "final_rate")
+
+
+@dataclass(frozen=True)
+class PPOConfig:
+    """Options of `PPO`.
+
+    The defaults are for one large GPU and images, after Shacklett et al., "Large Batch Simulation for Deep
+    Reinforcement Learning", 2021 (arXiv:2103.07013). `CPU_CONFIG` is for two cores and vectors.
+
+    Attributes:
+        num_envs: Environments, over all devices.
+        num_timesteps: Environment steps of the whole training; the learning rate falls until then.
+        unroll_length: Steps of each environment between two updates; gradients go back through time as far.
+        num_minibatches: Parts of a batch, each of whole environments.
+        num_epochs: How often a batch is gone through.
+        optimizer: "lamb" (arXiv:1904.00962), for large batches, or "adam", both with `weight_decay`.
+        learning_rate: At the start.
+        final_rate: Part of `learning_rate` that is left at the end; it falls linearly.
+        weight_decay: As of AdamW (arXiv:1711.05101).
+        max_grad_norm: Gradients are scaled down to this norm.
+        discount: Per step.
+        gae_lambda: Of generalised advantage estimation (arXiv:1506.02438).
+        clip_range: How far the ratio of probabilities counts, from 1.
+        entropy_cost: Weight of the entropy bonus.
+        value_cost: Weight of the value's loss.
+        stagger: Environments begin somewhere in the time of their first episode, so that they do not end all at once.
+        final_obs: What an episode that runs out of time is continued by in the returns. "cheap": the value of the last
+            observation if it needs no rays, else the value of the step before. "all": the value of the last
+            observation, rendered for that.
+        network: Sizes.
+
+    Raises:
+        ConfigError: A value cannot be used.
+
+    Example:
+        >>> PPOConfig(num_envs=64, unroll_length=32, num_timesteps=100_000).num_updates
+        49
+    """
+
+    num_envs: int = 4096
+    num_timesteps: int = 100_000_000
+    unroll_length: int = 32
+    num_minibatches: int = 2
+    num_epochs: int = 1
+    optimizer: str = "lamb"
+    learning_rate: float = 6e-3
+    final_rate: float = 0.1
+    weight_decay: float = 1e-2
+    max_grad_norm: float = 1.0
+    discount: float = 0.99
+    gae_lambda: float = 0.95
+    clip_range: float = 0.2
+    entropy_cost: float = 0.01
+    value_cost: float = 0.5
+    stagger: bool = True
+    final_obs: str = "cheap"
+    network: NetworkConfig = field(default_factory=lambda: NetworkConfig(dtype="bfloat16"))
+
+    def __post_init__(self) -> None:
+        check_known("optimizer", [self.optimizer], OPTIMIZERS)
+        check_known("choice of `final_obs`", [self.final_obs], FINAL_OBS)
+        check_flag("stagger", self.stagger)
+        check_type("network", self.network, NetworkConfig)
+        for option in fields(self):
+            value = getattr(self, option.name)
+            if option.name in WHOLE:
+                check_number(option.name, value, 1, whole=True)
+            elif option.name in PARTS:
+                check_number(option.name, value, 0, 1)
+            elif isinstance(option.default, float):
+                check_number(option.name, value, 0)
+
+    @property
+    def batch_size(self) -> int:
+        """Environment steps of an update."""
+        return self.num_envs * self.unroll_length
+
+    @property
+    def num_updates(self) -> int:
+        """Updates of the whole training."""
+        return -(-self.num_timesteps // self.batch_size)
+
+    def check_devices(self, num_devices: int, num_agents: int = 1) -> None:
+        """Refuses numbers that do not divide.
+
+        Raises:
+            ConfigError: Environments cannot be dealt out evenly to devices, or their agents to minibatches.
+        """
+        if self.num_envs % num_devices:
+            raise ConfigError(f"`num_envs` must be a multiple of the {num_devices} devices, got {self.num_envs}")
+        rows = self.num_envs // num_devices * num_agents
+        if rows % self.num_minibatches:
+            hint = f"`num_envs` per device times agents is {rows}."
+            raise ConfigError(f"`num_minibatches` must divide {rows}, got {self.num_minibatches}", hint=hint)
+
+
+CPU_CONFIG = PPOConfig(
+    num_envs=64,
+    num_timesteps=1_000_000,
+    unroll_length=32,
+    num_minibatches=4,
+    num_epochs=4,
+    optimizer="adam",
+    learning_rate=5e-4,
+    weight_decay=0.0,
+    max_grad_norm=0.5,
+    entropy_cost=1e-3,
+    network=NetworkConfig(features=128, memory=128, channels=(16, 32, 64)),
+)
+
+
+@dataclass(frozen=True)
+class RunConfig:
+    """All that a training run is made of.
+
+    Attributes:
+        env: What `make` was asked for: task, houses, sensors.
+        ppo: Options of the training.
+        seed: Of everything random.
+    """
+
+    env: EnvSpec
+    ppo: PPOConfig = field(default_factory=PPOConfig)
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        check_type("env", self.env, EnvSpec)
+        check_type("ppo", self.ppo, PPOConfig)
+        check_number("seed", self.seed, 0, 2**32 - 1, whole=True)

@@ -1,0 +1,163 @@
+"""How good a policy is: whole episodes, each house as often as any other, beside an agent that acts at random."""
+
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int, UInt32
+
+from home_mjx.core.checks import check_number
+from home_mjx.core.pytree import Pytree
+from home_mjx.tasks.base.state import EnvParams, State
+from home_mjx.tasks.environment.autoreset import where_envs
+from home_mjx.tasks.environment.bound import BoundEnv
+from home_mjx.tasks.environment.episodes import sample_episodes
+from home_mjx.tasks.environment.household import HouseholdEnv
+from home_mjx.training.rollout import Policy, split_keys, to_envs, to_rows
+
+MAX_BATCH = 256  # episodes that are played at once
+
+Results = dict[str, np.ndarray]  # by name, one number per episode
+
+
+class Play(Pytree):
+    """N episodes while they are played."""
+
+    env: State
+    memory: Any
+    keys: UInt32[Array, "r 2"]
+    alive: Any  # (N,) bool, not over
+    figures: dict[str, Float[Array, " n"]]  # until now, or at the end
+
+
+def evaluate(
+    env: BoundEnv[HouseholdEnv],
+    policy_of: Callable[[Any], Policy],
+    net: Any = None,
+    num_episodes: int = 1000,
+    seed: int = 0,
+) -> Results:
+    """Plays episodes to their end.
+
+    They are the first rows of the environment's episodes or task bank, counted around; where it has none, as many are
+    drawn with `sample_episodes`. The same seed gives the same episodes to any policy.
+
+    Args:
+        env: Houses and task; held-out ones, `split="val"`, to tell what was learned.
+        policy_of: From parameters to a policy, such as `PPO.policy` or `random_policy(core)`.
+        net: The parameters.
+        num_episodes: How many.
+        seed: Of episodes and actions.
+
+    Returns:
+        For each episode: `return`, `length` [steps], `walked` [m] by the first agent, and the task's metrics at its
+        end. If the task has `success` and knows the `length` of the shortest path, also `spl` (Anderson et al.,
+        arXiv:1807.06757), and with `distance` also `soft_spl` (Datta et al., arXiv:2009.03231).
+
+    Example:
+        >>> results = evaluate(held_out, ppo.policy, state.net)  # doctest: +SKIP
+        >>> results["success"].mean()  # doctest: +SKIP
+    """
+    check_number("num_episodes", num_episodes, 1, whole=True)
+    env = with_episodes(env, num_episodes, seed)
+    batch = min(num_episodes, MAX_BATCH)
+    keys = jax.random.key_data(jax.random.split(jax.random.key(seed), num_episodes + batch))
+    play = jax.jit(lambda params, net, keys, numbers: _play(env.core, policy_of(net), params, keys, numbers))
+    parts = []
+    for start in range(0, num_episodes, batch):
+        numbers = jnp.arange(start, start + batch, dtype=jnp.int32)
+        parts.append(jax.device_get(play(env.params, net, keys[start : start + batch], numbers)))
+    return {name: np.concatenate([part[name] for part in parts])[:num_episodes] for name in parts[0]}
+
+
+def with_episodes(env: BoundEnv[HouseholdEnv], num: int, seed: int = 0) -> BoundEnv[HouseholdEnv]:
+    """The environment with episodes drawn beforehand, if its task has any that could be drawn."""
+    if env.params.tasks is not None or not env.task.columns:
+        return env
+    return env.with_tasks(sample_episodes(env.bank, num, seed, task=env.task))
+
+
+def random_policy(core: HouseholdEnv) -> Callable[[Any], Policy]:
+    """Actions drawn evenly: numbers within the limits, or any of the choices."""
+    spec = core.action_spec
+    shape = spec.shape if core.num_agents == 1 else spec.shape[1:]
+    low, high = (bound.reshape(-1, *shape)[0] for bound in spec.bounds())
+
+    def draw(key: Array) -> Array:
+        if spec.dtype == "int32":
+            return jax.random.randint(key, shape, low, high + 1)
+        return jax.random.uniform(key, shape, minval=low, maxval=high)
+
+    def act(memory: Any, obs: dict[str, Array], begins: Array, keys: Array) -> tuple[Any, Array, dict]:
+        return memory, jax.vmap(draw)(keys), {}
+
+    return lambda net: Policy(act)
+
+
+def summary(results: Results) -> dict[str, dict[str, float]]:
+    """Mean and standard error of every figure.
+
+    Example:
+        >>> summary({"success": np.array([1.0, 0.0, 1.0, 0.0])})
+        {'success': {'mean': 0.5, 'stderr': 0.25}}
+    """
+    return {
+        name: {"mean": float(np.mean(x)), "stderr": float(np.std(x) / np.sqrt(len(x)))} for name, x in results.items()
+    }
+
+
+def _play(
+    core: HouseholdEnv, policy: Policy, params: EnvParams, keys: UInt32[Array, "n 2"], numbers: Int[Array, " n"]
+) -> dict[str, Float[Array, " n"]]:
+    num, agents = keys.shape[0], core.num_agents
+    reset_keys, row_keys = split_keys(keys)
+    rows = jax.vmap(lambda key: jax.random.split(key, agents))(row_keys).reshape(-1, 2)
+    known = params.tasks is not None
+    env = jax.vmap(core.reset, (None, 0, None, 0 if known else None))(
+        params, reset_keys, None, numbers if known else None
+    )
+    length = _shortest(params, numbers)
+    zero = jnp.zeros(num, jnp.float32)
+    figures = {"return": zero, "length": zero, "walked": zero} | env.metrics
+
+    def step(play: Play) -> Play:
+        following, now = split_keys(play.keys)
+        begins = jnp.repeat(play.env.world.step == 0, agents)
+        memory, action, _ = policy.act(play.memory, to_rows(play.env.obs, agents), begins, now)
+        env = jax.vmap(core.step, (None, 0, 0))(params, play.env, to_envs(policy.clip(action), agents))
+        figures = where_envs(play.alive, _figures(core, params, play, env), play.figures)
+        return Play.unchecked(env=env, memory=memory, keys=following, alive=play.alive & ~env.done, figures=figures)
+
+    begin = Play.unchecked(
+        env=env, memory=policy.memory(num * agents), keys=rows, alive=jnp.ones(num, bool), figures=figures
+    )
+    end = jax.lax.while_loop(lambda play: jnp.any(play.alive), step, begin)
+    return end.figures | _path_figures(end.figures, length)
+
+
+def _figures(core: HouseholdEnv, params: EnvParams, play: Play, env: State) -> dict[str, Array]:
+    """Figures after a step."""
+    look = jax.vmap(lambda state: core.snapshot(params, state).pose.pos[0])
+    moved = jnp.linalg.norm(look(env) - look(play.env), axis=-1)
+    reward = jnp.mean(env.reward.reshape(env.done.shape[0], -1), axis=-1)
+    gained = {"return": reward, "length": jnp.ones_like(reward), "walked": moved}
+    return {name: play.figures[name] + x for name, x in gained.items()} | env.metrics
+
+
+def _shortest(params: EnvParams, numbers: Int[Array, " n"]) -> Float[Array, " n"] | None:
+    """Lengths of the shortest paths [m], if they are known."""
+    lengths = getattr(params.tasks, "columns", {}).get("length")
+    return None if lengths is None else lengths[numbers % lengths.shape[0]]
+
+
+def _path_figures(figures: dict[str, Array], length: Array | None) -> dict[str, Array]:
+    """SPL and soft SPL where the task does not give them itself."""
+    if length is None or "success" not in figures or "spl" in figures:
+        return {}
+    short = length / jnp.maximum(jnp.maximum(length, figures["walked"]), 1e-6)
+    found = {"spl": figures["success"] * short}
+    if "distance" in figures:
+        found["soft_spl"] = jnp.clip(1 - figures["distance"] / jnp.maximum(length, 1e-6), 0, 1) * short
+    return found

@@ -1,0 +1,172 @@
+"""Distributions of actions, by the spec of the action; their parameters are the output of a policy."""
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from home_mjx.errors import ConfigError
+from home_mjx.tasks.base.specs import ArraySpec
+
+HALF_LOG_TAU = 0.5 * math.log(2 * math.pi)
+
+
+class Distribution(Protocol):
+    """What PPO needs of a distribution. Leading axes of parameters and actions are free, but for `sample`."""
+
+    @property
+    def num_outputs(self) -> int:
+        """Numbers that the policy gives per state."""
+        ...
+
+    @property
+    def num_scales(self) -> int:
+        """Parameters besides, which do not depend on the state; they follow the outputs."""
+        ...
+
+    def sample(self, params: Array, key: Array) -> Array:
+        """One action from parameters (p,)."""
+        ...
+
+    def mode(self, params: Array) -> Array:
+        """The likeliest action."""
+        ...
+
+    def log_prob(self, params: Array, action: Array) -> Array:
+        """Logarithm of an action's probability, or its density."""
+        ...
+
+    def entropy(self, params: Array) -> Array:
+        """Entropy [nats]."""
+        ...
+
+    def clip(self, action: Array) -> Array:
+        """The action that the environment takes."""
+        ...
+
+
+@dataclass(frozen=True)
+class Gaussian:
+    """Normal and independent; actions beyond the limits are clipped on their way to the environment.
+
+    Parameters are means, then logarithms of standard deviations, which do not depend on the state.
+
+    Attributes:
+        low: Least value of each number of an action.
+        high: Greatest value.
+    """
+
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+
+    @property
+    def num_outputs(self) -> int:
+        """Means."""
+        return len(self.low)
+
+    @property
+    def num_scales(self) -> int:
+        """Standard deviations."""
+        return len(self.low)
+
+    def sample(self, params: Float[Array, " p"], key: Array) -> Float[Array, " n"]:
+        """One action."""
+        mean, scale = self._mean_and_scale(params)
+        return mean + scale * jax.random.normal(key, mean.shape)
+
+    def mode(self, params: Float[Array, "*b p"]) -> Float[Array, "*b n"]:
+        """The mean."""
+        return self._mean_and_scale(params)[0]
+
+    def log_prob(self, params: Float[Array, "*b p"], action: Float[Array, "*b n"]) -> Float[Array, "*b"]:
+        """Of the action before it is clipped."""
+        mean, scale = self._mean_and_scale(params)
+        return jnp.sum(-0.5 * ((action - mean) / scale) ** 2 - jnp.log(scale) - HALF_LOG_TAU, axis=-1)
+
+    def entropy(self, params: Float[Array, "*b p"]) -> Float[Array, "*b"]:
+        """Of the action before it is clipped."""
+        return jnp.sum(jnp.log(self._mean_and_scale(params)[1]) + HALF_LOG_TAU + 0.5, axis=-1)
+
+    def clip(self, action: Float[Array, "*b n"]) -> Float[Array, "*b n"]:
+        """Within the limits."""
+        return jnp.clip(action, jnp.asarray(self.low), jnp.asarray(self.high))
+
+    def _mean_and_scale(self, params: Array) -> tuple[Array, Array]:
+        mean, log_scale = jnp.split(params, 2, axis=-1)
+        return mean, jnp.exp(jnp.clip(log_scale, -5.0, 0.5))
+
+
+@dataclass(frozen=True)
+class Categorical:
+    """One choice, or several independent ones; parameters are logits, one choice after the other.
+
+    Attributes:
+        sizes: How many there are to choose from, for each choice.
+        single: An action is a number, without an axis of choices.
+    """
+
+    sizes: tuple[int, ...]
+    single: bool = False
+    num_scales: int = 0
+
+    @property
+    def num_outputs(self) -> int:
+        """Logits."""
+        return sum(self.sizes)
+
+    def sample(self, params: Float[Array, " p"], key: Array) -> Array:
+        """One action."""
+        keys = jax.random.split(key, len(self.sizes))
+        return self._joined([jax.random.categorical(k, x) for k, x in zip(keys, self._logits(params), strict=True)])
+
+    def mode(self, params: Float[Array, "*b p"]) -> Array:
+        """The likeliest choices."""
+        return self._joined([jnp.argmax(x, axis=-1) for x in self._logits(params)])
+
+    def log_prob(self, params: Float[Array, "*b p"], action: Array) -> Float[Array, "*b"]:
+        """Of all choices together."""
+        chosen = action[..., None] if self.single else action
+        logits = self._logits(params)
+        return sum(
+            (jnp.take_along_axis(x, chosen[..., i : i + 1], axis=-1)[..., 0] for i, x in enumerate(logits)),
+            start=jnp.zeros(params.shape[:-1]),
+        )
+
+    def entropy(self, params: Float[Array, "*b p"]) -> Float[Array, "*b"]:
+        """Of all choices together."""
+        each = [-jnp.sum(jnp.exp(x) * x, axis=-1) for x in self._logits(params)]
+        return sum(each, start=jnp.zeros(params.shape[:-1]))
+
+    def clip(self, action: Array) -> Array:
+        """Every choice can be taken."""
+        return action
+
+    def _logits(self, params: Array) -> list[Array]:
+        ends = [int(end) for end in np.cumsum(self.sizes)[:-1]]
+        return [jax.nn.log_softmax(x) for x in jnp.split(params, ends, axis=-1)]
+
+    def _joined(self, choices: list[Array]) -> Array:
+        joined = jnp.stack(choices, axis=-1).astype(jnp.int32)
+        return joined[..., 0] if self.single else joined
+
+
+def distribution_of(spec: ArraySpec) -> Gaussian | Categorical:
+    """The distribution for actions of one agent.
+
+    Raises:
+        ConfigError: The spec is of neither kind.
+
+    Example:
+        >>> distribution_of(ArraySpec((), "int32", 0, 5))
+        Categorical(sizes=(6,), single=True, num_scales=0)
+    """
+    low, high = spec.bounds()
+    if spec.dtype == "int32" and len(spec.shape) <= 1 and not np.any(low):
+        return Categorical(tuple(int(x) + 1 for x in np.atleast_1d(high)), single=not spec.shape)
+    if spec.dtype == "float32" and len(spec.shape) == 1:
+        return Gaussian(tuple(float(x) for x in low), tuple(float(x) for x in high))
+    raise ConfigError(f"no distribution is known for actions {spec.dtype} {spec.shape} from {spec.low}")

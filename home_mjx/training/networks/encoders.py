@@ -1,0 +1,135 @@
+"""From a dictionary of observations to one vector: which network reads which observation."""
+
+from collections import defaultdict
+from typing import Any
+
+import flax.linen as nn
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from home_mjx.tasks.base.specs import ArraySpec
+from home_mjx.training.networks.images import ImageEncoder
+
+NUM_IDS = 1024  # rows of the tables of ids and words; greater ids are counted around
+ID_CHANNELS = 8
+QUIET = 1e-4  # pressure below which loudness is not told apart
+
+
+def kind_of(name: str, spec: ArraySpec) -> str:
+    """Which network reads an observation of one agent.
+
+    - `image`: rank 3, and rank 2 unless they are integers or sound.
+    - `ids`: rank 2 integers, `ids/*`.
+    - `sound`: `audio` (2, samples).
+    - `words`: rank 1 integers, such as tokens of an instruction.
+    - `vector`: all other numbers.
+    - `none`: `camera/*`, which says where cameras are.
+
+    Example:
+        >>> kind_of("pixels/head_depth", ArraySpec((64, 64, 1)))
+        'image'
+        >>> kind_of("goal", ArraySpec((3,)))
+        'vector'
+    """
+    rank, is_int = len(spec.shape), spec.dtype in ("int32", "int16")
+    if name.startswith("camera/"):
+        return "none"
+    if rank == 2 and name == "audio":
+        return "sound"
+    if is_int and rank in (1, 2):
+        return "words" if rank == 1 else "ids"
+    return "image" if rank in (2, 3) else "vector"
+
+
+def squash(x: Float[Array, "*n"]) -> Float[Array, "*n"]:
+    """sign(x) log(1 + |x|): metres and cosines in one range, without statistics (symlog, arXiv:2301.04104)."""
+    return jnp.sign(x) * jnp.log1p(jnp.abs(x))
+
+
+def as_image(spec: ArraySpec, x: Array) -> Float[Array, "*b h w c"]:
+    """Values of about 1 in size, channels last."""
+    if len(spec.shape) == 2:
+        x = x[..., None]
+    elif spec.shape[0] < spec.shape[-1]:  # such as spectrograms of both ears
+        x = jnp.moveaxis(x, -3, -1)
+    high = float(np.max(spec.high))
+    x = x.astype(jnp.float32)
+    return x / high if np.isfinite(high) else squash(x)
+
+
+class SoundEncoder(nn.Module):
+    """Features of both ears' waves: their loudness, and three convolutions of the waves made equally loud."""
+
+    features: int = 128
+
+    @nn.compact
+    def __call__(self, x: Float[Array, "*b ears m"]) -> Float[Array, "*b f"]:
+        """Loudness is kept apart: of its logarithm, differences between ears and steps are a hint at the way."""
+        power = jnp.sqrt(jnp.mean(x**2, axis=-1))
+        waves = jnp.swapaxes(x / (jnp.max(power, axis=-1) + QUIET)[..., None, None], -1, -2)
+        for channels, size, stride in ((16, 32, 16), (32, 8, 4), (32, 4, 2)):
+            waves = nn.relu(nn.Conv(channels, (size,), (stride,))(waves))
+        heard = [jnp.log(power + QUIET), waves.reshape(*waves.shape[:-2], -1)]
+        return nn.relu(nn.Dense(self.features)(jnp.concatenate(heard, axis=-1)))
+
+
+class WordEncoder(nn.Module):
+    """Features of a short row of words: each is looked up by place and word, then all are averaged."""
+
+    features: int = 64
+
+    @nn.compact
+    def __call__(self, words: Int[Array, "*b n"]) -> Float[Array, "*b f"]:
+        """Order counts through the table of places."""
+        places = self.param("places", nn.initializers.normal(0.02), (words.shape[-1], self.features))
+        looked_up = nn.Embed(NUM_IDS, self.features)(_row(words)) + places
+        return jnp.mean(nn.relu(nn.Dense(self.features)(looked_up)), axis=-2)
+
+
+def _row(ids: Int[Array, "*b"]) -> Int[Array, "*b"]:
+    return (ids.astype(jnp.int32) + 1) % NUM_IDS  # -1 is a miss
+
+
+class Encoder(nn.Module):
+    """One vector from all observations of an agent.
+
+    Images of one size, ids among them, are stacked and read by one `ImageEncoder`. Vectors are squashed, joined and
+    read by two layers.
+
+    Attributes:
+        specs: Name and spec of every observation of one agent.
+        features: Size of the result, and of the two layers.
+        channels: Of `ImageEncoder`.
+        dtype: Type of the convolutions of images.
+    """
+
+    specs: tuple[tuple[str, ArraySpec], ...]
+    features: int = 256
+    channels: tuple[int, ...] = (32, 64, 128)
+    dtype: Any = jnp.float32
+
+    @nn.compact
+    def __call__(self, obs: dict[str, Array]) -> Float[Array, "*b f"]:
+        """Leading axes of the observations are kept."""
+        images: dict[tuple[int, ...], list[Array]] = defaultdict(list)
+        vectors, parts = [], []
+        for name, spec in self.specs:
+            x, kind = obs[name], kind_of(name, spec)
+            if kind == "image":
+                image = as_image(spec, x)
+                images[image.shape[-3:-1]].append(image)
+            elif kind == "ids":
+                images[spec.shape].append(nn.Embed(NUM_IDS, ID_CHANNELS)(_row(x)))
+            elif kind == "sound":
+                parts.append(SoundEncoder()(x))
+            elif kind == "words":
+                parts.append(WordEncoder()(x))
+            elif kind == "vector":
+                lead = x.shape[: x.ndim - len(spec.shape)]
+                vectors.append(squash(x.astype(jnp.float32)).reshape(*lead, -1))
+        for _, stack in sorted(images.items()):
+            parts.append(ImageEncoder(self.channels, self.features, self.dtype)(jnp.concatenate(stack, axis=-1)))
+        if vectors:
+            parts.append(nn.tanh(nn.Dense(self.features)(jnp.concatenate(vectors, axis=-1))))
+        return nn.relu(nn.Dense(self.features)(jnp.concatenate(parts, axis=-1)))

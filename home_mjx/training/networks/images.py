@@ -1,0 +1,80 @@
+"""A small residual network for images.
+
+SE-ResNet9 without batch normalisation, after Shacklett et al., "Large Batch Simulation for Deep Reinforcement
+Learning", 2021 (arXiv:2103.07013): squeeze-and-excitation blocks whose residual branch is zero at first (Fixup,
+arXiv:1901.09321).
+"""
+
+from typing import Any
+
+import flax.linen as nn
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+HE = nn.initializers.he_normal()
+
+
+class SqueezeExcite(nn.Module):
+    """Scales each channel by a gate that sees the mean of all channels (arXiv:1709.01507)."""
+
+    dtype: Any = jnp.float32
+    reduction: int = 8
+
+    @nn.compact
+    def __call__(self, x: Float[Array, "*b h w c"]) -> Float[Array, "*b h w c"]:
+        """The scaled channels."""
+        channels = x.shape[-1]
+        mean = jnp.mean(x, axis=(-3, -2))
+        hidden = nn.relu(nn.Dense(max(channels // self.reduction, 4), dtype=self.dtype)(mean))
+        gate = nn.sigmoid(nn.Dense(channels, dtype=self.dtype)(hidden))
+        return x * gate[..., None, None, :]
+
+
+class ResidualBlock(nn.Module):
+    """Two 3 × 3 convolutions and a shortcut; it halves the image if `stride` is 2."""
+
+    channels: int
+    stride: int = 1
+    dtype: Any = jnp.float32
+
+    @nn.compact
+    def __call__(self, x: Float[Array, "*b h w c"]) -> Float[Array, "*b h2 w2 c2"]:
+        """The image with `channels` channels."""
+        stride = (self.stride, self.stride)
+        y = nn.Conv(self.channels, (3, 3), stride, dtype=self.dtype, kernel_init=HE)(nn.relu(x))
+        y = nn.Conv(self.channels, (3, 3), dtype=self.dtype, kernel_init=nn.initializers.zeros)(nn.relu(y))
+        if x.shape[-1] != self.channels or self.stride != 1:
+            x = nn.Conv(self.channels, (1, 1), stride, use_bias=False, dtype=self.dtype, kernel_init=HE)(x)
+        return x + SqueezeExcite(self.dtype)(y)
+
+
+class ImageEncoder(nn.Module):
+    """Features of images: a stem that divides the size by four, a residual block per entry of `channels`, one layer.
+
+    Each block but the first halves the size. Parameters are float32 whatever `dtype` computes in.
+
+    Attributes:
+        channels: Channels of each block.
+        features: Size of the result.
+        dtype: Type of the convolutions; bfloat16 is about twice as fast on GPUs.
+
+    Example:
+        >>> import jax
+        >>> encoder, images = ImageEncoder((8, 16), 32), jnp.zeros((4, 64, 64, 3))
+        >>> variables = encoder.init(jax.random.key(0), images)
+        >>> encoder.apply(variables, images).shape
+        (4, 32)
+    """
+
+    channels: tuple[int, ...] = (32, 64, 128)
+    features: int = 256
+    dtype: Any = jnp.float32
+
+    @nn.compact
+    def __call__(self, x: Float[Array, "*b h w c"]) -> Float[Array, "*b f"]:
+        """Features of each image, whose values should be about 1 in size."""
+        x = nn.Conv(self.channels[0], (8, 8), (4, 4), dtype=self.dtype, kernel_init=HE)(x.astype(self.dtype))
+        for i, channels in enumerate(self.channels):
+            x = ResidualBlock(channels, 1 if i == 0 else 2, self.dtype)(x)
+        flat = nn.relu(x).reshape(*x.shape[:-3], -1)
+        return nn.relu(nn.Dense(self.features, dtype=self.dtype)(flat)).astype(jnp.float32)

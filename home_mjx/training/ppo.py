@@ -1,0 +1,236 @@
+"""Recurrent PPO in plain JAX: one compiled update of rollout, advantages and minibatches, on any number of devices.
+
+Schulman et al., "Proximal Policy Optimization Algorithms", 2017 (arXiv:1707.06347).
+
+Example:
+    >>> env = home_mjx.make("PointNav-v0", sensors=("depth", "goal"))  # doctest: +SKIP
+    >>> ppo = PPO(env.core, PPOConfig(num_envs=1024))  # doctest: +SKIP
+    >>> state = ppo.init(env.params, jax.random.key(0))  # doctest: +SKIP
+    >>> for _ in range(ppo.config.num_updates):  # doctest: +SKIP
+    ...     state, metrics = ppo.update(env.params, state)
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import optax
+from jax.sharding import AxisType, Mesh, NamedSharding, PartitionSpec
+from jaxtyping import Array, Float, Int, UInt32
+
+from home_mjx.core.pytree import Pytree
+from home_mjx.tasks.base.keys import to_raw
+from home_mjx.tasks.base.specs import ArraySpec
+from home_mjx.tasks.base.state import EnvParams
+from home_mjx.tasks.environment.autoreset import AutoReset
+from home_mjx.tasks.environment.household import HouseholdEnv
+from home_mjx.training.config import PPOConfig
+from home_mjx.training.networks.agent import RecurrentAgent
+from home_mjx.training.rollout import Actor, Policy, Steps, advantages, rollout, to_rows
+
+AXIS = "envs"  # of the mesh: environments are dealt out to devices, all else is on each
+Loss = Callable[[Any, "Batch"], tuple[Array, dict[str, Array]]]
+
+
+class TrainState(Pytree):
+    """All that an update needs and changes; with the same houses, it gives the same next update, bit by bit."""
+
+    net: Any  # parameters
+    opt: Any  # the optimizer's state
+    actor: Actor
+    key: UInt32[Array, "2"]
+    updates: Int[Array, ""]  # done so far
+
+
+class Batch(Pytree):
+    """What is learned from: T steps of R rows."""
+
+    steps: Steps
+    memory: Float[Array, "r m"]  # before the first step
+    advantage: Float[Array, "t r"]
+    target: Float[Array, "t r"]  # of the value
+
+
+class PPO:
+    """Recurrent PPO for one kind of environment.
+
+    Several agents of an environment share one network and learn as if each were alone.
+
+    Args:
+        core: The environment's functions.
+        config: Options.
+        devices: Where to train; all of JAX's by default. Each takes an equal part of the environments.
+
+    Attributes:
+        agent: The network.
+        config: The options.
+        batch: The environments, with automatic resets.
+        update: `(params, state)` to the next state and metrics; compiled. On several devices, `params` should first be
+            put there: `jax.device_put(params, ppo.whole)`.
+        whole: The placement of what every device has.
+
+    Raises:
+        ConfigError: Numbers do not divide, or the environment's observations or actions have no network.
+    """
+
+    def __init__(
+        self, core: HouseholdEnv, config: PPOConfig | None = None, devices: Sequence[Any] | None = None
+    ) -> None:
+        self.core, self.config = core, config or PPOConfig()
+        devices = list(devices or jax.devices())
+        self.config.check_devices(len(devices), core.num_agents)
+        self.agent = agent_of(core, self.config)
+        costly = {name for sensor in core.sensors if sensor.costly for name in sensor.spec(core.config)}
+        casts_rays = bool(costly & {name for name, _ in self.agent.specs})
+        self._sees_last = self.config.final_obs == "all" or not casts_rays
+        self.batch = AutoReset(core, final_obs=self.config.final_obs if casts_rays else "cheap")
+        self.optimizer = optimizer_of(self.config)
+        self.mesh = Mesh(np.array(devices), (AXIS,), axis_types=(AxisType.Auto,))
+        whole, split = PartitionSpec(), PartitionSpec(AXIS)
+        self.whole = NamedSharding(self.mesh, whole)
+        self._places = TrainState.unchecked(net=whole, opt=whole, actor=split, key=whole, updates=whole)
+        # Without `check_vma=False` JAX asks for annotations that the environment's loops do not have.
+        self._begin = jax.jit(jax.shard_map(
+            self._begin_local, mesh=self.mesh, in_specs=(whole, split), out_specs=split, check_vma=False
+        ))  # fmt: skip
+        self.update = jax.jit(jax.shard_map(
+            self._update_local, mesh=self.mesh, in_specs=(whole, self._places),
+            out_specs=(self._places, whole), check_vma=False,
+        ))  # fmt: skip
+
+    def init(self, params: EnvParams, key: Array) -> TrainState:
+        """A fresh network, and environments at the start of an episode."""
+        net_key, env_key, own = jax.random.split(jax.random.wrap_key_data(to_raw(key)), 3)
+        net = self.agent.init_net(net_key)
+        actor = self._begin(params, jax.random.key_data(jax.random.split(env_key, self.config.num_envs)))
+        return self.place(TrainState(
+            net=net, opt=self.optimizer.init(net), actor=actor, key=to_raw(own), updates=jnp.zeros((), jnp.int32)
+        ))  # fmt: skip
+
+    def place(self, state: TrainState) -> TrainState:
+        """The state, such as one from a file, where `update` wants it."""
+        put = jax.tree.map(lambda spec: NamedSharding(self.mesh, spec), self._places)
+        return jax.device_put(state, put)
+
+    def _begin_local(self, params: EnvParams, keys: UInt32[Array, "n 2"]) -> Actor:
+        """First states of this device's environments."""
+        num, config = keys.shape[0], self.core.config
+        env_keys, time_keys, row_keys = jnp.unstack(jax.vmap(lambda key: jax.random.split(key, 3))(keys), axis=1)
+        first = jax.lax.axis_index(AXIS) * num  # each device begins with rows of its own
+        episodes = None if params.tasks is None else first + jnp.arange(num, dtype=jnp.int32)
+        env = self.batch.reset(params, env_keys, None, episodes)
+        if self.config.stagger:
+            step = jax.vmap(lambda key: jax.random.randint(key, (), 0, config.episode_length))(time_keys)
+            env = env.replace(world=env.world.replace(step=step.astype(jnp.int32)))
+        rows = jax.vmap(lambda key: jax.random.split(key, config.num_agents))(row_keys).reshape(-1, 2)
+        zero = jnp.zeros(num, jnp.float32)
+        return Actor.unchecked(
+            env=env.replace(info={}),
+            memory=self.agent.first_memory(len(rows)),
+            begins=jnp.ones(len(rows), bool),
+            keys=rows,
+            totals={"return": zero, "length": zero},
+        )
+
+    def _update_local(self, params: EnvParams, state: TrainState) -> tuple[TrainState, dict[str, Array]]:
+        """One update with this device's environments; gradients are averaged over devices."""
+        config, memory = self.config, state.actor.memory
+        policy = self.policy(state.net)
+        actor, steps, episodes = rollout(self.batch, params, state.actor, policy, config.unroll_length)
+        obs = to_rows(actor.env.obs, self.core.num_agents)
+        last = self.agent.read_one(state.net, actor.memory, obs, actor.begins)[2]
+        advantage = advantages(steps, last, config.discount, config.gae_lambda)
+        batch = Batch.unchecked(
+            steps=steps, memory=memory, advantage=advantage, target=advantage + steps.outputs["value"]
+        )
+        key, order = jax.random.split(state.key)
+        net, opt, metrics = self.fit(self.loss, state.net, state.opt, batch, order)
+        new = TrainState.unchecked(net=net, opt=opt, actor=actor, key=key, updates=state.updates + 1)
+        return new, metrics | {f"episode/{name}": jax.lax.psum(x, AXIS) for name, x in episodes.items()}
+
+    def policy(self, net: Any, greedy: bool = False) -> Policy:
+        """The network as a policy; greedy: it does what is likeliest."""
+        choose = self.agent.distribution
+
+        def act(memory: Array, obs: dict[str, Array], begins: Array, keys: Array) -> tuple[Array, Array, dict]:
+            memory, params, value = self.agent.read_one(net, memory, obs, begins)
+            action = choose.mode(params) if greedy else jax.vmap(choose.sample)(params, keys)
+            return memory, action, {"log_prob": choose.log_prob(params, action), "value": value}
+
+        def value(memory: Array, last: dict[str, Array], outputs: dict[str, Array]) -> Array:
+            if not self._sees_last:
+                return outputs["value"]
+            return self.agent.read_one(net, memory, last, jnp.zeros(memory.shape[0], bool))[2]
+
+        return Policy(act, value, choose.clip, self.agent.first_memory)
+
+    def loss(self, net: Any, batch: Batch) -> tuple[Array, dict[str, Array]]:
+        """PPO's clipped loss, the value's error and the entropy bonus; the whole sequence is run again."""
+        config, steps = self.config, batch.steps
+        _, params, value = self.agent.read(net, batch.memory, steps.obs, steps.begins)
+        change = self.agent.distribution.log_prob(params, steps.action) - steps.outputs["log_prob"]
+        ratio, clipped = jnp.exp(change), jnp.clip(jnp.exp(change), 1 - config.clip_range, 1 + config.clip_range)
+        mean = jax.lax.pmean(jnp.mean(batch.advantage), AXIS)
+        spread = jnp.sqrt(jax.lax.pmean(jnp.mean((batch.advantage - mean) ** 2), AXIS))
+        weight = (batch.advantage - mean) / (spread + 1e-8)
+        policy_loss = -jnp.mean(jnp.minimum(ratio * weight, clipped * weight))
+        value_loss = 0.5 * jnp.mean((value - batch.target) ** 2)
+        entropy = jnp.mean(self.agent.distribution.entropy(params))
+        parts = {
+            "policy": policy_loss,
+            "value": value_loss,
+            "entropy": entropy,
+            "kl": jnp.mean(ratio - 1 - change),  # to the policy that acted; http://joschu.net/blog/kl-approx.html
+            "clipped": jnp.mean((jnp.abs(ratio - 1) > config.clip_range).astype(jnp.float32)),
+        }
+        return policy_loss + config.value_cost * value_loss - config.entropy_cost * entropy, parts
+
+    def fit(self, loss: Loss, net: Any, opt: Any, batch: Batch, key: Array) -> tuple[Any, Any, dict[str, Array]]:
+        """Descends a loss over minibatches of whole rows; call it where the mesh's axis is known.
+
+        Returns:
+            Parameters, the optimizer's state, and the means of the loss's parts and of the gradients' norm.
+        """
+        num_rows = batch.memory.shape[0]
+
+        def descend(carry: tuple[Any, Any], rows: Array) -> tuple[tuple[Any, Any], dict[str, Array]]:
+            net, opt = carry
+            part = Batch.unchecked(
+                memory=batch.memory[rows],
+                **{name: jax.tree.map(lambda x: x[:, rows], getattr(batch, name)) for name in TIMED},
+            )
+            grads, parts = jax.lax.pmean(jax.grad(loss, has_aux=True)(net, part), AXIS)
+            change, opt = self.optimizer.update(grads, opt, net)
+            parts = {f"loss/{name}": x for name, x in parts.items()} | {"grad_norm": optax.tree.norm(grads)}
+            return (optax.apply_updates(net, change), opt), parts
+
+        orders = jax.vmap(lambda k: jax.random.permutation(k, num_rows))(jax.random.split(key, self.config.num_epochs))
+        (net, opt), parts = jax.lax.scan(
+            descend, (net, opt), orders.reshape(-1, num_rows // self.config.num_minibatches)
+        )
+        return net, opt, jax.tree.map(jnp.mean, parts)
+
+
+TIMED = ("steps", "advantage", "target")  # fields of `Batch` with a leading axis of time
+
+
+def agent_of(core: HouseholdEnv, config: PPOConfig) -> RecurrentAgent:
+    """The network for an environment, one agent at a time."""
+
+    def alone(spec: ArraySpec) -> ArraySpec:
+        shape = spec.shape if core.num_agents == 1 else spec.shape[1:]
+        return ArraySpec(shape, spec.dtype, spec.low, spec.high, spec.text)
+
+    specs = {name: alone(spec) for name, spec in core.observation_spec.items()}
+    return RecurrentAgent.of(specs, alone(core.action_spec), config.network)
+
+
+def optimizer_of(config: PPOConfig) -> optax.GradientTransformation:
+    """The optimizer, with its falling learning rate and clipped gradients."""
+    num = config.num_updates * config.num_epochs * config.num_minibatches
+    rate = optax.linear_schedule(config.learning_rate, config.learning_rate * config.final_rate, num)
+    kind = {"adam": lambda: optax.adamw(rate, eps=1e-5, weight_decay=config.weight_decay),
+            "lamb": lambda: optax.lamb(rate, weight_decay=config.weight_decay)}  # fmt: skip
+    return optax.chain(optax.clip_by_global_norm(config.max_grad_norm), kind[config.optimizer]())

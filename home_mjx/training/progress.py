@@ -1,0 +1,57 @@
+"""How a run is going: time, means of metrics, and a progress bar."""
+
+import time
+from typing import Any
+
+from tqdm import tqdm
+
+
+class Clock:
+    """Time of a run, without that of programs being compiled."""
+
+    def __init__(self, last: dict[str, Any]) -> None:
+        self.begun = time.perf_counter()
+        self.seconds, self.compile_seconds = (float(last.get(name, 0.0)) for name in ("seconds", "compile_seconds"))
+
+    def start(self, steps: int) -> None:
+        """Compiling has ended."""
+        self.steps, self.time = steps, time.perf_counter()
+        self.compile_seconds += self.time - self.begun
+
+    def lap(self, steps: int) -> dict[str, float]:
+        """Times since the first step of the run, and the rate since the last lap."""
+        now = time.perf_counter()
+        rate = (steps - self.steps) / (now - self.time)
+        self.seconds, self.steps, self.time = self.seconds + now - self.time, steps, now
+        return {"seconds": self.seconds, "compile_seconds": self.compile_seconds, "steps_per_second": rate}
+
+
+class Sums:
+    """Metrics of several updates; those of episodes are averaged over the episodes that ended."""
+
+    def __init__(self) -> None:
+        self.count, self.sums = 0, {}
+
+    def add(self, metrics: dict[str, Any]) -> None:
+        """Adds those of an update, and waits for it."""
+        self.count += 1
+        self.sums = {name: self.sums.get(name, 0.0) + float(x) for name, x in metrics.items()}
+
+    def means(self) -> dict[str, float]:
+        """The means, nothing of episodes if none ended; begins anew."""
+        episodes, found = self.sums["episode/episodes"], {}
+        for name, x in self.sums.items():
+            if not name.startswith("episode/"):
+                found[name] = x / self.count
+            elif name == "episode/episodes":
+                found["episodes"] = x
+            elif episodes:
+                found[name.removeprefix("episode/")] = x / episodes
+        self.count, self.sums = 0, {}
+        return found
+
+
+def progress_bar(done: int, total: int, progress: bool | None) -> tqdm:
+    """A progress bar of environment steps; None: in a terminal."""
+    hidden = None if progress is None else not progress
+    return tqdm(total=total, initial=done, unit=" steps", unit_scale=True, disable=hidden)

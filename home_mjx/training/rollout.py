@@ -1,0 +1,147 @@
+"""Steps of a batch of environments under a policy, and what they were worth."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, UInt32
+
+from home_mjx.core.pytree import Pytree
+from home_mjx.tasks.base.state import EnvParams, State
+from home_mjx.tasks.environment.autoreset import AutoReset
+
+# R rows are the agents of all environments, one environment after the other; N environments.
+
+
+class Actor(Pytree):
+    """What acting carries from step to step."""
+
+    env: Any  # `State` of N environments, without `info`
+    memory: Any  # of the policy, R rows
+    begins: Bool[Array, " r"]  # the observation in `env` is an episode's first
+    keys: UInt32[Array, "r 2"]  # of each row, so that actions do not depend on how rows are dealt out to devices
+    totals: dict[str, Float[Array, " n"]]  # `return` and `length` of the running episodes
+
+
+class Steps(Pytree):
+    """T steps of R rows."""
+
+    obs: dict[str, Array]  # (T, R, ...)
+    begins: Bool[Array, "t r"]
+    action: Array  # (T, R, ...), before it is clipped
+    outputs: Any  # what the policy gave besides, such as `log_prob` and `value`
+    reward: Float[Array, "t r"]
+    done: Bool[Array, "t r"]
+    cut: Float[Array, "t r"]  # value of what would have come after a step at which time ran out; else 0
+
+
+class Policy(NamedTuple):
+    """How to act: PPO's network, an expert, or noise.
+
+    Attributes:
+        act: `(memory, obs, begins, keys)` to memory, actions, and what else is to be kept; R rows each.
+        value: `(memory, obs, outputs)` to the values (R,) of observations after a step whose episode ran out of time;
+            None: they are worth nothing.
+        clip: Actions as the environment takes them.
+        memory: What so many rows remember before their first step.
+    """
+
+    act: Callable[[Any, dict[str, Array], Array, Array], tuple[Any, Array, dict[str, Array]]]
+    value: Callable[[Any, dict[str, Array], dict[str, Array]], Array] | None = None
+    clip: Callable[[Array], Array] = lambda action: action
+    memory: Callable[[int], Any] = lambda num_rows: ()
+
+
+def to_rows(tree: Any, num_agents: int) -> Any:
+    """(N, A, ...) to (N A, ...); one agent has no axis of its own."""
+    return tree if num_agents == 1 else jax.tree.map(lambda x: x.reshape(-1, *x.shape[2:]), tree)
+
+
+def to_envs(tree: Any, num_agents: int) -> Any:
+    """(N A, ...) to (N, A, ...)."""
+    return tree if num_agents == 1 else jax.tree.map(lambda x: x.reshape(-1, num_agents, *x.shape[1:]), tree)
+
+
+def split_keys(keys: UInt32[Array, "r 2"]) -> tuple[UInt32[Array, "r 2"], UInt32[Array, "r 2"]]:
+    """Keys for next time, and keys for now."""
+    pairs = jax.vmap(lambda key: jax.random.split(key, 2))(keys)
+    return pairs[:, 0], pairs[:, 1]
+
+
+def rollout(
+    batch: AutoReset, params: EnvParams, actor: Actor, policy: Policy, num_steps: int
+) -> tuple[Actor, Steps, dict[str, Float[Array, ""]]]:
+    """Takes `num_steps` steps.
+
+    Returns:
+        What acting carries on, the steps, and sums over the episodes that ended: `episodes`, `return`, `length`, and
+        the task's metrics at the end.
+    """
+    agents = batch.core.num_agents
+
+    def step(actor: Actor, _: None) -> tuple[Actor, tuple[Steps, dict[str, Array]]]:
+        obs, (keys, now) = to_rows(actor.env.obs, agents), split_keys(actor.keys)
+        memory, action, outputs = policy.act(actor.memory, obs, actor.begins, now)
+        env = batch.step(params, actor.env, to_envs(policy.clip(action), agents))
+        totals, ended = _count(actor.totals, env)
+        done, late = (jnp.repeat(x, agents) for x in (env.done, env.truncated))
+        last = to_rows(env.info.get("final_obs", {}), agents)
+        taken = Steps.unchecked(
+            obs=obs,
+            begins=actor.begins,
+            action=action,
+            outputs=outputs,
+            reward=to_rows(env.reward, agents),
+            done=done,
+            cut=_cut_off(policy, memory, last, outputs, late),
+        )
+        return Actor.unchecked(env=env.replace(info={}), memory=memory, begins=done, keys=keys, totals=totals), (
+            taken,
+            ended,
+        )
+
+    actor, (steps, ended) = jax.lax.scan(step, actor, length=num_steps)
+    return actor, steps, jax.tree.map(lambda x: jnp.sum(x, axis=0), ended)
+
+
+def _cut_off(policy: Policy, memory: Any, last: dict[str, Array], outputs: dict[str, Array], late: Array) -> Array:
+    """Values of the observations after steps at which time ran out."""
+    nothing, value = jnp.zeros(late.shape, jnp.float32), policy.value
+    if value is None:
+        return nothing
+    values = jax.lax.cond(jnp.any(late), lambda: value(memory, last, outputs), lambda: nothing)
+    return jnp.where(late, values, nothing)
+
+
+def _count(totals: dict[str, Array], env: State) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Running totals after a step, and sums over the episodes that it ended; agents of an environment are averaged."""
+    reward = jnp.mean(env.reward.reshape(env.done.shape[0], -1), axis=-1)
+    now = {"return": totals["return"] + reward, "length": totals["length"] + 1}
+    ended = {"episodes": jnp.ones_like(reward), **now, **env.metrics}
+    sums = {name: jnp.sum(jnp.where(env.done, x, 0.0)) for name, x in ended.items()}
+    return {name: jnp.where(env.done, 0.0, x) for name, x in now.items()}, sums
+
+
+def advantages(steps: Steps, last_value: Float[Array, " r"], discount: float, gae_lambda: float) -> Float[Array, "t r"]:
+    """Generalised advantage estimation, Schulman et al., 2016 (arXiv:1506.02438).
+
+    A step at which time ran out is worth what would have come after it, too (`Steps.cut`); a step at which the task
+    ended the episode is worth its reward alone (Pardo et al., "Time Limits in Reinforcement Learning", 2018,
+    arXiv:1712.00378).
+
+    Args:
+        steps: The steps; `outputs` hold `value`.
+        last_value: Of the observations after the last step.
+        discount: γ.
+        gae_lambda: λ.
+    """
+    value, goes_on = steps.outputs["value"], 1.0 - steps.done.astype(jnp.float32)
+    following = jnp.concatenate([value[1:], last_value[None]])
+    error = steps.reward + discount * (following * goes_on + steps.cut) - value
+
+    def back(later: Array, now: tuple[Array, Array]) -> tuple[Array, Array]:
+        advantage = now[0] + discount * gae_lambda * now[1] * later
+        return advantage, advantage
+
+    return jax.lax.scan(back, jnp.zeros_like(last_value), (error, goes_on), reverse=True)[1]

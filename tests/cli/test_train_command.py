@@ -1,0 +1,126 @@
+"""`home-mjx train` and `evaluate`: files, refusals, and going on after a kill."""
+
+import argparse
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("tensorboardX", reason="needs the extra `train`")
+
+from processes import wait_for
+
+from home_mjx.cli import main
+from home_mjx.cli.learning.train import add_arguments, assignments, newest, run_config
+from home_mjx.datasets import generate_dataset
+from home_mjx.datasets.splits import split_of
+from home_mjx.training.checkpoint import read_config
+
+NETWORK = ["--ppo", "network.features=16", "--ppo", "network.memory=16"]
+
+
+@pytest.fixture(scope="module")
+def houses(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A dataset with houses of both parts."""
+    root = tmp_path_factory.mktemp("houses")
+    ids = generate_dataset(root, range(12))
+    assert {split_of(house) for house in ids} >= {"train", "val"}
+    return root
+
+
+def command(houses: Path, out: Path, *more: str) -> list[str]:
+    return [
+        "train", "PointNav", "--dataset", str(houses), "--houses", "2", "--num-envs", "8", "--steps", "2560",
+        "--episodes", "8", "--env", "episode_length=8", "--ppo", "unroll_length=8", *NETWORK, "--out", str(out), *more,
+    ]  # fmt: skip
+
+
+def arrays(out: Path) -> dict[str, np.ndarray]:
+    with np.load(out / "checkpoint.npz") as file:
+        return {name: file[name] for name in file.files}
+
+
+def test_options_are_numbers_or_text():
+    given = ["width=32", "actions=discrete", "stop=true", "sizes=[1, 2]", "name=a=b"]
+    wanted = {"width": 32, "actions": "discrete", "stop": True, "sizes": [1, 2], "name": "a=b"}
+    assert assignments(given) == wanted
+    assert newest("PointNav") == "PointNav-v0"
+
+
+def test_mistakes_are_refused_before_any_house_is_made(tmp_path: Path, capsys: pytest.CaptureFixture):
+    for args, words in (
+        (["train", "PointNaw"], "Did you mean `PointNav-v0`?"),
+        (["train", "PointNav", "--ppo", "num_env=3"], "Did you mean `num_envs`?"),
+        (["train", "PointNav", "--ppo", "discount=2"], "`discount` must be"),
+        (["evaluate", str(tmp_path)], "there is no checkpoint"),
+    ):
+        assert main([*args, *(["--out", str(tmp_path / "out")] if args[0] == "train" else [])]) == 2
+        assert words in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_a_killed_run_goes_on_as_if_it_had_not_been(houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture):
+    whole, killed = tmp_path / "whole", tmp_path / "killed"
+    assert main(command(houses, whole)) == 0
+    table = capsys.readouterr().out
+    assert [word for word in ("trained", "random", "8 episodes") if word not in table] == []
+    report = json.loads((whole / "evaluation.json").read_text())
+    assert report["split"] == "val"
+    assert {"success", "spl", "soft_spl", "return", "length"} <= set(report["trained"])
+    assert read_config(whole / "checkpoint.npz").env.split == "train"
+    assert {path.name for path in whole.iterdir()} == {
+        "checkpoint.npz", "curves.png", "evaluation.json", "metrics.jsonl", "tensorboard",
+    }  # fmt: skip
+
+    program = [sys.executable, "-m", "home_mjx.cli", *command(houses, killed)]
+    process = subprocess.Popen(program, stderr=subprocess.DEVNULL)
+    wait_for((killed / "checkpoint.npz").exists, 300)
+    os.kill(process.pid, signal.SIGKILL)
+    process.wait()
+    assert int(arrays(killed)[".updates"]) <= 40
+    assert main(command(houses, killed)) == 2
+    assert "--resume" in capsys.readouterr().err
+    assert main([*command(houses, killed, "--resume", "--seed", "1")]) == 2
+    assert "`seed` is 0 there, 1 here" in capsys.readouterr().err
+    assert main(command(houses, killed, "--resume")) == 0
+
+    one, other = arrays(whole), arrays(killed)
+    assert one.keys() == other.keys()
+    assert [name for name in one if not np.array_equal(one[name], other[name])] == []
+    lines = [[json.loads(text) for text in (out / "metrics.jsonl").read_text().splitlines()] for out in (whole, killed)]
+    timed = ("seconds", "compile_seconds", "steps_per_second")
+    plain = [[{k: v for k, v in line.items() if k not in timed} for line in file] for file in lines]
+    assert plain[0] == plain[1]
+    assert [line["steps"] for line in lines[0]] == list(range(64, 2561, 64))
+    seconds = [line["seconds"] for line in lines[1]]
+    assert seconds == sorted(seconds)
+
+
+@pytest.mark.slow
+def test_evaluate_plays_what_was_trained(houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture):
+    out = tmp_path / "run"
+    assert main(command(houses, out)) == 0
+    capsys.readouterr()
+    reports = []
+    for options in (["--greedy"], ["--greedy"], []):
+        assert main(["evaluate", str(out), "--episodes", "8", "--houses", "1", "--json", *options]) == 0
+        reports.append(json.loads(capsys.readouterr().out))
+    assert reports[0]["trained"] == reports[1]["trained"] != reports[2]["trained"]
+    assert reports[0]["random"] == reports[2]["random"]
+    assert reports[0]["houses"] == 1
+    assert [report["actions"] for report in reports] == ["greedy", "greedy", "sampled"]
+
+
+def test_a_run_has_all_options():
+    houses, parser = Path("houses"), argparse.ArgumentParser()
+    add_arguments(parser)
+    config = run_config(parser.parse_args(command(houses, Path("out"), "--seed", "5")[1:]))
+    assert config.env.houses == str(houses)
+    assert (config.env.num_houses, config.env.split, config.seed) == (2, "train", 5)
+    assert config.env.options == {"sensors": ("state", "goal"), "episode_length": 8}
+    assert (config.ppo.num_envs, config.ppo.num_timesteps, config.ppo.network.memory) == (8, 2560, 16)

@@ -1,0 +1,147 @@
+"""Networks: distributions against SciPy, forgetting at episodes' begins, every observation read."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from scipy import stats
+
+pytest.importorskip("flax", reason="needs the extra `train`")
+
+from home_mjx.errors import ConfigError
+from home_mjx.tasks.base.specs import ArraySpec
+from home_mjx.training.networks import Categorical, Gaussian, NetworkConfig, RecurrentAgent, distribution_of
+from home_mjx.training.networks.encoders import kind_of, squash
+
+SPECS = {
+    "pixels/head_rgb": ArraySpec((16, 16, 3), "uint8", 0, 255),
+    "pixels/head_depth": ArraySpec((16, 16, 1), "float32", 0.0, 10.0),
+    "ids/head_fine": ArraySpec((16, 16), "int32", -1, 2**31 - 1),
+    "local_map": ArraySpec((8, 8), "uint8", 0, 1),
+    "log_mel": ArraySpec((2, 8, 8), "float32"),
+    "audio": ArraySpec((2, 160), "float32", -1e6, 1e6),
+    "goal": ArraySpec((3,), "float32", (0.0, -1.0, -1.0), (1000.0, 1.0, 1.0)),
+    "instruction": ArraySpec((6,), "int32", 0, 32767),
+}
+SMALL = NetworkConfig(features=16, memory=8, channels=(4, 8))
+MOVES = ArraySpec((), "int32", 0, 3)
+DRIVE = ArraySpec((2,), "float32", -1.0, 1.0)
+
+
+def observations(rng: np.random.Generator, steps: int, rows: int, specs: dict[str, ArraySpec] = SPECS) -> dict:
+    def draw(spec: ArraySpec) -> jax.Array:
+        shape = (steps, rows, *spec.shape)
+        if spec.dtype == "float32":
+            return jnp.asarray(rng.uniform(0, 1, shape), jnp.float32)
+        return jnp.asarray(rng.integers(0, np.max(spec.high), shape, endpoint=True), spec.dtype)
+
+    return {name: draw(spec) for name, spec in specs.items()}
+
+
+def test_kinds_of_observations():
+    kinds = [kind_of(name, spec) for name, spec in SPECS.items()]
+    assert kinds == ["image", "image", "ids", "image", "image", "sound", "vector", "words"]
+    assert kind_of("camera/head_pose", ArraySpec((4, 4))) == "none"
+    assert kind_of("previous_reward", ArraySpec(())) == "vector"
+
+
+def test_squash_is_odd_and_grows_with_the_logarithm():
+    x = jnp.array([-100.0, -1.0, 0.0, 1.0, 100.0])
+    np.testing.assert_allclose(squash(x), np.sign(x) * np.log1p(np.abs(x)), rtol=1e-6)
+
+
+def test_gaussian_is_scipys(rng: np.random.Generator):
+    gaussian = distribution_of(DRIVE)
+    assert isinstance(gaussian, Gaussian)
+    mean, log_scale, action = rng.normal(size=(3, 5, 2)).astype(np.float32) * 0.3
+    params = jnp.concatenate([mean, log_scale], axis=-1)
+    normal = stats.norm(mean, np.exp(log_scale))
+    np.testing.assert_allclose(gaussian.log_prob(params, jnp.asarray(action)), normal.logpdf(action).sum(-1), rtol=1e-5)
+    np.testing.assert_allclose(gaussian.entropy(params), normal.entropy().sum(-1), rtol=1e-5)
+    drawn = jax.vmap(lambda key: gaussian.sample(params[0], key))(jax.random.split(jax.random.key(0), 4000))
+    first = stats.norm(mean[0, 0], np.exp(log_scale[0, 0]))
+    assert stats.kstest(np.asarray(drawn[:, 0]), first.cdf).pvalue > 0.01
+    assert jnp.array_equal(gaussian.clip(jnp.array([3.0, -0.5])), jnp.array([1.0, -0.5]))
+
+
+def test_categorical_is_scipys(rng: np.random.Generator):
+    both = distribution_of(ArraySpec((2,), "int32", 0, (3, 1)))
+    assert both == Categorical((4, 2))
+    logits = rng.normal(size=(5, 6)).astype(np.float32)
+    first, second = (np.exp(x) / np.exp(x).sum(-1, keepdims=True) for x in (logits[:, :4], logits[:, 4:]))
+    action = np.array([[0, 1], [3, 0], [1, 1], [2, 0], [2, 1]])
+    rows = np.arange(5)
+    wanted = np.log(first[rows, action[:, 0]] * second[rows, action[:, 1]])
+    np.testing.assert_allclose(both.log_prob(jnp.asarray(logits), jnp.asarray(action)), wanted, rtol=1e-5)
+    entropy = [stats.entropy(a) + stats.entropy(b) for a, b in zip(first, second, strict=True)]
+    np.testing.assert_allclose(both.entropy(jnp.asarray(logits)), entropy, rtol=1e-5)
+    assert np.array_equal(both.mode(jnp.asarray(logits)), np.stack([first.argmax(-1), second.argmax(-1)], -1))
+    drawn = jax.vmap(lambda key: both.sample(jnp.asarray(logits[0]), key))(jax.random.split(jax.random.key(0), 4000))
+    counts = np.bincount(np.asarray(drawn[:, 0]) * 2 + np.asarray(drawn[:, 1]), minlength=8)
+    wanted = np.outer(first[0], second[0]).ravel().astype(np.float64)
+    assert stats.chisquare(counts, counts.sum() * wanted / wanted.sum()).pvalue > 0.01
+
+
+def test_single_choice_has_no_axis():
+    single = distribution_of(MOVES)
+    logits = jnp.array([[0.0, 5.0, 0.0, 0.0]])
+    assert single.mode(logits).shape == (1,)
+    assert single.log_prob(logits, jnp.array([1])).shape == (1,)
+
+
+def test_unknown_actions_are_refused():
+    with pytest.raises(ConfigError, match="no distribution"):
+        distribution_of(ArraySpec((2, 2), "float32", -1.0, 1.0))
+    with pytest.raises(ConfigError, match="observe nothing"):
+        RecurrentAgent.of({"camera/head_pose": ArraySpec((4, 4))}, MOVES)
+
+
+@pytest.mark.parametrize("action", [MOVES, DRIVE], ids=["discrete", "continuous"])
+def test_memory_is_forgotten_exactly_where_episodes_begin(rng: np.random.Generator, action: ArraySpec):
+    """Five steps at once are the same as one at a time, and an episode that begins is one that nothing went before."""
+    specs = {"goal": SPECS["goal"]}
+    agent = RecurrentAgent.of(specs, action, SMALL)
+    net, obs = agent.init_net(jax.random.key(1)), observations(rng, 5, 3, specs)
+    begins = jnp.zeros((5, 3), bool).at[2, 1].set(True)
+    memory = jnp.asarray(rng.normal(size=(3, 8)), jnp.float32)
+    last, params, value = agent.read(net, memory, obs, begins)
+    one_by_one = memory
+    read_one = jax.jit(agent.read_one)
+    for t in range(5):
+        one_by_one, p, v = read_one(net, one_by_one, {"goal": obs["goal"][t]}, begins[t])
+        np.testing.assert_allclose(p, params[t], atol=1e-6)
+        np.testing.assert_allclose(v, value[t], atol=1e-6)
+    np.testing.assert_allclose(one_by_one, last, atol=1e-6)
+    fresh = agent.read(net, jnp.zeros((3, 8)), {"goal": obs["goal"][2:]}, jnp.zeros((3, 3), bool))[2]
+    np.testing.assert_allclose(fresh[:, 1], value[2:, 1], atol=1e-6)
+    assert np.all(np.abs(fresh[:, [0, 2]] - value[2:, [0, 2]]) > 1e-4)
+
+
+def test_every_observation_is_read(rng: np.random.Generator):
+    agent = RecurrentAgent.of(SPECS, DRIVE, SMALL)
+    net, obs = agent.init_net(jax.random.key(0)), observations(rng, 1, 2)
+    begins, memory, read = jnp.ones((1, 2), bool), agent.first_memory(2), jax.jit(agent.read)
+    value = read(net, memory, obs, begins)[2]
+    for name, x in obs.items():
+        other = observations(np.random.default_rng(1), 1, 2)[name].at[0, 1].set(x[0, 1])
+        changed = read(net, memory, obs | {name: other}, begins)[2]
+        assert abs(changed - value)[0, 0] > 1e-5, name
+        assert changed[0, 1] == value[0, 1], name
+
+
+def test_bfloat16_is_only_inside(rng: np.random.Generator):
+    specs = {"pixels/head_depth": SPECS["pixels/head_depth"]}
+    exact = RecurrentAgent.of(specs, DRIVE, SMALL)
+    half = RecurrentAgent.of(specs, DRIVE, NetworkConfig(features=16, memory=8, channels=(4, 8), dtype="bfloat16"))
+    net, obs = half.init_net(jax.random.key(0)), observations(rng, 1, 4, specs)
+    assert {x.dtype for x in jax.tree.leaves(net)} == {jnp.dtype("float32")}
+    begins = jnp.ones((1, 4), bool)
+    a, b = (jax.jit(agent.read)(net, agent.first_memory(4), obs, begins)[2] for agent in (exact, half))
+    assert b.dtype == jnp.float32
+    assert 0 < jnp.max(jnp.abs(a - b)) < 0.02 * jnp.max(jnp.abs(a))
+
+
+@pytest.mark.parametrize("option", [{"features": 0}, {"channels": ()}, {"channels": (0,)}, {"dtype": "float64"}])
+def test_unusable_sizes_are_refused(option: dict):
+    with pytest.raises(ConfigError, match=next(iter(option))):
+        NetworkConfig(**option)
