@@ -145,11 +145,12 @@ def test_it_reaches_brax(bank):
     assert env.observation_size == {"state": (12,)}
 
 
-def test_every_environment_keeps_one_tree(bank):
+def test_every_environment_keeps_one_tree(generated_bank):
     """Shapes, dtypes and structure are the same out of every function, for every id that there is."""
     for env_id in home_mjx.list_envs():
-        env = home_mjx.make(env_id, bank, sensors=None, width=8, height=8, num_rays=8, num_bounces=2)
-        key, action = jax.ShapeDtypeStruct((2,), jnp.uint32), jax.ShapeDtypeStruct((4,), jnp.float32)
+        env = home_mjx.make(env_id, generated_bank, sensors=None, width=8, height=8, num_rays=8, num_bounces=2)
+        key, spec = jax.ShapeDtypeStruct((2,), jnp.uint32), env.action_spec
+        action = jax.ShapeDtypeStruct(spec.shape, spec.dtype)
         begun = jax.eval_shape(env.core.begin, env.params, key)
         trees = [begun, jax.eval_shape(env.reset, key), jax.eval_shape(env.step, begun, action)]
         trees += [jax.eval_shape(env.core.advance, env.params, begun, action), jax.eval_shape(env.observe, begun)]
