@@ -14,7 +14,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from home_mjx.adapters.base.agents import by_agent, joined, joined_spec, of_agents, one_agent, vector_names
+from home_mjx.adapters.base.agents import by_agent, joined, joined_spec, of_agents, vector_names
 from home_mjx.adapters.base.single import carried, single
 from home_mjx.errors import ConfigError, install_hint
 from home_mjx.tasks.base.keys import to_raw
@@ -57,7 +57,7 @@ class JaxMarlEnv(MultiAgentEnv):
     def __init__(self, env: BoundEnv[HouseholdEnv], vector: bool = True, final_obs: bool = False) -> None:
         super().__init__(env.num_agents)
         self.env, self.final_obs = env, final_obs
-        specs = {name: one_agent(spec, env.num_agents) for name, spec in env.observation_spec.items()}
+        specs = {name: spec.of_one(env.num_agents) for name, spec in env.observation_spec.items()}
         self._vectors = vector_names(specs) if vector else None
         seen = _box(joined_spec(specs)) if vector else Dict({name: _box(spec) for name, spec in specs.items()})
         self.observation_spaces = dict.fromkeys(self.agents, seen)
@@ -139,4 +139,4 @@ def _box(spec: ArraySpec) -> Space:
 def _action_space(env: BoundEnv[HouseholdEnv]) -> Space:
     if env.config.discrete is not None:
         return Discrete(env.action_size)
-    return _box(one_agent(env.action_spec, env.num_agents))
+    return _box(env.action_spec.of_one(env.num_agents))

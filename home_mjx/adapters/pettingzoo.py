@@ -15,7 +15,7 @@ import numpy as np
 from gymnasium.utils import EzPickle
 
 from home_mjx.adapters import gymnasium_tools as tools
-from home_mjx.adapters.base.agents import agent_names, by_agent, of_agents, one_agent
+from home_mjx.adapters.base.agents import agent_names, by_agent, of_agents
 from home_mjx.adapters.gymnasium import GymEnv
 from home_mjx.adapters.spaces import agent_space, box
 from home_mjx.errors import ConfigError, install_hint
@@ -58,7 +58,7 @@ class PettingZooEnv(ParallelEnv, EzPickle):
         self.metadata = {**type(self).metadata, "name": env_id, "render_fps": self.gym.metadata["render_fps"]}
         env = self.gym.env
         self.possible_agents, self.agents = agent_names(env.num_agents), []
-        specs = {name: one_agent(spec, env.num_agents) for name, spec in env.observation_spec.items()}
+        specs = {name: spec.of_one(env.num_agents) for name, spec in env.observation_spec.items()}
         # Spaces of their own, so that each can be seeded.
         self.observation_spaces = {
             agent: gymnasium.spaces.Dict({name: box(spec) for name, spec in specs.items()})

@@ -3,7 +3,6 @@
 import gymnasium
 import numpy as np
 
-from home_mjx.adapters.base.agents import one_agent
 from home_mjx.tasks.base.specs import ArraySpec
 from home_mjx.tasks.environment.bound import BoundEnv
 
@@ -26,7 +25,7 @@ def agent_space(env: BoundEnv) -> gymnasium.Space:
     """The actions of one agent: a box, or discrete ones."""
     if env.config.discrete is not None:
         return gymnasium.spaces.Discrete(env.action_size)
-    return box(one_agent(env.action_spec, env.num_agents))
+    return box(env.action_spec.of_one(env.num_agents))
 
 
 def box(spec: ArraySpec) -> gymnasium.spaces.Box:

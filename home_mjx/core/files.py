@@ -1,16 +1,19 @@
 """Bounded reading of files below a dataset root, and writing of files whole or not at all."""
 
+import json
 import os
 import shutil
 import stat
 import tempfile
 import uuid
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO
+from typing import IO, Any, TypeVar
 
 from home_mjx.errors import DatasetError, MissingFileError
+
+Row = TypeVar("Row")
 
 # The largest SUNCG file is a few MB and has 130,000 lines; anything larger is a mistake or an attack.
 MAX_BYTES = 1 << 25
@@ -35,6 +38,29 @@ def read_text(path: Path, hint: str | None = None, most: int | None = None) -> s
         message = f"file has {text.count(chr(10))} lines, at most {MAX_LINES} are read"
         raise DatasetError(message, file=path, hint="Fetch or write it again.")
     return text
+
+
+def read_json_lines(path: Path, what: str, parse: Callable[[Any], Row], most: int | None = None) -> Iterator[Row]:
+    """What is made of each line of a file of JSON lines.
+
+    Args:
+        path: The file.
+        what: What a line holds, for messages.
+        parse: From a line's JSON to what is wanted.
+        most: Largest accepted size [bytes]; `MAX_BYTES` by default.
+
+    Raises:
+        MissingFileError: The file is missing.
+        DatasetError: It cannot be read, or a line is broken; says which.
+    """
+    for number, line in enumerate(read_text(path, most=most).splitlines(), 1):
+        try:
+            yield parse(json.loads(line))
+        except DatasetError as error:
+            raise type(error)(error.message, file=path, element=f"line {number}", hint=error.hint) from None
+        except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+            reason = f"`{error.args[0]}` is missing" if type(error) is KeyError else str(error)
+            raise DatasetError(f"no {what}: {reason}", file=path, element=f"line {number}") from None
 
 
 def read_bytes(path: Path, hint: str | None = None, most: int | None = None) -> bytes:

@@ -81,14 +81,13 @@ def with_episodes(env: BoundEnv[HouseholdEnv], num: int, seed: int = 0) -> Bound
 
 def random_policy(core: HouseholdEnv) -> Callable[[Any], Policy]:
     """Actions drawn evenly: numbers within the limits, or any of the choices."""
-    spec = core.action_spec
-    shape = spec.shape if core.num_agents == 1 else spec.shape[1:]
-    low, high = (bound.reshape(-1, *shape)[0] for bound in spec.bounds())
+    spec = core.action_spec.of_one(core.num_agents)
+    low, high = spec.bounds()
 
     def draw(key: Array) -> Array:
         if spec.dtype == "int32":
-            return jax.random.randint(key, shape, low, high + 1)
-        return jax.random.uniform(key, shape, minval=low, maxval=high)
+            return jax.random.randint(key, spec.shape, low, high + 1)
+        return jax.random.uniform(key, spec.shape, minval=low, maxval=high)
 
     def act(memory: Any, obs: dict[str, Array], begins: Array, keys: Array) -> tuple[Any, Array, dict]:
         return memory, jax.vmap(draw)(keys), {}

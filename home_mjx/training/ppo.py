@@ -22,7 +22,6 @@ from jaxtyping import Array, Float, Int, UInt32
 
 from home_mjx.core.pytree import Pytree
 from home_mjx.tasks.base.keys import to_raw
-from home_mjx.tasks.base.specs import ArraySpec
 from home_mjx.tasks.base.state import EnvParams
 from home_mjx.tasks.environment.autoreset import AutoReset
 from home_mjx.tasks.environment.household import HouseholdEnv
@@ -218,13 +217,8 @@ TIMED = ("steps", "advantage", "target")  # fields of `Batch` with a leading axi
 
 def agent_of(core: HouseholdEnv, config: PPOConfig) -> RecurrentAgent:
     """The network for an environment, one agent at a time."""
-
-    def alone(spec: ArraySpec) -> ArraySpec:
-        shape = spec.shape if core.num_agents == 1 else spec.shape[1:]
-        return ArraySpec(shape, spec.dtype, spec.low, spec.high, spec.text)
-
-    specs = {name: alone(spec) for name, spec in core.observation_spec.items()}
-    return RecurrentAgent.of(specs, alone(core.action_spec), config.network)
+    specs = {name: spec.of_one(core.num_agents) for name, spec in core.observation_spec.items()}
+    return RecurrentAgent.of(specs, core.action_spec.of_one(core.num_agents), config.network)
 
 
 def optimizer_of(config: PPOConfig) -> optax.GradientTransformation:

@@ -21,17 +21,6 @@ def agent_names(num_agents: int) -> list[str]:
     return [f"agent_{i}" for i in range(num_agents)]
 
 
-def one_agent(spec: ArraySpec, num_agents: int) -> ArraySpec:
-    """One agent's part of a spec, whose leading axis is of agents if there are several; undoes `for_agents`.
-
-    Example:
-        >>> one_agent(ArraySpec((2, 3)), 2).shape
-        (3,)
-    """
-    shape = spec.shape if num_agents == 1 else spec.shape[1:]
-    return ArraySpec(shape, spec.dtype, spec.low, spec.high, spec.text)
-
-
 def by_agent(tree: Any, names: list[str]) -> dict[str, Any]:
     """One tree per agent, of arrays whose leading axis is of agents if there are several.
 

@@ -74,6 +74,16 @@ class ArraySpec:
         shape = self.shape if num_agents == 1 else (num_agents, *self.shape)
         return ArraySpec(shape, self.dtype, self.low, self.high, self.text)
 
+    def of_one(self, num_agents: int) -> "ArraySpec":
+        """One agent's part of the array of all; undoes `for_agents`.
+
+        Example:
+            >>> ArraySpec((2, 3)).of_one(2).shape
+            (3,)
+        """
+        shape = self.shape if num_agents == 1 else self.shape[1:]
+        return ArraySpec(shape, self.dtype, self.low, self.high, self.text)
+
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
         """Least and greatest value of every element."""
         low, high = (np.broadcast_to(np.asarray(x, self.dtype), self.shape) for x in (self.low, self.high))

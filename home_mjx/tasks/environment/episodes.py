@@ -1,7 +1,6 @@
 """Episodes drawn beforehand, to be saved, replayed and compared."""
 
 import json
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,7 @@ from jaxtyping import Array, Bool
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_number
-from home_mjx.core.files import read_text
+from home_mjx.core.files import read_json_lines
 from home_mjx.errors import ConfigError, DatasetError, UnknownIdError
 from home_mjx.tasks.base.state import Episodes
 from home_mjx.tasks.base.task import Task
@@ -97,7 +96,7 @@ def load_episodes(path: str | Path, bank: HouseBank, task: Task = POINT_NAV) -> 
             where no way leads to the goal.
     """
     index = {name: i for i, name in enumerate(bank.house_ids)}
-    rows = list(_rows(Path(path), bank, index, task))
+    rows = list(read_json_lines(Path(path), "episode", lambda line: _row(line, bank, index, task), MAX_BYTES))
     if not rows:
         raise DatasetError("file holds no episode", file=path)
     episodes = Episodes(**jax.tree.map(lambda *values: jnp.asarray(np.stack(values)), *rows))
@@ -110,17 +109,6 @@ def load_episodes(path: str | Path, bank: HouseBank, task: Task = POINT_NAV) -> 
 
 def _are_possible(task: Task, bank: HouseBank, episodes: Episodes) -> Bool[Array, " e"]:
     return jax.jit(lambda bank, rows: jax.vmap(lambda row: task.possible(bank, row))(rows))(bank, episodes)
-
-
-def _rows(path: Path, bank: HouseBank, index: dict[str, int], task: Task) -> Iterator[dict[str, Any]]:
-    for number, line in enumerate(read_text(path, most=MAX_BYTES).splitlines(), 1):
-        try:
-            yield _row(json.loads(line), bank, index, task)
-        except DatasetError as error:
-            raise type(error)(error.message, file=path, element=f"line {number}", hint=error.hint) from None
-        except (ValueError, KeyError, TypeError, RecursionError) as error:
-            what = f"`{error.args[0]}` is missing" if isinstance(error, KeyError) else str(error)
-            raise DatasetError(f"no episode: {what}", file=path, element=f"line {number}") from None
 
 
 def _row(line: dict[str, Any], bank: HouseBank, index: dict[str, int], task: Task) -> dict[str, Any]:

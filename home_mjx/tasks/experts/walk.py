@@ -58,9 +58,7 @@ def expert_action(snapshot: Snapshot, state: RowState) -> Array:
 
 def should_look(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
     """Whether a transition of the present stage waits for no more than a look, a grip or a stop of each agent."""
-    turned = values
-    for feature in (Feature.STOPPED, Feature.SEEN, Feature.HELD):
-        turned = turned.at[feature].set(1.0)
+    turned = values.at[jnp.array([Feature.STOPPED, Feature.SEEN])].set(1.0)
     close = values[Feature.DISTANCE, :, :, 0] < REACH
     turned = turned.at[Feature.HELD].set(close[:, :, None].astype(jnp.float32))
     after, _, taken = advance(state.program, state.stage, conditions(state.program, turned))

@@ -1,7 +1,6 @@
 """Tasks as JSON lines: names and places instead of numbers, so that any bank of the houses will do."""
 
 import json
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +8,7 @@ import jax
 import numpy as np
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.core.files import read_text
+from home_mjx.core.files import read_json_lines
 from home_mjx.errors import ConfigError, DatasetError, UnknownIdError
 from home_mjx.scene_compile.semantics.vocabulary import number_of, vocabularies
 from home_mjx.tasks.language.phrases import COLUMN
@@ -68,7 +67,7 @@ def load_tasks(path: str | Path, bank: HouseBank) -> TaskBank:
     """
     index = {name: number for number, name in enumerate(bank.house_ids)}
     names: dict[str, int] = {}
-    rows = list(_rows(Path(path), index, names))
+    rows = list(read_json_lines(Path(path), "task", lambda line: _row(line, index, names), MAX_BYTES))
     if not rows:
         raise DatasetError("file holds no task", file=path)
     fields = {}
@@ -76,17 +75,6 @@ def load_tasks(path: str | Path, bank: HouseBank) -> TaskBank:
         own = [row for row in rows if row["house"] == view.house]
         fields[view.house] = add_fields(bank, view, own)
     return packed(bank, rows, fields, tuple(names))
-
-
-def _rows(path: Path, index: dict[str, int], names: dict[str, int]) -> Iterator[dict[str, Any]]:
-    for number, line in enumerate(read_text(path, most=MAX_BYTES).splitlines(), 1):
-        try:
-            yield _row(json.loads(line), index, names)
-        except DatasetError as error:
-            raise type(error)(error.message, file=path, element=f"line {number}", hint=error.hint) from None
-        except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-            what = f"`{error.args[0]}` is missing" if type(error) is KeyError else str(error)
-            raise DatasetError(f"no task: {what}", file=path, element=f"line {number}") from None
 
 
 def _row(line: dict[str, Any], index: dict[str, int], names: dict[str, int]) -> dict[str, Any]:
