@@ -97,6 +97,8 @@ class EnvConfig:
         actions: "continuous": numbers in [-1, 1], parts of the fastest rates. "discrete", or a `DiscreteActions` with
             options: an integer, one of a few moves. If no move fits into the default `ctrl_dt`, that becomes 0.3 s.
         hands: Whether there are actions to pick up, put down, drop and throw things and to turn doors.
+        speech: What agents may say besides what their task lets them: further discrete actions, each a word of the
+            tasks' language after `say:` or `answer:`, such as "say:yes". See `Snapshot.said`.
         doors: How doors stand at reset: "open" (wide), "closed", "placed" (as in the file) or "random" (each open or
             closed, by key). Whatever stands before a leaf, agents can push it, or turn it with their hands.
         arrangement: Where movable bodies are at reset: "placed" (as in the file) or "random" (one of the bank's settled
@@ -126,6 +128,7 @@ class EnvConfig:
     episode_length: int = 500
     actions: str | DiscreteActions = "continuous"
     hands: bool = False
+    speech: tuple[str, ...] = ()
     doors: str = "open"
     arrangement: str = "placed"
     source_height: float = 1.0
@@ -139,7 +142,7 @@ class EnvConfig:
     def __post_init__(self) -> None:
         if self.sensors is not None:
             self._set(sensors=_names_in("sensors", self.sensors))
-        self._set(cameras=_tuple("cameras", self.cameras))
+        self._set(cameras=_tuple("cameras", self.cameras), speech=_names_in("speech", self.speech))
         check_known("clip", [self.clip], CLIPS)
         check_known("state of doors", [self.doors], DOOR_STATES)
         check_known("arrangement", [self.arrangement], ARRANGEMENTS)

@@ -64,6 +64,7 @@ class World(Pytree):
     step: Int[Array, ""]  # steps since reset
     pitch: Float[Array, " a"]  # [rad], look up is positive
     stopped: Bool[Array, " a"]  # has chosen the discrete action `stop`
+    said: Int[Array, " a"]  # token of the word said in the last step; -1 none
     source: Float[Array, "3"]  # [m], where the sound comes from
     sensors: dict[str, Any]  # what sensors remember, by their names
     faults: Int[Array, ""]  # episodes of this environment that ended because a pose was not a number

@@ -28,11 +28,11 @@ from home_mjx.tasks.base.status import flags
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.handling import hand_commands
-from home_mjx.tasks.environment.moves import Moves, action_names, action_spec, moves_of, tilted
+from home_mjx.tasks.environment.moves import SILENT, Moves, action_names, action_spec, moves_of, spoken_tokens, tilted
 from home_mjx.tasks.environment.usable import (
     check_arrangements,
+    check_fit,
     check_observations,
-    check_stop,
     check_task,
     checked_metrics,
 )
@@ -60,7 +60,8 @@ class HouseholdEnv:
         observation_spec: What `State.obs` holds, by name; with a leading agent axis for several agents.
 
     Raises:
-        ConfigError: A sensor is unknown, or two observations have the same name.
+        ConfigError: A sensor or a word is unknown, two observations have the same name, or the task cannot be done with
+            these actions or so few agents.
 
     Example:
         >>> core, params = HouseholdEnv(), EnvParams(bank)  # doctest: +SKIP
@@ -73,9 +74,11 @@ class HouseholdEnv:
             raise ConfigError("HouseholdEnv takes options, not a bank", hint="Write HouseholdEnv(config).bind(bank).")
         self.task = task or PointNav()
         config = config or EnvConfig()
-        check_stop(config, self.task)
-        self.config = config.replace(sensors=sensor_names(config, self.task))
+        check_fit(config, self.task)
+        speech = tuple(dict.fromkeys((*config.speech, *self.task.speech)))
+        self.config = config.replace(sensors=sensor_names(config, self.task), speech=speech)
         self.sensors = choose_sensors(self.config, self.task)
+        spoken_tokens(self.config)  # refuses what cannot be said
         self.action_spec = action_spec(self.config)
         self.observation_spec = self._observation_spec()
 
@@ -200,6 +203,7 @@ class HouseholdEnv:
             step=jnp.zeros((), jnp.int32),
             pitch=jnp.zeros(agents, jnp.float32),
             stopped=jnp.zeros(agents, bool),
+            said=jnp.full(agents, SILENT, jnp.int32),
             source=random_source(bank, house, config.source_height, source_key),
             sensors={sensor.name: sensor.init(config) for sensor in self.sensors},
             faults=jnp.zeros((), jnp.int32),
@@ -240,6 +244,7 @@ class HouseholdEnv:
         world = state.world.replace(
             pitch=tilted(self.config, state.world.pitch, moves.look),
             stopped=moves.stop,
+            said=moves.said,
             step=state.world.step + 1,
             faults=state.world.faults + broken.astype(jnp.int32),
         )
@@ -289,6 +294,7 @@ class HouseholdEnv:
             pose=AgentPose(pos=pos, yaw=yaw, pitch=world.pitch),
             velocity=physics.agent_velocity(template, data),
             stopped=world.stopped,
+            said=world.said,
             contact=physics.agent_contact(template, data),
             held=data.held,
             door_angle=angle,
