@@ -20,6 +20,11 @@ from home_mjx.tasks.environment.memory import MemoryEstimate, estimate_memory
 from home_mjx.tasks.environment.saved import dump_flagged, load_flagged, load_states, save_states
 from home_mjx.tasks.experts.walk import expert_action
 from home_mjx.tasks.language.vocabulary import detokenize, tokenize
+from home_mjx.tasks.questions.balance import chance, prior_accuracy
+from home_mjx.tasks.questions.communication import Communication
+from home_mjx.tasks.questions.dialogue import Dialogue
+from home_mjx.tasks.questions.house_qa import HouseQA
+from home_mjx.tasks.questions.vqa import VQA
 from home_mjx.tasks.rows.build import Row, build_task_bank
 from home_mjx.tasks.rows.house_view import HouseView, Thing
 from home_mjx.tasks.rows.program import Go, Meant, Stage, When
@@ -36,17 +41,21 @@ __all__ = [
     "FAILURE",
     "SENSORS",
     "SUCCESS",
+    "VQA",
     "AgentCamera",
     "AgentPose",
     "ArraySpec",
     "AutoReset",
     "BoundEnv",
+    "Communication",
+    "Dialogue",
     "DiscreteActions",
     "EnvConfig",
     "EnvParams",
     "Episodes",
     "Feature",
     "Go",
+    "HouseQA",
     "HouseTasks",
     "HouseView",
     "HouseholdEnv",
@@ -75,6 +84,7 @@ __all__ = [
     "When",
     "World",
     "build_task_bank",
+    "chance",
     "check_status",
     "detokenize",
     "dump_flagged",
@@ -85,6 +95,7 @@ __all__ = [
     "load_states",
     "load_tasks",
     "make_config",
+    "prior_accuracy",
     "register_sensor",
     "sample_episodes",
     "save_episodes",

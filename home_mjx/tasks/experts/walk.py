@@ -11,6 +11,7 @@ from home_mjx.schema.compiled import FIELD_FAR
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.environment.moves import action_names
+from home_mjx.tasks.experts.speaking import or_words
 from home_mjx.tasks.rows.features import boxes_now, nearest_meant, sights, table
 from home_mjx.tasks.rows.machine import advance, conditions
 from home_mjx.tasks.rows.row_task import RowState
@@ -53,7 +54,8 @@ def expert_action(snapshot: Snapshot, state: RowState) -> Array:
     error = (heading - snapshot.pose.yaw + jnp.pi) % (2 * jnp.pi) - jnp.pi
     level = jnp.linalg.norm(offset[:, :2], axis=-1)
     rise = jnp.where(near & jnp.isfinite(level), jnp.arctan2(offset[:, 2], jnp.maximum(level, 0.3)), 0.0)
-    return to_actions(snapshot.config, error, rise - snapshot.pose.pitch, near, stop)
+    actions = to_actions(snapshot.config, error, rise - snapshot.pose.pitch, near, stop)
+    return or_words(snapshot, state, values, actions)
 
 
 def should_look(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
