@@ -19,6 +19,7 @@ from home_mjx.tasks.environment.household import HouseholdEnv
 from home_mjx.tasks.environment.memory import MemoryEstimate, estimate_memory
 from home_mjx.tasks.environment.saved import dump_flagged, load_flagged, load_states, save_states
 from home_mjx.tasks.experts.walk import expert_action
+from home_mjx.tasks.language.splits import mentions, new_combinations
 from home_mjx.tasks.language.vocabulary import detokenize, tokenize
 from home_mjx.tasks.questions.balance import chance, prior_accuracy
 from home_mjx.tasks.questions.communication import Communication
@@ -32,7 +33,7 @@ from home_mjx.tasks.rows.row_task import RowState, RowTask
 from home_mjx.tasks.rows.task_bank import TaskBank
 from home_mjx.tasks.rows.words import FAILURE, SUCCESS, Feature
 from home_mjx.tasks.suite.instructions import InstructionFollowing
-from home_mjx.tasks.suite.navigation import HouseTasks, Navigation, ObjectNav, RoomNav
+from home_mjx.tasks.suite.navigation import HouseTasks, Navigation, ObjectNav, PointGoals, RoomNav
 from home_mjx.tasks.suite.point_nav import PointNav, PointNavState
 from home_mjx.tasks.suite.task_lines import load_tasks, save_tasks
 
@@ -64,6 +65,7 @@ __all__ = [
     "MemoryEstimate",
     "Navigation",
     "ObjectNav",
+    "PointGoals",
     "PointNav",
     "PointNavState",
     "RoomNav",
@@ -95,6 +97,8 @@ __all__ = [
     "load_states",
     "load_tasks",
     "make_config",
+    "mentions",
+    "new_combinations",
     "prior_accuracy",
     "register_sensor",
     "sample_episodes",
