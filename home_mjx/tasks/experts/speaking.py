@@ -10,6 +10,8 @@ from home_mjx.tasks.rows.row_task import RowState
 from home_mjx.tasks.rows.words import FAILURE, Feature
 from home_mjx.tasks.speech.talk import NONE, is_told
 
+REPEAT = 4  # [steps] between words of who tells others; it walks in between, out of their way
+
 
 def or_words(snapshot: Snapshot, state: RowState, values: Float[Array, "feature a d d"], actions: Array) -> Array:
     """The same actions, but words where it is time to speak.
@@ -23,20 +25,20 @@ def or_words(snapshot: Snapshot, state: RowState, values: Float[Array, "feature 
     config = snapshot.config
     if not config.speech:
         return actions
-    said = next_words(state, values)
+    said = next_words(snapshot, state, values)
     match = jnp.asarray(spoken_tokens(config)[:-1]) == said[:, None]
     return jnp.where(jnp.any(match, axis=1) & (said >= 0), jnp.argmax(match, axis=1).astype(jnp.int32), actions)
 
 
-def next_words(state: RowState, values: Float[Array, "feature a d d"]) -> Int[Array, " a"]:
+def next_words(snapshot: Snapshot, state: RowState, values: Float[Array, "feature a d d"]) -> Int[Array, " a"]:
     """Token that each agent should say now; -1 none.
 
-    The answer, once all has been looked at; what tells apart what is meant, before anything else; and to agents that
-    are not told what is to be done what they should know, always.
+    The answer, once all has been looked at; questions that tell apart what is meant, before anything else; and to
+    agents that are not told what is to be done what they should know, again and again.
     """
     talk, agents = state.talk, values.shape[1]
     told = is_told(talk, agents)
-    tells = told & ~jnp.all(told)
+    tells = told & ~jnp.all(told) & (snapshot.step % REPEAT == 0)
     says = (tells | knows(state, values)) & (talk.answer >= 0)
     question = jnp.take(talk.oracle[:, 0], jnp.minimum(state.asked, talk.oracle.shape[0] - 1))
     asks = (state.asked < talk.ask) & (jnp.arange(agents) == 0)

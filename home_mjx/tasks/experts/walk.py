@@ -49,7 +49,8 @@ def expert_action(snapshot: Snapshot, state: RowState) -> Array:
     offset = points[agents, jnp.argmax(free, axis=-1)] - eye_position(snapshot.config, snapshot.pose)
     faces = jnp.arctan2(offset[:, 1], offset[:, 0])
     is_thing = state.program.descriptor[guide, Word.KIND] == Kind.OBJECT
-    near = is_thing & (there | (jnp.any(free, axis=-1) & should_look(state, values)))
+    # Who sees nothing of it from where it should be seen goes on to the middle of the cell.
+    near = is_thing & jnp.any(free, axis=-1) & (there | should_look(state, values))
     heading = jnp.where(near & jnp.all(jnp.isfinite(offset), axis=-1), faces, way)
     error = (heading - snapshot.pose.yaw + jnp.pi) % (2 * jnp.pi) - jnp.pi
     level = jnp.linalg.norm(offset[:, :2], axis=-1)

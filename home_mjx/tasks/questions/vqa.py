@@ -73,7 +73,7 @@ class VQA(Asking):
         (answer,) = tokenize(question.answer)
         right, _ = answered(answer, self.success_reward)
         return Row(
-            [Meant.at(place)],
+            [Meant.at(place.tolist())],
             [Stage((right, Go(FAILURE, (LATE,))))],
             tokens=texts[0],
             pose=(place.tolist(), yaw),
