@@ -85,7 +85,7 @@ def means_on_host(bank: HouseBank, house: int, descriptors: np.ndarray) -> Means
     room = 1 << (len(descriptors) - 1).bit_length()  # few different sizes: each is compiled
     whole = np.full((room, *descriptors.shape[1:]), ANY, np.int32)
     whole[: len(descriptors)] = descriptors
-    return jax.tree.map(lambda x: np.asarray(x)[: len(descriptors)], _of_rows(bank, jnp.int32(house), whole))
+    return jax.tree.map(lambda x: np.asarray(x)[: len(descriptors)], _many(bank, jnp.int32(house), whole))
 
 
-_of_rows = jax.jit(jax.vmap(means, (None, None, 0)))
+_many = jax.jit(jax.vmap(means, (None, None, 0)))  # here, so that it is compiled once for all houses
