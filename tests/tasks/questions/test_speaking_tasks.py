@@ -1,5 +1,7 @@
 """Tasks in which agents speak, in one mix of two agents: what words do, who hears them, and what experts say."""
 
+import json
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -208,7 +210,8 @@ def test_a_file_keeps_what_is_said(env, bank, tmp_path):
         np.testing.assert_array_equal(again.rows.columns[name], tasks.rows.columns[name])
     text = path.read_text()
     assert '"told": [1]' in text
-    path.write_text(text.splitlines()[0].replace('"answer"', '"oracle": [["colour", "blorb"]], "answer"') + "\n")
+    dialogue = next(json.loads(line) for line in text.splitlines() if '"oracle"' in line)
+    path.write_text(json.dumps(dialogue | {"oracle": [["colour", "blorb"]]}) + "\n")
     with pytest.raises(DatasetError, match="blorb"):
         load_tasks(path, bank)
 
