@@ -30,6 +30,7 @@ COMMANDS = {
     "doctor": "say whether this machine is ready",
 }
 LEARNING = {
+    "play": "play episodes of a task and film them: an expert, a trained agent, or you by the keyboard",
     "train": "train an agent by recurrent PPO",
     "evaluate": "play episodes with a trained agent in houses it has not seen",
 }

@@ -11,7 +11,7 @@ from home_mjx.errors import ConfigError, install_hint
 if TYPE_CHECKING:
     from home_mjx.training.checkpoint import load_checkpoint, load_net, read_config, save_checkpoint
     from home_mjx.training.config import CPU_CONFIG, PPOConfig, RunConfig
-    from home_mjx.training.evaluation import evaluate, random_policy, summary
+    from home_mjx.training.evaluation import evaluate, expert_policy, random_policy, summary
     from home_mjx.training.networks import NetworkConfig, RecurrentAgent
     from home_mjx.training.ppo import PPO, TrainState
     from home_mjx.training.rollout import Policy
@@ -28,6 +28,7 @@ __all__ = [
     "TrainState",
     "evaluate",
     "evaluate_checkpoint",
+    "expert_policy",
     "load_checkpoint",
     "load_net",
     "random_policy",
@@ -40,7 +41,7 @@ __all__ = [
 _MODULES = {
     "checkpoint": ("load_checkpoint", "load_net", "read_config", "save_checkpoint"),
     "config": ("CPU_CONFIG", "PPOConfig", "RunConfig"),
-    "evaluation": ("evaluate", "random_policy", "summary"),
+    "evaluation": ("evaluate", "expert_policy", "random_policy", "summary"),
     "networks": ("NetworkConfig", "RecurrentAgent"),
     "ppo": ("PPO", "TrainState"),
     "rollout": ("Policy",),

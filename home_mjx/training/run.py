@@ -11,14 +11,13 @@ from home_mjx.errors import ConfigError
 from home_mjx.registry import EnvSpec
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.household import HouseholdEnv
-from home_mjx.training.checkpoint import check_same, load_checkpoint, load_net, read_config, save_checkpoint
+from home_mjx.training.checkpoint import CHECKPOINT, check_same, load_checkpoint, load_net, read_config, save_checkpoint
 from home_mjx.training.config import RunConfig
 from home_mjx.training.evaluation import evaluate, random_policy, summary
 from home_mjx.training.ppo import PPO, TrainState
 from home_mjx.training.progress import Clock, Sums, progress_bar
 from home_mjx.training.records import Records
 
-CHECKPOINT = "checkpoint.npz"
 NUM_LINES, NUM_CHECKPOINTS = 200, 20  # of a run
 SHOWN = ("success", "return")  # beside the progress bar
 

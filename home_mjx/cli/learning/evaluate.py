@@ -25,7 +25,7 @@ def run(args: argparse.Namespace) -> int:
     """Prints the figures."""
     from home_mjx.cli.learning.table import as_table
     from home_mjx.training import evaluate_checkpoint
-    from home_mjx.training.run import CHECKPOINT
+    from home_mjx.training.checkpoint import CHECKPOINT
 
     path = args.checkpoint / CHECKPOINT if args.checkpoint.is_dir() else args.checkpoint
     report = evaluate_checkpoint(path, args.split, args.houses, args.episodes, args.seed, args.greedy)

@@ -36,7 +36,7 @@ def run(args: argparse.Namespace) -> int:
     config = run_config(args)
     from home_mjx.cli.learning.table import as_table
     from home_mjx.training import evaluate_checkpoint, train
-    from home_mjx.training.run import CHECKPOINT
+    from home_mjx.training.checkpoint import CHECKPOINT
 
     out = make_folder(args.out or Path("runs") / config.env.id)
     train(config, out, args.resume)

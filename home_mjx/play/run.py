@@ -1,0 +1,205 @@
+"""From options to episodes, lines and a film."""
+
+import dataclasses
+import json
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import jax
+import numpy as np
+from tqdm import tqdm
+
+from home_mjx.errors import ConfigError
+from home_mjx.play.camera import FilmCamera, Sight, without_agents
+from home_mjx.play.episode import Game, Outcome, Step, said
+from home_mjx.play.film import Film, frame
+from home_mjx.play.keyboard import KeyboardPlayer, as_text, key_help
+from home_mjx.play.meant import asked_of, goals_of
+from home_mjx.play.plan import Plan
+from home_mjx.play.players import Player, PolicyPlayer
+from home_mjx.registry import EnvSpec
+from home_mjx.tasks.environment.bound import BoundEnv
+from home_mjx.tasks.environment.household import HouseholdEnv
+from home_mjx.tasks.experts.teacher import with_expert
+from home_mjx.training.evaluation import expert_policy, random_policy, with_episodes
+from home_mjx.training.rollout import Policy
+
+AGENTS = ("expert", "random", "trained", "human")
+WIDTH, HEIGHT = 480, 360  # [px], of the agent's view
+
+
+@dataclass(frozen=True)
+class PlayOptions:
+    """What is played, and how it is filmed.
+
+    Attributes:
+        env: The environment.
+        agent: One of `AGENTS`.
+        checkpoint: Of agent `trained`.
+        episodes: How many.
+        seed: Of episodes and actions.
+        greedy: A trained agent does what is likeliest.
+        out: Folder for the film; None: no film.
+        width: Of the agent's view [px].
+        height: [px].
+        samples: Rays per pixel.
+    """
+
+    env: EnvSpec
+    agent: str = "expert"
+    checkpoint: Path | None = None
+    episodes: int = 3
+    seed: int = 0
+    greedy: bool = False
+    out: Path | None = None
+    width: int = WIDTH
+    height: int = HEIGHT
+    samples: int = 1
+
+    @property
+    def name(self) -> str:
+        """Of the files."""
+        return f"{self.env.id}_{self.agent}"
+
+
+def run_play(options: PlayOptions, tell: Callable[[str], Any] = tqdm.write, keys: Any = None) -> list[Outcome]:
+    """Plays episodes.
+
+    Args:
+        options: What and how.
+        tell: Takes the line of each episode.
+        keys: Where a person's keys come from; None: standard input.
+
+    Returns:
+        How each episode has ended. With `out`, its folder has a film, a picture with the end of each episode, and
+        their outcomes as JSON lines, all named after task and agent.
+
+    Raises:
+        ConfigError: A checkpoint is missing, or given for another agent or task; or no expert is known for the task.
+    """
+    check(options)
+    env = with_episodes(options.env.make(), options.episodes, options.seed)
+    env = with_expert(env) if options.agent == "expert" else env
+    reporter = _Reporter(env, options)
+    player = _player(env, options, reporter, keys)
+    game, outcomes = Game(env), []
+    rows = _rows(env, options)
+    hidden = True if options.agent == "human" else None
+    with tqdm(total=options.episodes, unit=" episodes", disable=hidden) as bar:
+        for number, row in enumerate(rows, 1):
+            for step in game.play(player, number, jax.random.key(options.seed + number), row):
+                reporter.add(step)
+                bar.set_postfix_str(f"step {int(step.state.world.step)}")
+            assert game.outcome is not None
+            outcomes.append(game.outcome)
+            reporter.end(game.outcome)
+            tell(game.outcome.line())
+            bar.update()
+    reporter.write(outcomes)
+    return outcomes
+
+
+def check(options: PlayOptions) -> None:
+    """Refuses what does not go together, before any house is made."""
+    if options.agent not in AGENTS:
+        raise ConfigError(f"unknown agent `{options.agent}`", hint=f"There are {', '.join(AGENTS)}.")
+    if (options.agent == "trained") != (options.checkpoint is not None):
+        hint = "Write --agent trained --checkpoint runs/RoomNav-v0."
+        raise ConfigError("a checkpoint goes with the agent `trained`, and only with it", hint=hint)
+
+
+def _rows(env: BoundEnv[HouseholdEnv], options: PlayOptions) -> list[int | None]:
+    """Rows of the tasks, no two the same while there are others."""
+    if env.params.tasks is None:
+        return [None] * options.episodes
+    order = np.random.default_rng(options.seed).permutation(len(env.params.tasks))
+    return [int(order[i % len(order)]) for i in range(options.episodes)]
+
+
+def _player(env: BoundEnv[HouseholdEnv], options: PlayOptions, reporter: "_Reporter", keys: Any) -> Player:
+    if options.agent == "human":
+        return KeyboardPlayer(env.config, reporter.show, keys)
+    policies: dict[str, Callable[[], Policy]] = {
+        "expert": expert_policy,
+        "random": lambda: random_policy(env.core)(None),
+        "trained": lambda: _trained(env, options),
+    }
+    return PolicyPlayer(env.core, policies[options.agent](), options.seed)
+
+
+def _trained(env: BoundEnv[HouseholdEnv], options: PlayOptions) -> Policy:
+    from home_mjx.training import PPO, load_net, read_config  # needs the extra `train`
+
+    assert options.checkpoint is not None
+    ppo = PPO(env.core, read_config(options.checkpoint).ppo, jax.devices()[:1])
+    net = load_net(options.checkpoint, jax.eval_shape(ppo.agent.init_net, jax.random.key(0)))
+    return ppo.policy(net, options.greedy)
+
+
+class _Reporter:
+    """Films what happens, and shows it to whoever plays."""
+
+    def __init__(self, env: BoundEnv[HouseholdEnv], options: PlayOptions) -> None:
+        self.env, self.options = env, options
+        self.in_terminal = options.agent == "human" and sys.stdout.isatty()
+        self.is_seen = options.out is not None or self.in_terminal
+        self.camera = FilmCamera(env, options.width, options.height, options.samples)
+        self.heard = "audio" in env.observation_spec
+        self.film = Film(env.dt, env.config.audio.sample_rate if self.heard else None)
+        self.sights: list[Sight] = []
+
+    def add(self, step: Step) -> None:
+        """A step was taken."""
+        self.step = step
+        is_first = step.action is None
+        if is_first:
+            self.asked, self.sights = asked_of(self.env, step.state), []
+            self.plan = Plan(self.env.bank, int(step.state.world.house))
+        if not self.is_seen:
+            return
+        self.sights.append(self.camera.shot(step.state))
+        if self.options.out is not None:
+            moves = is_first or self.env.config.hands
+            self.top = self.plan.drawn(
+                without_agents(self.env, step.state) if moves else None,
+                self.sights,
+                goals_of(self.env.bank, step.state, self.sights[-1].boxes),
+            )
+            self.film.add(self._frame(said(self.env, step, self.options.agent)), self._sound(step))
+
+    def end(self, outcome: Outcome) -> None:
+        """The episode is over."""
+        if self.options.out is not None:
+            spl = "" if np.isnan(outcome.spl) else f"   SPL {outcome.spl:.2f}"
+            how = "success" if outcome.success else "failure"
+            text = f"{self.options.agent}   {how}{spl}   {outcome.steps} steps   return {outcome.gained:+.2f}"
+            self.film.end(self._frame(text, outcome.success > 0))
+
+    def show(self, state: Any) -> None:
+        """What a person at the keyboard is told before each action."""
+        lines = [as_text(self.sights[-1].view)] if self.in_terminal else []
+        if self.step.action is None:
+            lines += [key_help(self.env.config)]
+        lines += [self.asked.text, said(self.env, self.step, "you")]
+        sys.stdout.write(("\x1b[H\x1b[J" if self.in_terminal else "") + "\n".join(lines) + "\n")
+        sys.stdout.flush()
+
+    def write(self, outcomes: list[Outcome]) -> None:
+        """Writes the film and the outcomes."""
+        out, name = self.options.out, self.options.name
+        if out is not None:
+            self.film.write(out, name)
+            lines = (json.dumps(dataclasses.asdict(outcome)) for outcome in outcomes)
+            (out / f"{name}.jsonl").write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
+
+    def _frame(self, status: str, success: bool | None = None) -> np.ndarray:
+        return frame(self.sights[-1].view, self.top, self.asked.text, status, success)
+
+    def _sound(self, step: Step) -> np.ndarray | None:
+        if not self.heard:
+            return None
+        sound = np.asarray(step.state.obs["audio"])
+        return sound if self.env.num_agents == 1 else sound[0]
