@@ -31,7 +31,8 @@ COMMANDS = {
 }
 LEARNING = {
     "play": "play episodes of a task and film them: an expert, a trained agent, or you by the keyboard",
-    "train": "train an agent by recurrent PPO",
+    "record": "write a data set of episodes of an expert, or of a trained agent",
+    "train": "train an agent by recurrent PPO, or by an expert's advice",
     "evaluate": "play episodes with a trained agent in houses it has not seen",
 }
 FOLDERS = {"commands": COMMANDS, "learning": LEARNING}  # of modules

@@ -9,10 +9,8 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.tasks.base.state import Episodes, State
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.household import HouseholdEnv
-from home_mjx.tasks.language.phrases import COLUMN, name, phrase
-from home_mjx.tasks.language.vocabulary import detokenize
+from home_mjx.tasks.language.asked import asked
 from home_mjx.tasks.rows.row_task import RowState
-from home_mjx.tasks.rows.words import ANY, Kind, Word
 from home_mjx.tasks.suite.point_nav import PointNavState
 
 
@@ -51,7 +49,7 @@ def asked_of(env: BoundEnv[HouseholdEnv], state: State) -> Asked:
         return Asked(task, task, np.nan)
     names, number = env.params.tasks.names, int(state.task.task)
     task = names[number] if number < len(names) else task
-    text = detokenize(np.asarray(state.task.tokens)) or described(task, np.asarray(state.task.program.descriptor))
+    text = asked(task, np.asarray(state.task.tokens), np.asarray(state.task.program.descriptor))
     return Asked(task, text, float(state.task.length))
 
 
@@ -60,30 +58,6 @@ def _asked_of_point(task: str, episodes: Episodes | None, state: State) -> Asked
         return Asked(task, "go to the point", np.nan)
     length = float(episodes.columns["length"][int(state.world.episode) % len(episodes)])
     return Asked(task, f"go to the point {length:.1f} m away", length)
-
-
-def described(task: str, descriptors: np.ndarray) -> str:
-    """What a row's descriptors (d, words) mean, for a row without an instruction.
-
-    Example:
-        >>> row = np.full((1, len(Word)), -1)
-        >>> row[0, [Word.KIND, Word.ROOM_TYPE]] = Kind.ROOM, 1
-        >>> described("RoomNav", row)
-        'RoomNav: the kitchen'
-    """
-    parts = [_phrase(row) for row in descriptors if row[Word.KIND] != Kind.NOTHING]
-    return f"{task}: {', '.join(parts)}" if parts else task
-
-
-def _phrase(row: np.ndarray) -> str:
-    if row[Word.KIND] == Kind.PLACE:
-        return "a place"
-    if row[Word.KIND] == Kind.AGENT:
-        return f"agent {row[Word.AGENT]}"
-    words = {word: int(row[word]) for word in COLUMN if row[word] != ANY}
-    if row[Word.KIND] == Kind.ROOM:
-        return f"the {name(Word.ROOM_TYPE, words[Word.ROOM_TYPE])}" if Word.ROOM_TYPE in words else "a room"
-    return phrase(words, "any" if row[Word.OBJECT_ID] == ANY else "the")
 
 
 def goals_of(bank: HouseBank, state: State, boxes: Float[np.ndarray, "i 2 3"]) -> Goals:

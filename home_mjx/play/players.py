@@ -1,15 +1,55 @@
 """Who plays: a policy, or a person at the keyboard."""
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
+from home_mjx.core.checks import check_known
+from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.state import State
+from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.household import HouseholdEnv
+from home_mjx.training.evaluation import expert_policy, random_policy
 from home_mjx.training.rollout import Policy, split_keys, to_envs, to_rows
+
+POLICIES = ("expert", "random", "trained")
+
+
+def check_agent(agent: str, checkpoint: Path | None, known: tuple[str, ...] = POLICIES) -> None:
+    """Refuses an agent without its checkpoint, before any house is made.
+
+    Raises:
+        ConfigError: The agent is unknown, or `trained` without a checkpoint, or another one with.
+    """
+    check_known("agent", [agent], known)
+    if (agent == "trained") != (checkpoint is not None):
+        hint = "Write --agent trained --checkpoint runs/RoomNav-v0."
+        raise ConfigError("a checkpoint goes with the agent `trained`, and only with it", hint=hint)
+
+
+def policy_of(env: BoundEnv[HouseholdEnv], agent: str, checkpoint: Path | None = None, greedy: bool = False) -> Policy:
+    """How an agent of `POLICIES` acts.
+
+    Args:
+        env: The environment; that of an expert comes from `with_expert`.
+        agent: Its name.
+        checkpoint: Of `trained`.
+        greedy: `trained` does what is likeliest.
+
+    Raises:
+        ConfigError: See `check_agent`; or the checkpoint is of other observations or actions.
+    """
+    check_agent(agent, checkpoint)
+    if checkpoint is None:
+        return expert_policy() if agent == "expert" else random_policy(env.core)(None)
+    from home_mjx.training import PPO, load_net, read_config  # needs the extra `train`
+
+    ppo = PPO(env.core, read_config(checkpoint).ppo, jax.devices()[:1])
+    return ppo.policy(load_net(checkpoint, jax.eval_shape(ppo.agent.init_net, jax.random.key(0))), greedy)
 
 
 @runtime_checkable

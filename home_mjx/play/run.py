@@ -12,22 +12,20 @@ import jax
 import numpy as np
 from tqdm import tqdm
 
-from home_mjx.errors import ConfigError
 from home_mjx.play.camera import FilmCamera, Sight, without_agents
 from home_mjx.play.episode import Game, Outcome, Step, said
 from home_mjx.play.film import Film, frame
 from home_mjx.play.keyboard import KeyboardPlayer, as_text, key_help
 from home_mjx.play.meant import asked_of, goals_of
 from home_mjx.play.plan import Plan
-from home_mjx.play.players import Player, PolicyPlayer
+from home_mjx.play.players import POLICIES, Player, PolicyPlayer, check_agent, policy_of
 from home_mjx.registry import EnvSpec
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.household import HouseholdEnv
 from home_mjx.tasks.experts.teacher import with_expert
-from home_mjx.training.evaluation import expert_policy, random_policy, with_episodes
-from home_mjx.training.rollout import Policy
+from home_mjx.training.evaluation import with_episodes
 
-AGENTS = ("expert", "random", "trained", "human")
+AGENTS = (*POLICIES, "human")
 WIDTH, HEIGHT = 480, 360  # [px], of the agent's view
 
 
@@ -80,7 +78,7 @@ def run_play(options: PlayOptions, tell: Callable[[str], Any] = tqdm.write, keys
     Raises:
         ConfigError: A checkpoint is missing, or given for another agent or task; or no expert is known for the task.
     """
-    check(options)
+    check_agent(options.agent, options.checkpoint, AGENTS)
     env = with_episodes(options.env.make(), options.episodes, options.seed)
     env = with_expert(env) if options.agent == "expert" else env
     reporter = _Reporter(env, options)
@@ -102,15 +100,6 @@ def run_play(options: PlayOptions, tell: Callable[[str], Any] = tqdm.write, keys
     return outcomes
 
 
-def check(options: PlayOptions) -> None:
-    """Refuses what does not go together, before any house is made."""
-    if options.agent not in AGENTS:
-        raise ConfigError(f"unknown agent `{options.agent}`", hint=f"There are {', '.join(AGENTS)}.")
-    if (options.agent == "trained") != (options.checkpoint is not None):
-        hint = "Write --agent trained --checkpoint runs/RoomNav-v0."
-        raise ConfigError("a checkpoint goes with the agent `trained`, and only with it", hint=hint)
-
-
 def _rows(env: BoundEnv[HouseholdEnv], options: PlayOptions) -> list[int | None]:
     """Rows of the tasks, no two the same while there are others."""
     if env.params.tasks is None:
@@ -122,21 +111,7 @@ def _rows(env: BoundEnv[HouseholdEnv], options: PlayOptions) -> list[int | None]
 def _player(env: BoundEnv[HouseholdEnv], options: PlayOptions, reporter: "_Reporter", keys: Any) -> Player:
     if options.agent == "human":
         return KeyboardPlayer(env.config, reporter.show, keys)
-    policies: dict[str, Callable[[], Policy]] = {
-        "expert": expert_policy,
-        "random": lambda: random_policy(env.core)(None),
-        "trained": lambda: _trained(env, options),
-    }
-    return PolicyPlayer(env.core, policies[options.agent](), options.seed)
-
-
-def _trained(env: BoundEnv[HouseholdEnv], options: PlayOptions) -> Policy:
-    from home_mjx.training import PPO, load_net, read_config  # needs the extra `train`
-
-    assert options.checkpoint is not None
-    ppo = PPO(env.core, read_config(options.checkpoint).ppo, jax.devices()[:1])
-    net = load_net(options.checkpoint, jax.eval_shape(ppo.agent.init_net, jax.random.key(0)))
-    return ppo.policy(net, options.greedy)
+    return PolicyPlayer(env.core, policy_of(env, options.agent, options.checkpoint, options.greedy), options.seed)
 
 
 class _Reporter:

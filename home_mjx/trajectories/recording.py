@@ -15,7 +15,7 @@ from home_mjx.tasks.environment.autoreset import AutoReset
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.household import HouseholdEnv
 from home_mjx.tasks.experts.teacher import EXPERT, WithExpert
-from home_mjx.tasks.language.vocabulary import detokenize
+from home_mjx.tasks.language.asked import asked
 from home_mjx.tasks.rows.row_task import RowState
 from home_mjx.training.evaluation import expert_policy
 from home_mjx.training.rollout import Policy, split_keys, to_envs, to_rows
@@ -66,17 +66,22 @@ def record(
     check_number("num_envs", num_envs, 1, whole=True)
     without = (EXPERT,) if policy is None and isinstance(env.core, WithExpert) else ()
     hidden = None if progress is None else not progress
-    with Writer(Path(folder), env, agent, without, resume) as writer:
-        with tqdm(total=frames, initial=min(writer.steps, frames), unit=" steps", unit_scale=True, disable=hidden) as bar:
-            batch = _Batch(env, policy or expert_policy(), num_envs, seed, first=writer.episodes)
-            while batch.running.any():
-                if writer.steps + batch.num_open >= frames:
-                    batch.begin_no_more()
-                for episode, notes in batch.step():
-                    if not only_success or notes.get("success", 1.0) > 0:
-                        writer.add({**episode, "observations": _kept(episode["observations"], without)}, notes)
-                        bar.update(len(episode["rewards"]))
-        return writer.steps
+    shown = {"unit": " steps", "unit_scale": True, "disable": hidden}
+    with (
+        Writer(Path(folder), env, agent, without, resume) as writer,
+        tqdm(total=frames, initial=min(writer.steps, frames), **shown) as bar,
+    ):
+        if writer.steps >= frames:
+            return writer.steps
+        batch = _Batch(env, policy or expert_policy(), num_envs, seed, first=writer.episodes)
+        while batch.running.any():
+            if writer.steps + batch.num_open >= frames:
+                batch.begin_no_more()
+            for episode, notes in batch.step():
+                if not only_success or notes.get("success", 1.0) > 0:
+                    writer.add({**episode, "observations": _kept(episode["observations"], without)}, notes)
+                    bar.update(len(episode["rewards"]))
+    return writer.steps
 
 
 def _kept(seen: dict[str, np.ndarray], without: tuple[str, ...]) -> dict[str, np.ndarray]:
@@ -136,13 +141,14 @@ class _Batch:
         """What the episode asks for."""
         if "task" not in host:
             return {}
-        names = self.env.params.tasks.names
-        return {"task": names[int(host["task"][i])], "instruction": detokenize(host["tokens"][i])}
+        task = self.env.params.tasks.names[int(host["task"][i])]
+        return {"task": task, "instruction": asked(task, host["tokens"][i], host["descriptor"][i])}
 
     def _host(self, state: State) -> dict[str, Any]:
         own = {"obs": state.obs, "house": state.world.house}
         if isinstance(state.task, RowState):
-            own |= {"task": state.task.task, "tokens": state.task.tokens}
+            row = {"task": state.task.task, "tokens": state.task.tokens}
+            own |= row | {"descriptor": state.task.program.descriptor}
         return jax.device_get(own)
 
     def _stepped(self, params: EnvParams, carry: tuple) -> tuple[tuple, dict[str, Any]]:

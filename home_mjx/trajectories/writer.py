@@ -1,5 +1,6 @@
 """Writes episodes, one folder each, that is there as a whole or not at all."""
 
+import json
 import shutil
 from collections.abc import Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -14,8 +15,16 @@ from home_mjx.adapters.spaces import action_space, observation_space
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.household import HouseholdEnv
-from home_mjx.trajectories.layout import DATA, METADATA, MINARI_VERSION, PART
-from home_mjx.trajectories.layout import num_complete, read_metadata, space_json, write_metadata
+from home_mjx.trajectories.layout import (
+    DATA,
+    METADATA,
+    MINARI_VERSION,
+    PART,
+    num_complete,
+    read_metadata,
+    space_json,
+    write_metadata,
+)
 
 THREADS = 4  # Arrow writes without Python's lock
 PER_METADATA = 256  # episodes between two writes of the whole's metadata: what a killed process does not count
@@ -109,8 +118,6 @@ def _raised(done: "Future[None]") -> None:
 
 def _metadata(env: BoundEnv[HouseholdEnv], agent: str, without: tuple[str, ...]) -> dict[str, Any]:
     """What Minari wants to know, and what the environment was made of."""
-    import json
-
     seen = observation_space(env)
     seen = type(seen)({name: space for name, space in seen.spaces.items() if name not in without})
     task = env.spec.id if env.spec is not None else type(env.task).__name__

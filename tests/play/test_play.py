@@ -15,10 +15,8 @@ from home_mjx.cli import main
 from home_mjx.datasets import generate_dataset
 from home_mjx.errors import ConfigError
 from home_mjx.play.film import Film, fitted, frame
-from home_mjx.play.meant import described
 from home_mjx.play.run import PlayOptions, run_play
 from home_mjx.registry import EnvSpec, find_spec
-from home_mjx.tasks.rows.words import Kind, Word
 
 
 def film_of(path: Path) -> np.ndarray:
@@ -51,14 +49,6 @@ def test_a_film_runs_in_real_time_with_sound_and_never_slower_than_can_be_follow
         assert len(frames) == len(film.frames) == 1 + round(1.5 * film.fps)
         assert (frames[0].mean() < 20, frames[-1].mean() > 180) == (True, True)
     assert sum(sound.shape[1] for sound in heard.sounds) == 16000 * 0.3 * len(heard.frames)
-
-
-def test_rows_without_an_instruction_are_described():
-    row = np.full((2, len(Word)), -1)
-    row[0, [Word.KIND, Word.COARSE, Word.COLOR]] = Kind.OBJECT, 11, 1
-    text = described("ObjectNav", row)
-    assert text.startswith("ObjectNav: any ")
-    assert text.endswith(" chair")
 
 
 @pytest.mark.parametrize(

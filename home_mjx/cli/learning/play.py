@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from home_mjx.cli.houses import add_dataset_option
-from home_mjx.cli.learning.train import assignments, newest
+from home_mjx.cli.learning.train import assignments, checkpoint_of, newest
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import positive_int, seed
 from home_mjx.errors import ConfigError
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from home_mjx.registry import EnvSpec
 
 EXPERT, TRAINED = "expert", "trained"
+NOTHING_MORE = ("state",)  # sensors of who does not look
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -49,12 +50,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Plays, and says where to look."""
-    from home_mjx.play.run import PlayOptions, check, run_play
+    from home_mjx.play.players import check_agent
+    from home_mjx.play.run import AGENTS, PlayOptions, run_play
 
     path = args.checkpoint and checkpoint_of(args.checkpoint)
     width, height = args.size
     options = PlayOptions(
-        env=env_spec(args, path),
+        env=env_spec(args, path, None if path else NOTHING_MORE),
         agent=args.agent or (EXPERT if path is None else TRAINED),
         checkpoint=path,
         episodes=args.episodes,
@@ -64,7 +66,7 @@ def run(args: argparse.Namespace) -> int:
         height=height,
         samples=args.samples,
     )
-    check(options)
+    check_agent(options.agent, path, AGENTS)
     if not args.no_film:
         options = dataclasses.replace(options, out=make_folder(args.out))
     run_play(options)
@@ -73,15 +75,8 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def checkpoint_of(path: Path) -> Path:
-    """The file itself, or the checkpoint in the folder of a run."""
-    from home_mjx.training.checkpoint import CHECKPOINT  # needs the extra `train`
-
-    return path / CHECKPOINT if path.is_dir() else path
-
-
-def env_spec(args: argparse.Namespace, checkpoint: Path | None) -> "EnvSpec":
-    """What is played: the task that was named, or that of a checkpoint.
+def env_spec(args: argparse.Namespace, checkpoint: Path | None, sensors: tuple[str, ...] | None = None) -> "EnvSpec":
+    """What is played: the task that was named, or that of a checkpoint; with `sensors`, or those of the checkpoint.
 
     Raises:
         ConfigError: None was named, or another one than the checkpoint's.
@@ -99,7 +94,7 @@ def env_spec(args: argparse.Namespace, checkpoint: Path | None) -> "EnvSpec":
             raise ConfigError(f"the checkpoint is of {theirs.id}, not of {spec.id}", file=checkpoint)
         spec = theirs
     assert spec is not None
-    silent = {} if checkpoint is not None else {"sensors": ("state",)}
     houses = spec.houses if args.dataset is None else str(args.dataset)
-    options = {**spec.options, **silent, **assignments(args.env)}
+    seen = {} if sensors is None else {"sensors": sensors}
+    options = {**spec.options, **seen, **assignments(args.env)}
     return dataclasses.replace(spec, options=options, houses=houses, num_houses=args.houses, split=args.split)
