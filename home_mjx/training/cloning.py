@@ -1,9 +1,9 @@
 """Behaviour cloning: the network learns to do what an expert would do, where the network itself gets to (DAgger).
 
-Cloning what an expert does where the expert gets to goes wrong at the first mistake, which leads to where the expert has
-never been: errors grow with the square of an episode's length. Asked for advice at every state of the student's own way,
-they grow linearly: Ross, Gordon and Bagnell, "A Reduction of Imitation Learning and Structured Prediction to No-Regret
-Online Learning", 2011 (arXiv:1011.0686). Here the expert is a function in the compiled step, so its advice is free.
+Cloning what an expert does where the expert gets to goes wrong at the first mistake, which leads to where the expert
+has never been: errors grow with the square of an episode's length. Asked for advice at every state of the student's
+own way, they grow linearly: Ross, Gordon and Bagnell, "A Reduction of Imitation Learning and Structured Prediction to
+No-Regret Online Learning", 2011 (arXiv:1011.0686). Here the expert is a function in the compiled step: advice is free.
 """
 
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Train an agent by recurrent PPO or an expert's advice; write checkpoints, curves and an evaluation in houses it has not seen."""
+"""Train an agent by PPO or an expert's advice; write checkpoints, curves and figures in houses it has not seen."""
 
 import argparse
 import json
