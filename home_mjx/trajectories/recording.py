@@ -120,7 +120,7 @@ class _Batch:
         for i in np.flatnonzero(self.running):
             over = bool(host["terminated"][i] | host["truncated"][i])
             seen = host["final_obs"] if over else host["obs"]
-            self.open[i].add(host, seen, i)
+            self.open[i].add(host, seen, int(i))
             if over:
                 ended.append(self.open[i].whole({name: float(x[i]) for name, x in host["metrics"].items()}))
         over = host["terminated"] | host["truncated"]
