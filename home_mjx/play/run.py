@@ -100,6 +100,30 @@ def run_play(options: PlayOptions, tell: Callable[[str], Any] = tqdm.write, keys
     return outcomes
 
 
+def film_checkpoint(
+    checkpoint: Path, out: Path, episodes: int, split: str = "val", num_houses: int = 4, seed: int = 0,
+    greedy: bool = False,
+) -> list[Outcome]:  # fmt: skip
+    """Films episodes of a trained agent.
+
+    Args:
+        checkpoint: Of the agent.
+        out: Folder for the film; it exists.
+        episodes: How many.
+        split: Houses of which part of the dataset.
+        num_houses: How many.
+        seed: Of episodes and actions.
+        greedy: The agent does what is likeliest.
+
+    Returns:
+        How each episode has ended; nothing is printed.
+    """
+    from home_mjx.training import read_config  # needs the extra `train`
+
+    env = dataclasses.replace(read_config(checkpoint).env, split=split, num_houses=num_houses)
+    return run_play(PlayOptions(env, "trained", checkpoint, episodes, seed, greedy, out), lambda line: None)
+
+
 def _rows(env: BoundEnv[HouseholdEnv], options: PlayOptions) -> list[int | None]:
     """Rows of the tasks, no two the same while there are others."""
     if env.params.tasks is None:
