@@ -133,7 +133,7 @@ def _single_keys(terminal: Any) -> Iterator[None]:
         return
     kept = termios.tcgetattr(terminal)
     try:
-        tty.setcbreak(terminal)
+        tty.setcbreak(terminal, termios.TCSADRAIN)  # keys that were pressed meanwhile are kept
         yield
     finally:
         termios.tcsetattr(terminal, termios.TCSADRAIN, kept)

@@ -3,8 +3,9 @@
 import io
 
 import numpy as np
+import pytest
 
-from home_mjx.play.keyboard import KeyboardPlayer, as_text, key_actions, key_help
+from home_mjx.play.keyboard import KeyboardPlayer, as_text, key_actions, key_help, keys_of
 from home_mjx.tasks import EnvConfig, make_config
 from home_mjx.tasks.environment.moves import action_names
 
@@ -41,6 +42,20 @@ def test_other_agents_do_nothing():
     assert action.tolist() == [1, -1, -1]
     (action,) = typed(make_config(num_agents=2), "w", 1)
     assert action.tolist() == [[1, 0, 0, 0], [0, 0, 0, 0]]
+
+
+def test_a_terminal_gives_single_keys_and_is_left_as_it_was():
+    pty, termios = pytest.importorskip("pty"), pytest.importorskip("termios")
+    outside, inside = pty.openpty()
+    with open(inside) as terminal, open(outside, "wb", buffering=0) as person:
+        before = termios.tcgetattr(terminal)
+        keys = keys_of(terminal)
+        for key in "wd ":
+            person.write(key.encode())  # no end of a line
+            assert next(keys) == key
+            assert termios.tcgetattr(terminal) == before
+        person.write(b"ab")
+        assert [next(keys), next(keys)] == ["a", "b"]
 
 
 def test_a_picture_has_two_pixels_in_each_character():
