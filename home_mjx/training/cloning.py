@@ -19,7 +19,8 @@ from home_mjx.training.config import PPOConfig
 from home_mjx.training.ppo import PPO, Batch, TrainState
 from home_mjx.training.rollout import Policy
 
-LED = 0.5  # part of the run in which the expert acts at all: ever less often, at first always
+LED = 0.5  # part of the run in which the expert acts ever less often, at first always
+LEAST = 0.3  # share of the actions that stay the expert's: else all that is seen at last is where the network is stuck
 AGREES = 0.25  # farthest that a continuous action may be from the expert's to count as the same
 
 
@@ -49,9 +50,9 @@ class Cloning(PPO):
         super().__init__(core if isinstance(core, WithExpert) else WithExpert(core), config, devices)
 
     def behaviour(self, state: TrainState) -> Policy:
-        """The expert, ever less often; else the network."""
+        """The expert, at first always and then less and less often; else the network."""
         student = self.policy(state.net)
-        led = jnp.clip(1 - state.updates.astype(jnp.float32) / (LED * self.config.num_updates), 0, 1)
+        led = jnp.clip(1 - state.updates.astype(jnp.float32) / (LED * self.config.num_updates), LEAST, 1)
 
         def act(memory: Array, obs: dict[str, Array], begins: Array, keys: Array) -> tuple[Array, Array, dict]:
             memory, action, outputs = student.act(memory, obs, begins, keys)

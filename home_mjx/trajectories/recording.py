@@ -117,14 +117,14 @@ class _Batch:
         """One step of all; the episodes that it ended."""
         self.carry, taken = self._step(self.env.params, self.carry)
         host, ended = self._host(self.carry[0]) | jax.device_get(taken), []
-        for i in np.flatnonzero(self.running):
+        for i in np.flatnonzero(self.running).tolist():
             over = bool(host["terminated"][i] | host["truncated"][i])
             seen = host["final_obs"] if over else host["obs"]
-            self.open[i].add(host, seen, int(i))
+            self.open[i].add(host, seen, i)
             if over:
                 ended.append(self.open[i].whole({name: float(x[i]) for name, x in host["metrics"].items()}))
         over = host["terminated"] | host["truncated"]
-        begun = np.flatnonzero(self.running & over)
+        begun = np.flatnonzero(self.running & over).tolist()
         if self.last:
             self.running &= ~over
         else:

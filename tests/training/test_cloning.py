@@ -1,6 +1,7 @@
 """Cloning: who leads, what is learned from, and that it learns."""
 
 import dataclasses
+from pathlib import Path
 
 import jax
 import jax.numpy as jnp
@@ -10,6 +11,7 @@ import pytest
 pytest.importorskip("flax", reason="needs the extra `train`")
 
 import home_mjx
+from home_mjx.datasets import RoomOutline, outline_house, write_house, write_library
 from home_mjx.errors import ConfigError
 from home_mjx.registry import EnvSpec
 from home_mjx.training import CPU_CONFIG, Cloning, NetworkConfig, PPOConfig, RunConfig, evaluate, random_policy
@@ -50,7 +52,7 @@ def test_the_expert_leads_less_and_less(cloning: Cloning):
 
     assert led(0) == 1.0
     assert led(2) == pytest.approx(0.6, abs=0.04)
-    assert led(5) == led(9) == 0.0
+    assert led(5) == led(9) == pytest.approx(0.3, abs=0.04)
 
 
 def test_the_loss_is_how_unlikely_the_advice_is(cloning: Cloning, rng: np.random.Generator):
@@ -64,9 +66,10 @@ def test_the_loss_is_how_unlikely_the_advice_is(cloning: Cloning, rng: np.random
     odds = np.exp(np.asarray(logits, float))
     odds /= odds.sum(-1, keepdims=True)
     chosen = np.take_along_axis(odds, np.asarray(obs["expert"])[..., None], axis=-1)
+    parts = {name: float(part) for name, part in parts.items()}
     assert parts["clone"] == pytest.approx(-np.log(chosen).mean(), abs=1e-5)
     assert parts["agreement"] == pytest.approx(np.mean(odds.argmax(-1) == np.asarray(obs["expert"])))
-    assert loss == pytest.approx(parts["clone"] + 0.5 * 0.5 * np.mean((np.asarray(value) - 1) ** 2), abs=1e-5)
+    assert float(loss) == pytest.approx(parts["clone"] + 0.5 * 0.5 * np.mean((np.asarray(value) - 1) ** 2), abs=1e-5)
 
 
 def test_runs_say_how_they_learn():
@@ -76,27 +79,29 @@ def test_runs_say_how_they_learn():
         RunConfig(spec, algorithm="cloning")
 
 
+@pytest.fixture(scope="module")
+def hall(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """One empty room: experts go straight, which can be told from where the goal is."""
+    root = tmp_path_factory.mktemp("hall")
+    write_library(root, [], {})
+    write_house(root, outline_house("hall", [RoomOutline("Living_Room", [(0, 0), (6, 0), (6, 5), (0, 5)])], []))
+    return root
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("actions", ["discrete", "continuous"])
-def test_a_clone_learns_from_few_steps(actions: str):
-    env = home_mjx.make(
-        "PointNav-v0",
-        num_houses=1,
-        sensors=("goal",),
-        impl="kinematic",
-        ctrl_dt=0.3,
-        episode_length=60,
-        actions=actions,
-    )
+def test_a_clone_learns_from_few_steps(hall: Path, actions: str):
+    options = {"sensors": ("goal",), "impl": "kinematic", "ctrl_dt": 0.3, "episode_length": 60, "actions": actions}
+    env = home_mjx.make("PointNav-v0", str(hall), **options)
     config = dataclasses.replace(
-        CPU_CONFIG, num_timesteps=64 * 32 * 12, learning_rate=2e-3, network=NetworkConfig(features=64, memory=64)
+        CPU_CONFIG, num_timesteps=64 * 32 * 12, learning_rate=3e-3, network=NetworkConfig(features=64, memory=64)
     )
     cloning = Cloning(env.core, config, ONE)
-    state, losses = cloning.init(env.params, jax.random.key(0)), []
+    state, agreement = cloning.init(env.params, jax.random.key(0)), []
     for _ in range(config.num_updates):
         state, metrics = cloning.update(env.params, state)
-        losses.append(float(metrics["loss/clone"]))
-    assert losses[-1] < losses[0] - 0.3
+        agreement.append(float(metrics["loss/agreement"]))
+    assert agreement[-1] > agreement[0] + 0.2
     learned = evaluate(env, cloning.policy, state.net, num_episodes=64)["success"].mean()
     chance = evaluate(env, random_policy(env.core), num_episodes=64)["success"].mean()
-    assert learned > chance + 0.3, (learned, chance)
+    assert learned > chance + 0.4, (learned, chance)
