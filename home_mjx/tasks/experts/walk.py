@@ -4,7 +4,7 @@ import math
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float, Int, UInt16
+from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.navigation.grid import cell_of, place_position, row_of_cell
 from home_mjx.schema.compiled import FIELD_FAR
@@ -78,17 +78,13 @@ def should_stop(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[
 def downhill(
     snapshot: Snapshot, state: RowState, guide: Int[Array, ""]
 ) -> tuple[Float[Array, "a 2"], Bool[Array, " a"]]:
-    """A place on the shortest way to what a descriptor means [m], and whether none is nearer than where an agent is."""
-    return descent(snapshot, snapshot.tasks.field[:, jnp.maximum(state.program.field[guide], 0)])
-
-
-def descent(snapshot: Snapshot, field: UInt16[Array, " cell"]) -> tuple[Float[Array, "a 2"], Bool[Array, " a"]]:
-    """A place on the way down a field of distances [m], and whether none is nearer than where an agent is.
+    """A place on the shortest way to what a descriptor means [m], and whether none is nearer than where an agent is.
 
     Each agent can walk there straight: it is the farthest of the next `LOOK_AHEAD` cells for which all cells of the
     straight way are free; the next one for an agent that has run into something.
     """
     bank, house = snapshot.bank, snapshot.house
+    field = snapshot.tasks.field[:, jnp.maximum(state.program.field[guide], 0)]
     numbers = bank.navigation.cell[house]
     part = jnp.linspace(0.0, 1.0, SAMPLES, dtype=jnp.float32)[:, None]
 

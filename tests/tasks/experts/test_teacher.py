@@ -41,7 +41,7 @@ def test_nothing_else_changes(env):
 
 def test_a_task_without_an_expert_is_refused(env):
     with pytest.raises(ConfigError, match="no expert is known for Task"):
-        WithExpert(home_mjx.HouseholdEnv(env.config, Task()))
+        jax.eval_shape(WithExpert(home_mjx.HouseholdEnv(env.config, Task())).reset, env.params, jax.random.key(0))
 
 
 @pytest.mark.slow
