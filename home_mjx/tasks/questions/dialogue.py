@@ -58,7 +58,8 @@ class Dialogue(Navigation):
         found = [(thing, words) for thing, words in found if self._is_apart(thing, things)]
         while found:
             for at in random.permutation(len(found)).tolist():
-                yield self._row(view.things, *found[at], random)
+                thing, words = found[at]
+                yield self._row(view.things, thing, words, random)
 
     def _is_apart(self, thing: Thing, things: Sequence[Thing]) -> bool:
         """Whether nobody is near it who is near another one of its category."""
