@@ -243,10 +243,10 @@ def run(env, states, act):
 @pytest.mark.parametrize(
     ("task", "num_agents", "least"),
     [
-        (HouseQA(num_tasks=24), 1, 0.98),
+        (HouseQA(num_tasks=24), 1, 0.95),
         (VQA(num_tasks=24), 1, 1.0),
         (Dialogue(num_tasks=24, **STOPS), 1, 0.94),
-        (Communication(num_tasks=24, **STOPS), 2, 0.98),
+        (Communication(num_tasks=24, **STOPS), 2, 0.95),
     ],
     ids=["HouseQA", "VQA", "Dialogue", "Communication"],
 )
