@@ -2,6 +2,7 @@
 
 from home_mjx.audio_jax.auralization.response import ear_gains, early_response, impulse_response, late_response
 from home_mjx.audio_jax.auralization.sources import CLIPS, clip_samples
+from home_mjx.audio_jax.auralization.spectra import log_mel, stft_magnitude
 from home_mjx.audio_jax.auralization.stream import sound_frame
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
@@ -25,7 +26,9 @@ __all__ = [
     "energy_histogram",
     "impulse_response",
     "late_response",
+    "log_mel",
     "reflected_paths",
     "sound_frame",
+    "stft_magnitude",
     "trace",
 ]

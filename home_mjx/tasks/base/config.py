@@ -16,7 +16,7 @@ from home_mjx.raycast_render.executors.choose import find_executor
 from home_mjx.raycast_render.shading.preset import Preset, resolve
 from home_mjx.schema.agent import Body
 from home_mjx.schema.timing import Timing
-from home_mjx.tasks.base.specs import DiscreteActions
+from home_mjx.tasks.base.specs import ACTION_NAMES, HAND_MOVE_NAMES, HAND_NAMES, MOVE_NAMES, DiscreteActions
 
 PIXEL_KINDS = ("rgb", "depth", "normal")
 CAMERA_KINDS = ("intrinsics", "pose", "valid")
@@ -225,6 +225,12 @@ class EnvConfig:
         if isinstance(self.actions, DiscreteActions):
             return self.actions
         return DiscreteActions() if self.actions == "discrete" else None
+
+    @property
+    def action_names(self) -> tuple[str, ...]:
+        """What the numbers of a continuous action mean, or which discrete ones there are."""
+        own, hands = (ACTION_NAMES, HAND_NAMES) if self.discrete is None else (MOVE_NAMES, HAND_MOVE_NAMES)
+        return (*own, *hands) if self.hands else own
 
     def replace(self, **changes: Any) -> "EnvConfig":
         """A copy with some fields changed; physics and sound follow a new body or clock."""

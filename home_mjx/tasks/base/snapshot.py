@@ -39,6 +39,8 @@ class Snapshot(Pytree):
     door_angle: Float[Array, " h"]  # [rad] about +z from as placed, of what slides [m]
     touch: Touch
     source: Float[Array, "3"]  # [m], where the sound comes from
+    action: Float[Array, "a n"]  # the last one: numbers, or 1 at the chosen move; 0 at the start
+    reward: Float[Array, " a"]  # the last one; 0 at the start, and while the task computes the next
     scene: Scene  # the same as rays see it
     tasks: Any  # `EnvParams.tasks`
     config: EnvConfig = static()

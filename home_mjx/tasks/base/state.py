@@ -65,6 +65,8 @@ class World(Pytree):
     pitch: Float[Array, " a"]  # [rad], look up is positive
     stopped: Bool[Array, " a"]  # has chosen the discrete action `stop`
     source: Float[Array, "3"]  # [m], where the sound comes from
+    action: Float[Array, "a n"]  # the last one: numbers, or 1 at the chosen move; 0 at the start
+    reward: Float[Array, " a"]  # the last one; 0 at the start
     sensors: dict[str, Any]  # what sensors remember, by their names
     faults: Int[Array, ""]  # episodes of this environment that ended because a pose was not a number
 

@@ -37,7 +37,7 @@ from home_mjx.tasks.environment.usable import (
     checked_metrics,
 )
 from home_mjx.tasks.rows.task_bank import TaskBank
-from home_mjx.tasks.sensors.choose import choose_sensors, sensor_names
+from home_mjx.tasks.sensors.choose import choose_sensors, keepers, sensor_names
 from home_mjx.tasks.suite.point_nav import PointNav
 
 
@@ -153,7 +153,7 @@ class HouseholdEnv:
         """The state after its sensors were updated, once after each `begin` or `advance`; then observed."""
         snapshot = self.snapshot(params, state)
         kept, lost = dict(state.world.sensors), state.status
-        for sensor in self.sensors:
+        for sensor in keepers(self.sensors):
             kept[sensor.name] = sensor.update(self.config, snapshot, kept[sensor.name])
             lost = lost | jnp.asarray(sensor.status(self.config, snapshot, kept[sensor.name]), jnp.int32)
         return self.observe(params, state.replace(world=state.world.replace(sensors=kept), status=lost))
@@ -163,7 +163,7 @@ class HouseholdEnv:
         obs: dict[str, Array] = {}
         for sensor in self.sensors:
             if sensor.costly == costly:
-                seen = sensor.observe(self.config, snapshot, state.world.sensors[sensor.name])
+                seen = sensor.observe(self.config, snapshot, state.world.sensors[(sensor.keeper or sensor).name])
                 check_observations(sensor, sensor.spec(self.config), seen, self.num_agents)
                 obs |= seen
         if not costly:
@@ -201,7 +201,9 @@ class HouseholdEnv:
             pitch=jnp.zeros(agents, jnp.float32),
             stopped=jnp.zeros(agents, bool),
             source=random_source(bank, house, config.source_height, source_key),
-            sensors={sensor.name: sensor.init(config) for sensor in self.sensors},
+            action=jnp.zeros((agents, self.action_size), jnp.float32),
+            reward=jnp.zeros(agents, jnp.float32),
+            sensors={sensor.name: sensor.init(config) for sensor in keepers(self.sensors)},
             faults=jnp.zeros((), jnp.int32),
         )
         angle = door_angles(bank, house, config.doors, fold(to_raw(key), DOORS))
@@ -241,6 +243,7 @@ class HouseholdEnv:
             pitch=tilted(self.config, state.world.pitch, moves.look),
             stopped=moves.stop,
             step=state.world.step + 1,
+            action=moves.action,
             faults=state.world.faults + broken.astype(jnp.int32),
         )
         snapshot = self._snapshot(params, data, world)
@@ -251,7 +254,7 @@ class HouseholdEnv:
         reward, terminated = jnp.where(broken, 0.0, reward), terminated | broken
         return state.replace(
             physics=data,
-            world=world,
+            world=world.replace(reward=reward),
             task=task,
             reward=self._squeeze(reward),
             terminated=terminated,
@@ -294,6 +297,8 @@ class HouseholdEnv:
             door_angle=angle,
             touch=Touch(impulse=data.impulse, place=data.place, other=data.other),
             source=world.source,
+            action=world.action,
+            reward=world.reward,
             tasks=params.tasks,
             config=self.config,
             scene=make_scene(bank, world.house, *bodies, pos, turned, self.config.executor, angle, sizes),

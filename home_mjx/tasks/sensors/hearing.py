@@ -1,4 +1,4 @@
-"""What both ears of every agent hear."""
+"""What both ears of every agent hear, and spectra of it."""
 
 import jax
 import jax.numpy as jnp
@@ -6,6 +6,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.audio_jax.auralization.response import impulse_response
 from home_mjx.audio_jax.auralization.sources import clip_samples
+from home_mjx.audio_jax.auralization.spectra import LEAST, MOST, NUM_MELS, log_mel, spectrum_shape, stft_magnitude
 from home_mjx.audio_jax.auralization.stream import sound_frame
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
@@ -69,6 +70,53 @@ class Hearing(Sensor):
     def status(self, config: EnvConfig, snapshot: Snapshot, state: Heard) -> Int[Array, ""]:
         """Whether a response was cut off."""
         return flags(RESPONSE_CUT=jax.vmap(lambda r: is_cut(r, config.audio))(state.response))
+
+
+class Stft(Sensor):
+    """`stft` (2, windows, frequencies): magnitudes of the short-time Fourier transform of both ears' sound.
+
+    Of each frame alone, see `audio_jax.stft_magnitude`: 25 ms every 10 ms, so (2, 8, 257) at the default clock;
+    pressure relative to the source's at 1 m.
+    """
+
+    name = "stft"
+    costly = True
+    keeper = Hearing()
+
+    def spec(self, config: EnvConfig) -> Specs:
+        """Of both ears."""
+        shape = spectrum_shape(config.audio.frame, config.audio.sample_rate)
+        return {
+            "stft": ArraySpec((2, *shape), "float32", 0.0, text="ear, window, frequency: magnitude of the pressure")
+        }
+
+    def observe(self, config: EnvConfig, snapshot: Snapshot, state: Heard) -> dict[str, Array]:
+        """Of the last step's frame."""
+        return {"stft": stft_magnitude(state.frame, config.audio.sample_rate)}
+
+
+class LogMel(Sensor):
+    """`log_mel` (2, windows, 40): power of both ears' sound in bands that are equally wide to the ear [dB].
+
+    Of each frame alone, see `audio_jax.log_mel`: (2, 8, 40) at the default clock; 0 dB is a pressure of 1 relative to
+    the source's at 1 m; clipped to -100 and 100 dB.
+    """
+
+    name = "log_mel"
+    costly = True
+    keeper = Stft.keeper
+
+    def spec(self, config: EnvConfig) -> Specs:
+        """Of both ears."""
+        windows, _ = spectrum_shape(config.audio.frame, config.audio.sample_rate)
+        return {
+            "log_mel": ArraySpec((2, windows, NUM_MELS), "float32", LEAST, MOST, "ear, window, mel band: power [dB]")
+        }
+
+    def observe(self, config: EnvConfig, snapshot: Snapshot, state: Heard) -> dict[str, Array]:
+        """Of the last step's frame."""
+        rate = config.audio.sample_rate
+        return {"log_mel": log_mel(stft_magnitude(state.frame, rate), rate)}
 
 
 def hear(config: EnvConfig, snapshot: Snapshot) -> Float[Array, "a 2 l"]:
