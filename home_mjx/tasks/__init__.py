@@ -26,6 +26,8 @@ from home_mjx.tasks.rows.program import Go, Meant, Stage, When
 from home_mjx.tasks.rows.row_task import RowState, RowTask
 from home_mjx.tasks.rows.task_bank import TaskBank
 from home_mjx.tasks.rows.words import FAILURE, SUCCESS, Feature
+from home_mjx.tasks.sounds.row import Sound
+from home_mjx.tasks.suite.audio_nav import AudioNav
 from home_mjx.tasks.suite.instructions import InstructionFollowing
 from home_mjx.tasks.suite.navigation import HouseTasks, Navigation, ObjectNav, RoomNav
 from home_mjx.tasks.suite.point_nav import PointNav, PointNavState
@@ -39,6 +41,7 @@ __all__ = [
     "AgentCamera",
     "AgentPose",
     "ArraySpec",
+    "AudioNav",
     "AutoReset",
     "BoundEnv",
     "DiscreteActions",
@@ -63,6 +66,7 @@ __all__ = [
     "RowTask",
     "Sensor",
     "Snapshot",
+    "Sound",
     "Stage",
     "State",
     "Status",

@@ -14,7 +14,7 @@ from home_mjx.bank.records import BankSpec
 from home_mjx.core.transforms import body_quat
 from home_mjx.errors import ConfigError
 from home_mjx.navigation.doors import door_angles
-from home_mjx.navigation.spawn import random_arrangement, random_source, random_yaw, spread_starts
+from home_mjx.navigation.spawn import random_arrangement, random_yaw, spread_starts
 from home_mjx.physics import PhysicsState
 from home_mjx.physics.hands import obey, settle
 from home_mjx.raycast_render.scene.scene import agent_sizes, make_scene
@@ -38,6 +38,7 @@ from home_mjx.tasks.environment.usable import (
 )
 from home_mjx.tasks.rows.task_bank import TaskBank
 from home_mjx.tasks.sensors.choose import choose_sensors, keepers, sensor_names
+from home_mjx.tasks.sounds.emit import house_sounds
 from home_mjx.tasks.suite.point_nav import PointNav
 
 
@@ -74,7 +75,11 @@ class HouseholdEnv:
         self.task = task or PointNav()
         config = config or EnvConfig()
         check_stop(config, self.task)
-        self.config = config.replace(sensors=sensor_names(config, self.task))
+        self.config = config.replace(
+            sensors=sensor_names(config, self.task),
+            num_sources=max(config.num_sources, self.task.num_sources),
+            clips=tuple(dict.fromkeys((*config.clips, *self.task.clips))),
+        )
         self.sensors = choose_sensors(self.config, self.task)
         self.action_spec = action_spec(self.config)
         self.observation_spec = self._observation_spec()
@@ -200,7 +205,7 @@ class HouseholdEnv:
             step=jnp.zeros((), jnp.int32),
             pitch=jnp.zeros(agents, jnp.float32),
             stopped=jnp.zeros(agents, bool),
-            source=random_source(bank, house, config.source_height, source_key),
+            sounds=house_sounds(config, bank, house, source_key),
             action=jnp.zeros((agents, self.action_size), jnp.float32),
             reward=jnp.zeros(agents, jnp.float32),
             sensors={sensor.name: sensor.init(config) for sensor in keepers(self.sensors)},
@@ -214,7 +219,7 @@ class HouseholdEnv:
         no = jnp.zeros((), bool)
         return State(
             physics=data,
-            world=world,
+            world=world.replace(sounds=self.task.sounds(snapshot, task)),
             task=task,
             obs={name: jnp.zeros(spec.shape, spec.dtype) for name, spec in self.observation_spec.items()},
             reward=self._squeeze(jnp.zeros(agents, jnp.float32)),
@@ -247,6 +252,7 @@ class HouseholdEnv:
             faults=state.world.faults + broken.astype(jnp.int32),
         )
         snapshot = self._snapshot(params, data, world)
+        snapshot = snapshot.replace(sounds=self.task.sounds(snapshot, state.task))
         task = self.task.update(snapshot, state.task)
         reward, terminated = self.task.reward(snapshot, state.task, task), self.task.terminated(snapshot, task)
         metrics = checked_metrics(self.task, self.task.metrics(snapshot, task))
@@ -254,7 +260,7 @@ class HouseholdEnv:
         reward, terminated = jnp.where(broken, 0.0, reward), terminated | broken
         return state.replace(
             physics=data,
-            world=world.replace(reward=reward),
+            world=world.replace(reward=reward, sounds=snapshot.sounds),
             task=task,
             reward=self._squeeze(reward),
             terminated=terminated,
@@ -296,7 +302,7 @@ class HouseholdEnv:
             held=data.held,
             door_angle=angle,
             touch=Touch(impulse=data.impulse, place=data.place, other=data.other),
-            source=world.source,
+            sounds=world.sounds,
             action=world.action,
             reward=world.reward,
             tasks=params.tasks,
