@@ -28,8 +28,10 @@ from home_mjx.tasks.rows.task_bank import TaskBank
 from home_mjx.tasks.rows.words import FAILURE, SUCCESS, Feature
 from home_mjx.tasks.sounds.row import Sound
 from home_mjx.tasks.suite.audio_nav import AudioNav
+from home_mjx.tasks.suite.exploration import Exploration, ExplorationState
 from home_mjx.tasks.suite.instructions import InstructionFollowing
 from home_mjx.tasks.suite.navigation import HouseTasks, Navigation, ObjectNav, RoomNav
+from home_mjx.tasks.suite.pied_piper import PiedPiper, PiedPiperState
 from home_mjx.tasks.suite.point_nav import PointNav, PointNavState
 from home_mjx.tasks.suite.task_lines import load_tasks, save_tasks
 
@@ -48,6 +50,8 @@ __all__ = [
     "EnvConfig",
     "EnvParams",
     "Episodes",
+    "Exploration",
+    "ExplorationState",
     "Feature",
     "Go",
     "HouseTasks",
@@ -58,6 +62,8 @@ __all__ = [
     "MemoryEstimate",
     "Navigation",
     "ObjectNav",
+    "PiedPiper",
+    "PiedPiperState",
     "PointNav",
     "PointNavState",
     "RoomNav",

@@ -74,6 +74,15 @@ class Task:
         """
         return ()
 
+    def lead(self, snapshot: Snapshot, state: Any) -> tuple[Bool[Array, " a"], Array] | None:
+        """Which agents the task itself leads in the next step, whatever they are told to do, and what they do instead.
+
+        Returns:
+            A mask, and actions of all agents as the environment takes them, of which those of the mask count; a
+            discrete one that there is not does nothing. None: it leads nobody, whatever the state.
+        """
+        return None
+
     def sounds(self, snapshot: Snapshot, state: Any) -> Sounds:
         """What sounds at the start of an episode, and after each step, before `update`: here, what did before."""
         return snapshot.sounds

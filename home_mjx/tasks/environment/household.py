@@ -28,7 +28,7 @@ from home_mjx.tasks.base.status import flags
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.handling import hand_commands
-from home_mjx.tasks.environment.moves import Moves, action_names, action_spec, moves_of, tilted
+from home_mjx.tasks.environment.moves import Moves, action_names, action_spec, moves_of, tilted, with_led
 from home_mjx.tasks.environment.usable import (
     check_arrangements,
     check_observations,
@@ -237,7 +237,7 @@ class HouseholdEnv:
         and `World.faults` tell of it.
         """
         bank, template = params.bank, self.template(params.bank)
-        moves = moves_of(self.config, action, state.world.stopped)
+        moves = self._led(params, state, moves_of(self.config, action, state.world.stopped))
         before = self._use_hands(params, self._set_off(params, state, moves), moves)
         data, lost = physics.step_checked(template, bank, state.world.house, before, moves.drive)
         if self.config.hands:
@@ -309,6 +309,13 @@ class HouseholdEnv:
             config=self.config,
             scene=make_scene(bank, world.house, *bodies, pos, turned, self.config.executor, angle, sizes),
         )
+
+    def _led(self, params: EnvParams, state: State, moves: Moves) -> Moves:
+        """The moves, but of agents that the task leads."""
+        if type(self.task).lead is Task.lead:
+            return moves
+        led = self.task.lead(self.snapshot(params, state), state.task)
+        return moves if led is None else with_led(self.config, moves, state.world.stopped, *led)
 
     def _set_off(self, params: EnvParams, state: State, moves: Moves) -> State:
         """Agents at the speed of their discrete action: it takes them exactly as far as it says."""

@@ -91,6 +91,16 @@ def moves_of(config: EnvConfig, action: Any, stopped: Any) -> Moves:
     return Moves(drive=numbers[:, :3], look=look, hands=hands, stop=stop, unusable=unusable, action=understood)
 
 
+def with_led(config: EnvConfig, moves: Moves, stopped: Any, mask: Bool[Array, " a"], action: Array) -> Moves:
+    """The moves, but where a mask holds those that an action of all agents means."""
+    own = moves_of(config, action, stopped).replace(unusable=moves.unusable)
+
+    def pick(led: Array, told: Array) -> Array:
+        return jnp.where(mask.reshape(-1, *[1] * (led.ndim - 1)), led, told) if led.ndim else told
+
+    return jax.tree.map(pick, own, moves)
+
+
 def _move_table(config: EnvConfig, moves: DiscreteActions) -> Float[np.ndarray, "a moves n"]:
     """Every agent's discrete actions as continuous ones; looks in radians. The last row does nothing."""
     names, columns = action_names(config), (*ACTION_NAMES, *(HAND_NAMES if config.hands else ()))

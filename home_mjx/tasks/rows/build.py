@@ -130,7 +130,9 @@ def _can_be_done(column: dict, nearest: Float[np.ndarray, " g"]) -> bool:
     field_, guide = column["field"], column["guide"]
     asked = column["feature"] == Feature.DISTANCE
     first = np.maximum(column["first"][asked], 0)
-    leads = np.all(field_[guide[guide >= 0]] >= 0) and np.all(field_[first] >= 0)
+    kind = column["descriptor"][:, Word.KIND]
+    led_to = guide[guide >= 0]
+    leads = np.all((field_[led_to] >= 0) | (kind[led_to] == Kind.AGENT)) and np.all(field_[first] >= 0)
     return bool(leads and np.all(nearest[field_[first]] + ROOM <= column["most"][asked]))
 
 

@@ -87,17 +87,17 @@ def nearest_meant(
 def emitters(snapshot: Snapshot, program: Program, means: Means) -> tuple[Float[Array, "d 3"], Int[Array, " d"]]:
     """Where the sound of what each descriptor means comes from [m], inf for what does not sound; and its object id.
 
-    Objects sound in their middle (of several the first does), agents at their eyes, places so far above the floor as
+    Objects and agents sound in their middle (of several the first does), places so far above the floor as
     `EnvConfig.source_height` says.
     """
     kind = program.descriptor[:, Word.KIND]
     first = jnp.argmax(means.instance, axis=1)
     middle = jnp.where(jnp.any(means.instance, axis=1)[:, None], boxes_now(snapshot)[first].mean(axis=1), jnp.inf)
     agent = jnp.clip(program.descriptor[:, Word.AGENT], 0, snapshot.pose.yaw.shape[0] - 1)
-    eyes = eye_position(snapshot.config, snapshot.pose)[agent]
+    someone = snapshot.pose.pos[agent]
     own = agent_ids(snapshot.bank, snapshot.pose.yaw.shape[0])[agent]
     above = program.place.at[:, 2].add(jnp.float32(snapshot.config.source_height))
-    point = jnp.where((kind == Kind.OBJECT)[:, None], middle, jnp.where((kind == Kind.AGENT)[:, None], eyes, above))
+    point = jnp.where((kind == Kind.OBJECT)[:, None], middle, jnp.where((kind == Kind.AGENT)[:, None], someone, above))
     thing = snapshot.bank.geometry.instance_object[snapshot.house, first]
     body = jnp.where(kind == Kind.OBJECT, thing, jnp.where(kind == Kind.AGENT, own, -1))
     return point, body.astype(jnp.int32)

@@ -24,6 +24,7 @@ from home_mjx.tasks.sounds.emit import emitted
 from home_mjx.tasks.sounds.row import Emission, emission_of
 
 FARTHEST = 1000.0  # [m]: no house is larger
+LEAP = 2.0  # [m]: what comes from another storey, or from nowhere, has made no progress of more than that
 
 
 class RowState(Pytree):
@@ -156,7 +157,7 @@ class RowTask(Task):
         """The transition's reward, progress towards what the stage leads to, less costs."""
         guide = state.program.guide[jnp.maximum(before.stage, 0)]
         progress = (before.distance - state.distance)[:, jnp.maximum(guide, 0)]
-        progress = jnp.where(guide < 0, 0.0, progress)
+        progress = jnp.where(guide < 0, 0.0, jnp.clip(progress, -LEAP, LEAP))
         costs = jnp.float32(self.step_cost) + jnp.float32(self.contact_cost) * snapshot.contact.astype(jnp.float32)
         return jnp.float32(self.progress_reward) * progress + state.gained - costs
 

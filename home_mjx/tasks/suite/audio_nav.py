@@ -8,15 +8,18 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Array
 
 from home_mjx.core.checks import check_flag, check_known, check_number
 from home_mjx.schema.categories import COARSE
 from home_mjx.schema.semantic import Semantic
+from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import Specs
 from home_mjx.tasks.language.vocabulary import tokenize
 from home_mjx.tasks.rows.build import Row
 from home_mjx.tasks.rows.house_view import HouseView
 from home_mjx.tasks.rows.program import Meant, When
+from home_mjx.tasks.rows.row_task import RowState
 from home_mjx.tasks.rows.words import Feature
 from home_mjx.tasks.sounds.row import Sound
 from home_mjx.tasks.suite.navigation import NO_GOALS, Navigation, arrive
@@ -74,6 +77,10 @@ class AudioNav(Navigation):
     @property
     def observation_spec(self) -> Specs:
         """None: what there is to know is heard."""
+        return {}
+
+    def observe(self, snapshot: Snapshot, state: RowState) -> dict[str, Array]:
+        """Nothing."""
         return {}
 
     @property
