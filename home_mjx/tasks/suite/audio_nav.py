@@ -107,7 +107,7 @@ class AudioNav(Navigation):
             things = [thing for thing in view.things if COARSE[thing.word(Semantic.COARSE)] not in NO_GOALS]
             return [Meant.thing(object_id=thing.object_id) for thing in things]
         free = np.flatnonzero(~view.graph.at_leaf)
-        return [Meant.at(view.graph.place[i]) for i in random.permutation(free)[:NUM_PLACES]]
+        return [Meant.at(view.graph.place[i].tolist()) for i in random.permutation(free)[:NUM_PLACES]]
 
     def _row(self, meant: Sequence[Meant], random: np.random.Generator) -> Row:
         near = self.success_distance

@@ -51,18 +51,18 @@ class ExplorationState(Pytree):
 class Exploration(Task):
     """Cover as much of the house's free floor as the time allows; several agents do it together.
 
-    The floor is divided into tiles of 0.5 m. One is covered once an agent was within `radius` of its middle, in the
+    The floor is divided into tiles of 0.5 m. One is covered once an agent was within `cover_radius` of its middle, in the
     same room. The episode ends with the time, or when all agents have stopped.
 
     Attributes:
-        radius: [m].
+        cover_radius: [m].
         area_reward: Per square metre of free floor that an agent covers first.
         step_cost: Taken every step.
         contact_cost: Taken while touching anything but the floor.
         success_coverage: Part of the floor from which on the metric `success` is 1.
     """
 
-    radius: float = 1.0
+    cover_radius: float = 1.0
     area_reward: float = 0.5
     step_cost: float = 0.01
     contact_cost: float = 0.01
@@ -71,7 +71,7 @@ class Exploration(Task):
     def __post_init__(self) -> None:
         for option in fields(self):
             check_number(option.name, getattr(self, option.name), 0)
-        check_number("radius", self.radius, LEAST_RADIUS)
+        check_number("cover_radius", self.cover_radius, LEAST_RADIUS)
         check_number("success_coverage", self.success_coverage, 0, 1)
 
     def init(self, snapshot: Snapshot, key: Array, columns: dict[str, Array] | None) -> ExplorationState:
@@ -122,7 +122,7 @@ class Exploration(Task):
             at = cell_of(bank, house, pos)
             own = bank.navigation.room[house, at[0], at[1], at[2]]
             local = pos[:2] - bank.navigation.origin[house]
-            near = jnp.hypot((x - local[0])[None], (y - local[1])[:, None]) <= jnp.float32(self.radius)
+            near = jnp.hypot((x - local[0])[None], (y - local[1])[:, None]) <= jnp.float32(self.cover_radius)
             here = (jnp.arange(levels) == at[0])[:, None, None] & (room == own) & (own >= 0)
             return near[None] & here
 

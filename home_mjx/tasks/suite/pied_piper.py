@@ -105,7 +105,7 @@ class PiedPiper(Navigation):
         """Pairs of places of the house."""
         free = random.permutation(np.flatnonzero(~view.graph.at_leaf))[:NUM_PLACES]
         while len(free) > 1:
-            first, second = view.graph.place[random.choice(free, 2, replace=False)]
+            first, second = view.graph.place[random.choice(free, 2, replace=False)].tolist()
             who = Meant.someone(PIPER + 1) if self.others else Meant.hidden()
             meant = [Meant.someone(PIPER), who, Meant.at(first), Meant.at(second)]
             sounds = [Sound(0, str(random.choice(SPLITS[self.clip_split])))]

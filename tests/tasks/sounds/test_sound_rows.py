@@ -22,6 +22,7 @@ from home_mjx.tasks import (
     HouseTasks,
     RoomNav,
     Sound,
+    expert_action,
     load_tasks,
     save_tasks,
 )
@@ -86,7 +87,8 @@ def test_sounds_are_read_as_they_were_written():
     arrays = written_sounds(sounds, 3)
     assert {values.shape for values in arrays.values()} == {(NUM_SOUNDS,)}
     assert read_sounds(arrays) == sounds
-    assert emission_of(arrays).clip[:3].tolist() == [CLIPS.index(sound.clip) for sound in sounds]
+    on_device = {name: jnp.asarray(values) for name, values in arrays.items()}
+    assert emission_of(on_device).clip[:3].tolist() == [CLIPS.index(sound.clip) for sound in sounds]
 
 
 @pytest.mark.parametrize(
@@ -236,3 +238,23 @@ def test_a_mix_plays_what_its_tasks_play():
     assert set(MIX.clips) == {*SPLITS["all"], *DISTRACTING}
     assert HouseTasks(tasks=(Nothing(),)).num_sources == 1
     assert Kind.NOTHING == -1
+
+
+@pytest.mark.slow
+def test_experts_go_to_what_sounds_and_chance_does_not(env, columns, walk):
+    """The three kinds of AudioNav; expert actions are computed where the state is."""
+
+    def run(act):
+        def step(states, key):
+            actions = jax.vmap(act)(states, jax.random.split(key, states.done.shape[0]))
+            after = jax.vmap(env.core.advance, (None, 0, 0))(env.params, states, actions)
+            return jax.vmap(lambda o, a: jax.tree.map(lambda x, y: jnp.where(o.done, x, y), o, a))(states, after), None
+
+        keys = jax.random.split(jax.random.key(1), 500)
+        return jax.jit(lambda s: jax.lax.scan(step, s, keys)[0])(walk[0])
+
+    rows = np.concatenate([of(columns, kind) for kind in ("place", "object", "moving")])
+    expert = run(lambda s, _: expert_action(env.core.snapshot(env.params, s), s.task)[0])
+    assert np.asarray(expert.metrics["success"])[rows].mean() >= 0.99
+    random = run(lambda _, key: jax.random.randint(key, (), 0, 6))
+    assert np.asarray(random.metrics["success"])[rows].mean() < 0.1

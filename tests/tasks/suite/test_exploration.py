@@ -97,7 +97,7 @@ def test_reward_is_the_area_that_is_new(env, walk):
         free = np.asarray(after.task.free)
         new = (free * (np.asarray(after.task.covered) & ~np.asarray(before.task.covered))).sum(axis=(1, 2, 3)) * 0.01
         gains.append(new)
-        touches = np.asarray(after.task.collisions - before.task.collisions)
+        touches = np.asarray(after.task.collisions - before.task.collisions)[:, 0]
         costs = task.step_cost + task.contact_cost * touches
         np.testing.assert_allclose(after.reward, task.area_reward * new - costs, atol=1e-5)
         share = (free * np.asarray(after.task.covered)).sum(axis=(1, 2, 3)) / free.sum(axis=(1, 2, 3))
@@ -106,15 +106,15 @@ def test_reward_is_the_area_that_is_new(env, walk):
     assert not np.asarray(walk[-1].terminated).any()
 
 
-@pytest.mark.parametrize(("option", "value"), [("radius", 0.2), ("success_coverage", 1.5), ("area_reward", -1.0)])
+@pytest.mark.parametrize(("option", "value"), [("cover_radius", 0.2), ("success_coverage", 1.5), ("area_reward", -1.0)])
 def test_options_that_cannot_be_are_refused(option, value):
     with pytest.raises(ConfigError, match=option):
         Exploration(**{option: value})
 
 
 def test_the_id_makes_the_task(bank):
-    env = home_mjx.make("Exploration-v0", bank, sensors=("state",), radius=1.5)
-    assert env.task == Exploration(radius=1.5)
+    env = home_mjx.make("Exploration-v0", bank, sensors=("state",), cover_radius=1.5)
+    assert env.task == Exploration(cover_radius=1.5)
     assert env.config.discrete is not None
 
 
