@@ -9,14 +9,16 @@ from home_mjx.navigation.grid import cell_of, row_of_cell
 from home_mjx.schema.compiled import FIELD_UNIT
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.experts.descent import descend, is_home
+from home_mjx.tasks.experts.leaves import cells_at_leaves
 from home_mjx.tasks.experts.walk import to_actions
 
 
 def seek(snapshot: Snapshot, wanted: Bool[Array, "levels rows columns"]) -> Array:
     """Actions of all agents, each towards the nearest cell that is wanted.
 
-    On its own storey that is by a field of distances made for the purpose. If there is none, it goes to the nearest of
-    the house's goals on a storey that has some. If there is none at all it stays where it is.
+    On its own storey that is by a field of distances made for the purpose, past the leaves of doors as long as there is
+    something to be had without brushing one. If there is none, it goes to the nearest of the house's goals on a storey
+    that has some. If there is none at all it stays where it is.
 
     Args:
         snapshot: The environment.
@@ -25,13 +27,16 @@ def seek(snapshot: Snapshot, wanted: Bool[Array, "levels rows columns"]) -> Arra
     bank, house, pose = snapshot.bank, snapshot.house, snapshot.pose
     navigation, numbers = bank.navigation, bank.navigation.cell[house]
     home = is_home(bank, house, numbers)
+    clear = home & ~cells_at_leaves(snapshot)
     wanted = wanted & home
     goals = navigation.goal[house]
     storey = jax.vmap(lambda at: cell_of(bank, house, at))(goals)[:, 0]
 
     def one(pos: Float[Array, "3"], touches: Bool[Array, ""]) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
         level, row, column = cell_of(bank, house, pos)
-        near = distance_field(home[level], wanted[level], bank.spec.cell)
+        whole = distance_field(home[level], wanted[level], bank.spec.cell)
+        easy = distance_field(clear[level], wanted[level], bank.spec.cell)
+        near = jnp.where(jnp.isfinite(easy[row, column]), easy, whole)
         way = navigation.field[row_of_cell(numbers[level, row, column])].astype(jnp.float32)
         other = jnp.argmin(jnp.where(jnp.any(wanted, axis=(1, 2))[storey] & (storey != level), way, jnp.inf))
         is_here = jnp.any(wanted[level])

@@ -51,8 +51,8 @@ class ExplorationState(Pytree):
 class Exploration(Task):
     """Cover as much of the house's free floor as the time allows; several agents do it together.
 
-    The floor is divided into tiles of 0.5 m. One is covered once an agent was within `cover_radius` of its middle, in the
-    same room. The episode ends with the time, or when all agents have stopped.
+    The floor is divided into tiles of 0.5 m. One is covered once an agent was within `cover_radius` of its middle, in
+    the same room. The episode ends with the time, or when all agents have stopped.
 
     Attributes:
         cover_radius: [m].

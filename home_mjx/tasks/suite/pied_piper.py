@@ -14,6 +14,7 @@ from home_mjx.navigation.grid import cell_of, row_of_cell
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import Specs
 from home_mjx.tasks.experts.descent import descend, is_home
+from home_mjx.tasks.experts.leaves import at_leaves
 from home_mjx.tasks.experts.walk import to_actions
 from home_mjx.tasks.language.vocabulary import tokenize
 from home_mjx.tasks.rows.build import Row
@@ -70,8 +71,8 @@ class PiedPiper(Navigation):
     """
 
     others: int = 1
-    follow_distance: float = 2.0
-    follow_steps: int = 30
+    follow_distance: float = 1.5
+    follow_steps: int = 80
     clip_split: str = "heard"
 
     def __post_init__(self) -> None:
@@ -195,12 +196,14 @@ def _aims(snapshot: Snapshot, state: PiedPiperState, place: Int[Array, " a"]) ->
 
 
 def _is_free(snapshot: Snapshot, start: Float[Array, "3"], end: Float[Array, "3"]) -> Bool[Array, ""]:
-    """Whether an agent can walk straight from one place to another."""
+    """Whether an agent can walk straight from one place to another, without brushing the leaf of a door."""
     bank, house = snapshot.bank, snapshot.house
     part = jnp.linspace(0.0, 1.0, SAMPLES, dtype=jnp.float32)[:, None]
-    cells = jax.vmap(lambda at: cell_of(bank, house, at))(start + part * (end - start))
+    places = start + part * (end - start)
+    cells = jax.vmap(lambda at: cell_of(bank, house, at))(places)
+    brushes = at_leaves(snapshot, places)
     home = is_home(bank, house, bank.navigation.cell[house][cells[:, 0], cells[:, 1], cells[:, 2]])
-    return jnp.all(home[1:-1]) & (jnp.linalg.norm(end - start) < jnp.float32(SAMPLES * 0.5))
+    return jnp.all(home[1:-1] & ~brushes[1:]) & (jnp.linalg.norm(end - start) < jnp.float32(SAMPLES * 0.5))
 
 
 def _turn(aim: Float[Array, "a 2"], yaw: Float[Array, " a"]) -> Float[Array, " a"]:
