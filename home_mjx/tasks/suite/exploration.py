@@ -62,7 +62,7 @@ class Exploration(Task):
         success_coverage: Part of the floor from which on the metric `success` is 1.
     """
 
-    cover_radius: float = 1.0
+    cover_radius: float = 2.0
     area_reward: float = 0.5
     step_cost: float = 0.01
     contact_cost: float = 0.01

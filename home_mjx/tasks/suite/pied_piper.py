@@ -29,6 +29,7 @@ from home_mjx.tasks.suite.navigation import Navigation
 FOLLOWER, PIPER = 0, 1  # agents
 ROUTE = 2  # first of the two descriptors between which piper and others walk
 THERE = 0.5  # [m]: then they turn round
+PACE = 3  # every so many steps who is led rests
 PATIENCE = 5  # steps in touch with something, after which they turn round as well
 APART = 0.9  # [m]: the expert comes no nearer
 SAMPLES = 8  # places of a straight way that are looked at
@@ -59,8 +60,8 @@ class PiedPiperState(RowState):
 class PiedPiper(Navigation):
     """Stay near the agent that plays. The task itself leads that one, and the others, which make other noises.
 
-    The first agent is yours. The second, the piper, walks to and fro between two places of the house, at half the
-    speed. So do the others; whoever follows the nearest agent may follow the wrong one. What is learned is the first
+    The first agent is yours. The second, the piper, walks to and fro between two places of the house, at two
+    thirds of the speed. So do the others; whoever follows the nearest agent may follow the wrong one. What is learned is the first
     agent's: actions of the others are ignored, and their rewards are 0.
 
     Attributes:
@@ -132,12 +133,12 @@ class PiedPiper(Navigation):
         return PiedPiperState(**own, heading=zero + ROUTE, blocked=zero, near=zero[0])
 
     def lead(self, snapshot: Snapshot, state: PiedPiperState) -> tuple[Bool[Array, " a"], Array]:
-        """The piper and the others, down the distances to where they are going, every second step."""
+        """The piper and the others, down the distances to where they are going, but for every third step."""
         pose, config = snapshot.pose, snapshot.config
         everybody = jnp.ones_like(snapshot.stopped)
         error = _turn(_aims(snapshot, state, state.heading) - pose.pos[:, :2], pose.yaw)
         actions = to_actions(config, error, -pose.pitch, ~everybody, ~everybody)
-        rests = snapshot.step % 2 == 1
+        rests = snapshot.step % PACE == 0
         nothing = (
             jnp.zeros_like(actions) if config.discrete is None else jnp.full_like(actions, len(config.action_names))
         )
@@ -203,7 +204,7 @@ def _is_free(snapshot: Snapshot, start: Float[Array, "3"], end: Float[Array, "3"
     cells = jax.vmap(lambda at: cell_of(bank, house, at))(places)
     brushes = at_leaves(snapshot, places)
     home = is_home(bank, house, bank.navigation.cell[house][cells[:, 0], cells[:, 1], cells[:, 2]])
-    return jnp.all(home[1:-1] & ~brushes[1:]) & (jnp.linalg.norm(end - start) < jnp.float32(SAMPLES * 0.5))
+    return jnp.all(home[1:-1] & ~brushes[1:-1]) & (jnp.linalg.norm(end - start) < jnp.float32(SAMPLES * 0.5))
 
 
 def _turn(aim: Float[Array, "a 2"], yaw: Float[Array, " a"]) -> Float[Array, " a"]:

@@ -87,7 +87,7 @@ def near_tiles(bank, house: int, room: np.ndarray, pos: np.ndarray) -> np.ndarra
     found = np.zeros(room.shape, bool)
     for level, row, column in np.argwhere(room == own):
         middle = np.array([column + 0.5, row + 0.5]) * 0.5
-        found[level, row, column] = level == 0 and np.hypot(*(middle - local)) <= 1
+        found[level, row, column] = level == 0 and np.hypot(*(middle - local)) <= 2
     return found
 
 

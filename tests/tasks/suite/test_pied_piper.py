@@ -47,7 +47,7 @@ def places(env, states) -> np.ndarray:
 def test_the_others_walk_whatever_they_are_told_and_the_first_does_not(env, stands):
     path = np.stack([places(env, states) for states in stands])
     gone = np.linalg.norm(np.diff(path[..., :2], axis=0), axis=-1).sum(axis=0)  # (environments, agents)
-    assert np.median(gone[:, 1:]) > 2
+    assert np.median(gone[:, 1:]) > 1
     assert gone[:, 0].max() < 1  # but it may be pushed
     told = np.asarray(stands[-1].world.action)
     assert (told[:, 0].argmax(axis=-1) == LEFT).all()
