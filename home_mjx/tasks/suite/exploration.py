@@ -44,7 +44,8 @@ class ExplorationState(Pytree):
     def expert(self, snapshot: Snapshot) -> Array:
         """Towards the nearest tile that nobody has covered."""
         tiles = tiles_of(snapshot.bank, snapshot.house)
-        return seek(snapshot, tiles.middle & _of_cells(~self.covered, snapshot.bank))
+        left = _of_cells(~self.covered, snapshot.bank)
+        return seek(snapshot, tiles.middle & left, left)
 
 
 @dataclass(frozen=True)

@@ -61,8 +61,8 @@ class PiedPiper(Navigation):
     """Stay near the agent that plays. The task itself leads that one, and the others, which make other noises.
 
     The first agent is yours. The second, the piper, walks to and fro between two places of the house, at two thirds of
-    the speed. So do the others; whoever follows the nearest agent may follow the wrong one. What is learned is the first
-    agent's: actions of the others are ignored, and their rewards are 0.
+    the speed. So do the others; whoever follows the nearest agent may follow the wrong one. Learning is for the first
+    agent: actions of the others are ignored, and their rewards are 0.
 
     Attributes:
         others: So many agents beside the piper, 0 or 1.
