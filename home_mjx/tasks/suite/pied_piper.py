@@ -30,7 +30,7 @@ FOLLOWER, PIPER = 0, 1  # agents
 ROUTE = 2  # first of the two descriptors between which piper and others walk
 THERE = 0.5  # [m]: then they turn round
 PACE = 3  # every so many steps who is led rests
-PATIENCE = 5  # steps in touch with something, after which they turn round as well
+PATIENCE = 30  # steps in touch with something, after which the first of them turns round as well; the next later
 APART = 0.9  # [m]: the expert comes no nearer
 SAMPLES = 8  # places of a straight way that are looked at
 
@@ -150,7 +150,8 @@ class PiedPiper(Navigation):
         assert isinstance(new, PiedPiperState)
         blocked = jnp.where(snapshot.contact, state.blocked + 1, 0)
         left = jnp.take_along_axis(new.distance, state.heading[:, None], axis=1)[:, 0]
-        turns = (left < THERE) | (blocked >= PATIENCE)
+        # Not both at once: the first needs the time to turn and to go.
+        turns = (left < THERE) | (blocked >= PATIENCE * jnp.arange(len(blocked)))
         near = (new.distance[FOLLOWER, 0] <= jnp.float32(self.follow_distance)).astype(jnp.int32)
         return new.replace(
             heading=jnp.where(turns, 2 * ROUTE + 1 - state.heading, state.heading),
