@@ -19,17 +19,32 @@ AROUND = np.array([-1, 0, 1])  # cells
 def seek(
     snapshot: Snapshot, wanted: Bool[Array, "levels rows columns"], left: Bool[Array, "levels rows columns"]
 ) -> Array:
-    """Actions of all agents, each towards the nearest cell that is wanted.
+    """Actions of all agents, each towards the nearest cell that is wanted, see `ways_to`; who has none turns round."""
+    pose = snapshot.pose
+    error, done = ways_to(snapshot, wanted, left)
+    return to_actions(snapshot.config, jnp.where(done, 1.0, error), -pose.pitch, done, jnp.zeros_like(done))
+
+
+def ways_to(
+    snapshot: Snapshot,
+    wanted: Bool[Array, "levels rows columns"],
+    left: Bool[Array, "levels rows columns"],
+    num: int = -1,
+) -> tuple[Float[Array, " n"], Bool[Array, " n"]]:
+    """Turns of agents towards the nearest cell that is wanted [rad, to the left], and who has none to go to.
 
     On its own storey that is by a field of distances made for the purpose, past the leaves of doors. If none can be had
-    so, it goes to the nearest of the house's goals that is left; if there is none either, it stays where it is.
+    so, an agent goes to the nearest of the house's goals that is left.
 
     Args:
         snapshot: The environment.
         wanted: Cells of the house's grids; those where agents cannot walk do not count.
         left: Cells, goals in which are worth a visit.
+        num: Of so many agents, the first ones; -1: of all.
     """
-    bank, house, pose = snapshot.bank, snapshot.house, snapshot.pose
+    bank, house = snapshot.bank, snapshot.house
+    chosen = slice(None) if num < 0 else slice(num)
+    pos, yaw, contact = snapshot.pose.pos[chosen], snapshot.pose.yaw[chosen], snapshot.contact[chosen]
     navigation, numbers = bank.navigation, bank.navigation.cell[house]
     clear = is_home(bank, house, numbers) & ~cells_at_leaves(snapshot)
     goals = jax.vmap(lambda at: cell_of(bank, house, at))(navigation.goal[house])
@@ -49,8 +64,6 @@ def seek(
 
         return descend(bank, house, pos, touches, far)[0], ~is_near & ~jnp.any(is_left)
 
-    aim, done = jax.vmap(one)(pose.pos, snapshot.contact)
-    aim = aim - pose.pos[:, :2]
-    error = (jnp.arctan2(aim[:, 1], aim[:, 0]) - pose.yaw + jnp.pi) % (2 * jnp.pi) - jnp.pi
-    error = jnp.where(done, 1.0, error)  # turns on the spot
-    return to_actions(snapshot.config, error, -pose.pitch, done, jnp.zeros_like(done))
+    aim, done = jax.vmap(one)(pos, contact)
+    aim = aim - pos[:, :2]
+    return (jnp.arctan2(aim[:, 1], aim[:, 0]) - yaw + jnp.pi) % (2 * jnp.pi) - jnp.pi, done

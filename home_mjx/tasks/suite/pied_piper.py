@@ -13,8 +13,8 @@ from home_mjx.errors import ConfigError
 from home_mjx.navigation.grid import cell_of, row_of_cell
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import Specs
-from home_mjx.tasks.experts.descent import descend, is_home
-from home_mjx.tasks.experts.leaves import at_leaves
+from home_mjx.tasks.experts.descent import descend
+from home_mjx.tasks.experts.explore import ways_to
 from home_mjx.tasks.experts.walk import to_actions
 from home_mjx.tasks.language.vocabulary import tokenize
 from home_mjx.tasks.rows.build import Row
@@ -32,7 +32,6 @@ THERE = 0.5  # [m]: then they turn round
 PACE = 3  # every so many steps who is led rests
 PATIENCE = 30  # steps in touch with something, after which the first of them turns round as well; the next later
 APART = 0.9  # [m]: the expert comes no nearer
-SAMPLES = 8  # places of a straight way that are looked at
 
 
 class PiedPiperState(RowState):
@@ -43,17 +42,17 @@ class PiedPiperState(RowState):
     near: Int[Array, ""]  # steps in which the follower was near
 
     def expert(self, snapshot: Snapshot) -> Array:
-        """To the piper where the way is straight and free, else to where it is going."""
-        pos, piper = snapshot.pose.pos, snapshot.pose.pos[PIPER]
-        offset = piper[:2] - pos[:, :2]
-        way = jnp.linalg.norm(offset, axis=-1)
-        straight = jax.vmap(lambda at: _is_free(snapshot, at, piper))(pos)
-        aim = _aims(snapshot, self, jnp.broadcast_to(self.heading[PIPER], self.heading.shape))
-        aim = jnp.where(straight[:, None], offset, aim - pos[:, :2])
-        error = _turn(aim, snapshot.pose.yaw)
-        waits = straight & (way < APART)
-        error = jnp.where(waits, 1.0, error)  # turns on the spot
-        return to_actions(snapshot.config, error, -snapshot.pose.pitch, waits, jnp.zeros_like(waits))
+        """Along the shortest way to where the piper is now; beside it, it turns on the spot."""
+        bank, house, pose = snapshot.bank, snapshot.house, snapshot.pose
+        numbers, rooms = bank.navigation.cell[house], bank.navigation.room[house]
+        at = cell_of(bank, house, pose.pos[PIPER])
+        cell = bank.navigation.place[row_of_cell(numbers[at[0], at[1], at[2]])].astype(jnp.int32)
+        wanted = jnp.zeros(numbers.shape, bool).at[cell[0], cell[1], cell[2]].set(True)
+        error, _ = ways_to(snapshot, wanted, rooms == rooms[cell[0], cell[1], cell[2]], num=1)
+        away = jnp.linalg.norm(pose.pos[PIPER] - pose.pos[FOLLOWER])
+        waits = jnp.broadcast_to(away < APART, pose.yaw.shape)
+        error = jnp.where(waits, 1.0, error[FOLLOWER])
+        return to_actions(snapshot.config, error, -pose.pitch, waits, jnp.zeros_like(waits))
 
 
 @dataclass(frozen=True)
@@ -72,7 +71,7 @@ class PiedPiper(Navigation):
     """
 
     others: int = 1
-    follow_distance: float = 1.5
+    follow_distance: float = 2.0
     follow_steps: int = 80
     clip_split: str = "heard"
 
@@ -195,17 +194,6 @@ def _aims(snapshot: Snapshot, state: PiedPiperState, place: Int[Array, " a"]) ->
         )[0]
 
     return jax.vmap(one)(snapshot.pose.pos, snapshot.contact, place)
-
-
-def _is_free(snapshot: Snapshot, start: Float[Array, "3"], end: Float[Array, "3"]) -> Bool[Array, ""]:
-    """Whether an agent can walk straight from one place to another, without brushing the leaf of a door."""
-    bank, house = snapshot.bank, snapshot.house
-    part = jnp.linspace(0.0, 1.0, SAMPLES, dtype=jnp.float32)[:, None]
-    places = start + part * (end - start)
-    cells = jax.vmap(lambda at: cell_of(bank, house, at))(places)
-    brushes = at_leaves(snapshot, places)
-    home = is_home(bank, house, bank.navigation.cell[house][cells[:, 0], cells[:, 1], cells[:, 2]])
-    return jnp.all(home[1:-1] & ~brushes[1:-1]) & (jnp.linalg.norm(end - start) < jnp.float32(SAMPLES * 0.5))
 
 
 def _turn(aim: Float[Array, "a 2"], yaw: Float[Array, " a"]) -> Float[Array, " a"]:
