@@ -20,6 +20,8 @@ from home_mjx.tasks.environment.memory import MemoryEstimate, estimate_memory
 from home_mjx.tasks.environment.saved import dump_flagged, load_flagged, load_states, save_states
 from home_mjx.tasks.experts.teacher import WithExpert, with_expert
 from home_mjx.tasks.experts.walk import expert_action
+from home_mjx.tasks.guided.exploration import Exploration, ExplorationState
+from home_mjx.tasks.guided.pied_piper import PiedPiper, PiedPiperState
 from home_mjx.tasks.language.splits import mentions, new_combinations
 from home_mjx.tasks.language.vocabulary import detokenize, tokenize
 from home_mjx.tasks.rows.build import Row, build_task_bank
@@ -30,10 +32,8 @@ from home_mjx.tasks.rows.task_bank import TaskBank
 from home_mjx.tasks.rows.words import FAILURE, SUCCESS, Feature
 from home_mjx.tasks.sounds.row import Sound
 from home_mjx.tasks.suite.audio_nav import AudioNav
-from home_mjx.tasks.suite.exploration import Exploration, ExplorationState
 from home_mjx.tasks.suite.instructions import InstructionFollowing
 from home_mjx.tasks.suite.navigation import HouseTasks, Navigation, ObjectNav, PointGoals, RoomNav
-from home_mjx.tasks.suite.pied_piper import PiedPiper, PiedPiperState
 from home_mjx.tasks.suite.point_nav import PointNav, PointNavState
 from home_mjx.tasks.suite.task_lines import load_tasks, save_tasks
 

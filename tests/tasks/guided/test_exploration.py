@@ -12,7 +12,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.physics import PhysicsConfig
 from home_mjx.registry import as_bank
 from home_mjx.tasks import EnvConfig, Exploration, HouseholdEnv, expert_action
-from home_mjx.tasks.suite.exploration import tiles_of
+from home_mjx.tasks.guided.exploration import tiles_of
 
 CONFIG = EnvConfig(sensors=("state",), actions="discrete", physics=PhysicsConfig(impl="kinematic"))
 NUM, HORIZON = 8, 500
