@@ -316,5 +316,7 @@ def as_bank(
 
 
 register("PointNav-v0", "home_mjx.tasks:PointNav")
-for _name in ("RoomNav", "ObjectNav", "InstructionFollowing"):
+for _name in ("RoomNav", "ObjectNav", "InstructionFollowing", "AudioNav"):
     register(f"{_name}-v0", f"home_mjx.tasks:{_name}", {"actions": "discrete", "stop": True})
+register("Exploration-v0", "home_mjx.tasks:Exploration", {"actions": "discrete"})
+register("PiedPiper-v0", "home_mjx.tasks:PiedPiper", {"actions": "discrete", "num_agents": 3})

@@ -20,6 +20,8 @@ from home_mjx.tasks.environment.memory import MemoryEstimate, estimate_memory
 from home_mjx.tasks.environment.saved import dump_flagged, load_flagged, load_states, save_states
 from home_mjx.tasks.experts.teacher import WithExpert, with_expert
 from home_mjx.tasks.experts.walk import expert_action
+from home_mjx.tasks.guided.exploration import Exploration, ExplorationState
+from home_mjx.tasks.guided.pied_piper import PiedPiper, PiedPiperState
 from home_mjx.tasks.language.splits import mentions, new_combinations
 from home_mjx.tasks.language.vocabulary import detokenize, tokenize
 from home_mjx.tasks.rows.build import Row, build_task_bank
@@ -28,6 +30,8 @@ from home_mjx.tasks.rows.program import Go, Meant, Stage, When
 from home_mjx.tasks.rows.row_task import RowState, RowTask
 from home_mjx.tasks.rows.task_bank import TaskBank
 from home_mjx.tasks.rows.words import FAILURE, SUCCESS, Feature
+from home_mjx.tasks.sounds.row import Sound
+from home_mjx.tasks.suite.audio_nav import AudioNav
 from home_mjx.tasks.suite.instructions import InstructionFollowing
 from home_mjx.tasks.suite.navigation import HouseTasks, Navigation, ObjectNav, PointGoals, RoomNav
 from home_mjx.tasks.suite.point_nav import PointNav, PointNavState
@@ -41,12 +45,15 @@ __all__ = [
     "AgentCamera",
     "AgentPose",
     "ArraySpec",
+    "AudioNav",
     "AutoReset",
     "BoundEnv",
     "DiscreteActions",
     "EnvConfig",
     "EnvParams",
     "Episodes",
+    "Exploration",
+    "ExplorationState",
     "Feature",
     "Go",
     "HouseTasks",
@@ -57,6 +64,8 @@ __all__ = [
     "MemoryEstimate",
     "Navigation",
     "ObjectNav",
+    "PiedPiper",
+    "PiedPiperState",
     "PointGoals",
     "PointNav",
     "PointNavState",
@@ -66,6 +75,7 @@ __all__ = [
     "RowTask",
     "Sensor",
     "Snapshot",
+    "Sound",
     "Stage",
     "State",
     "Status",

@@ -12,9 +12,7 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.specs import (
     ACTION_NAMES,
-    HAND_MOVE_NAMES,
     HAND_NAMES,
-    MOVE_NAMES,
     ArraySpec,
     DiscreteActions,
 )
@@ -44,6 +42,7 @@ class Moves(Pytree):
     hands: Float[Array, "a n"]  # see `handling.hand_commands`; n is 0 without hands
     stop: Bool[Array, " a"]
     unusable: Bool[Array, ""]  # a number of the action was clipped, or is no action
+    action: Float[Array, "a names"]  # as it was understood: numbers, or 1 at the chosen move
 
 
 def action_names(config: EnvConfig) -> tuple[str, ...]:
@@ -53,8 +52,7 @@ def action_names(config: EnvConfig) -> tuple[str, ...]:
         >>> action_names(EnvConfig(actions="discrete"))
         ('stop', 'move_forward', 'turn_left', 'turn_right', 'look_up', 'look_down')
     """
-    own, hands = (ACTION_NAMES, HAND_NAMES) if config.discrete is None else (MOVE_NAMES, HAND_MOVE_NAMES)
-    return (*own, *hands) if config.hands else own
+    return config.action_names
 
 
 def action_spec(config: EnvConfig) -> ArraySpec:
@@ -81,15 +79,26 @@ def moves_of(config: EnvConfig, action: Any, stopped: Any) -> Moves:
     if config.discrete is None:
         numbers, unusable = usable_action(action, config.num_agents, len(names))
         stop = jnp.zeros(config.num_agents, bool)
-        look = numbers[:, 3] * jnp.float32(config.look_rate * config.timing.ctrl_dt)
+        look, understood = numbers[:, 3] * jnp.float32(config.look_rate * config.timing.ctrl_dt), numbers
     else:
         chosen, unusable = usable_choice(action, config.num_agents, len(names))
         stop = stopped | (chosen == names.index("stop"))
         table = jnp.asarray(_move_table(config, config.discrete))
-        numbers = jax.vmap(lambda rows, i: rows[i])(table, jnp.where(stop, names.index("stop"), chosen))
+        chosen = jnp.where(stop, names.index("stop"), chosen)
+        numbers, understood = jax.vmap(lambda rows, i: rows[i])(table, chosen), jax.nn.one_hot(chosen, len(names))
         look = numbers[:, 3]
     hands = numbers[:, len(ACTION_NAMES) :]
-    return Moves(drive=numbers[:, :3], look=look, hands=hands, stop=stop, unusable=unusable)
+    return Moves(drive=numbers[:, :3], look=look, hands=hands, stop=stop, unusable=unusable, action=understood)
+
+
+def with_led(config: EnvConfig, moves: Moves, stopped: Any, mask: Bool[Array, " a"], action: Array) -> Moves:
+    """The moves, but where a mask holds those that an action of all agents means."""
+    own = moves_of(config, action, stopped).replace(unusable=moves.unusable)
+
+    def pick(led: Array, told: Array) -> Array:
+        return jnp.where(mask.reshape(-1, *[1] * (led.ndim - 1)), led, told) if led.ndim else told
+
+    return jax.tree.map(pick, own, moves)
 
 
 def _move_table(config: EnvConfig, moves: DiscreteActions) -> Float[np.ndarray, "a moves n"]:

@@ -20,6 +20,7 @@ from home_mjx.tasks.rows.meaning import means_on_host
 from home_mjx.tasks.rows.program import Meant, Stage, written
 from home_mjx.tasks.rows.task_bank import TaskBank
 from home_mjx.tasks.rows.words import NUM_DESCRIPTORS, NUM_TOKENS, Feature, Kind, Word
+from home_mjx.tasks.sounds.row import Sound, written_sounds
 
 ROOM = 0.15  # [m]: who walks in steps comes no nearer to the middle of a cell
 
@@ -33,12 +34,14 @@ class Row:
         stages: What must hold, and what comes next.
         goal: Descriptor whose distance from the start is the length of the shortest path.
         tokens: Its instruction.
+        sounds: What sounds; none: the house's own source.
     """
 
     meant: Sequence[Meant]
     stages: Sequence[Stage]
     goal: int = 0
     tokens: Sequence[int] = field(default=())
+    sounds: Sequence[Sound] = field(default=())
 
 
 @runtime_checkable
@@ -103,7 +106,7 @@ def _of_house(
     limits: tuple[float, float],
 ) -> tuple[list[dict], np.ndarray]:
     """Columns of a house's tasks that can be done, and the fields of what they mean."""
-    columns = [written(row.meant, row.stages) for _, row in rows]
+    columns = [written(row.meant, row.stages) | written_sounds(row.sounds, len(row.meant)) for _, row in rows]
     field_ = add_fields(bank, view, columns)
     nearest = field_[: len(view.graph.place)].min(axis=0, initial=FIELD_FAR) * FIELD_UNIT
     found = []
@@ -127,7 +130,9 @@ def _can_be_done(column: dict, nearest: Float[np.ndarray, " g"]) -> bool:
     field_, guide = column["field"], column["guide"]
     asked = column["feature"] == Feature.DISTANCE
     first = np.maximum(column["first"][asked], 0)
-    leads = np.all(field_[guide[guide >= 0]] >= 0) and np.all(field_[first] >= 0)
+    kind = column["descriptor"][:, Word.KIND]
+    led_to = guide[guide >= 0]
+    leads = np.all((field_[led_to] >= 0) | (kind[led_to] == Kind.AGENT)) and np.all(field_[first] >= 0)
     return bool(leads and np.all(nearest[field_[first]] + ROOM <= column["most"][asked]))
 
 
