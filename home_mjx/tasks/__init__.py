@@ -20,6 +20,8 @@ from home_mjx.tasks.environment.memory import MemoryEstimate, estimate_memory
 from home_mjx.tasks.environment.saved import dump_flagged, load_flagged, load_states, save_states
 from home_mjx.tasks.experts.teacher import WithExpert, with_expert
 from home_mjx.tasks.experts.walk import expert_action
+from home_mjx.tasks.guided.exploration import Exploration, ExplorationState
+from home_mjx.tasks.guided.pied_piper import PiedPiper, PiedPiperState
 from home_mjx.tasks.language.splits import mentions, new_combinations
 from home_mjx.tasks.language.vocabulary import detokenize, tokenize
 from home_mjx.tasks.questions.balance import chance, prior_accuracy
@@ -33,6 +35,8 @@ from home_mjx.tasks.rows.program import Go, Meant, Stage, When
 from home_mjx.tasks.rows.row_task import RowState, RowTask
 from home_mjx.tasks.rows.task_bank import TaskBank
 from home_mjx.tasks.rows.words import FAILURE, SUCCESS, Feature
+from home_mjx.tasks.sounds.row import Sound
+from home_mjx.tasks.suite.audio_nav import AudioNav
 from home_mjx.tasks.suite.instructions import InstructionFollowing
 from home_mjx.tasks.suite.navigation import HouseTasks, Navigation, ObjectNav, PointGoals, RoomNav
 from home_mjx.tasks.suite.point_nav import PointNav, PointNavState
@@ -47,6 +51,7 @@ __all__ = [
     "AgentCamera",
     "AgentPose",
     "ArraySpec",
+    "AudioNav",
     "AutoReset",
     "BoundEnv",
     "Communication",
@@ -55,6 +60,8 @@ __all__ = [
     "EnvConfig",
     "EnvParams",
     "Episodes",
+    "Exploration",
+    "ExplorationState",
     "Feature",
     "Go",
     "HouseQA",
@@ -66,6 +73,8 @@ __all__ = [
     "MemoryEstimate",
     "Navigation",
     "ObjectNav",
+    "PiedPiper",
+    "PiedPiperState",
     "PointGoals",
     "PointNav",
     "PointNavState",
@@ -75,6 +84,7 @@ __all__ = [
     "RowTask",
     "Sensor",
     "Snapshot",
+    "Sound",
     "Stage",
     "State",
     "Status",

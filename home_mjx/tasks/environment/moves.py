@@ -13,9 +13,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.specs import (
     ACTION_NAMES,
-    HAND_MOVE_NAMES,
     HAND_NAMES,
-    MOVE_NAMES,
     ArraySpec,
     DiscreteActions,
 )
@@ -49,6 +47,7 @@ class Moves(Pytree):
     stop: Bool[Array, " a"]
     said: Int[Array, " a"]  # token; -1 none
     unusable: Bool[Array, ""]  # a number of the action was clipped, or is no action
+    action: Float[Array, "a names"]  # as it was understood: numbers, or 1 at the chosen move
 
 
 def action_names(config: EnvConfig) -> tuple[str, ...]:
@@ -58,8 +57,7 @@ def action_names(config: EnvConfig) -> tuple[str, ...]:
         >>> action_names(EnvConfig(actions="discrete"))
         ('stop', 'move_forward', 'turn_left', 'turn_right', 'look_up', 'look_down')
     """
-    own, hands = (ACTION_NAMES, HAND_NAMES) if config.discrete is None else (MOVE_NAMES, HAND_MOVE_NAMES)
-    return (*own, *(hands if config.hands else ()), *config.speech)
+    return config.action_names
 
 
 def action_spec(config: EnvConfig) -> ArraySpec:
@@ -86,16 +84,16 @@ def moves_of(config: EnvConfig, action: Any, stopped: Any) -> Moves:
     if config.discrete is None:
         numbers, unusable = usable_action(action, config.num_agents, len(names))
         stop, said = jnp.zeros(config.num_agents, bool), jnp.full(config.num_agents, SILENT, jnp.int32)
-        look = numbers[:, 3] * jnp.float32(config.look_rate * config.timing.ctrl_dt)
+        look, understood = numbers[:, 3] * jnp.float32(config.look_rate * config.timing.ctrl_dt), numbers
     else:
         chosen, unusable = usable_choice(action, config.num_agents, len(names))
         stop = stopped | (chosen == names.index("stop"))
+        table = jnp.asarray(_move_table(config, config.discrete))
         chosen = jnp.where(stop, names.index("stop"), chosen)
-        numbers = jax.vmap(lambda rows, i: rows[i])(jnp.asarray(_move_table(config, config.discrete)), chosen)
-        said = jnp.asarray(spoken_tokens(config))[chosen]
-        look = numbers[:, 3]
-    hands = numbers[:, len(ACTION_NAMES) :]
-    return Moves(drive=numbers[:, :3], look=look, hands=hands, stop=stop, said=said, unusable=unusable)
+        numbers, understood = jax.vmap(lambda rows, i: rows[i])(table, chosen), jax.nn.one_hot(chosen, len(names))
+        look, said = numbers[:, 3], jnp.asarray(spoken_tokens(config))[chosen]
+    drive, hands = numbers[:, :3], numbers[:, len(ACTION_NAMES) :]
+    return Moves(drive=drive, look=look, hands=hands, stop=stop, said=said, unusable=unusable, action=understood)
 
 
 def spoken_tokens(config: EnvConfig) -> Int[np.ndarray, " moves"]:
@@ -115,6 +113,16 @@ def spoken_tokens(config: EnvConfig) -> Int[np.ndarray, " moves"]:
             raise ConfigError(f"`speech` has {name!r}", hint="Write `say:` or `answer:` and a word, such as say:yes.")
         tokens += tokenize(word)
     return np.array([*tokens, SILENT], np.int32)
+
+
+def with_led(config: EnvConfig, moves: Moves, stopped: Any, mask: Bool[Array, " a"], action: Array) -> Moves:
+    """The moves, but where a mask holds those that an action of all agents means."""
+    own = moves_of(config, action, stopped).replace(unusable=moves.unusable)
+
+    def pick(led: Array, told: Array) -> Array:
+        return jnp.where(mask.reshape(-1, *[1] * (led.ndim - 1)), led, told) if led.ndim else told
+
+    return jax.tree.map(pick, own, moves)
 
 
 def _move_table(config: EnvConfig, moves: DiscreteActions) -> Float[np.ndarray, "a moves n"]:

@@ -4,13 +4,17 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
+from home_mjx.audio_jax.auralization.sources import CLIPS
 from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.specs import Specs
 from home_mjx.tasks.base.task import Task
+from home_mjx.tasks.rows.task_bank import TaskBank
+from home_mjx.tasks.sounds.row import emission_of
 
 
 def usable_action(action: Any, num_agents: int, size: int) -> tuple[Float[Array, "a n"], Bool[Array, ""]]:
@@ -94,6 +98,28 @@ def check_bank(config: EnvConfig, bank: HouseBank) -> None:
             hint="Give `make` a dataset instead of a bank: it compiles for the body. "
             "Or compile the bank with NavigationOptions(agent_radius=..., agent_height=...).",
         )
+
+
+def check_sounds(config: EnvConfig, tasks: Any) -> None:
+    """Refuses tasks whose sounds would not be heard.
+
+    Raises:
+        ConfigError: A row has more sounds, or plays another clip, than the environment can play.
+    """
+    if not isinstance(tasks, TaskBank) or isinstance(tasks.field, jax.core.Tracer):  # pyright: ignore
+        return
+    emission = emission_of(tasks.rows.columns)
+    used, clips = np.asarray(emission.emitter) >= 0, np.asarray(emission.clip)
+    most = int(used.sum(axis=1).max(initial=0))
+    if most > config.num_sources:
+        raise ConfigError(
+            f"tasks have up to {most} sounds at once, the environment plays {config.num_sources}",
+            hint=f"Give num_sources={most}.",
+        )
+    lost = {CLIPS[i] for i in np.unique(clips[used]).tolist()} - {config.clip, *config.clips}
+    if lost:
+        names = ", ".join(sorted(lost))
+        raise ConfigError(f"tasks play {names}, which the environment has not", hint=f"Add to clips=(...): {names}.")
 
 
 def check_arrangements(bank: HouseBank) -> None:

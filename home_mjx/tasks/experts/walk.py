@@ -1,16 +1,17 @@
 """Going along the shortest path, turning to what is meant, stopping where the task says so."""
 
 import math
+from typing import Protocol, runtime_checkable
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from home_mjx.navigation.grid import cell_of, place_position, row_of_cell
-from home_mjx.schema.compiled import FIELD_FAR
+from home_mjx.navigation.grid import row_of_cell
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.environment.moves import action_names
+from home_mjx.tasks.experts.descent import descend
 from home_mjx.tasks.experts.speaking import or_words
 from home_mjx.tasks.rows.features import boxes_now, nearest_meant, sights, table
 from home_mjx.tasks.rows.machine import advance, conditions
@@ -18,18 +19,26 @@ from home_mjx.tasks.rows.row_task import RowState
 from home_mjx.tasks.rows.words import FAILURE, Feature, Kind, Word
 from home_mjx.tasks.sensors.cameras import eye_position
 
-LOOK_AHEAD = 6  # cells
+LAG = 0.2  # [m]
 REACH = 0.6  # [m]: from here on an agent takes what it is to hold
-SAMPLES = 8  # places of a straight way that are looked at
 ALIGNED = 0.8  # [rad]: an agent that looks farther away from its way turns first
 
 
-def expert_action(snapshot: Snapshot, state: RowState) -> Array:
+@runtime_checkable
+class HasExpert(Protocol):
+    """State of a task that has an expert of its own."""
+
+    def expert(self, snapshot: Snapshot) -> Array:
+        """What every agent should do now."""
+        ...
+
+
+def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
     """What every agent should do now.
 
     Args:
         snapshot: The environment.
-        state: Of its row task.
+        state: Of its task: of a row task, or one with an expert of its own.
 
     Returns:
         Actions as the environment takes them, with a leading agent axis.
@@ -37,6 +46,8 @@ def expert_action(snapshot: Snapshot, state: RowState) -> Array:
     Example:
         >>> action = expert_action(env.core.snapshot(env.params, state), state.task)  # doctest: +SKIP
     """
+    if isinstance(state, HasExpert):
+        return state.expert(snapshot)
     values = table(snapshot, state.program, state.means, snapshot.tasks.field, snapshot.step - state.since)
     stop = should_stop(state, values)
     guide = jnp.maximum(state.program.guide[jnp.maximum(state.stage, 0)], 0)
@@ -74,7 +85,10 @@ def should_stop(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[
     said = values.at[Feature.STOPPED].set(1.0)
     after, _, taken = advance(program, state.stage, conditions(program, said))
     quiet = advance(program, state.stage, conditions(program, values))[2]
-    good = taken & ~quiet & (after != FAILURE)
+    # What walks is a little farther away when `stop` is heard.
+    later = said.at[Feature.STRAIGHT].add(jnp.where(jnp.any(state.emission.speed > 0), LAG, 0.0))
+    still = advance(program, state.stage, conditions(program, later))[0]
+    good = taken & ~quiet & (after != FAILURE) & (still == after)
     return jnp.broadcast_to(good, values.shape[1:2])
 
 
@@ -83,33 +97,13 @@ def downhill(
 ) -> tuple[Float[Array, "a 2"], Bool[Array, " a"]]:
     """A place on the shortest way to what a descriptor means [m], and whether none is nearer than where an agent is.
 
-    Each agent can walk there straight: it is the farthest of the next `LOOK_AHEAD` cells for which all cells of the
-    straight way are free; the next one for an agent that has run into something.
+    Each agent can walk there straight, see `descend`.
     """
     bank, house = snapshot.bank, snapshot.house
     field = snapshot.tasks.field[:, jnp.maximum(state.program.field[guide], 0)]
-    numbers = bank.navigation.cell[house]
-    part = jnp.linspace(0.0, 1.0, SAMPLES, dtype=jnp.float32)[:, None]
-
-    def is_home(cell: Int[Array, "n"]) -> Bool[Array, "n"]:
-        return (cell >= 0) & (cell - bank.navigation.first_cell[house] < bank.navigation.num_cells[house])
 
     def ahead(pos: Float[Array, "3"], touches: Bool[Array, ""]) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
-        at = cell_of(bank, house, pos)
-        at = bank.navigation.place[row_of_cell(numbers[at[0], at[1], at[2]])].astype(jnp.int32)
-        first, aim = at, place_position(bank, house, at)
-        for step in range(LOOK_AHEAD):
-            around = at + jnp.array([(0, dy, dx) for dy in (-1, 0, 1) for dx in (-1, 0, 1)], jnp.int32)
-            around = jnp.clip(around, 0, jnp.array(numbers.shape, jnp.int32) - 1)
-            cell = numbers[around[:, 0], around[:, 1], around[:, 2]]
-            home = is_home(cell)
-            far = jnp.where(home, field[row_of_cell(cell)].astype(jnp.int32), FIELD_FAR + 1)
-            at = jnp.where(jnp.any(home), around[jnp.argmin(far)], at)
-            there = place_position(bank, house, at)
-            between = jax.vmap(lambda p: cell_of(bank, house, p))(pos + part * (there - pos))
-            free = jnp.all(is_home(numbers[between[:, 0], between[:, 1], between[:, 2]]))
-            aim = jnp.where((free & ~touches) | (step == 0), there, aim)
-        return aim[:2], jnp.all(at == first)
+        return descend(bank, house, pos, touches, lambda _, cell: field[row_of_cell(cell)])
 
     return jax.vmap(ahead)(snapshot.pose.pos, snapshot.contact)
 

@@ -20,6 +20,7 @@ from home_mjx.tasks.rows.meaning import means_on_host
 from home_mjx.tasks.rows.program import Meant, Stage, written
 from home_mjx.tasks.rows.task_bank import TaskBank
 from home_mjx.tasks.rows.words import NUM_DESCRIPTORS, NUM_TOKENS, Feature, Kind, Word
+from home_mjx.tasks.sounds.row import Sound, written_sounds
 from home_mjx.tasks.speech.talk import NONE, written_talk
 
 ROOM = 0.15  # [m]: who walks in steps comes no nearer to the middle of a cell
@@ -41,6 +42,7 @@ class Row:
         ask: How many of these, from the first, tell apart what is meant.
         group: For a generator's `choose`, such as rows that ask the same; None: none.
         wordings: Other instructions that say the same.
+        sounds: What sounds; none: the house's own source.
     """
 
     meant: Sequence[Meant]
@@ -54,6 +56,7 @@ class Row:
     ask: int = 0
     group: Hashable = None
     wordings: Sequence[Sequence[int]] = ()
+    sounds: Sequence[Sound] = field(default=())
 
 
 @runtime_checkable
@@ -168,7 +171,11 @@ def _used(rows: list[Drawn], fields: dict[int, np.ndarray]) -> tuple[list[Drawn]
 def _columns(one: Drawn) -> dict:
     row = one.row
     own = one.own | {"house": one.house, "task": one.task, "tokens": padded(row.tokens)}
-    return written(row.meant, row.stages) | own | written_talk(row.answer, row.told, row.oracle, row.ask)
+    return _written(row) | own | written_talk(row.answer, row.told, row.oracle, row.ask)
+
+
+def _written(row: Row) -> dict[str, np.ndarray]:
+    return written(row.meant, row.stages) | written_sounds(row.sounds, len(row.meant))
 
 
 def _of_house(
@@ -179,7 +186,7 @@ def _of_house(
     limits: tuple[float, float],
 ) -> tuple[list[Drawn], np.ndarray]:
     """A house's tasks that can be done, and the fields of what they mean."""
-    columns = [written(row.meant, row.stages) for _, row in rows]
+    columns = [_written(row) for _, row in rows]
     field_ = add_fields(bank, view, columns)
     nearest = field_[: len(view.graph.place)].min(axis=0, initial=FIELD_FAR) * FIELD_UNIT
     found = []
@@ -204,7 +211,9 @@ def _can_be_done(column: dict, nearest: Float[np.ndarray, " g"]) -> bool:
     field_, guide = column["field"], column["guide"]
     asked = column["feature"] == Feature.DISTANCE
     first = np.maximum(column["first"][asked], 0)
-    leads = np.all(field_[guide[guide >= 0]] >= 0) and np.all(field_[first] >= 0)
+    kind = column["descriptor"][:, Word.KIND]
+    led_to = guide[guide >= 0]
+    leads = np.all((field_[led_to] >= 0) | (kind[led_to] == Kind.AGENT)) and np.all(field_[first] >= 0)
     return bool(leads and np.all(nearest[field_[first]] + ROOM <= column["most"][asked]))
 
 

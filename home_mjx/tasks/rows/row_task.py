@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
+from home_mjx.audio_jax.base.endpoints import Sounds
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_number
 from home_mjx.core.pytree import Pytree
@@ -13,15 +14,18 @@ from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import ArraySpec, Specs
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.rows.build import Generator, build_task_bank
-from home_mjx.tasks.rows.features import table
+from home_mjx.tasks.rows.features import emitters, table
 from home_mjx.tasks.rows.machine import advance, conditions
 from home_mjx.tasks.rows.meaning import Means, means
 from home_mjx.tasks.rows.program import Program
 from home_mjx.tasks.rows.task_bank import TaskBank, program_of
 from home_mjx.tasks.rows.words import ANY, NUM_TOKENS, SUCCESS, Feature, Word
+from home_mjx.tasks.sounds.emit import emitted
+from home_mjx.tasks.sounds.row import Emission, emission_of
 from home_mjx.tasks.speech.talk import NONE, Talk, as_observed, is_told, of_others, replies, talk_of
 
 FARTHEST = 1000.0  # [m]: no house is larger
+LEAP = 2.0  # [m]: what comes from another storey, or from nowhere, has made no progress of more than that
 HEARD = {
     "reply": "token of what an oracle has replied to the last word",
     "heard_words": "token of what another agent has said last",
@@ -33,6 +37,7 @@ class RowState(Pytree):
 
     program: Program
     means: Means
+    emission: Emission
     task: Int[Array, ""]  # index into `TaskBank.names`
     tokens: Int[Array, " n"]
     length: Float[Array, ""]  # [m], of the shortest path from start to goal
@@ -130,6 +135,7 @@ class RowTask(Task):
         return RowState(
             program=program,
             means=meant,
+            emission=emission_of(columns),
             task=columns["task"].astype(jnp.int32),
             tokens=columns["tokens"].astype(jnp.int32),
             length=columns["length"],
@@ -148,6 +154,7 @@ class RowTask(Task):
 
     def update(self, snapshot: Snapshot, state: RowState) -> RowState:
         """The next stage, if its conditions hold."""
+        state = state.replace(program=_followed(snapshot, state))
         time = snapshot.step - state.since
         values = table(snapshot, state.program, state.means, snapshot.tasks.field, time)
         stage, gained, taken = advance(state.program, state.stage, conditions(state.program, values))
@@ -165,6 +172,11 @@ class RowTask(Task):
             asked=state.asked + jnp.sum(reply >= 0, dtype=jnp.int32),
             spoken=state.spoken + jnp.sum(snapshot.said >= 0, dtype=jnp.int32),
         )
+
+    def sounds(self, snapshot: Snapshot, state: RowState) -> Sounds:
+        """Those of the row; if it has none, the house's source."""
+        point, body = emitters(snapshot, state.program, state.means)
+        return emitted(snapshot, state.emission, point, body, snapshot.tasks.field, state.program.field)
 
     def observe(self, snapshot: Snapshot, state: RowState) -> dict[str, Array]:
         """What `observation_spec` promises."""
@@ -186,7 +198,7 @@ class RowTask(Task):
         """The transition's reward, progress towards what the stage leads to, less costs."""
         guide = state.program.guide[jnp.maximum(before.stage, 0)]
         progress = (before.distance - state.distance)[:, jnp.maximum(guide, 0)]
-        progress = jnp.where(guide < 0, 0.0, progress)
+        progress = jnp.where(guide < 0, 0.0, jnp.clip(progress, -LEAP, LEAP))
         costs = jnp.float32(self.step_cost) + jnp.float32(self.contact_cost) * snapshot.contact.astype(jnp.float32)
         costs = costs + jnp.float32(self.question_cost) * (state.reply >= 0)
         return jnp.float32(self.progress_reward) * progress + state.gained - costs
@@ -222,3 +234,13 @@ class RowTask(Task):
             return {}
         answered = (state.spoken > 0) & (state.talk.answer >= 0)
         return {"answered": answered.astype(jnp.float32), "questions": state.asked.astype(jnp.float32)}
+
+
+def _followed(snapshot: Snapshot, state: RowState) -> Program:
+    """The program with the places of sounds that walk where they are now."""
+    count = min(snapshot.sounds.clip.shape[0], state.emission.emitter.shape[0])
+    speed, emitter = state.emission.speed[:count], state.emission.emitter[:count].astype(jnp.int32)
+    place = snapshot.sounds.pos[:count].at[:, 2].add(-jnp.float32(snapshot.config.source_height))
+    beyond = state.program.place.shape[0]
+    to = jnp.where((speed > 0) & (emitter >= 0), emitter, beyond)
+    return state.program.replace(place=state.program.place.at[to].set(place, mode="drop"))

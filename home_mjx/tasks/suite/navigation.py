@@ -149,6 +149,16 @@ class HouseTasks(RowTask):
         return any(getattr(task, "needs_stop", False) for task in self.tasks)
 
     @property
+    def num_sources(self) -> int:
+        """Of the task that needs most."""
+        return max((getattr(task, "num_sources", 1) for task in self.tasks), default=1)
+
+    @property
+    def clips(self) -> tuple[str, ...]:
+        """Those of all tasks."""
+        return tuple(dict.fromkeys(clip for task in self.tasks for clip in getattr(task, "clips", ())))
+
+    @property
     def generators(self) -> tuple[Generator, ...]:
         """Those of all tasks."""
         return self.tasks

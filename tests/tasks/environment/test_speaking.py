@@ -13,7 +13,8 @@ from home_mjx.adapters.gymnax import GymnaxEnv
 from home_mjx.adapters.spaces import action_space
 from home_mjx.errors import ConfigError
 from home_mjx.tasks import EnvConfig, HouseholdEnv, Task, make_config, tokenize
-from home_mjx.tasks.environment.moves import MOVE_NAMES, action_names, moves_of
+from home_mjx.tasks.base.specs import MOVE_NAMES
+from home_mjx.tasks.environment.moves import action_names, moves_of
 
 WORDS = ("say:yes", "answer:red", "say:kitchen")
 TOKENS = [-1] * 6 + list(tokenize("yes red kitchen"))
