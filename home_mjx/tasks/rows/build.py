@@ -35,6 +35,7 @@ class Row:
         stages: What must hold, and what comes next.
         goal: Descriptor whose distance from the start is the length of the shortest path.
         tokens: Its instruction.
+        sounds: What sounds; none: the house's own source.
         pose: Start on the floor [m] and yaw [rad]; None: drawn at random.
         answer: Token of the right answer to its question; -1: there is none to answer.
         told: Numbers of the agents that are told what is to be done; None: all.
@@ -42,13 +43,13 @@ class Row:
         ask: How many of these, from the first, tell apart what is meant.
         group: For a generator's `choose`, such as rows that ask the same; None: none.
         wordings: Other instructions that say the same.
-        sounds: What sounds; none: the house's own source.
     """
 
     meant: Sequence[Meant]
     stages: Sequence[Stage]
     goal: int = 0
     tokens: Sequence[int] = field(default=())
+    sounds: Sequence[Sound] = field(default=())
     pose: tuple[Sequence[float], float] | None = None
     answer: int = NONE
     told: Sequence[int] | None = None
@@ -56,7 +57,6 @@ class Row:
     ask: int = 0
     group: Hashable = None
     wordings: Sequence[Sequence[int]] = ()
-    sounds: Sequence[Sound] = field(default=())
 
 
 @runtime_checkable
