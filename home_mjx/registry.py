@@ -320,3 +320,7 @@ for _name in ("RoomNav", "ObjectNav", "InstructionFollowing", "AudioNav"):
     register(f"{_name}-v0", f"home_mjx.tasks:{_name}", {"actions": "discrete", "stop": True})
 register("Exploration-v0", "home_mjx.tasks:Exploration", {"actions": "discrete"})
 register("PiedPiper-v0", "home_mjx.tasks:PiedPiper", {"actions": "discrete", "num_agents": 3})
+register("HouseQA-v0", "home_mjx.tasks:HouseQA", {"actions": "discrete"})
+register("VQA-v0", "home_mjx.tasks:VQA", {"actions": "discrete"})
+register("Dialogue-v0", "home_mjx.tasks:Dialogue", {"actions": "discrete", "stop": True})
+register("Communication-v0", "home_mjx.tasks:Communication", {"actions": "discrete", "stop": True, "num_agents": 2})

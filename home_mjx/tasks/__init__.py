@@ -24,6 +24,11 @@ from home_mjx.tasks.guided.exploration import Exploration, ExplorationState
 from home_mjx.tasks.guided.pied_piper import PiedPiper, PiedPiperState
 from home_mjx.tasks.language.splits import mentions, new_combinations
 from home_mjx.tasks.language.vocabulary import detokenize, tokenize
+from home_mjx.tasks.questions.balance import chance, prior_accuracy
+from home_mjx.tasks.questions.communication import Communication
+from home_mjx.tasks.questions.dialogue import Dialogue
+from home_mjx.tasks.questions.house_qa import HouseQA
+from home_mjx.tasks.questions.vqa import VQA
 from home_mjx.tasks.rows.build import Row, build_task_bank
 from home_mjx.tasks.rows.house_view import HouseView, Thing
 from home_mjx.tasks.rows.program import Go, Meant, Stage, When
@@ -42,12 +47,15 @@ __all__ = [
     "FAILURE",
     "SENSORS",
     "SUCCESS",
+    "VQA",
     "AgentCamera",
     "AgentPose",
     "ArraySpec",
     "AudioNav",
     "AutoReset",
     "BoundEnv",
+    "Communication",
+    "Dialogue",
     "DiscreteActions",
     "EnvConfig",
     "EnvParams",
@@ -56,6 +64,7 @@ __all__ = [
     "ExplorationState",
     "Feature",
     "Go",
+    "HouseQA",
     "HouseTasks",
     "HouseView",
     "HouseholdEnv",
@@ -89,6 +98,7 @@ __all__ = [
     "WithExpert",
     "World",
     "build_task_bank",
+    "chance",
     "check_status",
     "detokenize",
     "dump_flagged",
@@ -101,6 +111,7 @@ __all__ = [
     "make_config",
     "mentions",
     "new_combinations",
+    "prior_accuracy",
     "register_sensor",
     "sample_episodes",
     "save_episodes",

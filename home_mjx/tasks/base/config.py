@@ -97,6 +97,8 @@ class EnvConfig:
         actions: "continuous": numbers in [-1, 1], parts of the fastest rates. "discrete", or a `DiscreteActions` with
             options: an integer, one of a few moves. If no move fits into the default `ctrl_dt`, that becomes 0.3 s.
         hands: Whether there are actions to pick up, put down, drop and throw things and to turn doors.
+        speech: What agents may say besides what their task lets them: further discrete actions, each a word of the
+            tasks' language after `say:` or `answer:`, such as "say:yes". See `Snapshot.said`.
         doors: How doors stand at reset: "open" (wide), "closed", "placed" (as in the file) or "random" (each open or
             closed, by key). Whatever stands before a leaf, agents can push it, or turn it with their hands.
         arrangement: Where movable bodies are at reset: "placed" (as in the file) or "random" (one of the bank's settled
@@ -128,6 +130,7 @@ class EnvConfig:
     episode_length: int = 500
     actions: str | DiscreteActions = "continuous"
     hands: bool = False
+    speech: tuple[str, ...] = ()
     doors: str = "open"
     arrangement: str = "placed"
     source_height: float = 1.0
@@ -143,7 +146,7 @@ class EnvConfig:
     def __post_init__(self) -> None:
         if self.sensors is not None:
             self._set(sensors=_names_in("sensors", self.sensors))
-        self._set(cameras=_tuple("cameras", self.cameras))
+        self._set(cameras=_tuple("cameras", self.cameras), speech=_names_in("speech", self.speech))
         self._set(clips=_names_in("clips", self.clips))
         check_known("clip", [self.clip, *self.clips], CLIPS)
         check_known("state of doors", [self.doors], DOOR_STATES)
@@ -235,7 +238,7 @@ class EnvConfig:
     def action_names(self) -> tuple[str, ...]:
         """What the numbers of a continuous action mean, or which discrete ones there are."""
         own, hands = (ACTION_NAMES, HAND_NAMES) if self.discrete is None else (MOVE_NAMES, HAND_MOVE_NAMES)
-        return (*own, *hands) if self.hands else own
+        return (*own, *(hands if self.hands else ()), *self.speech)
 
     def replace(self, **changes: Any) -> "EnvConfig":
         """A copy with some fields changed; physics and sound follow a new body or clock."""

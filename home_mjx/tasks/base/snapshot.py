@@ -35,6 +35,7 @@ class Snapshot(Pytree):
     pose: AgentPose
     velocity: Float[Array, "a 3"]  # forward and left [m/s], yaw rate [rad/s]
     stopped: Bool[Array, " a"]  # has chosen the discrete action `stop`, and does nothing more
+    said: Int[Array, " a"]  # token of the word that it said in the last step; -1 none
     contact: Bool[Array, " a"]  # touched anything but the floor during the last step
     held: Int[Array, " a"]  # movable body in each hand; -1 none
     door_angle: Float[Array, " h"]  # [rad] about +z from as placed, of what slides [m]

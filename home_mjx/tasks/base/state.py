@@ -65,6 +65,7 @@ class World(Pytree):
     step: Int[Array, ""]  # steps since reset
     pitch: Float[Array, " a"]  # [rad], look up is positive
     stopped: Bool[Array, " a"]  # has chosen the discrete action `stop`
+    said: Int[Array, " a"]  # token of the word said in the last step; -1 none
     sounds: Sounds
     action: Float[Array, "a n"]  # the last one: numbers, or 1 at the chosen move; 0 at the start
     reward: Float[Array, " a"]  # the last one; 0 at the start

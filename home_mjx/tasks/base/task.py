@@ -46,6 +46,19 @@ class Task:
         return False
 
     @property
+    def speech(self) -> tuple[str, ...]:
+        """Discrete actions by which agents speak: words of the tasks' language after `say:` or `answer:`; none here.
+
+        What an agent has said is in `Snapshot.said`.
+        """
+        return ()
+
+    @property
+    def least_agents(self) -> int:
+        """How many agents the task needs."""
+        return 1
+
+    @property
     def columns(self) -> tuple[str, ...]:
         """Names of what an episode of this task needs besides house, start and yaw."""
         return ()

@@ -28,11 +28,20 @@ from home_mjx.tasks.base.status import flags
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.handling import hand_commands
-from home_mjx.tasks.environment.moves import Moves, action_names, action_spec, moves_of, tilted, with_led
+from home_mjx.tasks.environment.moves import (
+    SILENT,
+    Moves,
+    action_names,
+    action_spec,
+    moves_of,
+    spoken_tokens,
+    tilted,
+    with_led,
+)
 from home_mjx.tasks.environment.usable import (
     check_arrangements,
+    check_fit,
     check_observations,
-    check_stop,
     check_task,
     checked_metrics,
 )
@@ -61,7 +70,8 @@ class HouseholdEnv:
         observation_spec: What `State.obs` holds, by name; with a leading agent axis for several agents.
 
     Raises:
-        ConfigError: A sensor is unknown, or two observations have the same name.
+        ConfigError: A sensor or a word is unknown, two observations have the same name, or the task cannot be done with
+            these actions or so few agents.
 
     Example:
         >>> core, params = HouseholdEnv(), EnvParams(bank)  # doctest: +SKIP
@@ -74,13 +84,15 @@ class HouseholdEnv:
             raise ConfigError("HouseholdEnv takes options, not a bank", hint="Write HouseholdEnv(config).bind(bank).")
         self.task = task or PointNav()
         config = config or EnvConfig()
-        check_stop(config, self.task)
+        check_fit(config, self.task)
         self.config = config.replace(
             sensors=sensor_names(config, self.task),
             num_sources=max(config.num_sources, self.task.num_sources),
             clips=tuple(dict.fromkeys((*config.clips, *self.task.clips))),
+            speech=tuple(dict.fromkeys((*config.speech, *self.task.speech))),
         )
         self.sensors = choose_sensors(self.config, self.task)
+        spoken_tokens(self.config)  # refuses what cannot be said
         self.action_spec = action_spec(self.config)
         self.observation_spec = self._observation_spec()
 
@@ -205,6 +217,7 @@ class HouseholdEnv:
             step=jnp.zeros((), jnp.int32),
             pitch=jnp.zeros(agents, jnp.float32),
             stopped=jnp.zeros(agents, bool),
+            said=jnp.full(agents, SILENT, jnp.int32),
             sounds=house_sounds(config, bank, house, source_key),
             action=jnp.zeros((agents, self.action_size), jnp.float32),
             reward=jnp.zeros(agents, jnp.float32),
@@ -247,6 +260,7 @@ class HouseholdEnv:
         world = state.world.replace(
             pitch=tilted(self.config, state.world.pitch, moves.look),
             stopped=moves.stop,
+            said=moves.said,
             step=state.world.step + 1,
             action=moves.action,
             faults=state.world.faults + broken.astype(jnp.int32),
@@ -298,6 +312,7 @@ class HouseholdEnv:
             pose=AgentPose(pos=pos, yaw=yaw, pitch=world.pitch),
             velocity=physics.agent_velocity(template, data),
             stopped=world.stopped,
+            said=world.said,
             contact=physics.agent_contact(template, data),
             held=data.held,
             door_angle=angle,

@@ -6,9 +6,10 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.core.pytree import Pytree
+from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.specs import (
     ACTION_NAMES,
@@ -17,6 +18,7 @@ from home_mjx.tasks.base.specs import (
     DiscreteActions,
 )
 from home_mjx.tasks.environment.usable import usable_action, usable_choice
+from home_mjx.tasks.language.vocabulary import tokenize
 
 # Of each discrete action but `stop`: the number of a continuous one that it sets, and its sign.
 SETS = {
@@ -31,6 +33,8 @@ SETS = {
     "open": ("turn_door", 1),
     "close": ("turn_door", -1),
 }
+SPEAKING = ("say", "answer")  # before the colon of an action by which an agent speaks
+SILENT = -1  # token of who says nothing
 ROUNDING = 1e-4  # [rad], by which a look may end beyond `pitch_max`
 
 
@@ -41,6 +45,7 @@ class Moves(Pytree):
     look: Float[Array, " a"]  # [rad], up
     hands: Float[Array, "a n"]  # see `handling.hand_commands`; n is 0 without hands
     stop: Bool[Array, " a"]
+    said: Int[Array, " a"]  # token; -1 none
     unusable: Bool[Array, ""]  # a number of the action was clipped, or is no action
     action: Float[Array, "a names"]  # as it was understood: numbers, or 1 at the chosen move
 
@@ -78,7 +83,7 @@ def moves_of(config: EnvConfig, action: Any, stopped: Any) -> Moves:
     names = action_names(config)
     if config.discrete is None:
         numbers, unusable = usable_action(action, config.num_agents, len(names))
-        stop = jnp.zeros(config.num_agents, bool)
+        stop, said = jnp.zeros(config.num_agents, bool), jnp.full(config.num_agents, SILENT, jnp.int32)
         look, understood = numbers[:, 3] * jnp.float32(config.look_rate * config.timing.ctrl_dt), numbers
     else:
         chosen, unusable = usable_choice(action, config.num_agents, len(names))
@@ -86,9 +91,17 @@ def moves_of(config: EnvConfig, action: Any, stopped: Any) -> Moves:
         table = jnp.asarray(_move_table(config, config.discrete))
         chosen = jnp.where(stop, names.index("stop"), chosen)
         numbers, understood = jax.vmap(lambda rows, i: rows[i])(table, chosen), jax.nn.one_hot(chosen, len(names))
+        said = jnp.asarray(spoken_tokens(config))[chosen]
         look = numbers[:, 3]
-    hands = numbers[:, len(ACTION_NAMES) :]
-    return Moves(drive=numbers[:, :3], look=look, hands=hands, stop=stop, unusable=unusable, action=understood)
+    return Moves(
+        drive=numbers[:, :3],
+        look=look,
+        hands=numbers[:, len(ACTION_NAMES) :],
+        stop=stop,
+        said=said,
+        unusable=unusable,
+        action=understood,
+    )
 
 
 def with_led(config: EnvConfig, moves: Moves, stopped: Any, mask: Bool[Array, " a"], action: Array) -> Moves:
@@ -99,6 +112,25 @@ def with_led(config: EnvConfig, moves: Moves, stopped: Any, mask: Bool[Array, " 
         return jnp.where(mask.reshape(-1, *[1] * (led.ndim - 1)), led, told) if led.ndim else told
 
     return jax.tree.map(pick, own, moves)
+
+
+def spoken_tokens(config: EnvConfig) -> Int[np.ndarray, " moves"]:
+    """Token that each discrete action says, `SILENT` for moves; the last entry is that of a number that is no action.
+
+    Raises:
+        ConfigError: The language has no such word, or an action of `speech` has another form.
+
+    Example:
+        >>> spoken_tokens(EnvConfig(actions="discrete", speech=("say:the", "answer:a"))).tolist()[6:]
+        [1, 2, -1]
+    """
+    tokens = [SILENT] * (len(action_names(config)) - len(config.speech))
+    for name in config.speech:
+        way, _, word = name.partition(":")
+        if way not in SPEAKING or not word or len(word.split()) != 1:
+            raise ConfigError(f"`speech` has {name!r}", hint="Write `say:` or `answer:` and a word, such as say:yes.")
+        tokens += tokenize(word)
+    return np.array([*tokens, SILENT], np.int32)
 
 
 def _move_table(config: EnvConfig, moves: DiscreteActions) -> Float[np.ndarray, "a moves n"]:

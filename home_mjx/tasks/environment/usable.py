@@ -62,15 +62,22 @@ def _of_all(action: Array, num_agents: int, shape: tuple[int, ...]) -> Array:
     return action.reshape(everybody)
 
 
-def check_stop(config: EnvConfig, task: Task) -> None:
-    """Refuses tasks that wait for an action that there is not.
+def check_fit(config: EnvConfig, task: Task) -> None:
+    """Refuses tasks that wait for an action, or for an agent, that there is not.
 
     Raises:
-        ConfigError: The task needs `stop`, and actions are continuous.
+        ConfigError: The task needs `stop` or words, and actions are continuous; or it needs more agents.
     """
-    if task.needs_stop and config.discrete is None:
-        message = f"{type(task).__name__} waits for `stop`, which continuous actions do not have"
+    name, discrete = type(task).__name__, config.discrete is not None
+    if task.needs_stop and not discrete:
+        message = f"{name} waits for `stop`, which continuous actions do not have"
         raise ConfigError(message, hint='Give actions="discrete".')
+    if (task.speech or config.speech) and not discrete:
+        message = f"agents of {name} speak, which continuous actions do not let them"
+        raise ConfigError(message, hint='Give actions="discrete".')
+    if config.num_agents < task.least_agents:
+        message = f"{name} is for {task.least_agents} agents or more, got {config.num_agents}"
+        raise ConfigError(message, hint=f"Give num_agents={task.least_agents}.")
 
 
 def check_bank(config: EnvConfig, bank: HouseBank) -> None:

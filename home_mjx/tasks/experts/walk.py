@@ -12,6 +12,7 @@ from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.environment.moves import action_names
 from home_mjx.tasks.experts.descent import descend
+from home_mjx.tasks.experts.speaking import or_words
 from home_mjx.tasks.rows.features import boxes_now, nearest_meant, sights, table
 from home_mjx.tasks.rows.machine import advance, conditions
 from home_mjx.tasks.rows.row_task import RowState
@@ -59,12 +60,14 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
     offset = points[agents, jnp.argmax(free, axis=-1)] - eye_position(snapshot.config, snapshot.pose)
     faces = jnp.arctan2(offset[:, 1], offset[:, 0])
     is_thing = state.program.descriptor[guide, Word.KIND] == Kind.OBJECT
-    near = is_thing & (there | (jnp.any(free, axis=-1) & should_look(state, values)))
+    # Who sees nothing of it from where it should be seen goes on to the middle of the cell.
+    near = is_thing & jnp.any(free, axis=-1) & (there | should_look(state, values))
     heading = jnp.where(near & jnp.all(jnp.isfinite(offset), axis=-1), faces, way)
     error = (heading - snapshot.pose.yaw + jnp.pi) % (2 * jnp.pi) - jnp.pi
     level = jnp.linalg.norm(offset[:, :2], axis=-1)
     rise = jnp.where(near & jnp.isfinite(level), jnp.arctan2(offset[:, 2], jnp.maximum(level, 0.3)), 0.0)
-    return to_actions(snapshot.config, error, rise - snapshot.pose.pitch, near, stop)
+    actions = to_actions(snapshot.config, error, rise - snapshot.pose.pitch, near, stop)
+    return or_words(snapshot, state, values, actions)
 
 
 def should_look(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:

@@ -13,7 +13,7 @@ from home_mjx.core.transforms import bounds
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.rows.fields import CellGraph, Ends
 from home_mjx.tasks.rows.words import Kind
-from home_mjx.tasks.sensors.sight import seen_from
+from home_mjx.tasks.sensors.sight import ids_in_view, seen_from
 
 CELLS = 64  # that are nearest to a thing are tried
 REACH = 0.3  # [m]: besides the nearest cell, those that are farther by so much are ends of ways to a thing
@@ -94,12 +94,30 @@ class HouseView:
             box = self._boxes[instance]
             cells, away = self.graph.around(box[0], box[1], CELLS)
             eyes = np.full((CELLS, 3), np.inf)
-            eyes[: len(cells)] = self.graph.place[cells]
-            eyes[:, 2] += self.bank.spec.agent_height - BELOW_TOP
+            eyes[: len(cells)] = self._eyes(self.graph.place[cells])
             seen = seen_from(self._device, self.house, eyes, box)[: len(cells)]
             near = seen & (away <= np.min(away, where=seen, initial=np.inf) + REACH)
             self._beside[instance] = cells[near], away[near]
         return self._beside[instance]
+
+    def can_be_seen(self, thing: Thing) -> bool:
+        """Whether a thing can be seen from beside it."""
+        parts = np.flatnonzero(self.bank.geometry.instance_object[self.house] == thing.object_id)
+        return any(len(self.beside(part)[0]) for part in parts.tolist())
+
+    def looks(self, places: Float[np.ndarray, "n 3"], yaw: Float[np.ndarray, " n"]) -> list[dict[int, float]]:
+        """What an agent sees that looks straight ahead: which part of the image objects fill, by object id.
+
+        Args:
+            places: On the floor [m].
+            yaw: [rad].
+        """
+        images = ids_in_view(self._device, self.house, self._eyes(places), yaw)
+        found = [np.unique(image[image >= 0], return_counts=True) for image in images]
+        return [dict(zip(ids.tolist(), (counts / images[0].size).tolist(), strict=True)) for ids, counts in found]
+
+    def _eyes(self, places: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
+        return places + np.array([0, 0, self.bank.spec.agent_height - BELOW_TOP])
 
 
 def house_views(bank: HouseBank) -> tuple[HouseView, ...]:

@@ -21,6 +21,7 @@ from home_mjx.tasks.rows.program import Go, Meant, Stage, When, written
 from home_mjx.tasks.rows.task_bank import TaskBank
 from home_mjx.tasks.rows.words import ANY, FAILURE, NUM_CONDITIONS, SUCCESS, Feature, Kind, Word
 from home_mjx.tasks.sounds.row import Sound, read_sounds, written_sounds
+from home_mjx.tasks.speech.talk import EVERYBODY, NONE, written_talk
 
 MAX_BYTES = 1 << 30  # of a file: about a million tasks
 ENDS = {SUCCESS: "success", FAILURE: "failure"}
@@ -48,6 +49,7 @@ def save_tasks(path: str | Path, bank: HouseBank, tasks: TaskBank) -> None:
         line |= {"start": host.start[at].tolist(), "yaw": float(host.yaw[at]), "length": float(row["length"])}
         line |= {"instruction": detokenize(row["tokens"]), "meant": _meant(row), "stages": _stages(row)}
         line |= {"sounds": sounds} if (sounds := _sounds(row)) else {}
+        line |= _talk(row)
         lines.append(json.dumps(line))
     try:
         Path(path).write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
@@ -91,7 +93,24 @@ def _row(line: dict[str, Any], index: dict[str, int], names: dict[str, int]) -> 
     arrays = written(meant, [_read_stage(item) for item in line["stages"]]) | written_sounds(sounds, len(meant))
     own = {"house": index[line["house"]], "task": names.setdefault(line["task"], len(names))}
     own |= {"start": start, "yaw": np.float32(yaw), "length": np.float32(length)}
-    return arrays | own | {"tokens": padded(tokenize(line["instruction"]))}
+    return arrays | own | {"tokens": padded(tokenize(line["instruction"]))} | _read_talk(line)
+
+
+def _talk(row: dict[str, np.ndarray]) -> dict[str, Any]:
+    """What a row says of speaking, of what it says anything."""
+    item: dict[str, Any] = {}
+    if row["answer"] != NONE:
+        item["answer"] = detokenize([int(row["answer"])])
+    if row["told"] != EVERYBODY:
+        item["told"] = [agent for agent in range(16) if int(row["told"]) >> agent & 1]
+    oracle = [[detokenize([word]) for word in pair] for pair in row["oracle"].tolist() if pair[0] != NONE]
+    return item | ({"oracle": oracle, "ask": int(row["ask"])} if oracle else {})
+
+
+def _read_talk(line: dict[str, Any]) -> dict[str, np.ndarray]:
+    (answer,) = tokenize(line["answer"]) if "answer" in line else (NONE,)
+    oracle = [tokenize(f"{question} {reply}") for question, reply in line.get("oracle", ())]
+    return written_talk(answer, line.get("told"), [(pair[0], pair[1]) for pair in oracle], int(line.get("ask", 0)))
 
 
 def _meant(row: dict[str, np.ndarray]) -> list[dict[str, Any]]:
