@@ -318,3 +318,6 @@ def as_bank(
 register("PointNav-v0", "home_mjx.tasks:PointNav")
 for _name in ("RoomNav", "ObjectNav", "InstructionFollowing"):
     register(f"{_name}-v0", f"home_mjx.tasks:{_name}", {"actions": "discrete", "stop": True})
+_HANDS = {"hands": True, "aim_angle": 10.0, "pitch_max": 1.05}  # looks of 15 degrees, down to 60 as in AI2-THOR
+for _name in ("Fetch", "Rearrange"):
+    register(f"{_name}-v0", f"home_mjx.tasks:{_name}", {"actions": "discrete", "stop": True, **_HANDS})

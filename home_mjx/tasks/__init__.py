@@ -26,6 +26,7 @@ from home_mjx.tasks.rows.program import Go, Meant, Stage, When
 from home_mjx.tasks.rows.row_task import RowState, RowTask
 from home_mjx.tasks.rows.task_bank import TaskBank
 from home_mjx.tasks.rows.words import FAILURE, SUCCESS, Feature
+from home_mjx.tasks.suite.handling import Fetch, Rearrange
 from home_mjx.tasks.suite.instructions import InstructionFollowing
 from home_mjx.tasks.suite.navigation import HouseTasks, Navigation, ObjectNav, RoomNav
 from home_mjx.tasks.suite.point_nav import PointNav, PointNavState
@@ -46,6 +47,7 @@ __all__ = [
     "EnvParams",
     "Episodes",
     "Feature",
+    "Fetch",
     "Go",
     "HouseTasks",
     "HouseView",
@@ -57,6 +59,7 @@ __all__ = [
     "ObjectNav",
     "PointNav",
     "PointNavState",
+    "Rearrange",
     "RoomNav",
     "Row",
     "RowState",

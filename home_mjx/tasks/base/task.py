@@ -45,6 +45,11 @@ class Task:
         return False
 
     @property
+    def needs_hands(self) -> bool:
+        """Whether agents need hands for it."""
+        return False
+
+    @property
     def columns(self) -> tuple[str, ...]:
         """Names of what an episode of this task needs besides house, start and yaw."""
         return ()

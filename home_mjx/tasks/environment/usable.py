@@ -62,8 +62,10 @@ def check_stop(config: EnvConfig, task: Task) -> None:
     """Refuses tasks that wait for an action that there is not.
 
     Raises:
-        ConfigError: The task needs `stop`, and actions are continuous.
+        ConfigError: The task needs `stop`, and actions are continuous; or it needs hands, and there are none.
     """
+    if task.needs_hands and not config.hands:
+        raise ConfigError(f"{type(task).__name__} needs hands, which agents do not have", hint="Give hands=True.")
     if task.needs_stop and config.discrete is None:
         message = f"{type(task).__name__} waits for `stop`, which continuous actions do not have"
         raise ConfigError(message, hint='Give actions="discrete".')

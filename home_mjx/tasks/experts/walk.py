@@ -11,6 +11,7 @@ from home_mjx.schema.compiled import FIELD_FAR
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.environment.moves import action_names
+from home_mjx.tasks.experts.grips import find_grip, is_aimed, use_hands
 from home_mjx.tasks.rows.features import boxes_now, nearest_meant, sights, table
 from home_mjx.tasks.rows.machine import advance, conditions
 from home_mjx.tasks.rows.row_task import RowState
@@ -53,7 +54,15 @@ def expert_action(snapshot: Snapshot, state: RowState) -> Array:
     error = (heading - snapshot.pose.yaw + jnp.pi) % (2 * jnp.pi) - jnp.pi
     level = jnp.linalg.norm(offset[:, :2], axis=-1)
     rise = jnp.where(near & jnp.isfinite(level), jnp.arctan2(offset[:, 2], jnp.maximum(level, 0.3)), 0.0)
-    return to_actions(snapshot.config, error, rise - snapshot.pose.pitch, near, stop)
+    tilt = rise - snapshot.pose.pitch
+    if not snapshot.config.hands or not snapshot.bank.spec.num_bodies:
+        return to_actions(snapshot.config, error, tilt, near, stop)
+    grip = find_grip(snapshot, state, values, box)
+    works = (grip.take | grip.put) & ~stop
+    stands = works & (grip.ready | there)
+    error, tilt = jnp.where(stands, grip.turn, error), jnp.where(stands, grip.tilt, tilt)
+    actions = to_actions(snapshot.config, error, tilt, jnp.where(works, stands, near), stop)
+    return use_hands(snapshot.config, actions, grip, stands & is_aimed(snapshot.config, grip))
 
 
 def should_look(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:

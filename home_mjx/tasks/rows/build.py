@@ -7,7 +7,7 @@ from typing import Protocol, runtime_checkable
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float, Int, UInt16
+from jaxtyping import Bool, Float, Int, UInt16
 from tqdm import tqdm
 
 from home_mjx.bank.bank import HouseBank
@@ -19,7 +19,7 @@ from home_mjx.tasks.rows.house_view import HouseView, house_views
 from home_mjx.tasks.rows.meaning import means_on_host
 from home_mjx.tasks.rows.program import Meant, Stage, written
 from home_mjx.tasks.rows.task_bank import TaskBank
-from home_mjx.tasks.rows.words import NUM_DESCRIPTORS, NUM_TOKENS, Feature, Kind, Word
+from home_mjx.tasks.rows.words import NUM_DESCRIPTORS, NUM_TOKENS, Feature, Kind, Use, Word
 
 ROOM = 0.15  # [m]: who walks in steps comes no nearer to the middle of a cell
 
@@ -33,12 +33,16 @@ class Row:
         stages: What must hold, and what comes next.
         goal: Descriptor whose distance from the start is the length of the shortest path.
         tokens: Its instruction.
+        then: Descriptors that are gone to after the goal, whose ways count to the length as well.
+        start: Where the episode begins [m]; None: it is drawn.
     """
 
     meant: Sequence[Meant]
     stages: Sequence[Stage]
     goal: int = 0
     tokens: Sequence[int] = field(default=())
+    then: Sequence[int] = field(default=())
+    start: Sequence[float] | None = None
 
 
 @runtime_checkable
@@ -111,8 +115,10 @@ def _of_house(
         goal = column["field"][row.goal]
         if goal < 0 or not _can_be_done(column, nearest):
             continue
-        start = _start(view, field_[: len(view.graph.place), goal], random, limits)
+        start = _start(view, field_[: len(view.graph.place), goal], random, limits, row.start)
         if start is not None:
+            stops = [column["field"][d] for d in (row.goal, *row.then)]
+            start["length"] += _ways_between(field_[: len(view.graph.place)], stops)
             found.append(column | start | {"house": view.house, "task": task, "tokens": padded(row.tokens)})
     return found, field_
 
@@ -160,7 +166,8 @@ def add_fields(bank: HouseBank, view: HouseView, columns: list[dict]) -> UInt16[
         for d, kind in enumerate(column["descriptor"][:, Word.KIND].tolist()):
             if kind in (Kind.NOTHING, Kind.AGENT):
                 continue
-            end = view.ends(kind, instance[at, d], room[at, d], column["place"][d])
+            use = view, column, d, instance[at]
+            end = view.ends(kind, instance[at, d], room[at, d], column["place"][d], *_use(*use))
             key = end[0].tobytes() + end[1].tobytes()
             if len(end[0]) and key not in known:
                 known[key] = len(ends)
@@ -169,17 +176,47 @@ def add_fields(bank: HouseBank, view: HouseView, columns: list[dict]) -> UInt16[
     return view.graph.fields(ends)
 
 
+def _use(view: HouseView, column: dict, d: int, instance: Bool[np.ndarray, "d i"]) -> tuple[Use, float]:
+    """What agents go to what descriptor `d` means for; if to put something there, its radius [m]."""
+    feature, first, second = (column[name].tolist() for name in ("feature", "first", "second"))
+    conditions = list(zip(feature, first, second, strict=True))
+    put = [i for feature, i, j in conditions if feature == Feature.ON and j == d]
+    if put:
+        things = np.flatnonzero(instance[put].any(axis=0)).tolist()
+        return Use.PUT, max((view.radius(thing) for thing in things), default=0.0)
+    taken = any(feature == Feature.HELD and i == d for feature, i, _ in conditions)
+    return (Use.TAKE if taken else Use.LOOK), 0.0
+
+
 def _start(
-    view: HouseView, field_: np.ndarray, random: np.random.Generator, limits: tuple[float, float]
+    view: HouseView,
+    field_: np.ndarray,
+    random: np.random.Generator,
+    limits: tuple[float, float],
+    place: Sequence[float] | None = None,
 ) -> dict | None:
-    """A start at random among cells whose way to the goal is neither too short nor too long; None: there is none."""
+    """A start at random among cells whose way to the goal is neither too short nor too long; None: there is none.
+
+    Where a place is given only the cell there counts.
+    """
     way = np.where(field_ == FIELD_FAR, np.inf, field_ * FIELD_UNIT)
     fit = np.flatnonzero(np.isfinite(way) & (way >= limits[0]) & (way <= limits[1]) & ~view.graph.at_leaf)
+    if place is not None:
+        fit = np.intersect1d(fit, view.graph.at(np.asarray(place))[0])
     if not len(fit):
         return None
     cell = random.choice(fit)
-    place = view.graph.place[cell].astype(np.float32)
-    return {"start": place, "yaw": np.float32(random.uniform(-np.pi, np.pi)), "length": np.float32(way[cell])}
+    return {
+        "start": view.graph.place[cell].astype(np.float32),
+        "yaw": np.float32(random.uniform(-np.pi, np.pi)),
+        "length": np.float32(way[cell]),
+    }
+
+
+def _ways_between(fields: UInt16[np.ndarray, "c g"], stops: Sequence[int]) -> np.float32:
+    """Ways from where one field leads to, on to where the next one does [m]."""
+    ends = [int(np.argmin(fields[:, stop])) for stop in stops]
+    return np.float32(sum(fields[a, stop] * FIELD_UNIT for a, stop in zip(ends[:-1], stops[1:], strict=True)))
 
 
 def _in_turns(drawn: list[dict]) -> list[dict]:

@@ -54,3 +54,11 @@ class Feature(IntEnum):
     STOPPED = 9  # 1: the agent has chosen `stop`
     TIME = 10  # steps since the stage began
     TOUCHED = 11  # 1: the agent touched anything but the floor in the last step
+
+
+class Use(IntEnum):
+    """What an agent goes to a thing for, which says where it goes to."""
+
+    LOOK = 0
+    TAKE = 1  # a condition asks that it be held
+    PUT = 2  # a condition asks that something be on it

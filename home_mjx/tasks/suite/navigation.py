@@ -122,6 +122,11 @@ class HouseTasks(RowTask):
         return any(getattr(task, "needs_stop", False) for task in self.tasks)
 
     @property
+    def needs_hands(self) -> bool:
+        """One of the tasks does."""
+        return any(getattr(task, "needs_hands", False) for task in self.tasks)
+
+    @property
     def generators(self) -> tuple[Generator, ...]:
         """Those of all tasks."""
         return self.tasks
