@@ -15,8 +15,10 @@ from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.pose import AgentPose
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
+from home_mjx.tasks.sensors.reaching import footprints, plan_radius, room_at
 
 PRESSED = 0.5  # from which on a number of an action counts as a command
+GAP = 0.01  # [m], at least, between what is put down and what stands there
 RAYS = 9  # in each direction, where hands need not be aimed exactly
 LEVEL = 0.7  # least upward part of the normal of a surface on which things are put
 
@@ -30,7 +32,7 @@ def hand_commands(config: EnvConfig, snapshot: Snapshot, action: Float[Array, "a
         action: `pick` above 0.5 takes the body in the middle of the view, or puts what the hand holds on the surface
             there; below -0.5 it drops. `throw` above 0.5 throws along the view. `turn` above 0.5 opens the door in the
             middle of the view, below -0.5 closes it. With an `aim_angle` the nearest to the middle that can be taken,
-            carries things, or is a door.
+            has room for what is held, or is a door.
     """
     bank, house = snapshot.bank, snapshot.house
     eyes, (pick, throw, turn) = eye_position(config, snapshot.pose), action.T
@@ -46,7 +48,7 @@ def hand_commands(config: EnvConfig, snapshot: Snapshot, action: Float[Array, "a
     taken = _nearest(body, body >= 0, near & _light(config, snapshot, body))
     return Commands(
         pick=jnp.where((pick > PRESSED) & ~holds, taken, -1),
-        place=jnp.where(puts[:, None], _nearest(point, level, near), jnp.inf),
+        place=jnp.where(puts[:, None], _nearest(point, level, near & _has_room(snapshot, point)), jnp.inf),
         drop=pick < -PRESSED,
         throw=jnp.where((throw > PRESSED)[:, None], view[:, 0], 0.0),
         door=jnp.where(jnp.abs(turn) > PRESSED, _nearest(door, door >= 0, near), -1),
@@ -80,6 +82,21 @@ def _light(config: EnvConfig, snapshot: Snapshot, body: Int[Array, "a n"]) -> Bo
         return body >= 0
     lift = jnp.array([body.lift for body in config.physics.agents], jnp.float32)
     return snapshot.bank.physics.body_mass[snapshot.house, jnp.maximum(body, 0)] <= lift[:, None]
+
+
+def _has_room(snapshot: Snapshot, point: Float[Array, "a n 3"]) -> Bool[Array, "a n"]:
+    """Where what each agent holds would stand on something, and touch nothing; all where hands are aimed exactly."""
+    bank, house, held = snapshot.bank, snapshot.house, jnp.maximum(snapshot.held, 0)
+    if not bank.spec.num_bodies or point.shape[1] == 1:
+        return jnp.ones(point.shape[:2], bool)
+    physics = bank.physics
+    radius = jax.vmap(plan_radius)(physics.body_size[house, held], physics.body_quat[house, held])
+
+    def one(point: Array, radius: Array, carried: Array) -> Array:
+        bears, apart = room_at(footprints(snapshot.scene, carried), point[:, :2], point[:, 2], radius + GAP)
+        return bears & apart
+
+    return jax.vmap(one)(jnp.where(jnp.isfinite(point), point, jnp.float32(1e6)), radius, carried_ids(snapshot))
 
 
 def door_numbers(snapshot: Snapshot, hit: Hit) -> Int[Array, "a n"]:

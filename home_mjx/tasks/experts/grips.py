@@ -11,14 +11,13 @@ from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.environment.handling import carried_ids, in_reach, look_past_hand
 from home_mjx.tasks.environment.moves import ROUNDING, action_names
-from home_mjx.tasks.rows.features import boxes_now
 from home_mjx.tasks.rows.machine import advance, conditions
 from home_mjx.tasks.rows.row_task import RowState
 from home_mjx.tasks.rows.words import FAILURE, Feature
 from home_mjx.tasks.sensors.cameras import eye_position
 from home_mjx.tasks.sensors.reaching import SLACK, free_spots, plan_radius, take_points
 
-EXACT = 0.05  # [rad], from the middle of the view, at which hands meet what they are aimed at
+EXACT = 0.04  # [rad], from the middle of the view, at which hands meet what they are aimed at
 PATIENCE = 24  # steps with one choice of where to aim; then it changes a little
 VARIED = 0.03  # [rad], by so much
 
@@ -34,20 +33,28 @@ class Grip(Pytree):
     tilt: Float[Array, " a"]  # [rad], up
 
 
-def find_grip(snapshot: Snapshot, state: RowState, values: Float[Array, "feature a d d"], box: Array) -> Grip:
+def has_hands(snapshot: Snapshot) -> bool:
+    """Whether agents have hands and houses have things for them."""
+    return snapshot.config.hands and snapshot.bank.spec.num_bodies > 0
+
+
+def find_grip(
+    snapshot: Snapshot, state: RowState, values: Float[Array, "feature a d d"], box: Float[Array, "a 2 3"]
+) -> Grip:
     """What hands are to do now, and where to aim for that.
 
     Args:
         snapshot: The environment.
         state: Of its row task.
         values: See `features.table`.
-        box: Bounds of the nearest thing that each descriptor means (a, d, 2, 3) [m].
+        box: Bounds of the nearest thing that the guide means [m].
     """
     guide = jnp.maximum(state.program.guide[jnp.maximum(state.stage, 0)], 0)
     take, put = _waits(state, values, guide)
     holds = snapshot.held >= 0
-    turn, tilt, ready = _aimed(snapshot, *_to_take(snapshot, state, guide, box[:, guide]))
-    for_put = _aimed(snapshot, *_to_put(snapshot, state, guide, box[:, guide]))
+    helped = EXACT + 0.5 * math.radians(snapshot.config.aim_angle)
+    turn, tilt, ready = _aimed(snapshot, *_to_take(snapshot, state, guide, box), helped)
+    for_put = _aimed(snapshot, *_to_put(snapshot, state, guide, box), helped)
     puts = put & holds
     turn, tilt, ready = (jnp.where(puts, b, a) for a, b in zip((turn, tilt, ready), for_put, strict=True))
     return Grip(take=take & ~holds, put=puts, drop=take & holds, ready=ready, turn=turn, tilt=tilt)
@@ -119,16 +126,14 @@ def _to_put(
 ) -> tuple[Float[Array, "a p 3"], Bool[Array, "a p"]]:
     """Spots on the nearest thing [m], and which of them are free and can be seen and reached."""
     config, bank, house = snapshot.config, snapshot.bank, snapshot.house
-    eyes, boxes, carried = eye_position(config, snapshot.pose), boxes_now(snapshot), carried_ids(snapshot)
-    body, ids = jnp.maximum(snapshot.held, 0), bank.geometry.instance_object[house]
-    physics = bank.physics
+    eyes, carried = eye_position(config, snapshot.pose), carried_ids(snapshot)
+    body, physics = jnp.maximum(snapshot.held, 0), bank.physics
     radius = jax.vmap(plan_radius)(physics.body_size[house, body], physics.body_quat[house, body])
-    solid = (ids[None] >= 0) & (ids[None] != carried[:, None])
 
-    def one(box: Array, radius: Array, solid: Array, carried: Array) -> tuple[Array, Array]:
-        return free_spots(snapshot.scene, box, state.means.instance[guide], radius, boxes, solid, carried)
+    def one(box: Array, radius: Array, carried: Array) -> tuple[Array, Array]:
+        return free_spots(snapshot.scene, box, state.means.instance[guide], radius, carried)
 
-    points, free = jax.vmap(one)(jnp.where(jnp.isfinite(box), box, 0.0), radius, solid, carried)
+    points, free = jax.vmap(one)(jnp.where(jnp.isfinite(box), box, 0.0), radius, carried)
     way = points - eyes[:, None]
     length = jnp.linalg.norm(way, axis=-1)
     hit = look_past_hand(config, snapshot, eyes, way / length[..., None])
@@ -136,9 +141,9 @@ def _to_put(
 
 
 def _aimed(
-    snapshot: Snapshot, points: Float[Array, "a p 3"], fits: Bool[Array, "a p"]
+    snapshot: Snapshot, points: Float[Array, "a p 3"], fits: Bool[Array, "a p"], most: float
 ) -> tuple[Float[Array, " a"], Float[Array, " a"], Bool[Array, " a"]]:
-    """Turn and tilt to the point that the view can be aimed at best [rad], and whether there is one.
+    """Turn and tilt to the point that the view can be aimed at best [rad], and whether it misses it by at most so much.
 
     Discrete actions turn and tilt by whole steps: of all points that fit that one is chosen to which they lead best.
     """
@@ -153,7 +158,7 @@ def _aimed(
     number = jnp.arange(points.shape[1], dtype=jnp.float32)
     varied = jnp.sin(number * (snapshot.step // PATIENCE).astype(jnp.float32))
     cost = miss + jnp.float32(VARIED) * varied + 0.01 * jnp.abs(turn) + 0.03 * away
-    near_enough = miss <= jnp.float32(EXACT + 0.5 * math.radians(config.aim_angle))
+    near_enough = miss <= jnp.float32(most)
     rank = jnp.where(fits & near_enough, 0.0, jnp.where(fits, 10.0, 20.0))
     best = jnp.argmin(cost + rank, axis=-1)
     agents = jnp.arange(points.shape[0])

@@ -138,8 +138,8 @@ class HouseView:
         """Cells from which a hand can put something of a radius [m] on an instance; none, if there are none."""
 
         def there(eyes: Array) -> Array:
-            boxes, size = jnp.asarray(self._boxes, jnp.float32), jnp.float32(radius)
-            return put_from(self._device, self._number, eyes, jnp.int32(instance), size, boxes, jnp.float32(HAND))
+            box, size = jnp.asarray(self._boxes[instance], jnp.float32), jnp.float32(radius)
+            return put_from(self._device, self._number, eyes, jnp.int32(instance), box, size, jnp.float32(HAND))
 
         return self._at_hand_of((instance, radius), there)
 

@@ -7,6 +7,8 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.transforms import quat_matrix
+from home_mjx.physics.kinematic.footprints import Footprints
+from home_mjx.physics.reference.slots import Boxes
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.surface import normals
@@ -16,6 +18,7 @@ ACROSS = np.linspace(-0.85, 0.85, 5)  # where a thing is aimed at, in half exten
 GRID = np.linspace(-1.0, 1.0, 10)  # spots of a surface
 STEEPEST = 1.0  # [rad], below level: what is lower than that is looked down at from farther away
 ABOVE = 0.6  # [m], over a piece of furniture, from where its top is looked for
+FAR = 1000.0  # [m]
 APART = 0.03  # [m], at least, between what is put down and what stands there
 FLAT = 0.015  # [m]
 LEVEL = 0.7  # least upward part of the normal of a surface
@@ -56,23 +59,17 @@ def within_reach(eye: Float[Array, "3"], points: Float[Array, "p 3"], reach: Dis
 
 
 def free_spots(
-    scene: Scene,
-    box: Float[Array, "2 3"],
-    meant: Bool[Array, " i"],
-    radius: Float[Array, ""],
-    boxes: Float[Array, "i 2 3"],
-    solid: Bool[Array, " i"],
-    carried: Int[Array, ""],
+    scene: Scene, box: Float[Array, "2 3"], meant: Bool[Array, " i"], radius: Float[Array, ""], carried: Int[Array, ""]
 ) -> tuple[Float[Array, "n 3"], Bool[Array, " n"]]:
     """Points of the top of a piece of furniture [m], and on which of them there is room.
+
+    Rays see the top, and physics, which has boxes, must bear things there, too.
 
     Args:
         scene: The environment.
         box: Bounds of the furniture [m].
         meant: Instances that it consists of.
         radius: Of what is to be put there [m].
-        boxes: Bounds of all instances [m].
-        solid: Instances that must not be touched.
         carried: Object that rays pass through; -1 none.
     """
     middle, half = box.mean(axis=0), (box[1] - box[0]) / 2
@@ -84,23 +81,36 @@ def free_spots(
     hit = cast(scene, start, down, exclude=jnp.broadcast_to(carried, start.shape[:1]))
     own = (hit.instance >= 0) & jnp.take(meant, jnp.clip(hit.instance, 0, meant.shape[0] - 1))
     own = own & (hit.instance < meant.shape[0]) & (normals(scene, down, hit)[:, 2] > LEVEL)
-    height = jnp.where(own, start[:, 2] - hit.t, jnp.inf)
-    carries = own & (height >= middle[2]) & (height <= box[1, 2] + REST)
-    beside = jnp.linalg.norm(plan[:, None] - plan[None], axis=-1) <= 0.6 * radius
-    flat = jnp.all(~beside | (jnp.abs(height[:, None] - height[None]) < FLAT), axis=1)
-    apart = ~jnp.any(_overlap(plan, height, radius + APART, boxes) & solid[None] & ~meant[None], axis=1)
-    points = jnp.concatenate([plan, jnp.where(own, height, middle[2])[:, None]], axis=1)
-    return points, carries & flat & apart
+    height = jnp.where(own, start[:, 2] - hit.t, middle[2])
+    high = own & (height >= middle[2]) & (height <= box[1, 2] + REST)
+    bears, apart = room_at(footprints(scene, carried), plan, height, radius + APART)
+    return jnp.concatenate([plan, height[:, None]], axis=1), high & bears & apart
 
 
-def _overlap(
-    plan: Float[Array, "n 2"], height: Float[Array, " n"], radius: Float[Array, ""], boxes: Float[Array, "i 2 3"]
-) -> Bool[Array, "n i"]:
-    """Which boxes something on a spot would be in, or beneath."""
-    low, high = boxes[None, :, 0], boxes[None, :, 1]
-    inside = (plan[:, None] > low[..., :2] - radius) & (plan[:, None] < high[..., :2] + radius)
-    tall = (high[..., 2] > height[:, None] + FLAT) & (low[..., 2] < height[:, None] + 2 * ABOVE)
-    return jnp.all(inside, axis=-1) & tall
+def footprints(scene: Scene, carried: Int[Array, ""]) -> Footprints:
+    """All that things meet: static boxes, and the bounds of movable bodies and leaves but for what is carried."""
+    physics, moving, bank = scene.bank.physics, scene.moving, scene.bank
+    parts = (x[scene.house] for x in (physics.collider_pos, physics.collider_quat, physics.collider_size))
+    count = bank.spec.num_bodies + bank.spec.num_doors
+    box = moving.box[:count]
+    there = (moving.instance[:count] >= 0) & ((moving.object_id[:count] != carried) | (carried < 0))
+    box = jnp.where(there[:, None, None], box, -FAR)
+    middle, half, one = box.mean(axis=1), (box[:, 1] - box[:, 0]) / 2, jnp.ones(count, jnp.float32)
+    own = Footprints(middle[:, 0], middle[:, 1], one, 0 * one, half[:, 0], half[:, 1], box[:, 0, 2], box[:, 1, 2])
+    return jax.tree.map(lambda *x: jnp.concatenate(x), Footprints.of(Boxes(*parts)), own)
+
+
+def room_at(
+    boxes: Footprints, plan: Float[Array, "n 2"], height: Float[Array, " n"], radius: Float[Array, ""]
+) -> tuple[Bool[Array, " n"], Bool[Array, " n"]]:
+    """At which places of a height [m] a box bears what is put there, and where it would touch none."""
+    x, y = plan[:, :1] - boxes.x, plan[:, 1:] - boxes.y
+    u = jnp.abs(boxes.cos * x + boxes.sin * y) - boxes.half_u
+    v = jnp.abs(boxes.cos * y - boxes.sin * x) - boxes.half_v
+    away = jnp.hypot(jnp.maximum(u, 0), jnp.maximum(v, 0))
+    bears = (away == 0) & (jnp.abs(boxes.top - height[:, None]) < FLAT)
+    meets = (away < radius) & (boxes.top > height[:, None] + FLAT) & (boxes.bottom < height[:, None] + ABOVE)
+    return jnp.any(bears, axis=1), ~jnp.any(meets, axis=1)
 
 
 @jax.jit
@@ -130,15 +140,14 @@ def put_from(
     house: Int[Array, ""],
     eyes: Float[Array, "n 3"],
     instance: Int[Array, ""],
+    box: Float[Array, "2 3"],
     radius: Float[Array, ""],
-    boxes: Float[Array, "i 2 3"],
     reach: Float[Array, ""],
 ) -> Bool[Array, " n"]:
     """From below which eyes a hand can put something of a radius [m] on an instance, as the house begins."""
-    scene, count = _as_it_begins(bank, house), jnp.arange(boxes.shape[0], dtype=jnp.int32)
-    solid = bank.geometry.instance_object[house] >= 0
-    nothing = jnp.full((), -1, jnp.int32)
-    points, free = free_spots(scene, boxes[instance], count == instance, radius, boxes, solid, nothing)
+    scene, nothing = _as_it_begins(bank, house), jnp.full((), -1, jnp.int32)
+    meant = jnp.arange(bank.spec.num_instances, dtype=jnp.int32) == instance
+    points, free = free_spots(scene, box, meant, radius, nothing)
 
     def one(eye: Float[Array, "3"]) -> Bool[Array, ""]:
         return jnp.any(free & within_reach(eye, points, reach) & in_sight(scene, eye, points))

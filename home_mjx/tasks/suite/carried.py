@@ -11,26 +11,9 @@ from home_mjx.tasks.rows.house_view import HouseView, Thing
 TOPS = (0.25, 1.3)  # [m], above the floor beneath: on what is lower or higher hands put nothing
 REST = 0.03  # [m], as of `Feature.ON`
 # Furniture with a top that is made to carry things.
-SUPPORTS = frozenset(
-    [
-        "table",
-        "desk",
-        "stand",
-        "tv_stand",
-        "dresser",
-        "dressing_table",
-        "shoes_cabinet",
-        "kitchen_cabinet",
-        "sofa",
-        "bed",
-        "ottoman",
-        "bench_chair",
-        "chair",
-        "shelving",
-        "wardrobe_cabinet",
-        "counter",
-        "storage_bench",
-    ]
+FURNITURE = (
+    *("table", "desk", "stand", "tv_stand", "dresser", "dressing_table", "shoes_cabinet", "kitchen_cabinet", "sofa"),
+    *("bed", "ottoman", "bench_chair", "chair", "shelving", "wardrobe_cabinet", "counter", "storage_bench"),
 )
 
 
@@ -73,7 +56,7 @@ def has_room(view: HouseView, thing: Thing, carried: Collection[int]) -> bool:
         thing: The thing.
         carried: Object ids of what hands can carry.
     """
-    if thing.coarse not in SUPPORTS or thing.object_id in carried or view.instance_of(thing) < 0:
+    if thing.coarse not in FURNITURE or thing.object_id in carried or view.instance_of(thing) < 0:
         return False
     floors = view.graph.place[:, 2]
     floor = floors[floors <= thing.box[0, 2] + TOPS[0]].max(initial=-np.inf)
