@@ -15,10 +15,11 @@ from home_mjx.tasks.rows.machine import advance, conditions
 from home_mjx.tasks.rows.row_task import RowState
 from home_mjx.tasks.rows.words import FAILURE, Feature
 from home_mjx.tasks.sensors.cameras import eye_position
-from home_mjx.tasks.sensors.reaching import SLACK, free_spots, plan_radius, take_points
+from home_mjx.tasks.sensors.reaching import SEEN, SLACK, free_spots, plan_radius, take_points
 
 EXACT = 0.04  # [rad], from the middle of the view, at which hands meet what they are aimed at
 PATIENCE = 24  # steps with one choice of where to aim; then it changes a little
+ROUND = 96  # steps: in the last `PATIENCE` of so many an agent goes on, as what it has tried has not worked
 VARIED = 0.03  # [rad], by so much
 
 
@@ -57,6 +58,7 @@ def find_grip(
     for_put = _aimed(snapshot, *_to_put(snapshot, state, guide, box), helped)
     puts = put & holds
     turn, tilt, ready = (jnp.where(puts, b, a) for a, b in zip((turn, tilt, ready), for_put, strict=True))
+    ready = ready & ((snapshot.step - state.since) % ROUND < ROUND - PATIENCE)
     return Grip(take=take & ~holds, put=puts, drop=take & holds, ready=ready, turn=turn, tilt=tilt)
 
 
@@ -118,7 +120,8 @@ def _to_take(
     own = (hit.instance >= 0) & (hit.instance < meant.shape[0])
     own = own & meant[jnp.clip(hit.instance, 0, meant.shape[0] - 1)]
     seen = jnp.where(own[..., None], eyes[:, None] + way * jnp.where(own, hit.t, 0.0)[..., None], points)
-    return seen, own & in_reach(config, snapshot, seen)
+    fits = own & in_reach(config, snapshot, seen)
+    return seen, fits & (jnp.sum(fits, axis=-1, keepdims=True) >= SEEN)
 
 
 def _to_put(

@@ -24,6 +24,7 @@ FLAT = 0.015  # [m]
 LEVEL = 0.7  # least upward part of the normal of a surface
 REST = 0.03  # [m]: what is so much above the top of something still lies on it
 SLACK = 0.03  # [m]
+SEEN = 3  # points of a thing that must be seen: hands miss what shows in a narrow gap
 
 Distance = Float[Array, ""] | float  # [m]
 
@@ -129,7 +130,8 @@ def taken_from(
         way = take_points(eye, box) - eye
         way = way / jnp.linalg.norm(way, axis=-1, keepdims=True)
         hit = cast(scene, jnp.broadcast_to(eye, way.shape), way)
-        return jnp.any((hit.instance == instance) & within_reach(eye, eye + way * hit.t[:, None], reach))
+        own = (hit.instance == instance) & within_reach(eye, eye + way * hit.t[:, None], reach)
+        return jnp.sum(own) > SEEN
 
     return jax.vmap(one)(eyes)
 
