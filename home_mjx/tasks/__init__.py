@@ -19,6 +19,7 @@ from home_mjx.tasks.environment.household import HouseholdEnv
 from home_mjx.tasks.environment.memory import MemoryEstimate, estimate_memory
 from home_mjx.tasks.environment.saved import dump_flagged, load_flagged, load_states, save_states
 from home_mjx.tasks.experts.walk import expert_action
+from home_mjx.tasks.language.splits import mentions, new_combinations
 from home_mjx.tasks.language.vocabulary import detokenize, tokenize
 from home_mjx.tasks.rows.build import Row, build_task_bank
 from home_mjx.tasks.rows.house_view import HouseView, Thing
@@ -28,7 +29,7 @@ from home_mjx.tasks.rows.task_bank import TaskBank
 from home_mjx.tasks.rows.words import FAILURE, SUCCESS, Feature
 from home_mjx.tasks.suite.handling import Fetch, Rearrange
 from home_mjx.tasks.suite.instructions import InstructionFollowing
-from home_mjx.tasks.suite.navigation import HouseTasks, Navigation, ObjectNav, RoomNav
+from home_mjx.tasks.suite.navigation import HouseTasks, Navigation, ObjectNav, PointGoals, RoomNav
 from home_mjx.tasks.suite.point_nav import PointNav, PointNavState
 from home_mjx.tasks.suite.task_lines import load_tasks, save_tasks
 
@@ -57,6 +58,7 @@ __all__ = [
     "MemoryEstimate",
     "Navigation",
     "ObjectNav",
+    "PointGoals",
     "PointNav",
     "PointNavState",
     "Rearrange",
@@ -88,6 +90,8 @@ __all__ = [
     "load_states",
     "load_tasks",
     "make_config",
+    "mentions",
+    "new_combinations",
     "register_sensor",
     "sample_episodes",
     "save_episodes",

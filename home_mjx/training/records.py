@@ -10,7 +10,7 @@ from home_mjx.errors import ConfigError, install_hint
 
 CURVES = ("success", "spl", "return", "length", "distance", "steps_per_second", "loss/entropy", "loss/value")
 
-SMOOTH = 10  # lines
+SMOOTH = 20  # points of a curve that are told apart
 
 Line = dict[str, Any]
 
@@ -99,13 +99,14 @@ def draw_curves(path: Path, lines: list[Line]) -> None:
 
 
 def smoothed(values: list[float]) -> list[float]:
-    """The mean of each value and the `SMOOTH` - 1 before it.
+    """The mean of each value and those before it, up to the `SMOOTH`-th part of all.
 
     Example:
-        >>> smoothed([1.0, 3.0])
+        >>> smoothed([1.0, 3.0] * 20)[:2]
         [1.0, 2.0]
     """
-    windows = (values[max(0, i + 1 - SMOOTH) : i + 1] for i in range(len(values)))
+    size = math.ceil(len(values) / SMOOTH)
+    windows = (values[max(0, i + 1 - size) : i + 1] for i in range(len(values)))
     return [sum(window) / len(window) for window in windows]
 
 

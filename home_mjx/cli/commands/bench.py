@@ -1,4 +1,4 @@
-"""Measure speed. CASE is `all`, a case (load, compile, rays, physics, audio, env) or a figure (rays/primary-depth)."""
+"""Measure speed. CASE is `all`, a case such as `rays`, or a figure such as `rays/primary-depth`."""
 
 import argparse
 import json

@@ -82,5 +82,7 @@ def _rooms(types: Int[Array, " r"], descriptor: Int[Array, "d words"]) -> Bool[A
 
 def means_on_host(bank: HouseBank, house: int, descriptors: np.ndarray) -> Means:
     """The same of many rows at once, as NumPy arrays with a leading axis of rows."""
-    many = jax.jit(jax.vmap(means, (None, None, 0)))(bank, jnp.int32(house), jnp.asarray(descriptors, jnp.int32))
-    return jax.tree.map(np.asarray, many)
+    return jax.tree.map(np.asarray, _many(bank, jnp.int32(house), jnp.asarray(descriptors, jnp.int32)))
+
+
+_many = jax.jit(jax.vmap(means, (None, None, 0)))  # here, so that it is compiled once for all houses

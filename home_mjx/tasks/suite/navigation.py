@@ -107,6 +107,33 @@ class ObjectNav(Navigation):
 
 
 @dataclass(frozen=True)
+class PointGoals(Navigation):
+    """Go to a point: PointNav as rows, for mixes with other tasks.
+
+    Attributes:
+        num_points: Different points in a house; each costs a field of distances.
+        success_distance: From the point [m].
+    """
+
+    num_points: int = 8
+    success_distance: float = 0.36
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_number("num_points", self.num_points, 1, whole=True)
+        check_number("success_distance", self.success_distance, 0)
+
+    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
+        """Cells drawn at random, again and again in another order."""
+        free = view.graph.place[~view.graph.at_leaf]
+        points = free[random.permutation(len(free))[: self.num_points]]
+        stage = arrive((When(Feature.DISTANCE, 0, most=self.success_distance),), self.stop, self.success_reward)
+        while len(points):
+            for point in random.permutation(points):
+                yield Row([Meant.at(point)], [stage])
+
+
+@dataclass(frozen=True)
 class HouseTasks(RowTask):
     """A mix of tasks, each as often as any other.
 

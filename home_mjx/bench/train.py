@@ -1,0 +1,47 @@
+"""Training: environment steps per second of whole PPO updates, rollout and gradients."""
+
+import dataclasses
+import time
+from collections.abc import Callable
+from typing import Any
+
+import jax
+
+from home_mjx.bench import timing
+from home_mjx.bench.record import Record, Settings, make_record
+from home_mjx.registry import make
+
+POINT_NAV = {"actions": "discrete", "impl": "kinematic", "stop": True, "success_radius": 0.2}
+
+
+def depth(settings: Settings) -> Record:
+    """PointNav from depth images, as Habitat has it."""
+    return _updates(settings, "train/depth", sensors=("depth", "goal"))
+
+
+def blind(settings: Settings) -> Record:
+    """The same without images."""
+    return _updates(settings, "train/blind", sensors=("goal",))
+
+
+def _updates(settings: Settings, case: str, **options: Any) -> Record:
+    from home_mjx.training import CPU_CONFIG, PPO, PPOConfig
+
+    env = make("PointNav-v0", settings.bank, **POINT_NAV, **options)
+    base = CPU_CONFIG if jax.default_backend() == "cpu" else PPOConfig()
+    ppo = PPO(env.core, dataclasses.replace(base, num_envs=settings.num_envs), jax.devices()[:1])
+    state = ppo.init(env.params, jax.random.key(0))
+    start = time.perf_counter()
+    update = ppo.update.lower(env.params, state).compile()
+    seconds = time.perf_counter() - start
+    rate = timing.steps_per_second(
+        lambda s, _: update(env.params, s)[0], state, [jax.numpy.zeros(())], settings.seconds
+    )
+    config = ppo.config
+    passes = f"{config.num_epochs} epochs of {config.num_minibatches} minibatches"
+    note = f"PointNav-v0 with {', '.join(env.config.sensors or ())}; {passes}; {settings.houses}"
+    steps = rate * config.batch_size
+    return make_record(case, steps, "steps/s", note, num_envs=settings.num_envs, compile_seconds=seconds)
+
+
+CASES: dict[str, Callable[[Settings], Record]] = {"depth": depth, "blind": blind}

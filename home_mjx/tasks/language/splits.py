@@ -1,0 +1,60 @@
+"""Tasks that are kept from training: those with some words, or with combinations of words.
+
+An agent that has learned `red`, `chair` and `lamp` should know what `red lamp` means, though nobody has said it to it.
+"""
+
+import hashlib
+from collections.abc import Iterable
+
+import numpy as np
+from jaxtyping import Bool
+
+from home_mjx.core.checks import check_number
+from home_mjx.tasks.language.vocabulary import tokenize
+from home_mjx.tasks.rows.task_bank import TaskBank
+from home_mjx.tasks.rows.words import ANY, Word
+
+SAID = (Word.FINE, Word.COARSE, Word.COLOR, Word.MATERIAL, Word.SIZE, Word.ROOM_TYPE)
+
+
+def mentions(tasks: TaskBank, words: Iterable[str]) -> Bool[np.ndarray, " t"]:
+    """The rows whose instruction has one of these words.
+
+    Raises:
+        ConfigError: The vocabulary lacks a word.
+
+    Example:
+        >>> held_out = mentions(tasks, ("bed", "sofa"))  # doctest: +SKIP
+        >>> train, test = tasks.where(~held_out), tasks.where(held_out)  # doctest: +SKIP
+    """
+    tokens = [token for word in words for token in tokenize(word)]
+    return np.isin(np.asarray(tasks.rows.columns["tokens"]), tokens).any(axis=-1)
+
+
+def new_combinations(tasks: TaskBank, part: float = 0.2, seed: int = 0) -> Bool[np.ndarray, " t"]:
+    """The rows that speak of a held-out combination: two or more words for one thing, such as `red` and `lamp`.
+
+    Whether a combination is held out follows from its words and the seed alone: it is the same in all houses and tasks.
+
+    Args:
+        tasks: Rows.
+        part: Of all combinations, from 0 to 1.
+        seed: Another one holds out others.
+
+    Example:
+        >>> held_out = new_combinations(tasks)  # doctest: +SKIP
+        >>> train, test = tasks.where(~held_out), tasks.where(held_out)  # doctest: +SKIP
+    """
+    check_number("part", part, 0, 1)
+    check_number("seed", seed, whole=True)
+    said = np.asarray(tasks.rows.columns["descriptor"])[..., list(SAID)]
+    combined = (said != ANY).sum(axis=-1) >= 2
+    distinct, which = np.unique(said.reshape(-1, len(SAID)), axis=0, return_inverse=True)
+    held_out = np.array([_uniform(words, seed) < part for words in distinct], bool)
+    return np.any(combined & held_out[which.reshape(combined.shape)], axis=-1)
+
+
+def _uniform(words: np.ndarray, seed: int) -> float:
+    """A number from 0 to 1, the same for the same words and seed on any machine."""
+    data = words.astype("<i4").tobytes() + seed.to_bytes(8, "little", signed=True)
+    return int.from_bytes(hashlib.blake2b(data, digest_size=8).digest(), "little") / 2**64
