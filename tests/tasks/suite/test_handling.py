@@ -11,6 +11,7 @@ import home_mjx
 from home_mjx.errors import ConfigError
 from home_mjx.physics import PhysicsConfig
 from home_mjx.registry import as_bank
+from home_mjx.schema.compiled import FIELD_UNIT
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks import (
     SUCCESS,
@@ -139,7 +140,7 @@ def test_here_is_where_the_episode_begins_and_lengths_have_all_legs(tasks, views
         first = int(np.asarray(views[0].bank.navigation.first_cell)[row["house"]])
         view = views[row["house"]]
         cell = np.argmin(np.linalg.norm(view.graph.place - row["start"], axis=1))
-        way = np.asarray(tasks.field)[first + cell, row["field"][0]] / 100
+        way = np.asarray(tasks.field)[first + cell, row["field"][0]] * FIELD_UNIT
         assert row["length"] >= way - 0.02
     assert all(text.startswith("bring the") for text in texts)
 
