@@ -19,7 +19,7 @@ os.environ.setdefault("JAX_NUM_CPU_DEVICES", "2")
 # test-slow` has it), at more than twice the time.
 if os.environ["JAX_PLATFORMS"] == "cpu":
     quick = ["--xla_backend_optimization_level=0"]
-    if tuple(map(int, version("jaxlib").split(".")[:2])) < (0, 12):  # later ones end the process at this flag
+    if tuple(map(int, version("jaxlib").split(".")[:2])) < (0, 11):  # later ones end the process at this flag
         quick.append("--xla_cpu_use_fusion_emitters=false")
     os.environ.setdefault("XLA_FLAGS", " ".join(quick))
 # Taken out of the environment, where it would change what `make` does without `houses`.

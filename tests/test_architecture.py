@@ -27,7 +27,7 @@ ROWS = (
     ("tasks",),
     ("registry",),
     ("adapters", "training", "viz"),
-    ("bench",),
+    ("bench", "play", "trajectories"),
     ("demo",),
     ("cli", "__init__"),
     ("__main__",),

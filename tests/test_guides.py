@@ -72,6 +72,8 @@ def test_blocks_run_page_by_page(page: Path, houses: Path, monkeypatch: pytest.M
             pytest.importorskip(package)
     if name(page) == "docs/training.md":
         pytest.importorskip("flax")
+    if name(page) == "docs/trajectories.md":
+        pytest.importorskip("pyarrow")
     monkeypatch.chdir(houses)
     namespace: dict = {"__name__": "__main__"}
     for block in blocks(page):

@@ -30,7 +30,9 @@ COMMANDS = {
     "doctor": "say whether this machine is ready",
 }
 LEARNING = {
-    "train": "train an agent by recurrent PPO",
+    "play": "play episodes of a task and film them: an expert, a trained agent, or you by the keyboard",
+    "record": "write a data set of episodes of an expert, or of a trained agent",
+    "train": "train an agent by recurrent PPO, or by an expert's advice",
     "evaluate": "play episodes with a trained agent in houses it has not seen",
 }
 FOLDERS = {"commands": COMMANDS, "learning": LEARNING}  # of modules

@@ -18,6 +18,7 @@ from home_mjx.tasks.environment.episodes import load_episodes, sample_episodes, 
 from home_mjx.tasks.environment.household import HouseholdEnv
 from home_mjx.tasks.environment.memory import MemoryEstimate, estimate_memory
 from home_mjx.tasks.environment.saved import dump_flagged, load_flagged, load_states, save_states
+from home_mjx.tasks.experts.teacher import WithExpert, with_expert
 from home_mjx.tasks.experts.walk import expert_action
 from home_mjx.tasks.language.splits import mentions, new_combinations
 from home_mjx.tasks.language.vocabulary import detokenize, tokenize
@@ -78,6 +79,7 @@ __all__ = [
     "Touch",
     "TouchMeaning",
     "When",
+    "WithExpert",
     "World",
     "build_task_bank",
     "check_status",
@@ -99,6 +101,7 @@ __all__ = [
     "save_tasks",
     "tokenize",
     "touch_meaning",
+    "with_expert",
 ]
 
 if not TYPE_CHECKING:  # type checkers report missing names by themselves

@@ -10,8 +10,9 @@ from home_mjx.errors import ConfigError, install_hint
 
 if TYPE_CHECKING:
     from home_mjx.training.checkpoint import load_checkpoint, load_net, read_config, save_checkpoint
+    from home_mjx.training.cloning import Cloning
     from home_mjx.training.config import CPU_CONFIG, PPOConfig, RunConfig
-    from home_mjx.training.evaluation import evaluate, random_policy, summary
+    from home_mjx.training.evaluation import evaluate, expert_policy, random_policy, summary
     from home_mjx.training.networks import NetworkConfig, RecurrentAgent
     from home_mjx.training.ppo import PPO, TrainState
     from home_mjx.training.rollout import Policy
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 __all__ = [
     "CPU_CONFIG",
     "PPO",
+    "Cloning",
     "NetworkConfig",
     "PPOConfig",
     "Policy",
@@ -28,6 +30,7 @@ __all__ = [
     "TrainState",
     "evaluate",
     "evaluate_checkpoint",
+    "expert_policy",
     "load_checkpoint",
     "load_net",
     "random_policy",
@@ -39,8 +42,9 @@ __all__ = [
 
 _MODULES = {
     "checkpoint": ("load_checkpoint", "load_net", "read_config", "save_checkpoint"),
+    "cloning": ("Cloning",),
     "config": ("CPU_CONFIG", "PPOConfig", "RunConfig"),
-    "evaluation": ("evaluate", "random_policy", "summary"),
+    "evaluation": ("evaluate", "expert_policy", "random_policy", "summary"),
     "networks": ("NetworkConfig", "RecurrentAgent"),
     "ppo": ("PPO", "TrainState"),
     "rollout": ("Policy",),

@@ -14,6 +14,7 @@ from home_mjx.core.jsonable import from_json, to_json
 from home_mjx.errors import ConfigError, DatasetError, MissingFileError
 from home_mjx.training.config import RunConfig
 
+CHECKPOINT = "checkpoint.npz"  # in the folder of a run
 CONFIG = "config"  # name of the configuration in a file; names of arrays begin with a dot
 MAX_SHOWN = 5  # differences that an error names
 

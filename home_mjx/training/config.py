@@ -7,6 +7,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.registry import EnvSpec
 from home_mjx.training.networks.agent import NetworkConfig
 
+ALGORITHMS = ("ppo", "clone")
 OPTIMIZERS = ("adam", "lamb")
 FINAL_OBS = ("cheap", "all")
 WHOLE = ("num_envs", "num_timesteps", "unroll_length", "num_minibatches", "num_epochs")
@@ -130,13 +131,18 @@ class RunConfig:
         env: What `make` was asked for: task, houses, sensors.
         ppo: Options of the training.
         seed: Of everything random.
+        algorithm: "ppo", or "clone": an expert's advice, see `Cloning`.
+        start: Checkpoint whose network is where training begins; None: a fresh one.
     """
 
     env: EnvSpec
     ppo: PPOConfig = field(default_factory=PPOConfig)
     seed: int = 0
+    algorithm: str = "ppo"
+    start: str | None = None
 
     def __post_init__(self) -> None:
+        check_known("algorithm", [self.algorithm], ALGORITHMS)
         check_type("env", self.env, EnvSpec)
         check_type("ppo", self.ppo, PPOConfig)
         check_number("seed", self.seed, 0, 2**32 - 1, whole=True)

@@ -15,6 +15,7 @@ from home_mjx.tasks.environment.autoreset import where_envs
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.episodes import sample_episodes
 from home_mjx.tasks.environment.household import HouseholdEnv
+from home_mjx.tasks.experts.teacher import EXPERT
 from home_mjx.training.rollout import Policy, split_keys, to_envs, to_rows
 
 MAX_BATCH = 256  # episodes that are played at once
@@ -93,6 +94,15 @@ def random_policy(core: HouseholdEnv) -> Callable[[Any], Policy]:
         return memory, jax.vmap(draw)(keys), {}
 
     return lambda net: Policy(act)
+
+
+def expert_policy(net: Any = None) -> Policy:
+    """Does what an expert would do, in environments of `with_expert`.
+
+    Example:
+        >>> evaluate(with_expert(env), expert_policy)  # doctest: +SKIP
+    """
+    return Policy(lambda memory, obs, begins, keys: (memory, obs[EXPERT], {}))
 
 
 def summary(results: Results) -> dict[str, dict[str, float]]:

@@ -136,7 +136,7 @@ class PPO:
     def _update_local(self, params: EnvParams, state: TrainState) -> tuple[TrainState, dict[str, Array]]:
         """One update with this device's environments; gradients are averaged over devices."""
         config, memory = self.config, state.actor.memory
-        policy = self.policy(state.net)
+        policy = self.behaviour(state)
         actor, steps, episodes = rollout(self.batch, params, state.actor, policy, config.unroll_length)
         obs = to_rows(actor.env.obs, self.core.num_agents)
         last = self.agent.read_one(state.net, actor.memory, obs, actor.begins)[2]
@@ -148,6 +148,10 @@ class PPO:
         net, opt, metrics = self.fit(self.loss, state.net, state.opt, batch, order)
         new = TrainState.unchecked(net=net, opt=opt, actor=actor, key=key, updates=state.updates + 1)
         return new, metrics | {f"episode/{name}": jax.lax.psum(x, AXIS) for name, x in episodes.items()}
+
+    def behaviour(self, state: TrainState) -> Policy:
+        """Who acts while it learns: the network itself."""
+        return self.policy(state.net)
 
     def policy(self, net: Any, greedy: bool = False) -> Policy:
         """The network as a policy; greedy: it does what is likeliest."""

@@ -8,7 +8,17 @@ from typing import Any
 
 from home_mjx.errors import ConfigError, install_hint
 
-CURVES = ("success", "spl", "return", "length", "distance", "steps_per_second", "loss/entropy", "loss/value")
+CURVES = (
+    "success",
+    "spl",
+    "return",
+    "length",
+    "distance",
+    "steps_per_second",
+    "loss/entropy",
+    "loss/value",
+    "loss/agreement",
+)
 
 SMOOTH = 20  # points of a curve that are told apart
 

@@ -11,14 +11,15 @@ from home_mjx.errors import ConfigError
 from home_mjx.registry import EnvSpec
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.household import HouseholdEnv
-from home_mjx.training.checkpoint import check_same, load_checkpoint, load_net, read_config, save_checkpoint
+from home_mjx.training.checkpoint import CHECKPOINT, check_same, load_checkpoint, load_net, read_config, save_checkpoint
+from home_mjx.training.cloning import Cloning
 from home_mjx.training.config import RunConfig
 from home_mjx.training.evaluation import evaluate, random_policy, summary
 from home_mjx.training.ppo import PPO, TrainState
 from home_mjx.training.progress import Clock, Sums, progress_bar
 from home_mjx.training.records import Records
 
-CHECKPOINT = "checkpoint.npz"
+LEARNERS: dict[str, type[PPO]] = {"ppo": PPO, "clone": Cloning}
 NUM_LINES, NUM_CHECKPOINTS = 200, 20  # of a run
 SHOWN = ("success", "return")  # beside the progress bar
 
@@ -40,6 +41,7 @@ def train(config: RunConfig, out: Path, resume: bool = False, progress: bool | N
 
     Raises:
         ConfigError: The folder holds a run and `resume` is False, or a run of another configuration.
+        DatasetError: The network of `config.start` is for other observations, actions or sizes.
     """
     path = out / CHECKPOINT
     if path.exists() and not resume:
@@ -48,9 +50,11 @@ def train(config: RunConfig, out: Path, resume: bool = False, progress: bool | N
     if path.exists():
         check_same(read_config(path), config, path)
     env = made(config.env, progress)
-    ppo, key = PPO(env.core, config.ppo), jax.random.key(config.seed)
+    ppo, key = LEARNERS[config.algorithm](env.core, config.ppo), jax.random.key(config.seed)
     params = jax.device_put(env.params, ppo.whole)
     state = ppo.init(params, key)
+    if config.start is not None:
+        state = ppo.place(state.replace(net=load_net(config.start, state.net)))
     if path.exists():
         state = ppo.place(load_checkpoint(path, state, config))
     _learn(ppo, params, state, config, out, progress)

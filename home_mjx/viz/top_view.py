@@ -63,9 +63,9 @@ class TopView:
         canvas = Image.fromarray(self.image)
         draw, unit = ImageDraw.Draw(canvas), len(self.image) / 512
         if path is not None and len(path) > 1:
-            draw.line([self._pixel(p) for p in path], fill=PATH, width=round(4 * unit))
+            draw.line([self.pixel(p) for p in path], fill=PATH, width=round(4 * unit))
         for mark in marks:
-            (x, y), radius = self._pixel(mark.pos), mark.radius * unit
+            (x, y), radius = self.pixel(mark.pos), mark.radius * unit
             draw.ellipse((x - radius, y - radius, x + radius, y + radius), fill=mark.colour)
         return np.asarray(canvas)
 
@@ -75,7 +75,8 @@ class TopView:
         x, y = (len(image) - width) // 2, (len(image) - height) // 2
         return image[y : y + height, x : x + width]
 
-    def _pixel(self, point: Float[np.ndarray, " *p"]) -> tuple[float, float]:
+    def pixel(self, point: Float[np.ndarray, " *p"]) -> tuple[float, float]:
+        """Column and row of a point [m]."""
         x, y = (np.asarray(point[:2]) - self.low) * self.scale
         return float(x), float(self.image.shape[0] - y)
 

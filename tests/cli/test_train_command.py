@@ -102,6 +102,26 @@ def test_a_killed_run_goes_on_as_if_it_had_not_been(houses: Path, tmp_path: Path
 
 
 @pytest.mark.slow
+def test_a_trained_agent_is_filmed_and_gone_on_with(houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture):
+    clone, tuned = tmp_path / "clone", tmp_path / "tuned"
+    assert main(command(houses, clone, "--algorithm", "clone", "--steps", "256")) == 0
+    assert "agreement" in (clone / "metrics.jsonl").read_text()
+    film = ["play", "--checkpoint", str(clone), "--episodes", "2", "--houses", "1", "--size", "64", "48"]
+    capsys.readouterr()
+    assert main([*film, "--out", str(tmp_path)]) == 0
+    assert capsys.readouterr().out.count("8 steps") == 2
+    assert (tmp_path / "PointNav-v0_trained.mp4").stat().st_size > 1000
+    assert main([*film, "--agent", "expert"]) == 2
+    assert main(command(houses, tuned, "--start", str(clone), "--ppo", "learning_rate=0", "--steps", "64")) == 0
+    one, other = arrays(clone), arrays(tuned)
+    nets = [name for name in one if name.startswith(".net")]
+    assert nets
+    assert all(np.array_equal(one[name], other[name]) for name in nets)
+    assert main(command(houses, tmp_path / "third", "--start", str(clone), "--sensors", "goal")) == 2
+    assert "expected float32" in capsys.readouterr().err
+
+
+@pytest.mark.slow
 def test_evaluate_plays_what_was_trained(houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture):
     out = tmp_path / "run"
     assert main(command(houses, out)) == 0

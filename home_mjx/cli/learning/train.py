@@ -1,4 +1,4 @@
-"""Train an agent by recurrent PPO; write checkpoints, curves and an evaluation in houses it has not seen."""
+"""Train an agent by PPO or an expert's advice; write checkpoints, curves and figures in houses it has not seen."""
 
 import argparse
 import json
@@ -23,6 +23,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--steps", type=positive_int, help="environment steps, over all environments")
     parser.add_argument("--seed", type=seed, default=0, help="of everything random (default: 0)")
     parser.add_argument("--out", type=Path, help="folder for the files (default: runs/TASK)")
+    parser.add_argument(
+        "--algorithm",
+        choices=("ppo", "clone"),
+        default="ppo",
+        help="clone: learn from an expert's advice (default: ppo)",
+    )
+    parser.add_argument("--start", type=Path, metavar="CHECKPOINT", help="begin with the network of a checkpoint")
     parser.add_argument("--resume", action="store_true", help="go on from the folder's checkpoint")
     parser.add_argument("--houses", type=positive_int, default=32, help="how many to train in (default: 32)")
     parser.add_argument("--episodes", type=positive_int, default=1000, help="of the evaluation (default: 1000)")
@@ -36,7 +43,7 @@ def run(args: argparse.Namespace) -> int:
     config = run_config(args)
     from home_mjx.cli.learning.table import as_table
     from home_mjx.training import evaluate_checkpoint, train
-    from home_mjx.training.run import CHECKPOINT
+    from home_mjx.training.checkpoint import CHECKPOINT
 
     out = make_folder(args.out or Path("runs") / config.env.id)
     train(config, out, args.resume)
@@ -50,7 +57,15 @@ def run_config(args: argparse.Namespace) -> "RunConfig":
     """What the arguments ask for."""
     from home_mjx.training import RunConfig
 
-    return RunConfig(env_spec(args), ppo_config(args), args.seed)
+    start = None if args.start is None else str(checkpoint_of(args.start))
+    return RunConfig(env_spec(args), ppo_config(args), args.seed, args.algorithm, start)
+
+
+def checkpoint_of(path: Path) -> Path:
+    """The file itself, or the checkpoint in the folder of a run."""
+    from home_mjx.training.checkpoint import CHECKPOINT  # needs the extra `train`
+
+    return path / CHECKPOINT if path.is_dir() else path
 
 
 def env_spec(args: argparse.Namespace) -> "EnvSpec":

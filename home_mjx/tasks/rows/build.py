@@ -117,7 +117,7 @@ def _of_house(
             continue
         start = _start(view, field_[: len(view.graph.place), goal], random, limits, row.start)
         if start is not None:
-            stops = [column["field"][d] for d in (row.goal, *row.then)]
+            stops = [int(column["field"][d]) for d in (row.goal, *row.then)]
             start["length"] += _ways_between(field_[: len(view.graph.place)], stops)
             found.append(column | start | {"house": view.house, "task": task, "tokens": padded(row.tokens)})
     return found, field_

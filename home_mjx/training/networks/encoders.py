@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from home_mjx.tasks.base.specs import ArraySpec
+from home_mjx.tasks.experts.teacher import EXPERT
 from home_mjx.training.networks.images import ImageEncoder
 
 NUM_IDS = 1024  # rows of the tables of ids and words; greater ids are counted around
@@ -24,7 +25,7 @@ def kind_of(name: str, spec: ArraySpec) -> str:
     - `sound`: `audio` (2, samples).
     - `words`: rank 1 integers, such as tokens of an instruction.
     - `vector`: all other numbers.
-    - `none`: `camera/*`, which says where cameras are.
+    - `none`: `camera/*`, which says where cameras are, and `expert`, which says what to do.
 
     Example:
         >>> kind_of("pixels/head_depth", ArraySpec((64, 64, 1)))
@@ -33,7 +34,7 @@ def kind_of(name: str, spec: ArraySpec) -> str:
         'vector'
     """
     rank, is_int = len(spec.shape), spec.dtype in ("int32", "int16")
-    if name.startswith("camera/"):
+    if name.startswith("camera/") or name == EXPERT:
         return "none"
     if rank == 2 and name == "audio":
         return "sound"

@@ -1,0 +1,41 @@
+"""A task of your own is a class that writes rows: what they speak of, and what has to happen."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+import home_mjx
+from home_mjx.schema.categories import COARSE
+from home_mjx.schema.semantic import Semantic
+from home_mjx.tasks import FAILURE, SUCCESS, Feature, Go, HouseView, Meant, Navigation, Row, Stage, When, with_expert
+from home_mjx.training import evaluate, expert_policy, random_policy
+
+
+@dataclass(frozen=True)
+class HurryToBed(Navigation):
+    """Reach a bed before the time is up.
+
+    Attributes:
+        most_steps: When it is too late.
+    """
+
+    most_steps: int = 60
+
+    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
+        """One task per bed; where agents start is drawn for us."""
+        near, late = When(Feature.DISTANCE, 0, most=1.0), When(Feature.TIME, least=self.most_steps)
+        for thing in view.things:
+            if thing.word(Semantic.COARSE) == COARSE.index("bed"):
+                stage = Stage((Go(SUCCESS, (near,), reward=1.0), Go(FAILURE, (late,))), guide=0)
+                yield Row([Meant.thing(object_id=thing.object_id)], [stage])
+
+
+home_mjx.use_compile_cache()
+home_mjx.register("HurryToBed-v0", HurryToBed, {"actions": "discrete"})
+env = home_mjx.make("HurryToBed-v0", num_houses=2, sensors=("state",), impl="kinematic", min_length=0.5)
+for name, figures in {
+    "expert": evaluate(with_expert(env), expert_policy, num_episodes=16),
+    "random": evaluate(env, random_policy(env.core), num_episodes=16),
+}.items():
+    print(f"{name}: success {figures['success'].mean():.2f} in {figures['length'].mean():.0f} steps")

@@ -1,0 +1,30 @@
+"""Recurrent PPO from depth images: the loop of `home-mjx train`, to be changed as you like."""
+
+import jax
+
+import home_mjx
+from home_mjx.training import PPO, NetworkConfig, PPOConfig, evaluate, random_policy
+
+home_mjx.use_compile_cache()
+options = {"sensors": ("depth", "goal"), "width": 16, "height": 16, "impl": "kinematic", "ctrl_dt": 0.3}
+env = home_mjx.make("PointNav-v0", num_houses=2, split="train", episode_length=60, **options)
+config = PPOConfig(
+    num_envs=16,
+    num_timesteps=4096,  # a hundred million, for an agent that finds its way in houses that it has never seen
+    unroll_length=32,
+    num_minibatches=2,
+    num_epochs=1,
+    optimizer="adam",
+    learning_rate=1e-3,
+    network=NetworkConfig(features=32, memory=32, channels=(8, 16)),
+)
+ppo = PPO(env.core, config)
+state = ppo.init(env.params, jax.random.key(0))
+for update in range(1, config.num_updates + 1):
+    state, metrics = ppo.update(env.params, state)
+    episodes = max(float(metrics["episode/episodes"]), 1)
+    print(f"{update * config.batch_size:6d} steps, mean return {float(metrics['episode/return']) / episodes:+.2f}")
+
+trained = evaluate(env, ppo.policy, state.net, num_episodes=16)
+chance = evaluate(env, random_policy(env.core), num_episodes=16)
+print(f"success {trained['success'].mean():.2f}, at random {chance['success'].mean():.2f}")

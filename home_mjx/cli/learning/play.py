@@ -1,0 +1,100 @@
+"""Play episodes of a task and film them: an expert, a trained agent, chance, or you by the keyboard."""
+
+import argparse
+import dataclasses
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from home_mjx.cli.houses import add_dataset_option
+from home_mjx.cli.learning.train import assignments, checkpoint_of, newest
+from home_mjx.cli.output import make_folder
+from home_mjx.cli.parsing import positive_int, seed
+from home_mjx.errors import ConfigError
+
+if TYPE_CHECKING:
+    from home_mjx.registry import EnvSpec
+
+EXPERT, TRAINED = "expert", "trained"
+NOTHING_MORE = ("state",)  # sensors of who does not look
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds the options of `home-mjx play`."""
+    parser.add_argument("task", nargs="?", metavar="TASK", help="id of an environment (default: the checkpoint's)")
+    parser.add_argument(
+        "--agent",
+        choices=(EXPERT, "random", TRAINED, "human"),
+        help="who plays (default: expert, or trained with --checkpoint)",
+    )
+    parser.add_argument("--checkpoint", type=Path, help="a checkpoint, or the folder of a run")
+    parser.add_argument("--greedy", action="store_true", help="a trained agent does what is likeliest")
+    parser.add_argument("--episodes", type=positive_int, default=3, help="how many (default: 3)")
+    parser.add_argument("--out", type=Path, default=Path("play"), help="folder for the film (default: play)")
+    parser.add_argument("--no-film", action="store_true", help="play only")
+    parser.add_argument(
+        "--size", type=positive_int, nargs=2, default=(480, 360), metavar=("W", "H"),
+        help="of the agent's view [pixels] (default: 480 360)",
+    )  # fmt: skip
+    parser.add_argument("--samples", type=positive_int, default=1, help="rays per pixel (default: 1)")
+    parser.add_argument("--seed", type=seed, default=0, help="of episodes and actions (default: 0)")
+    parser.add_argument("--houses", type=positive_int, default=4, help="how many (default: 4)")
+    parser.add_argument(
+        "--split", choices=("train", "val", "test"), default="val", help="part of the dataset (default: val)"
+    )
+    add_dataset_option(parser)
+    parser.add_argument(
+        "--env", action="append", default=[], metavar="NAME=VALUE", help="an option of the environment, as of make"
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    """Plays, and says where to look."""
+    from home_mjx.play.players import check_agent
+    from home_mjx.play.run import AGENTS, PlayOptions, run_play
+
+    path = args.checkpoint and checkpoint_of(args.checkpoint)
+    width, height = args.size
+    options = PlayOptions(
+        env=env_spec(args, path, None if path else NOTHING_MORE),
+        agent=args.agent or (EXPERT if path is None else TRAINED),
+        checkpoint=path,
+        episodes=args.episodes,
+        seed=args.seed,
+        greedy=args.greedy,
+        width=width,
+        height=height,
+        samples=args.samples,
+    )
+    check_agent(options.agent, path, AGENTS)
+    if not args.no_film:
+        options = dataclasses.replace(options, out=make_folder(args.out))
+    run_play(options)
+    if options.out is not None:
+        sys.stdout.write(f"Watch   {options.out / options.name}.mp4\nLook at {options.out / options.name}.png\n")
+    return 0
+
+
+def env_spec(args: argparse.Namespace, checkpoint: Path | None, sensors: tuple[str, ...] | None = None) -> "EnvSpec":
+    """What is played: the task that was named, or that of a checkpoint; with `sensors`, or those of the checkpoint.
+
+    Raises:
+        ConfigError: None was named, or another one than the checkpoint's.
+    """
+    from home_mjx.registry import find_spec
+
+    if args.task is None and checkpoint is None:
+        raise ConfigError("name a task", hint="home-mjx play RoomNav; home_mjx.list_envs() names them.")
+    spec = find_spec(newest(args.task)) if args.task is not None else None
+    if checkpoint is not None:
+        from home_mjx.training import read_config
+
+        theirs = read_config(checkpoint).env
+        if spec is not None and spec.id != theirs.id:
+            raise ConfigError(f"the checkpoint is of {theirs.id}, not of {spec.id}", file=checkpoint)
+        spec = theirs
+    assert spec is not None
+    houses = spec.houses if args.dataset is None else str(args.dataset)
+    seen = {} if sensors is None else {"sensors": sensors}
+    options = {**spec.options, **seen, **assignments(args.env)}
+    return dataclasses.replace(spec, options=options, houses=houses, num_houses=args.houses, split=args.split)

@@ -1,0 +1,82 @@
+"""An environment that tells what an expert would do."""
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array
+
+from home_mjx.errors import ConfigError
+from home_mjx.navigation.grid import row_of_cell
+from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.base.specs import Specs
+from home_mjx.tasks.base.state import State
+from home_mjx.tasks.base.task import Task
+from home_mjx.tasks.environment.bound import BoundEnv
+from home_mjx.tasks.environment.household import HouseholdEnv
+from home_mjx.tasks.experts.descent import descend
+from home_mjx.tasks.experts.walk import expert_action, to_actions
+from home_mjx.tasks.rows.row_task import RowState
+from home_mjx.tasks.suite.point_nav import PointNav, PointNavState
+
+EXPERT = "expert"  # name of the observation
+WELL_WITHIN = 0.8  # part of the radius of success in which `stop` is said
+
+
+class WithExpert(HouseholdEnv):
+    """The same environment with one more observation, `expert`: what an expert would do there, as an action.
+
+    So experts are followed, recorded, and asked for advice (DAgger) through every interface that hands observations on.
+    Networks of `home_mjx.training` do not read it.
+
+    A task whose expert is not known is refused when the first reset is traced.
+
+    Args:
+        core: The environment.
+
+    Example:
+        >>> core = WithExpert(env.core)  # doctest: +SKIP
+        >>> state = core.reset(env.params, jax.random.key(0))  # doctest: +SKIP
+        >>> state = core.step(env.params, state, state.obs["expert"])  # doctest: +SKIP
+    """
+
+    def __init__(self, core: HouseholdEnv) -> None:
+        super().__init__(core.config, core.task)
+
+    def sense(self, snapshot: Snapshot, state: State, costly: bool) -> dict[str, Array]:
+        """Observations, the expert's action among those that are not costly."""
+        obs = super().sense(snapshot, state, costly)
+        return obs if costly else obs | {EXPERT: self._squeeze(_action(self.task, snapshot, state.task))}
+
+    def _observation_spec(self) -> Specs:
+        spec = dataclasses.replace(self.action_spec, text=f"what an expert would do: {self.action_spec.text}")
+        return {**super()._observation_spec(), EXPERT: spec}
+
+
+def with_expert(env: BoundEnv[HouseholdEnv]) -> BoundEnv[HouseholdEnv]:
+    """The same environment, houses and tasks, see `WithExpert`."""
+    return env if isinstance(env.core, WithExpert) else BoundEnv(WithExpert(env.core), env.params, env.spec)
+
+
+def _action(task: Task, snapshot: Snapshot, state: object) -> Array:
+    if isinstance(task, PointNav) and isinstance(state, PointNavState):
+        return _to_point(task, snapshot, state)
+    if not isinstance(state, RowState) and not hasattr(state, "expert"):
+        hint = "There are experts for PointNav, and for tasks that are rows of a task bank."
+        raise ConfigError(f"no expert is known for {type(task).__name__}", hint=hint)
+    return expert_action(snapshot, state)  # pyright: ignore[reportArgumentType]
+
+
+def _to_point(task: PointNav, snapshot: Snapshot, state: PointNavState) -> Array:
+    """Along the shortest path; `stop` well within the radius of success."""
+    field = snapshot.bank.navigation.field[:, state.goal]
+
+    def ahead(pos: Array, touches: Array) -> tuple[Array, Array]:
+        return descend(snapshot.bank, snapshot.house, pos, touches, lambda _, cell: field[row_of_cell(cell)])
+
+    aim, there = jax.vmap(ahead)(snapshot.pose.pos, snapshot.contact)
+    way = aim - snapshot.pose.pos[:, :2]
+    error = (jnp.arctan2(way[:, 1], way[:, 0]) - snapshot.pose.yaw + jnp.pi) % (2 * jnp.pi) - jnp.pi
+    stop = (state.distance <= jnp.float32(WELL_WITHIN * task.success_radius)) | there
+    stop = stop & jnp.bool_(task.stop)
+    return to_actions(snapshot.config, error, -snapshot.pose.pitch, jnp.zeros_like(stop), stop)

@@ -1,0 +1,75 @@
+"""Behaviour cloning: the network learns to do what an expert would do, where the network itself gets to (DAgger).
+
+Cloning what an expert does where the expert gets to goes wrong at the first mistake, which leads to where the expert
+has never been: errors grow with the square of an episode's length. Asked for advice at every state of the student's
+own way, they grow linearly: Ross, Gordon and Bagnell, "A Reduction of Imitation Learning and Structured Prediction to
+No-Regret Online Learning", 2011 (arXiv:1011.0686). Here the expert is a function in the compiled step: advice is free.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array
+
+from home_mjx.tasks.environment.household import HouseholdEnv
+from home_mjx.tasks.experts.teacher import EXPERT, WithExpert
+from home_mjx.training.config import PPOConfig
+from home_mjx.training.ppo import PPO, Batch, TrainState
+from home_mjx.training.rollout import Policy
+
+LED = 0.5  # part of the run in which the expert acts ever less often, at first always
+LEAST = 0.3  # share of the actions that stay the expert's: else all that is seen at last is where the network is stuck
+AGREES = 0.25  # farthest that a continuous action may be from the expert's to count as the same
+
+
+class Cloning(PPO):
+    """Learns from an expert's advice; what PPO needs besides, the value, is learned too, so that PPO can go on.
+
+    Options are PPO's; `entropy_cost` and `clip_range` mean nothing here. Of continuous actions the likelihood's
+    gradient is that of the squared error, scaled by the spread that is learned.
+
+    Args:
+        core: The environment's functions.
+        config: Options.
+        devices: Where to train; all of JAX's by default.
+
+    Raises:
+        ConfigError: As of `PPO`; or no expert is known for the task.
+
+    Example:
+        >>> cloning = Cloning(env.core, PPOConfig(num_envs=64))  # doctest: +SKIP
+        >>> state = cloning.init(env.params, jax.random.key(0))  # doctest: +SKIP
+        >>> state, metrics = cloning.update(env.params, state)  # doctest: +SKIP
+    """
+
+    def __init__(
+        self, core: HouseholdEnv, config: PPOConfig | None = None, devices: Sequence[Any] | None = None
+    ) -> None:
+        super().__init__(core if isinstance(core, WithExpert) else WithExpert(core), config, devices)
+
+    def behaviour(self, state: TrainState) -> Policy:
+        """The expert, at first always and then less and less often; else the network."""
+        student = self.policy(state.net)
+        led = jnp.clip(1 - state.updates.astype(jnp.float32) / (LED * self.config.num_updates), LEAST, 1)
+
+        def act(memory: Array, obs: dict[str, Array], begins: Array, keys: Array) -> tuple[Array, Array, dict]:
+            memory, action, outputs = student.act(memory, obs, begins, keys)
+            draw = jax.vmap(lambda key: jax.random.uniform(jax.random.fold_in(key, 1)))(keys)
+            leads = (draw < led).reshape(-1, *[1] * (action.ndim - 1))
+            return memory, jnp.where(leads, obs[EXPERT], action), outputs
+
+        return student._replace(act=act)
+
+    def loss(self, net: Any, batch: Batch) -> tuple[Array, dict[str, Array]]:
+        """How unlikely the network finds the expert's actions, and the value's error."""
+        steps, choose = batch.steps, self.agent.distribution
+        advice = steps.obs[EXPERT]
+        _, params, value = self.agent.read(net, batch.memory, steps.obs, steps.begins)
+        clone_loss = -jnp.mean(choose.log_prob(params, advice))
+        value_loss = 0.5 * jnp.mean((value - batch.target) ** 2)
+        apart = jnp.abs(choose.clip(choose.mode(params)) - advice).reshape(*value.shape, -1)
+        same = jnp.all(apart <= AGREES, axis=-1)
+        parts = {"clone": clone_loss, "value": value_loss, "agreement": jnp.mean(same.astype(jnp.float32))}
+        return clone_loss + self.config.value_cost * value_loss, parts

@@ -1,0 +1,58 @@
+"""The expert as an observation: what it says is what `expert_action` says, and following it succeeds."""
+
+import jax
+import numpy as np
+import pytest
+
+import home_mjx
+from home_mjx.errors import ConfigError
+from home_mjx.tasks import AutoReset, Task, WithExpert, expert_action, with_expert
+from home_mjx.training.evaluation import evaluate, expert_policy, random_policy
+
+
+@pytest.fixture(scope="module")
+def env(generated_bank):
+    return home_mjx.make("RoomNav-v0", generated_bank, sensors=("state",), num_tasks=8, impl="kinematic")
+
+
+def test_it_is_the_action_for_each_state_also_after_automatic_resets(env):
+    taught = with_expert(env)
+    assert with_expert(taught) is taught
+    spec = taught.observation_spec["expert"]
+    assert (spec.shape, spec.dtype) == (env.action_spec.shape, env.action_spec.dtype)
+    batch = AutoReset(taught.core)
+    states = jax.jit(batch.reset)(env.params, jax.random.split(jax.random.key(0), 4))
+    step = jax.jit(batch.step)
+    own = jax.jit(jax.vmap(lambda p, s: expert_action(env.core.snapshot(p, s), s.task)[0], (None, 0)))
+    ended = 0
+    for _ in range(40):
+        assert np.array_equal(states.obs["expert"], own(env.params, states))
+        states = step(env.params, states, states.obs["expert"])
+        ended += int(states.done.sum())
+    assert ended >= 1
+    assert np.array_equal(states.obs["state"].shape, (4, *env.observation_spec["state"].shape))
+
+
+def test_nothing_else_changes(env):
+    taught = with_expert(env)
+    plain = {name: spec for name, spec in taught.observation_spec.items() if name != "expert"}
+    assert plain == env.observation_spec
+
+
+def test_a_task_without_an_expert_is_refused(env):
+    with pytest.raises(ConfigError, match="no expert is known for Task"):
+        jax.eval_shape(WithExpert(home_mjx.HouseholdEnv(env.config, Task())).reset, env.params, jax.random.key(0))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "options", [{}, {"actions": "discrete", "stop": True, "success_radius": 0.2}], ids=["continuous", "Habitat's"]
+)
+def test_an_expert_finds_points(generated_bank, options: dict):
+    env = home_mjx.make("PointNav-v0", generated_bank, sensors=("goal",), impl="kinematic", **options)
+    found = evaluate(with_expert(env), expert_policy, num_episodes=64)
+    chance = evaluate(env, random_policy(env.core), num_episodes=16)
+    # The distances to points lead through leaves of open doors, at some of which an agent without hands gets stuck.
+    assert found["success"].mean() >= 0.9
+    assert found["spl"][found["success"] > 0].mean() >= 0.9
+    assert chance["success"].mean() < 0.5

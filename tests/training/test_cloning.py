@@ -1,0 +1,107 @@
+"""Cloning: who leads, what is learned from, and that it learns."""
+
+import dataclasses
+from pathlib import Path
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+pytest.importorskip("flax", reason="needs the extra `train`")
+
+import home_mjx
+from home_mjx.datasets import RoomOutline, outline_house, write_house, write_library
+from home_mjx.errors import ConfigError
+from home_mjx.registry import EnvSpec
+from home_mjx.training import CPU_CONFIG, Cloning, NetworkConfig, PPOConfig, RunConfig, evaluate, random_policy
+from home_mjx.training.ppo import Batch, TrainState
+from home_mjx.training.rollout import Steps
+
+ONE = jax.devices()[:1]
+SMALL = PPOConfig(
+    num_envs=8, num_timesteps=8 * 4 * 10, unroll_length=4, num_minibatches=2, num_epochs=2, optimizer="adam",
+    network=NetworkConfig(features=16, memory=16),
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def cloning(generated_bank) -> Cloning:
+    env = home_mjx.make("PointNav-v0", generated_bank, sensors=("goal",), impl="kinematic", actions="discrete")
+    return Cloning(env.core, SMALL, ONE)
+
+
+def test_the_network_does_not_read_the_advice(cloning: Cloning):
+    assert "expert" in cloning.core.observation_spec
+    assert [name for name, _ in cloning.agent.specs] == ["goal"]
+
+
+def test_the_expert_leads_less_and_less(cloning: Cloning):
+    """Of many rows, the part that does what the expert says; the network's own actions are none of an expert's."""
+    rows = 4000
+    obs = {"goal": jnp.zeros((rows, 3)), "expert": jnp.full(rows, 9, jnp.int32)}
+    keys = jax.random.key_data(jax.random.split(jax.random.key(0), rows))
+    net = cloning.agent.init_net(jax.random.key(0))
+
+    def led(updates: int) -> float:
+        state = TrainState.unchecked(net=net, opt=None, actor=None, key=None, updates=jnp.int32(updates))
+        policy = cloning.behaviour(state)
+        _, action, outputs = policy.act(policy.memory(rows), obs, jnp.ones(rows, bool), keys)
+        assert outputs["value"].shape == (rows,)
+        return float(jnp.mean(action == 9))
+
+    assert led(0) == 1.0
+    assert led(2) == pytest.approx(0.6, abs=0.04)
+    assert led(5) == led(9) == pytest.approx(0.3, abs=0.04)
+
+
+def test_the_loss_is_how_unlikely_the_advice_is(cloning: Cloning, rng: np.random.Generator):
+    """By hand, of two steps of three rows; actions that were taken and rewards do not matter."""
+    net = cloning.agent.init_net(jax.random.key(1))
+    obs = {"goal": jnp.asarray(rng.normal(size=(2, 3, 3)), jnp.float32), "expert": jnp.array([[0, 1, 2], [3, 4, 5]])}
+    begins, memory, target = jnp.ones((2, 3), bool), cloning.agent.first_memory(3), jnp.ones((2, 3))
+    steps = Steps.unchecked(obs=obs, begins=begins, action=None, outputs=None, reward=None, done=None, cut=None)
+    loss, parts = cloning.loss(net, Batch.unchecked(steps=steps, memory=memory, advantage=None, target=target))
+    _, logits, value = cloning.agent.read(net, memory, obs, begins)
+    odds = np.exp(np.asarray(logits, float))
+    odds /= odds.sum(-1, keepdims=True)
+    chosen = np.take_along_axis(odds, np.asarray(obs["expert"])[..., None], axis=-1)
+    parts = {name: float(part) for name, part in parts.items()}
+    assert parts["clone"] == pytest.approx(-np.log(chosen).mean(), abs=1e-5)
+    assert parts["agreement"] == pytest.approx(np.mean(odds.argmax(-1) == np.asarray(obs["expert"])))
+    assert float(loss) == pytest.approx(parts["clone"] + 0.5 * 0.5 * np.mean((np.asarray(value) - 1) ** 2), abs=1e-5)
+
+
+def test_runs_say_how_they_learn():
+    spec = EnvSpec("PointNav-v0", "home_mjx.tasks:PointNav")
+    assert RunConfig(spec).algorithm == "ppo"
+    with pytest.raises(ConfigError, match="unknown algorithm"):
+        RunConfig(spec, algorithm="cloning")
+
+
+@pytest.fixture(scope="module")
+def hall(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """One empty room: experts go straight, which can be told from where the goal is."""
+    root = tmp_path_factory.mktemp("hall")
+    write_library(root, [], {})
+    write_house(root, outline_house("hall", [RoomOutline("Living_Room", [(0, 0), (6, 0), (6, 5), (0, 5)])], []))
+    return root
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("actions", ["discrete", "continuous"])
+def test_a_clone_learns_from_few_steps(hall: Path, actions: str):
+    options = {"sensors": ("goal",), "impl": "kinematic", "ctrl_dt": 0.3, "episode_length": 60, "actions": actions}
+    env = home_mjx.make("PointNav-v0", str(hall), **options)
+    config = dataclasses.replace(
+        CPU_CONFIG, num_timesteps=64 * 32 * 12, learning_rate=3e-3, network=NetworkConfig(features=64, memory=64)
+    )
+    cloning = Cloning(env.core, config, ONE)
+    state, agreement = cloning.init(env.params, jax.random.key(0)), []
+    for _ in range(config.num_updates):
+        state, metrics = cloning.update(env.params, state)
+        agreement.append(float(metrics["loss/agreement"]))
+    assert agreement[-1] > agreement[0] + 0.2
+    learned = evaluate(env, cloning.policy, state.net, num_episodes=64)["success"].mean()
+    chance = evaluate(env, random_policy(env.core), num_episodes=64)["success"].mean()
+    assert learned > chance + 0.4, (learned, chance)
