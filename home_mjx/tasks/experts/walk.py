@@ -19,8 +19,6 @@ from home_mjx.tasks.rows.words import FAILURE, Feature, Kind, Word
 from home_mjx.tasks.sensors.cameras import eye_position
 
 LOOK_AHEAD = 6  # cells
-STUCK = 6  # steps that an agent tries one direction
-ASIDE = 1.2  # [rad]
 MARGIN = 0.1  # [m]: with something in its hand an agent goes so much nearer than it must
 SAMPLES = 8  # places of a straight way that are looked at
 ALIGNED = 0.8  # [rad]: an agent that looks farther away from its way turns first
@@ -51,8 +49,8 @@ def expert_action(snapshot: Snapshot, state: RowState) -> Array:
     works = (grip.take | grip.put) & ~stop
     stands = works & (grip.ready | there)
     error, tilt, near = facing(snapshot, state, values, box[:, guide], way, there & ~works)
-    walks = _apart(way + _aside(snapshot), snapshot.pose.yaw)
-    error = jnp.where(stands, grip.turn, jnp.where(works, walks, error + jnp.where(near, 0.0, _aside(snapshot))))
+    walks = _apart(way, snapshot.pose.yaw)
+    error = jnp.where(stands, grip.turn, jnp.where(works, walks, error))
     tilt, near = jnp.where(stands, grip.tilt, tilt), jnp.where(works, stands, near)
     actions = to_actions(config, error, tilt, near, stop)
     return use_hands(config, actions, grip, stands & is_aimed(config, grip))
@@ -90,13 +88,6 @@ def facing(
     level = jnp.linalg.norm(offset[:, :2], axis=-1)
     rise = jnp.where(near & jnp.isfinite(level), jnp.arctan2(offset[:, 2], jnp.maximum(level, 0.3)), 0.0)
     return _apart(heading, snapshot.pose.yaw), rise - snapshot.pose.pitch, near
-
-
-def _aside(snapshot: Snapshot) -> Float[Array, " a"]:
-    """By how much agents leave their way now and then if what they carry has got stuck [rad]."""
-    turn, side = snapshot.step // STUCK, jnp.where(snapshot.step // (2 * STUCK) % 2 == 0, ASIDE, -ASIDE)
-    stuck = snapshot.contact & (snapshot.held >= 0) & (turn % 2 == 1)
-    return jnp.where(stuck, jnp.float32(side), 0.0)
 
 
 def _apart(heading: Float[Array, " a"], yaw: Float[Array, " a"]) -> Float[Array, " a"]:
