@@ -37,6 +37,7 @@ from home_mjx.tasks.rows.task_bank import TaskBank
 from home_mjx.tasks.rows.words import FAILURE, SUCCESS, Feature
 from home_mjx.tasks.sounds.row import Sound
 from home_mjx.tasks.suite.audio_nav import AudioNav
+from home_mjx.tasks.suite.handling import Fetch, Rearrange
 from home_mjx.tasks.suite.instructions import InstructionFollowing
 from home_mjx.tasks.suite.navigation import HouseTasks, Navigation, ObjectNav, PointGoals, RoomNav
 from home_mjx.tasks.suite.point_nav import PointNav, PointNavState
@@ -63,6 +64,7 @@ __all__ = [
     "Exploration",
     "ExplorationState",
     "Feature",
+    "Fetch",
     "Go",
     "HouseQA",
     "HouseTasks",
@@ -78,6 +80,7 @@ __all__ = [
     "PointGoals",
     "PointNav",
     "PointNavState",
+    "Rearrange",
     "RoomNav",
     "Row",
     "RowState",

@@ -97,6 +97,8 @@ class EnvConfig:
         actions: "continuous": numbers in [-1, 1], parts of the fastest rates. "discrete", or a `DiscreteActions` with
             options: an integer, one of a few moves. If no move fits into the default `ctrl_dt`, that becomes 0.3 s.
         hands: Whether there are actions to pick up, put down, drop and throw things and to turn doors.
+        aim_angle: Hands mean what is nearest to the middle of the view, at most so much aside and up or down from it,
+            that they can reach and lift, or put things on [degrees]; 0: whatever is exactly in the middle.
         speech: What agents may say besides what their task lets them: further discrete actions, each a word of the
             tasks' language after `say:` or `answer:`, such as "say:yes". See `Snapshot.said`.
         doors: How doors stand at reset: "open" (wide), "closed", "placed" (as in the file) or "random" (each open or
@@ -130,6 +132,7 @@ class EnvConfig:
     episode_length: int = 500
     actions: str | DiscreteActions = "continuous"
     hands: bool = False
+    aim_angle: float = 0.0
     speech: tuple[str, ...] = ()
     doors: str = "open"
     arrangement: str = "placed"
@@ -172,6 +175,7 @@ class EnvConfig:
             "depth_max": (0.01, math.inf),
             "look_rate": (0, math.inf),
             "pitch_max": (0, math.pi / 2),
+            "aim_angle": (0, 45),
         }
         for name, (least, most) in limits.items():
             check_number(name, getattr(self, name), least, most)

@@ -46,6 +46,11 @@ class Task:
         return False
 
     @property
+    def needs_hands(self) -> bool:
+        """Whether agents need hands for it."""
+        return False
+
+    @property
     def speech(self) -> tuple[str, ...]:
         """Discrete actions by which agents speak: words of the tasks' language after `say:` or `answer:`; none here.
 

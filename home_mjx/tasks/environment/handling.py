@@ -1,18 +1,25 @@
 """From the part of an action that is for the hands to their commands: what is meant is what the agent looks at."""
 
+import math
+
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Int
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.physics.hands import Commands
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.scene.surface import normals, object_ids
 from home_mjx.raycast_render.scene.types import Hit
 from home_mjx.tasks.base.config import EnvConfig
+from home_mjx.tasks.base.pose import AgentPose
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
+from home_mjx.tasks.sensors.reaching import footprints, plan_radius, room_at
 
 PRESSED = 0.5  # from which on a number of an action counts as a command
+GAP = 0.01  # [m], at least, between what is put down and what stands there
+RAYS = 9  # in each direction, where hands need not be aimed exactly
 LEVEL = 0.7  # least upward part of the normal of a surface on which things are put
 
 
@@ -24,37 +31,99 @@ def hand_commands(config: EnvConfig, snapshot: Snapshot, action: Float[Array, "a
         snapshot: The environment.
         action: `pick` above 0.5 takes the body in the middle of the view, or puts what the hand holds on the surface
             there; below -0.5 it drops. `throw` above 0.5 throws along the view. `turn` above 0.5 opens the door in the
-            middle of the view, below -0.5 closes it.
+            middle of the view, below -0.5 closes it. With an `aim_angle` the nearest to the middle that can be taken,
+            has room for what is held, or is a door.
     """
-    bank, house, pose = snapshot.bank, snapshot.house, snapshot.pose
-    level = jnp.cos(pose.pitch)
-    view = jnp.stack([jnp.cos(pose.yaw) * level, jnp.sin(pose.yaw) * level, jnp.sin(pose.pitch)], axis=-1)
-    eyes, (pick, throw, turn) = eye_position(config, pose), action.T
+    bank, house = snapshot.bank, snapshot.house
+    eyes, (pick, throw, turn) = eye_position(config, snapshot.pose), action.T
+    view = view_rays(config, snapshot.pose)
     hit = look_past_hand(config, snapshot, eyes, view)
     fixed = (hit.instance >= 0) & (hit.instance < bank.spec.num_instances)  # no agent
-    instance = jnp.where(fixed, hit.instance, 0)
-    body = jnp.where(fixed, bank.geometry.instance_body[house, instance], -1)
-    leaf = bank.physics.door_valid[house][None] & (bank.physics.door_instance[house][None] == hit.instance[:, None])
-    holds = snapshot.held >= 0
-    puts = (pick > PRESSED) & holds & fixed & (normals(snapshot.scene, view, hit)[:, 2] > LEVEL)
-    number = jnp.where(leaf, jnp.arange(leaf.shape[1], dtype=jnp.int32)[None], -1)
-    door = jnp.max(number, axis=-1, initial=-1)  # also of no doors
+    body = jnp.where(fixed, bank.geometry.instance_body[house, jnp.where(fixed, hit.instance, 0)], -1)
+    point = eyes[:, None] + view * hit.t[..., None]
+    near, holds = in_reach(config, snapshot, point), snapshot.held >= 0
+    level = fixed & (normals(snapshot.scene, view, hit)[..., 2] > LEVEL)
+    puts = (pick > PRESSED) & holds & jnp.any(level, axis=-1)
+    door = door_numbers(snapshot, hit)
+    taken = _nearest(body, body >= 0, near & _light(config, snapshot, body))
     return Commands(
-        pick=jnp.where((pick > PRESSED) & ~holds, body, -1),
-        place=jnp.where(puts[:, None], eyes + view * hit.t[:, None], jnp.inf),
+        pick=jnp.where((pick > PRESSED) & ~holds, taken, -1),
+        place=jnp.where(puts[:, None], _nearest(point, level, near & _has_room(snapshot, point)), jnp.inf),
         drop=pick < -PRESSED,
-        throw=jnp.where((throw > PRESSED)[:, None], view, 0.0),
-        door=jnp.where(jnp.abs(turn) > PRESSED, door, -1),
+        throw=jnp.where((throw > PRESSED)[:, None], view[:, 0], 0.0),
+        door=jnp.where(jnp.abs(turn) > PRESSED, _nearest(door, door >= 0, near), -1),
         open=turn > 0,
     )
 
 
-def look_past_hand(config: EnvConfig, snapshot: Snapshot, eyes: Float[Array, "a 3"], view: Float[Array, "a 3"]) -> Hit:
-    """What is in the middle of each agent's view, without what it carries."""
-    hit = cast(snapshot.scene, eyes, view, exclude=agent_ids(snapshot.bank, config.num_agents))
-    carried = carried_ids(snapshot)
+def view_rays(config: EnvConfig, pose: AgentPose) -> Float[Array, "a n 3"]:
+    """Unit directions that hands are aimed along: the middle of the view, then others, those nearest to it first."""
+    angle = math.radians(config.aim_angle)
+    offsets = np.linspace(-angle, angle, RAYS) if angle else np.zeros(1)
+    turn, tilt = (x.reshape(-1) for x in np.meshgrid(offsets, offsets))
+    order = np.argsort(np.hypot(turn, tilt), kind="stable")
+    yaw = pose.yaw[:, None] + jnp.asarray(turn[order], jnp.float32)
+    pitch = pose.pitch[:, None] + jnp.asarray(tilt[order], jnp.float32)
+    level = jnp.cos(pitch)
+    return jnp.stack([jnp.cos(yaw) * level, jnp.sin(yaw) * level, jnp.sin(pitch)], axis=-1)
+
+
+def in_reach(config: EnvConfig, snapshot: Snapshot, point: Float[Array, "a n 3"]) -> Bool[Array, "a n"]:
+    """Which points each agent's hand can reach, from the axis of its body."""
+    half, reach = jnp.array([(body.height / 2, body.reach) for body in config.physics.agents], jnp.float32).T
+    offset = point - snapshot.pose.pos[:, None]
+    beyond = jnp.maximum(jnp.abs(offset[..., 2]) - half[:, None], 0.0)
+    return jnp.linalg.norm(offset.at[..., 2].set(beyond), axis=-1) <= reach[:, None]
+
+
+def _light(config: EnvConfig, snapshot: Snapshot, body: Int[Array, "a n"]) -> Bool[Array, "a n"]:
+    """Which bodies are not too heavy for each agent's hand."""
+    if not snapshot.bank.spec.num_bodies:
+        return body >= 0
+    lift = jnp.array([body.lift for body in config.physics.agents], jnp.float32)
+    return snapshot.bank.physics.body_mass[snapshot.house, jnp.maximum(body, 0)] <= lift[:, None]
+
+
+def _has_room(snapshot: Snapshot, point: Float[Array, "a n 3"]) -> Bool[Array, "a n"]:
+    """Where what each agent holds would stand on something, and touch nothing; all where hands are aimed exactly."""
+    bank, house, held = snapshot.bank, snapshot.house, jnp.maximum(snapshot.held, 0)
+    if not bank.spec.num_bodies or point.shape[1] == 1:
+        return jnp.ones(point.shape[:2], bool)
+    physics = bank.physics
+    radius = jax.vmap(plan_radius)(physics.body_size[house, held], physics.body_quat[house, held])
+
+    def one(point: Array, radius: Array, carried: Array) -> Array:
+        bears, apart = room_at(footprints(snapshot.scene, carried), point[:, :2], point[:, 2], radius + GAP)
+        return bears & apart
+
+    return jax.vmap(one)(jnp.where(jnp.isfinite(point), point, jnp.float32(1e6)), radius, carried_ids(snapshot))
+
+
+def door_numbers(snapshot: Snapshot, hit: Hit) -> Int[Array, "a n"]:
+    """Which leaf each ray of each agent meets; -1 none."""
+    physics, house = snapshot.bank.physics, snapshot.house
+    leaf = physics.door_valid[house] & (physics.door_instance[house] == hit.instance[..., None])
+    number = jnp.where(leaf, jnp.arange(leaf.shape[-1], dtype=jnp.int32), -1)
+    return jnp.max(number, axis=-1, initial=-1)  # also of no doors
+
+
+def _nearest(values: Array, fits: Bool[Array, "a n"], good: Bool[Array, "a n"]) -> Array:
+    """Per agent the first value that is good and fits, or else the first that fits, or else the first."""
+    count = fits.shape[1]
+    cost = jnp.where(fits & good, 0, jnp.where(fits, count, 2 * count)) + jnp.arange(count)
+    return values[jnp.arange(fits.shape[0]), jnp.argmin(cost, axis=-1)]
+
+
+def look_past_hand(
+    config: EnvConfig, snapshot: Snapshot, eyes: Float[Array, "a 3"], view: Float[Array, "a n 3"]
+) -> Hit:
+    """What each agent sees in some directions, without what it carries."""
+    own, carried = agent_ids(snapshot.bank, config.num_agents)[:, None], carried_ids(snapshot)[:, None]
+    own, carried = (jnp.broadcast_to(x, view.shape[:2]) for x in (own, carried))
+    origin = jnp.broadcast_to(eyes[:, None], view.shape)
+    hit = cast(snapshot.scene, origin, view, exclude=own)
     covers = (carried >= 0) & (object_ids(snapshot.scene, hit) == carried)
-    past = cast(snapshot.scene, eyes, view, t_min=jnp.where(covers, hit.t, 0.0), exclude=carried)
+    past = cast(snapshot.scene, origin, view, t_min=jnp.where(covers, hit.t, 0.0), exclude=carried)
     return jax.tree.map(lambda a, b: jnp.where(covers, a, b), past, hit)
 
 

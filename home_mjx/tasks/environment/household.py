@@ -87,9 +87,9 @@ class HouseholdEnv:
         check_fit(config, self.task)
         self.config = config.replace(
             sensors=sensor_names(config, self.task),
-            speech=tuple(dict.fromkeys((*config.speech, *self.task.speech))),
             num_sources=max(config.num_sources, self.task.num_sources),
             clips=tuple(dict.fromkeys((*config.clips, *self.task.clips))),
+            speech=tuple(dict.fromkeys((*config.speech, *self.task.speech))),
         )
         self.sensors = choose_sensors(self.config, self.task)
         spoken_tokens(self.config)  # refuses what cannot be said

@@ -91,9 +91,27 @@ def moves_of(config: EnvConfig, action: Any, stopped: Any) -> Moves:
         table = jnp.asarray(_move_table(config, config.discrete))
         chosen = jnp.where(stop, names.index("stop"), chosen)
         numbers, understood = jax.vmap(lambda rows, i: rows[i])(table, chosen), jax.nn.one_hot(chosen, len(names))
-        look, said = numbers[:, 3], jnp.asarray(spoken_tokens(config))[chosen]
-    drive, hands = numbers[:, :3], numbers[:, len(ACTION_NAMES) :]
-    return Moves(drive=drive, look=look, hands=hands, stop=stop, said=said, unusable=unusable, action=understood)
+        said = jnp.asarray(spoken_tokens(config))[chosen]
+        look = numbers[:, 3]
+    return Moves(
+        drive=numbers[:, :3],
+        look=look,
+        hands=numbers[:, len(ACTION_NAMES) :],
+        stop=stop,
+        said=said,
+        unusable=unusable,
+        action=understood,
+    )
+
+
+def with_led(config: EnvConfig, moves: Moves, stopped: Any, mask: Bool[Array, " a"], action: Array) -> Moves:
+    """The moves, but where a mask holds those that an action of all agents means."""
+    own = moves_of(config, action, stopped).replace(unusable=moves.unusable)
+
+    def pick(led: Array, told: Array) -> Array:
+        return jnp.where(mask.reshape(-1, *[1] * (led.ndim - 1)), led, told) if led.ndim else told
+
+    return jax.tree.map(pick, own, moves)
 
 
 def spoken_tokens(config: EnvConfig) -> Int[np.ndarray, " moves"]:
@@ -113,16 +131,6 @@ def spoken_tokens(config: EnvConfig) -> Int[np.ndarray, " moves"]:
             raise ConfigError(f"`speech` has {name!r}", hint="Write `say:` or `answer:` and a word, such as say:yes.")
         tokens += tokenize(word)
     return np.array([*tokens, SILENT], np.int32)
-
-
-def with_led(config: EnvConfig, moves: Moves, stopped: Any, mask: Bool[Array, " a"], action: Array) -> Moves:
-    """The moves, but where a mask holds those that an action of all agents means."""
-    own = moves_of(config, action, stopped).replace(unusable=moves.unusable)
-
-    def pick(led: Array, told: Array) -> Array:
-        return jnp.where(mask.reshape(-1, *[1] * (led.ndim - 1)), led, told) if led.ndim else told
-
-    return jax.tree.map(pick, own, moves)
 
 
 def _move_table(config: EnvConfig, moves: DiscreteActions) -> Float[np.ndarray, "a moves n"]:

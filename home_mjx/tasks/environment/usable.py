@@ -66,9 +66,12 @@ def check_fit(config: EnvConfig, task: Task) -> None:
     """Refuses tasks that wait for an action, or for an agent, that there is not.
 
     Raises:
-        ConfigError: The task needs `stop` or words, and actions are continuous; or it needs more agents.
+        ConfigError: The task needs `stop` or words, and actions are continuous; or hands, and there are none; or more
+            agents.
     """
     name, discrete = type(task).__name__, config.discrete is not None
+    if task.needs_hands and not config.hands:
+        raise ConfigError(f"{name} needs hands, which agents do not have", hint="Give hands=True.")
     if task.needs_stop and not discrete:
         message = f"{name} waits for `stop`, which continuous actions do not have"
         raise ConfigError(message, hint='Give actions="discrete".')

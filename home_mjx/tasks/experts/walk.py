@@ -12,6 +12,7 @@ from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.environment.moves import action_names
 from home_mjx.tasks.experts.descent import descend
+from home_mjx.tasks.experts.grips import find_grip, has_hands, is_aimed, use_hands
 from home_mjx.tasks.experts.speaking import or_words
 from home_mjx.tasks.rows.features import boxes_now, nearest_meant, sights, table
 from home_mjx.tasks.rows.machine import advance, conditions
@@ -20,7 +21,7 @@ from home_mjx.tasks.rows.words import FAILURE, Feature, Kind, Word
 from home_mjx.tasks.sensors.cameras import eye_position
 
 LAG = 0.2  # [m]
-REACH = 0.6  # [m]: from here on an agent takes what it is to hold
+MARGIN = 0.1  # [m]: with something in its hand an agent goes so much nearer than it must
 ALIGNED = 0.8  # [rad]: an agent that looks farther away from its way turns first
 
 
@@ -48,33 +49,69 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
     """
     if isinstance(state, HasExpert):
         return state.expert(snapshot)
-    values = table(snapshot, state.program, state.means, snapshot.tasks.field, snapshot.step - state.since)
-    stop = should_stop(state, values)
-    guide = jnp.maximum(state.program.guide[jnp.maximum(state.stage, 0)], 0)
-    aim, there = downhill(snapshot, state, guide)
-    aim = aim - snapshot.pose.pos[:, :2]
-    way = jnp.arctan2(aim[:, 1], aim[:, 0])
-    _, box = nearest_meant(snapshot, state.program, state.means, boxes_now(snapshot))
-    points, free = (x[:, guide] for x in sights(snapshot, box))
-    agents = jnp.arange(points.shape[0])
-    offset = points[agents, jnp.argmax(free, axis=-1)] - eye_position(snapshot.config, snapshot.pose)
-    faces = jnp.arctan2(offset[:, 1], offset[:, 0])
-    is_thing = state.program.descriptor[guide, Word.KIND] == Kind.OBJECT
-    # Who sees nothing of it from where it should be seen goes on to the middle of the cell.
-    near = is_thing & jnp.any(free, axis=-1) & (there | should_look(state, values))
-    heading = jnp.where(near & jnp.all(jnp.isfinite(offset), axis=-1), faces, way)
-    error = (heading - snapshot.pose.yaw + jnp.pi) % (2 * jnp.pi) - jnp.pi
-    level = jnp.linalg.norm(offset[:, :2], axis=-1)
-    rise = jnp.where(near & jnp.isfinite(level), jnp.arctan2(offset[:, 2], jnp.maximum(level, 0.3)), 0.0)
-    actions = to_actions(snapshot.config, error, rise - snapshot.pose.pitch, near, stop)
+    config, program = snapshot.config, state.program
+    values = table(snapshot, program, state.means, snapshot.tasks.field, snapshot.step - state.since)
+    guide = jnp.maximum(program.guide[jnp.maximum(state.stage, 0)], 0)
+    _, box = nearest_meant(snapshot, program, state.means, boxes_now(snapshot))
+    stop, (way, there) = should_stop(state, values), downhill(snapshot, state, guide)
+    if not has_hands(snapshot):
+        actions = to_actions(config, *facing(snapshot, state, values, box[:, guide], way, there), stop)
+        return or_words(snapshot, state, values, actions)
+    stop = stop & (there | should_stop(state, values.at[Feature.DISTANCE].add(MARGIN)))  # what is carried pushes
+    grip = find_grip(snapshot, state, values, box[:, guide])
+    works = (grip.take | grip.put) & ~stop
+    stands = works & (grip.ready | there)
+    error, tilt, near = facing(snapshot, state, values, box[:, guide], way, there & ~works)
+    walks = _apart(way, snapshot.pose.yaw)
+    error = jnp.where(stands, grip.turn, jnp.where(works, walks, error))
+    tilt, near = jnp.where(stands, grip.tilt, tilt), jnp.where(works, stands, near)
+    actions = to_actions(config, error, tilt, near, stop)
+    actions = use_hands(config, actions, grip, stands & is_aimed(config, grip))
     return or_words(snapshot, state, values, actions)
 
 
+def facing(
+    snapshot: Snapshot,
+    state: RowState,
+    values: Float[Array, "feature a d d"],
+    box: Float[Array, "a 2 3"],
+    way: Float[Array, " a"],
+    there: Bool[Array, " a"],
+) -> tuple[Float[Array, " a"], Float[Array, " a"], Bool[Array, " a"]]:
+    """Turn to the left and tilt up [rad] along the way, or towards what the guide means where that is all that is left.
+
+    Args:
+        snapshot: The environment.
+        state: Of its row task.
+        values: See `features.table`.
+        box: Bounds of what the guide means [m].
+        way: Heading of the way [rad].
+        there: Whether it ends here.
+
+    Returns:
+        Turn, tilt, and who stands and looks.
+    """
+    guide = jnp.maximum(state.program.guide[jnp.maximum(state.stage, 0)], 0)
+    points, free = (x[:, 0] for x in sights(snapshot, box[:, None]))
+    agents = jnp.arange(points.shape[0])
+    offset = points[agents, jnp.argmax(free, axis=-1)] - eye_position(snapshot.config, snapshot.pose)
+    is_thing = state.program.descriptor[guide, Word.KIND] == Kind.OBJECT
+    # Who sees nothing of it from where it should be seen goes on to the middle of the cell.
+    near = is_thing & jnp.any(free, axis=-1) & (there | should_look(state, values))
+    faces = jnp.arctan2(offset[:, 1], offset[:, 0])
+    heading = jnp.where(near & jnp.all(jnp.isfinite(offset), axis=-1), faces, way)
+    level = jnp.linalg.norm(offset[:, :2], axis=-1)
+    rise = jnp.where(near & jnp.isfinite(level), jnp.arctan2(offset[:, 2], jnp.maximum(level, 0.3)), 0.0)
+    return _apart(heading, snapshot.pose.yaw), rise - snapshot.pose.pitch, near
+
+
+def _apart(heading: Float[Array, " a"], yaw: Float[Array, " a"]) -> Float[Array, " a"]:
+    return (heading - yaw + jnp.pi) % (2 * jnp.pi) - jnp.pi
+
+
 def should_look(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
-    """Whether a transition of the present stage waits for no more than a look, a grip or a stop of each agent."""
+    """Whether a transition of the present stage waits for no more than a look or a stop of each agent."""
     turned = values.at[jnp.array([Feature.STOPPED, Feature.SEEN])].set(1.0)
-    close = values[Feature.DISTANCE, :, :, 0] < REACH
-    turned = turned.at[Feature.HELD].set(close[:, :, None].astype(jnp.float32))
     after, _, taken = advance(state.program, state.stage, conditions(state.program, turned))
     return jnp.broadcast_to(taken & (after != FAILURE), values.shape[1:2])
 
@@ -94,18 +131,21 @@ def should_stop(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[
 
 def downhill(
     snapshot: Snapshot, state: RowState, guide: Int[Array, ""]
-) -> tuple[Float[Array, "a 2"], Bool[Array, " a"]]:
-    """A place on the shortest way to what a descriptor means [m], and whether none is nearer than where an agent is.
+) -> tuple[Float[Array, " a"], Bool[Array, " a"]]:
+    """Heading of the shortest way to what a descriptor means [rad], and whether no place is nearer.
 
-    Each agent can walk there straight, see `descend`.
+    Each agent can walk straight to the place that it heads for, see `descend`.
     """
-    bank, house = snapshot.bank, snapshot.house
+    bank, house, moves = snapshot.bank, snapshot.house, snapshot.config.discrete
     field = snapshot.tasks.field[:, jnp.maximum(state.program.field[guide], 0)]
+    least = moves.forward_step_size / 2 if moves and has_hands(snapshot) else 0.0  # who goes on would pass the end
 
     def ahead(pos: Float[Array, "3"], touches: Bool[Array, ""]) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
-        return descend(bank, house, pos, touches, lambda _, cell: field[row_of_cell(cell)])
+        return descend(bank, house, pos, touches, lambda _, cell: field[row_of_cell(cell)], least)
 
-    return jax.vmap(ahead)(snapshot.pose.pos, snapshot.contact)
+    aim, there = jax.vmap(ahead)(snapshot.pose.pos, snapshot.contact)
+    aim = aim - snapshot.pose.pos[:, :2]
+    return jnp.arctan2(aim[:, 1], aim[:, 0]), there
 
 
 def to_actions(

@@ -7,7 +7,7 @@ from typing import Protocol, runtime_checkable
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float, Int, UInt16
+from jaxtyping import Bool, Float, Int, UInt16
 from tqdm import tqdm
 
 from home_mjx.bank.bank import HouseBank
@@ -19,7 +19,7 @@ from home_mjx.tasks.rows.house_view import HouseView, house_views
 from home_mjx.tasks.rows.meaning import means_on_host
 from home_mjx.tasks.rows.program import Meant, Stage, written
 from home_mjx.tasks.rows.task_bank import TaskBank
-from home_mjx.tasks.rows.words import NUM_DESCRIPTORS, NUM_TOKENS, Feature, Kind, Word
+from home_mjx.tasks.rows.words import NUM_DESCRIPTORS, NUM_TOKENS, Feature, Kind, Use, Word
 from home_mjx.tasks.sounds.row import Sound, written_sounds
 from home_mjx.tasks.speech.talk import NONE, written_talk
 
@@ -43,6 +43,7 @@ class Row:
         ask: How many of these, from the first, tell apart what is meant.
         group: For a generator's `choose`, such as rows that ask the same; None: none.
         wordings: Other instructions that say the same.
+        then: Descriptors that are gone to after the goal, whose ways count to the length as well.
     """
 
     meant: Sequence[Meant]
@@ -57,6 +58,7 @@ class Row:
     ask: int = 0
     group: Hashable = None
     wordings: Sequence[Sequence[int]] = ()
+    then: Sequence[int] = field(default=())
 
 
 @runtime_checkable
@@ -171,11 +173,8 @@ def _used(rows: list[Drawn], fields: dict[int, np.ndarray]) -> tuple[list[Drawn]
 def _columns(one: Drawn) -> dict:
     row = one.row
     own = one.own | {"house": one.house, "task": one.task, "tokens": padded(row.tokens)}
-    return _written(row) | own | written_talk(row.answer, row.told, row.oracle, row.ask)
-
-
-def _written(row: Row) -> dict[str, np.ndarray]:
-    return written(row.meant, row.stages) | written_sounds(row.sounds, len(row.meant))
+    sounds = written_sounds(row.sounds, len(row.meant))
+    return written(row.meant, row.stages) | sounds | own | written_talk(row.answer, row.told, row.oracle, row.ask)
 
 
 def _of_house(
@@ -186,7 +185,7 @@ def _of_house(
     limits: tuple[float, float],
 ) -> tuple[list[Drawn], np.ndarray]:
     """A house's tasks that can be done, and the fields of what they mean."""
-    columns = [_written(row) for _, row in rows]
+    columns = [written(row.meant, row.stages) for _, row in rows]
     field_ = add_fields(bank, view, columns)
     nearest = field_[: len(view.graph.place)].min(axis=0, initial=FIELD_FAR) * FIELD_UNIT
     found = []
@@ -197,6 +196,8 @@ def _of_house(
         way = field_[: len(view.graph.place), goal]
         start = _start(view, way, random, limits) if row.pose is None else _posed(view, way, row.pose)
         if start is not None:
+            stops = [int(column["field"][d]) for d in (row.goal, *row.then)]
+            start["length"] += _ways_between(field_[: len(view.graph.place)], stops)
             found.append(Drawn(row, view.house, task, start | {"field": column["field"]}))
     return found, field_
 
@@ -247,13 +248,26 @@ def add_fields(bank: HouseBank, view: HouseView, columns: list[dict]) -> UInt16[
         for d, kind in enumerate(column["descriptor"][:, Word.KIND].tolist()):
             if kind in (Kind.NOTHING, Kind.AGENT):
                 continue
-            end = view.ends(kind, instance[which[at], d], room[which[at], d], column["place"][d])
+            use = view, column, d, instance[which[at]]
+            end = view.ends(kind, instance[which[at], d], room[which[at], d], column["place"][d], *_use(*use))
             key = end[0].tobytes() + end[1].tobytes()
             if len(end[0]) and key not in known:
                 known[key] = len(ends)
                 ends.append(end)
             column["field"][d] = known.get(key, -1)
     return view.graph.fields(ends)
+
+
+def _use(view: HouseView, column: dict, d: int, instance: Bool[np.ndarray, "d i"]) -> tuple[Use, float]:
+    """What agents go to what descriptor `d` means for; if to put something there, its radius [m]."""
+    feature, first, second = (column[name].tolist() for name in ("feature", "first", "second"))
+    conditions = list(zip(feature, first, second, strict=True))
+    put = [i for feature, i, j in conditions if feature == Feature.ON and j == d]
+    if put:
+        things = np.flatnonzero(instance[put].any(axis=0)).tolist()
+        return Use.PUT, max((view.radius(thing) for thing in things), default=0.0)
+    taken = any(feature == Feature.HELD and i == d for feature, i, _ in conditions)
+    return (Use.TAKE if taken else Use.LOOK), 0.0
 
 
 def _start(
@@ -267,6 +281,12 @@ def _start(
     cell = random.choice(fit)
     place = view.graph.place[cell].astype(np.float32)
     return {"start": place, "yaw": np.float32(random.uniform(-np.pi, np.pi)), "length": np.float32(way[cell])}
+
+
+def _ways_between(fields: UInt16[np.ndarray, "c g"], stops: Sequence[int]) -> np.float32:
+    """Ways from where one field leads to, on to where the next one does [m]."""
+    ends = [int(np.argmin(fields[:, stop])) for stop in stops]
+    return np.float32(sum(fields[a, stop] * FIELD_UNIT for a, stop in zip(ends[:-1], stops[1:], strict=True)))
 
 
 def _posed(view: HouseView, way: UInt16[np.ndarray, " c"], pose: tuple[Sequence[float], float]) -> dict | None:

@@ -56,8 +56,8 @@ def table(
         Feature.STOPPED: snapshot.stopped[:, None, None],
         Feature.TIME: jnp.broadcast_to(time, (agents, 1, 1)),
         Feature.TOUCHED: snapshot.contact[:, None, None],
-        Feature.SAID: snapshot.said[:, None, None],
         Feature.CLEAR: jnp.any(free, axis=-1)[:, :, None],
+        Feature.SAID: snapshot.said[:, None, None],
     }
     shape = agents, descriptors, descriptors
     return jnp.stack([jnp.broadcast_to(rows[feature].astype(jnp.float32), shape) for feature in Feature])

@@ -1,5 +1,6 @@
 """One house of a bank as generators of tasks read it, on the host."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,12 +11,16 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.transforms import bounds
+from home_mjx.schema.categories import COARSE
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.rows.fields import CellGraph, Ends
-from home_mjx.tasks.rows.words import Kind
+from home_mjx.tasks.rows.words import Kind, Use
+from home_mjx.tasks.sensors.reaching import plan_radius, put_from, taken_from
 from home_mjx.tasks.sensors.sight import ids_in_view, seen_from
 
+HAND = 0.93  # [m], how far hands reach: less than `Body.reach`, as agents do not stand in the middle of cells
 CELLS = 64  # that are nearest to a thing are tried
+EVERY = 4  # cell in reach of a hand is tried
 REACH = 0.3  # [m]: besides the nearest cell, those that are farther by so much are ends of ways to a thing
 BELOW_TOP = 0.1  # [m], eyes of an agent
 
@@ -33,6 +38,11 @@ class Thing:
         """A column of its semantic row; -1 unknown."""
         return int(self.row[column])
 
+    @property
+    def coarse(self) -> str:
+        """Its coarse category."""
+        return COARSE[self.word(Semantic.COARSE)] if self.word(Semantic.COARSE) >= 0 else "unknown"
+
 
 class HouseView:
     """What generators need to know of a house.
@@ -47,6 +57,7 @@ class HouseView:
     def __init__(self, bank: HouseBank, house: int, boxes: Float[np.ndarray, "i 2 3"], device: HouseBank) -> None:
         self.bank, self.house, self._boxes, self._device = bank, house, boxes, device
         self._beside: dict[int, Ends] = {}
+        self._at_hand: dict[tuple[int, float], Ends] = {}
 
     @cached_property
     def graph(self) -> CellGraph:
@@ -66,24 +77,91 @@ class HouseView:
             found.append(Thing(number, semantics[rows[parts[0]]], box, body))
         return tuple(found)
 
+    def instance_of(self, thing: Thing) -> int:
+        """The instance that a thing is; -1: it has several parts."""
+        parts = np.flatnonzero(self.bank.geometry.instance_object[self.house] == thing.object_id)
+        return int(parts[0]) if len(parts) == 1 else -1
+
     @cached_property
     def room_types(self) -> Int[np.ndarray, " r"]:
         """Of each room, index into ROOM_TYPES; -1 unknown, and padding."""
         return np.asarray(self.bank.navigation.room_type[self.house])
 
     def ends(
-        self, kind: int, instances: Bool[np.ndarray, " i"], rooms: Bool[np.ndarray, " r"], place: np.ndarray
+        self,
+        kind: int,
+        instances: Bool[np.ndarray, " i"],
+        rooms: Bool[np.ndarray, " r"],
+        place: np.ndarray,
+        use: Use = Use.LOOK,
+        radius: float = 0.0,
     ) -> Ends:
-        """Cells from which what a descriptor means is reached, and how far it is from each [m]."""
+        """Cells from which what a descriptor means is reached, and how far it is from each [m].
+
+        Args:
+            kind: Of the descriptor.
+            instances: That it means.
+            rooms: That it means.
+            place: That it means [m].
+            use: What an agent goes there for.
+            radius: Of what is to be put there [m].
+        """
         if kind == Kind.PLACE:
             return self.graph.at(place)
         if kind == Kind.ROOM:
             return self.graph.inside(rooms)
-        parts = [self.beside(i) for i in np.flatnonzero(instances).tolist()]
+        part = {Use.LOOK: self.beside, Use.TAKE: self.taken, Use.PUT: lambda i: self.put(i, radius)}[use]
+        parts = [part(i) for i in np.flatnonzero(instances).tolist()]
         if not parts:
             return np.zeros(0, int), np.zeros(0)
         cells, away = (np.concatenate(part) for part in zip(*parts, strict=True))
         return cells, away
+
+    def radius(self, instance: int) -> float:
+        """How far a movable thing reaches from its middle in the plan [m]; 0 of what does not move."""
+        body, physics = int(self.bank.geometry.instance_body[self.house, instance]), self.bank.physics
+        if body < 0:
+            return 0.0
+        size, quat = (jnp.asarray(x[self.house, body]) for x in (physics.body_size, physics.body_quat))
+        return round(float(plan_radius(size, quat)) + 0.005, 2)
+
+    def taken(self, instance: int) -> Ends:
+        """Cells from which a hand can take an instance; none, if there are none."""
+
+        def there(eyes: Array) -> Array:
+            box = jnp.asarray(self._boxes[instance], jnp.float32)
+            return taken_from(self._device, self._number, eyes, jnp.int32(instance), box, jnp.float32(HAND))
+
+        return self._at_hand_of((instance, -1.0), there)
+
+    def put(self, instance: int, radius: float) -> Ends:
+        """Cells from which a hand can put something of a radius [m] on an instance; none, if there are none."""
+
+        def there(eyes: Array) -> Array:
+            box, size = jnp.asarray(self._boxes[instance], jnp.float32), jnp.float32(radius)
+            return put_from(self._device, self._number, eyes, jnp.int32(instance), box, size, jnp.float32(HAND))
+
+        return self._at_hand_of((instance, radius), there)
+
+    @property
+    def _number(self) -> Int[Array, ""]:
+        return jnp.int32(self.house)
+
+    def _at_hand_of(self, key: tuple[int, float], there: Callable[[Array], Array]) -> Ends:
+        """Of the cells that are in reach of an instance those for which a test of the eyes holds."""
+        if key not in self._at_hand:
+            box = self._boxes[key[0]]
+            cells, away = self.graph.around(box[0], box[1], EVERY * CELLS)
+            cells, away = (x[away <= HAND][::EVERY] for x in (cells, away))
+            good = np.asarray(there(jnp.asarray(self._padded_eyes(cells), jnp.float32)))[: len(cells)]
+            self._at_hand[key] = cells[good], away[good]
+        return self._at_hand[key]
+
+    def _padded_eyes(self, cells: Int[np.ndarray, " c"]) -> Float[np.ndarray, "n 3"]:
+        """Where eyes are above cells [m]; inf beyond."""
+        eyes = np.full((CELLS, 3), np.inf)
+        eyes[: len(cells)] = self._eyes(self.graph.place[cells])
+        return eyes
 
     def beside(self, instance: int) -> Ends:
         """Cells beside an instance from which it can be seen: the nearest, and those hardly farther away.
@@ -93,9 +171,7 @@ class HouseView:
         if instance not in self._beside:
             box = self._boxes[instance]
             cells, away = self.graph.around(box[0], box[1], CELLS)
-            eyes = np.full((CELLS, 3), np.inf)
-            eyes[: len(cells)] = self._eyes(self.graph.place[cells])
-            seen = seen_from(self._device, self.house, eyes, box)[: len(cells)]
+            seen = seen_from(self._device, self.house, self._padded_eyes(cells), box)[: len(cells)]
             near = seen & (away <= np.min(away, where=seen, initial=np.inf) + REACH)
             self._beside[instance] = cells[near], away[near]
         return self._beside[instance]

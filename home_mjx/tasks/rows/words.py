@@ -56,3 +56,11 @@ class Feature(IntEnum):
     TOUCHED = 11  # 1: the agent touched anything but the floor in the last step
     CLEAR = 12  # 1: nothing is between the agent's eyes and the nearest i, whichever way it looks
     SAID = 13  # token of the word that the agent said in the last step; -1 none
+
+
+class Use(IntEnum):
+    """What an agent goes to a thing for, which says where it goes to."""
+
+    LOOK = 0
+    TAKE = 1  # a condition asks that it be held
+    PUT = 2  # a condition asks that something be on it

@@ -48,7 +48,8 @@ def save_tasks(path: str | Path, bank: HouseBank, tasks: TaskBank) -> None:
         line = {"house": ids[int(host.house[at])], "task": tasks.names[int(row["task"])]}
         line |= {"start": host.start[at].tolist(), "yaw": float(host.yaw[at]), "length": float(row["length"])}
         line |= {"instruction": detokenize(row["tokens"]), "meant": _meant(row), "stages": _stages(row)}
-        line |= _talk(row) | ({"sounds": sounds} if (sounds := _sounds(row)) else {})
+        line |= {"sounds": sounds} if (sounds := _sounds(row)) else {}
+        line |= _talk(row)
         lines.append(json.dumps(line))
     try:
         Path(path).write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")

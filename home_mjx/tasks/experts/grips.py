@@ -1,0 +1,180 @@
+"""What an expert does with its hands: aims at a thing, or at a free spot, and takes it or puts it down there."""
+
+import math
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.core.pytree import Pytree
+from home_mjx.tasks.base.config import EnvConfig
+from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.environment.handling import carried_ids, in_reach, look_past_hand
+from home_mjx.tasks.environment.moves import ROUNDING, action_names
+from home_mjx.tasks.rows.machine import advance, conditions
+from home_mjx.tasks.rows.row_task import RowState
+from home_mjx.tasks.rows.words import FAILURE, Feature
+from home_mjx.tasks.sensors.cameras import eye_position
+from home_mjx.tasks.sensors.reaching import SEEN, SLACK, free_spots, plan_radius, take_points
+
+EXACT = 0.04  # [rad], from the middle of the view, at which hands meet what they are aimed at
+PATIENCE = 24  # steps with one choice of where to aim; then it changes a little
+ROUND = 96  # steps: in the last `PATIENCE` of so many an agent goes on, as what it has tried has not worked
+VARIED = 0.03  # [rad], by so much
+
+
+class Grip(Pytree):
+    """What each agent's hand is to do."""
+
+    take: Bool[Array, " a"]  # take what the guide means
+    put: Bool[Array, " a"]  # put what is held on what the guide means
+    drop: Bool[Array, " a"]  # let go what is not meant
+    ready: Bool[Array, " a"]  # it can be aimed at from here
+    turn: Float[Array, " a"]  # [rad], to the left, until it is in the middle of the view
+    tilt: Float[Array, " a"]  # [rad], up
+
+
+def has_hands(snapshot: Snapshot) -> bool:
+    """Whether agents have hands and houses have things for them."""
+    return snapshot.config.hands and snapshot.bank.spec.num_bodies > 0
+
+
+def find_grip(
+    snapshot: Snapshot, state: RowState, values: Float[Array, "feature a d d"], box: Float[Array, "a 2 3"]
+) -> Grip:
+    """What hands are to do now, and where to aim for that.
+
+    Args:
+        snapshot: The environment.
+        state: Of its row task.
+        values: See `features.table`.
+        box: Bounds of the nearest thing that the guide means [m].
+    """
+    guide = jnp.maximum(state.program.guide[jnp.maximum(state.stage, 0)], 0)
+    take, put = _waits(state, values, guide)
+    holds = snapshot.held >= 0
+    helped = EXACT + 0.5 * math.radians(snapshot.config.aim_angle)
+    turn, tilt, ready = _aimed(snapshot, *_to_take(snapshot, state, guide, box), helped)
+    for_put = _aimed(snapshot, *_to_put(snapshot, state, guide, box), helped)
+    puts = put & holds
+    turn, tilt, ready = (jnp.where(puts, b, a) for a, b in zip((turn, tilt, ready), for_put, strict=True))
+    ready = ready & ((snapshot.step - state.since) % ROUND < ROUND - PATIENCE)
+    return Grip(take=take & ~holds, put=puts, drop=take & holds, ready=ready, turn=turn, tilt=tilt)
+
+
+def use_hands(config: EnvConfig, actions: Array, grip: Grip, aims: Bool[Array, " a"]) -> Array:
+    """Actions with the commands of hands.
+
+    Args:
+        config: Options.
+        actions: Those of legs and eyes.
+        grip: What hands are to do.
+        aims: Who stands where it can be done, with the middle of the view on it.
+    """
+    names, picks = action_names(config), (grip.take | grip.put) & aims
+    if config.discrete is not None:
+        actions = jnp.where(picks, names.index("pick"), actions)
+        return jnp.where(grip.drop, names.index("drop"), actions).astype(jnp.int32)
+    pick = jnp.where(grip.drop, -1.0, jnp.where(picks, 1.0, 0.0))
+    return actions.at[:, names.index("pick")].set(pick)
+
+
+def is_aimed(config: EnvConfig, grip: Grip) -> Bool[Array, " a"]:
+    """Whether no turn and no look would bring the middle of the view nearer to what hands are aimed at."""
+    if config.discrete is None:
+        return jnp.maximum(jnp.abs(grip.turn), jnp.abs(grip.tilt)) < jnp.float32(EXACT / 2)
+    half, step = (math.radians(x) / 2 + 2e-3 for x in (config.discrete.turn_angle, config.discrete.tilt_angle))
+    return (jnp.abs(grip.turn) < half) & (jnp.abs(grip.tilt) < step)
+
+
+def _waits(
+    state: RowState, values: Float[Array, "feature a d d"], guide: Int[Array, ""]
+) -> tuple[Bool[Array, " a"], Bool[Array, " a"]]:
+    """Whether the present stage waits for the guide to be taken, or for what is held to be put down."""
+    program, stage = state.program, state.stage
+
+    def leads_on(values: Array) -> Bool[Array, ""]:
+        after, _, taken = advance(program, stage, conditions(program, values))
+        return taken & (after != FAILURE)
+
+    held = values[Feature.HELD, :, guide, 0] > 0
+    done = values.at[Feature.STOPPED].set(1.0)
+    down = done.at[Feature.ON].set(1.0).at[Feature.HELD].set(0.0)
+    agents = values.shape[1:2]
+    idle = ~leads_on(values)
+    take = idle & leads_on(values.at[Feature.HELD, :, guide].set(1.0)) & ~held
+    put = idle & ~leads_on(done) & leads_on(down)
+    return jnp.broadcast_to(take, agents), jnp.broadcast_to(put & ~take, agents)
+
+
+def _to_take(
+    snapshot: Snapshot, state: RowState, guide: Int[Array, ""], box: Float[Array, "a 2 3"]
+) -> tuple[Float[Array, "a p 3"], Bool[Array, "a p"]]:
+    """Points of the nearest thing [m], and which of them can be seen and reached."""
+    config, eyes = snapshot.config, eye_position(snapshot.config, snapshot.pose)
+    points = jax.vmap(take_points)(eyes, jnp.where(jnp.isfinite(box), box, 0.0))
+    way = points - eyes[:, None]
+    way = way / jnp.linalg.norm(way, axis=-1, keepdims=True)
+    hit = look_past_hand(config, snapshot, eyes, way)
+    meant = state.means.instance[guide]
+    own = (hit.instance >= 0) & (hit.instance < meant.shape[0])
+    own = own & meant[jnp.clip(hit.instance, 0, meant.shape[0] - 1)]
+    seen = jnp.where(own[..., None], eyes[:, None] + way * jnp.where(own, hit.t, 0.0)[..., None], points)
+    fits = own & in_reach(config, snapshot, seen)
+    return seen, fits & (jnp.sum(fits, axis=-1, keepdims=True) >= SEEN)
+
+
+def _to_put(
+    snapshot: Snapshot, state: RowState, guide: Int[Array, ""], box: Float[Array, "a 2 3"]
+) -> tuple[Float[Array, "a p 3"], Bool[Array, "a p"]]:
+    """Spots on the nearest thing [m], and which of them are free and can be seen and reached."""
+    config, bank, house = snapshot.config, snapshot.bank, snapshot.house
+    eyes, carried = eye_position(config, snapshot.pose), carried_ids(snapshot)
+    body, physics = jnp.maximum(snapshot.held, 0), bank.physics
+    radius = jax.vmap(plan_radius)(physics.body_size[house, body], physics.body_quat[house, body])
+
+    def one(box: Array, radius: Array, carried: Array) -> tuple[Array, Array]:
+        return free_spots(snapshot.scene, box, state.means.instance[guide], radius, carried)
+
+    points, free = jax.vmap(one)(jnp.where(jnp.isfinite(box), box, 0.0), radius, carried)
+    way = points - eyes[:, None]
+    length = jnp.linalg.norm(way, axis=-1)
+    hit = look_past_hand(config, snapshot, eyes, way / length[..., None])
+    return points, free & (hit.t >= length - SLACK) & in_reach(config, snapshot, points)
+
+
+def _aimed(
+    snapshot: Snapshot, points: Float[Array, "a p 3"], fits: Bool[Array, "a p"], most: float
+) -> tuple[Float[Array, " a"], Float[Array, " a"], Bool[Array, " a"]]:
+    """Turn and tilt to the point that the view can be aimed at best [rad], and whether it misses it by at most so much.
+
+    Discrete actions turn and tilt by whole steps: of all points that fit that one is chosen to which they lead best.
+    """
+    config, pose = snapshot.config, snapshot.pose
+    offset = points - eye_position(config, pose)[:, None]
+    away = jnp.linalg.norm(offset[..., :2], axis=-1)
+    turn = jnp.arctan2(offset[..., 1], offset[..., 0]) - pose.yaw[:, None]
+    turn = (turn + jnp.pi) % (2 * jnp.pi) - jnp.pi
+    tilt = jnp.arctan2(offset[..., 2], jnp.maximum(away, 1e-3)) - pose.pitch[:, None]
+    done = _in_steps(config, turn, tilt, pose.pitch)
+    miss = jnp.hypot(turn - done[0], tilt - done[1])
+    number = jnp.arange(points.shape[1], dtype=jnp.float32)
+    varied = jnp.sin(number * (snapshot.step // PATIENCE).astype(jnp.float32))
+    cost = miss + jnp.float32(VARIED) * varied + 0.01 * jnp.abs(turn) + 0.03 * away
+    near_enough = miss <= jnp.float32(most)
+    rank = jnp.where(fits & near_enough, 0.0, jnp.where(fits, 10.0, 20.0))
+    best = jnp.argmin(cost + rank, axis=-1)
+    agents = jnp.arange(points.shape[0])
+    return done[0][agents, best], done[1][agents, best], jnp.any(fits & near_enough, axis=-1)
+
+
+def _in_steps(
+    config: EnvConfig, turn: Float[Array, "a p"], tilt: Float[Array, "a p"], pitch: Float[Array, " a"]
+) -> tuple[Float[Array, "a p"], Float[Array, "a p"]]:
+    """Turns and tilts as near to these as actions lead [rad]."""
+    most, pitch = jnp.float32(config.pitch_max + ROUNDING), pitch[:, None]
+    if config.discrete is None:
+        return turn, jnp.clip(pitch + tilt, -most, most) - pitch
+    step, rise = (jnp.float32(math.radians(x)) for x in (config.discrete.turn_angle, config.discrete.tilt_angle))
+    up, down = jnp.floor((most - pitch) / rise), -jnp.floor((most + pitch) / rise)
+    return jnp.round(turn / step) * step, jnp.clip(jnp.round(tilt / rise), down, up) * rise

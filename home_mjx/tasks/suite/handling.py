@@ -1,0 +1,206 @@
+"""Tasks of hands: to bring things somewhere, and to put things on others.
+
+Szot et al., "Habitat 2.0: Training Home Assistants to Rearrange their Habitat", 2021 (arXiv:2106.14405); Batra et al.,
+"Rearrangement: A Challenge for Embodied AI", 2020 (arXiv:2011.01975).
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from home_mjx.core.checks import check_known, check_number
+from home_mjx.errors import ConfigError
+from home_mjx.schema.agent import Body
+from home_mjx.schema.semantic import Semantic
+from home_mjx.tasks.language.phrases import name, phrase, telling
+from home_mjx.tasks.language.vocabulary import tokenize
+from home_mjx.tasks.rows.build import Row
+from home_mjx.tasks.rows.house_view import HouseView, Thing
+from home_mjx.tasks.rows.program import Go, Meant, Stage, When
+from home_mjx.tasks.rows.words import FAILURE, NUM_TOKENS, SUCCESS, Feature, Word
+from home_mjx.tasks.suite.carried import Portable, gap, has_room, lies_on, portable_things
+from home_mjx.tasks.suite.navigation import NO_GOALS, STOPPED, Navigation
+
+PLACES = ("thing", "room", "start")  # where things are brought
+MOST_THINGS = 2  # a row speaks of four things: each of these, and what it is put on
+JOINED = ("{} and {}", "{} then {}")
+Words = dict[Word, int]
+Pose = tuple[Sequence[float], float]  # on the floor [m], yaw [rad]
+
+
+@dataclass(frozen=True)
+class Handling(Navigation):
+    """What tasks of hands share.
+
+    Attributes:
+        max_mass: Of what is to be carried [kg].
+        max_size: Its greatest extent [m].
+    """
+
+    max_mass: float = Body().lift
+    max_size: float = 0.7
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for limit in ("max_mass", "max_size"):
+            check_number(limit, getattr(self, limit), 0)
+
+    @property
+    def needs_hands(self) -> bool:
+        """Always."""
+        return True
+
+    def _told(self, view: HouseView, random: np.random.Generator) -> list[tuple[Portable, Words]]:
+        """Things that hands can take and that words mean alone, with these words."""
+        things = portable_things(view, self.max_mass, self.max_size)
+        told = [(thing, telling(view.things, thing.thing, random)) for thing in things]
+        return [(thing, words) for thing, words in told if words is not None]
+
+
+@dataclass(frozen=True)
+class Fetch(Handling):
+    """Take a thing and bring it to another one, into a room, or to where the episode began.
+
+    Attributes:
+        success_distance: From where it is to be brought [m].
+        places: What things are brought to, of `PLACES`.
+    """
+
+    success_distance: float = 1.0
+    places: tuple[str, ...] = field(default=PLACES)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_number("success_distance", self.success_distance, 0)
+        if not isinstance(self.places, tuple) or not self.places:
+            raise ConfigError(f"`places` must be a tuple of {', '.join(PLACES)}, got {self.places!r}")
+        check_known("place", self.places, PLACES)
+
+    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
+        """Things of the house, again and again in another order, each brought to one of the places."""
+        told = self._told(view, random)
+        goals = [thing for thing in view.things if thing.coarse not in NO_GOALS]
+        named = [(thing, words) for thing in goals if (words := telling(view.things, thing, random)) is not None]
+        if not named:
+            return
+        while told:
+            for at in random.permutation(len(told)).tolist():
+                thing, words = told[at]
+                place = self.places[int(random.integers(len(self.places)))]
+                if place == "thing":
+                    yield from self._to_thing(thing, words, named[int(random.integers(len(named)))])
+                elif place == "room":
+                    yield from self._to_room(view, thing, words, random)
+                else:
+                    yield self._to_start(view, words, random)
+
+    def _to_thing(self, thing: Portable, words: Words, goal: tuple[Thing, Words]) -> Iterator[Row]:
+        if gap(thing.thing, goal[0]) > 2 * self.success_distance:  # also: it is another thing
+            near = When(Feature.DISTANCE, 1, most=self.success_distance)
+            yield self._row(words, Meant.of(goal[1]), near, f"to {phrase(goal[1])}")
+
+    def _to_room(self, view: HouseView, thing: Portable, words: Words, random: np.random.Generator) -> Iterator[Row]:
+        own = thing.thing.word(Semantic.ROOM_TYPE)
+        others = [kind for kind in np.unique(view.room_types).tolist() if kind >= 0 and kind != own]
+        if others and own >= 0:
+            kind = others[int(random.integers(len(others)))]
+            inside = When(Feature.INSIDE, 1, least=1)
+            yield self._row(words, Meant.space(room_type=kind), inside, f"to the {name(Word.ROOM_TYPE, kind)}")
+
+    def _to_start(self, view: HouseView, words: Words, random: np.random.Generator) -> Row:
+        free = view.graph.place[~view.graph.at_leaf]
+        start = free[int(random.integers(len(free)))].tolist()
+        near = When(Feature.DISTANCE, 1, most=self.success_distance)
+        return self._row(words, Meant.at(start), near, "here", (start, random.uniform(-np.pi, np.pi)))
+
+    def _row(self, words: Words, goal: Meant, there: When, where: str, pose: Pose | None = None) -> Row:
+        held, half = When(Feature.HELD, 0, least=1), self.success_reward / 2
+        said, wrong = ((STOPPED,), (Go(FAILURE, (STOPPED,)),)) if self.stop else ((), ())
+        back = Go(0, bars=(held,), reward=-half)  # who drops it has gained nothing
+        first = Stage((Go(1, (held,), reward=half), *wrong), guide=0)
+        second = Stage((Go(SUCCESS, (held, there, *said), reward=half), *wrong, back), guide=1)
+        tokens = tokenize(f"bring {phrase(words)} {where}")
+        return Row([Meant.of(words), goal], [first, second], tokens=tokens, then=(1,), pose=pose)
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A thing and what it is put on, and the words that mean each alone."""
+
+    thing: Portable
+    words: Words
+    below: Thing
+    below_words: Words
+
+
+@dataclass(frozen=True)
+class Rearrange(Handling):
+    """Put things on others, and let them go there.
+
+    Attributes:
+        num_things: At most so many, 1 or 2.
+    """
+
+    num_things: int = 1
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_number("num_things", self.num_things, 1, MOST_THINGS, whole=True)
+
+    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
+        """Things and what they are put on, drawn at random; those of one row are different."""
+        told = self._told(view, random)
+        pairs = list(self._pairs(view, told, random))
+        while pairs:
+            count = int(random.integers(1, self.num_things + 1))
+            chosen = [pairs[i] for i in random.permutation(len(pairs))]
+            row = self._some(chosen, count, random)
+            if row is not None:
+                yield row
+
+    def _pairs(
+        self, view: HouseView, told: list[tuple[Portable, Words]], random: np.random.Generator
+    ) -> Iterator[Pair]:
+        """Things, and others on which there is room for them and on which they are not."""
+        below = [thing for thing in view.things if has_room(view, thing, {p.thing.object_id for p, _ in told})]
+        named = [(thing, words) for thing in below if (words := telling(view.things, thing, random)) is not None]
+        for portable, words in told:
+            for thing, others in named:
+                cells = view.put(view.instance_of(thing), view.radius(portable.instance))[0]
+                if len(cells) and not lies_on(portable.thing, thing):
+                    yield Pair(portable, words, thing, others)
+
+    def _some(self, pairs: list[Pair], count: int, random: np.random.Generator) -> Row | None:
+        """The first pairs that have nothing in common, as one row; None if there are too many words for that."""
+        chosen, known = [], set()
+        for pair in pairs:
+            ids = {pair.thing.thing.object_id, pair.below.object_id}
+            if len(chosen) < count and not ids & known:
+                chosen.append(pair)
+                known |= ids
+        said = [f"put {phrase(pair.words)} on {phrase(pair.below_words)}" for pair in chosen]
+        text = said[0] if len(said) == 1 else JOINED[int(random.integers(len(JOINED)))].format(*said)
+        tokens = tokenize(text)
+        if len(tokens) > NUM_TOKENS:
+            return None
+        meant = [Meant.of(words) for pair in chosen for words in (pair.words, pair.below_words)]
+        return Row(meant, self._stages(len(chosen)), tokens=tokens, then=range(1, len(meant)))
+
+    def _stages(self, count: int) -> list[Stage]:
+        """Two per thing: take it, put it down. What comes undone is to be done again, and its reward is paid back."""
+        held = [When(Feature.HELD, 2 * k, least=1) for k in range(count)]
+        on = [When(Feature.ON, 2 * k, 2 * k + 1, least=1) for k in range(count)]
+        part, stages = self.success_reward / (2 * count), []
+        wrong = (Go(FAILURE, (STOPPED,)),) if self.stop else ()
+        for k in range(count):
+            done = Go(2 * k + 1, (on[k],), (held[k],), reward=part)  # it is where it should be
+            stages.append(Stage((Go(2 * k + 1, (held[k],), reward=part), done, *wrong), guide=2 * k))
+            back = Go(2 * k, bars=(held[k], on[k]), reward=-part)
+            if k < count - 1:
+                ways = (Go(2 * k + 2, (on[k],), (held[k],), reward=part), back, *wrong)
+            else:
+                said = (STOPPED,) if self.stop else ()
+                ways = (Go(SUCCESS, (*on, *said), tuple(held), reward=part), *wrong, back)
+            stages.append(Stage(ways, guide=2 * k + 1))
+        return stages

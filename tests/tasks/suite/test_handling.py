@@ -1,0 +1,275 @@
+"""Tasks of hands: what is drawn can be done, rewards cannot be farmed, experts do it and chance does not."""
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import home_mjx
+from home_mjx.errors import ConfigError
+from home_mjx.physics import PhysicsConfig
+from home_mjx.registry import as_bank
+from home_mjx.schema.compiled import FIELD_UNIT
+from home_mjx.schema.semantic import Semantic
+from home_mjx.tasks import (
+    SUCCESS,
+    EnvConfig,
+    Feature,
+    Fetch,
+    HouseholdEnv,
+    HouseTasks,
+    Rearrange,
+    detokenize,
+    expert_action,
+    load_tasks,
+    save_tasks,
+)
+from home_mjx.tasks.rows.house_view import house_views
+from home_mjx.tasks.rows.machine import advance
+from home_mjx.tasks.rows.program import Meant, written
+from home_mjx.tasks.rows.task_bank import program_of
+from home_mjx.tasks.rows.words import NUM_CONDITIONS, Kind, Word
+
+STOPS = {"stop": True}
+HANDS = {"hands": True, "aim_angle": 10.0, "pitch_max": 1.05}
+TASKS = HouseTasks(tasks=(Fetch(**STOPS), Rearrange(num_things=2, **STOPS)), num_tasks=5)
+MOST_STEPS = 400
+
+
+@pytest.fixture(scope="module")
+def bank():
+    return as_bank(None, 4)
+
+
+@pytest.fixture(scope="module")
+def tasks(bank):
+    return TASKS.task_bank(bank)
+
+
+@pytest.fixture(scope="module")
+def views(bank):
+    return house_views(bank)
+
+
+def meant_by(view, words: np.ndarray) -> list:
+    """The things that a descriptor means, by a loop over what is in the house."""
+    columns = {
+        Word.COARSE: (Semantic.COARSE,),
+        Word.COLOR: (Semantic.BASIC, Semantic.BASIC_2, Semantic.BASIC_3),
+        Word.SIZE: (Semantic.SIZE,),
+        Word.MATERIAL: (Semantic.MATERIAL,),
+        Word.ROOM_TYPE: (Semantic.ROOM_TYPE,),
+    }
+    used = {word: words[word] for word in columns if words[word] >= 0}
+    return [
+        thing
+        for thing in view.things
+        if all(any(thing.word(column) == value for column in columns[word]) for word, value in used.items())
+    ]
+
+
+def rows_of(tasks, name: str) -> list[dict]:
+    """Rows of one task as dictionaries of arrays."""
+    columns = {key: np.asarray(value) for key, value in tasks.rows.columns.items()}
+    columns |= {"house": np.asarray(tasks.rows.house), "start": np.asarray(tasks.rows.start)}
+    chosen = np.flatnonzero(columns["task"] == tasks.names.index(name)).tolist()
+    return [{key: value[i] for key, value in columns.items()} for i in chosen]
+
+
+def things_to_take(row: dict) -> list[int]:
+    """Descriptors that conditions ask to be held."""
+    return sorted({int(d) for f, d in zip(row["feature"], row["first"], strict=True) if f == Feature.HELD})
+
+
+@pytest.mark.parametrize("name", ["Fetch", "Rearrange"])
+def test_every_house_has_tasks_of_things_that_hands_can_take(bank, tasks, views, name):
+    rows = rows_of(tasks, name)
+    assert {int(row["house"]) for row in rows} == set(range(bank.num_houses))
+    for row in rows:
+        view = views[row["house"]]
+        below = {thing.word(Semantic.SUPPORTER) for thing in view.things}
+        for d in things_to_take(row):
+            (thing,) = meant_by(view, row["descriptor"][d])
+            assert thing.body >= 0
+            assert bank.physics.body_mass[view.house, thing.body] <= 10
+            assert (thing.box[1] - thing.box[0]).max() <= 0.7
+            assert thing.object_id not in below
+
+
+@pytest.mark.parametrize("name", ["Fetch", "Rearrange"])
+def test_ways_end_where_hands_reach(tasks, views, name):
+    """A thing's bounds are within reach of the axis of who stands where its field is least."""
+    for row in rows_of(tasks, name):
+        view = views[row["house"]]
+        for d in things_to_take(row):
+            (thing,) = meant_by(view, row["descriptor"][d])
+            cells = len(view.graph.place)
+            first = int(np.asarray(view.bank.navigation.first_cell)[view.house])
+            field = np.asarray(tasks.field)[first : first + cells, row["field"][d]]
+            at = view.graph.place[np.argmin(field)]
+            gap = np.maximum(np.maximum(thing.box[0, :2] - at[:2], at[:2] - thing.box[1, :2]), 0)
+            assert np.hypot(*gap) <= 0.93
+            assert at[2] - 0.1 <= thing.box[0, 2] <= at[2] + 1.6
+
+
+def test_things_are_put_on_others_on_which_they_are_not(tasks, views):
+    seen = 0
+    for row in rows_of(tasks, "Rearrange"):
+        view, pairs = views[row["house"]], []
+        for f, i, j in zip(row["feature"], row["first"], row["second"], strict=True):
+            if f == Feature.ON:
+                (thing,), (below,) = (meant_by(view, row["descriptor"][d]) for d in (i, j))
+                pairs += [thing.object_id, below.object_id]
+                assert thing.word(Semantic.SUPPORTER) != below.object_id
+                top = below.box[1, 2] - view.graph.place[:, 2].min()
+                assert 0.2 < top < 1.4
+        assert len(set(pairs)) == len(pairs)
+        seen += len(pairs) // 2
+    assert seen > len(rows_of(tasks, "Rearrange"))  # some rows have two
+
+
+def test_here_is_where_the_episode_begins_and_lengths_have_all_legs(tasks, views):
+    texts = []
+    for row in rows_of(tasks, "Fetch"):
+        texts.append(detokenize(row["tokens"]))
+        if row["descriptor"][1, Word.KIND] == Kind.PLACE:
+            assert texts[-1].endswith("here")
+            np.testing.assert_allclose(row["place"][1], row["start"], atol=1e-5)
+        first = int(np.asarray(views[0].bank.navigation.first_cell)[row["house"]])
+        view = views[row["house"]]
+        cell = np.argmin(np.linalg.norm(view.graph.place - row["start"], axis=1))
+        way = np.asarray(tasks.field)[first + cell, row["field"][0]] * FIELD_UNIT
+        assert row["length"] >= way - 0.02
+    assert all(text.startswith("bring the") for text in texts)
+
+
+def test_a_file_of_them_holds_their_fields(bank, tasks, tmp_path):
+    """Where ways end depends on what is done there, which conditions say: a file needs nothing else for it."""
+    path = tmp_path / "hands.jsonl"
+    few = tasks.pick(jnp.arange(8))
+    save_tasks(path, bank, few)
+    again = load_tasks(path, bank)
+    for i in range(8):
+        first = int(bank.navigation.first_cell[few.rows.house[i]])
+        for d in range(4):
+            old, new = int(few.rows.columns["field"][i, d]), int(again.rows.columns["field"][i, d])
+            assert (old < 0) == (new < 0)
+            if old >= 0:
+                np.testing.assert_array_equal(
+                    few.field[first : first + 500, old], again.field[first : first + 500, new]
+                )
+
+
+def told(program, stage: int, **features: bool) -> tuple[int, float]:
+    """Next stage and reward if these features hold; `held0` is `HELD` of descriptor 0."""
+    names = [f"{Feature(int(f)).name.lower()}{int(d)}" for f, d in zip(program.feature, program.first, strict=True)]
+    holds = [features.get(name, features.get(name[:-1], False)) for name in names]
+    bits = jnp.array([*holds, *[False] * (NUM_CONDITIONS - len(holds))][:NUM_CONDITIONS])
+    after, reward, _ = advance(program, jnp.int32(stage), bits)
+    return int(after), float(reward)
+
+
+def one_program(task, count: int):
+    stages = task._stages(count)
+    arrays = written([Meant.thing(coarse=k) for k in range(2 * count)], stages)
+    return program_of({name: jnp.asarray(value) for name, value in arrays.items()} | {"field": jnp.zeros(4, jnp.int32)})
+
+
+def test_two_things_one_after_the_other():
+    program = one_program(Rearrange(num_things=2), 2)
+    quarter = pytest.approx(2.5 / 4)
+    assert told(program, 0) == (0, 0.0)
+    assert told(program, 0, held0=True) == (1, quarter)
+    assert told(program, 1, held0=True, on0=True) == (1, 0.0)  # it must let go
+    assert told(program, 1, on0=True) == (2, quarter)
+    assert told(program, 2, on0=True, held2=True) == (3, quarter)
+    assert told(program, 3, on0=True, on2=True) == (SUCCESS, quarter)
+    assert told(program, 3, on2=True)[0] == 3  # the first one has come off again
+
+
+def test_what_is_undone_is_paid_back():
+    program = one_program(Rearrange(num_things=2), 2)
+    _, gained = told(program, 0, held0=True)
+    stage, lost = told(program, 1)  # neither in the hand nor where it should be
+    assert stage == 0
+    assert gained + lost == 0
+    assert told(program, 0, on0=True) == (1, pytest.approx(gained))  # also if it got there otherwise
+
+
+@pytest.mark.parametrize(
+    ("task", "options", "words"),
+    [
+        ("Fetch", {"hands": False}, "needs hands"),
+        ("Fetch", {"places": ("moon",)}, "moon"),
+        ("Fetch", {"places": ()}, "places"),
+        ("Fetch", {"success_distance": -1.0}, "success_distance"),
+        ("Rearrange", {"num_things": 3}, "num_things"),
+        ("Rearrange", {"max_mass": -1.0}, "max_mass"),
+        ("Rearrange", {"aim_angle": 90.0}, "aim_angle"),
+    ],
+)
+def test_options_that_cannot_be_are_refused(bank, task, options, words):
+    with pytest.raises(ConfigError, match=words):
+        home_mjx.make(f"{task}-v0", bank, **options)
+
+
+def test_nothing_to_carry_is_no_task(bank):
+    with pytest.raises(ConfigError, match="no house has a task of Rearrange"):
+        Rearrange(max_mass=0.01).task_bank(bank)
+
+
+@pytest.fixture(scope="module")
+def env(bank, tasks):
+    config = EnvConfig(sensors=("state",), actions="discrete", physics=PhysicsConfig(impl="kinematic"), **HANDS)
+    return HouseholdEnv(config, TASKS).bind(bank)
+
+
+@pytest.fixture(scope="module")
+def reset(env):
+    rows = len(env.params.tasks)
+    keys, index = jax.random.split(jax.random.key(0), rows), jnp.arange(rows)
+    return jax.jit(jax.vmap(env.core.reset, (None, 0, None, 0)))(env.params, keys, None, index)
+
+
+def run(env, states, act):
+    """Until all have ended, but no longer than `MOST_STEPS`."""
+
+    def step(state, key):
+        after = env.core.step(env.params, state, act(state, key))
+        return jax.tree.map(lambda old, new: jnp.where(state.done, old, new), state, after)
+
+    def body(carry):
+        number, states = carry
+        keys = jax.random.split(jax.random.fold_in(jax.random.key(1), number), states.done.shape[0])
+        return number + 1, jax.vmap(step)(states, keys)
+
+    go = lambda carry: (carry[0] < MOST_STEPS) & ~jnp.all(carry[1].done)  # noqa: E731
+    return jax.jit(lambda s: jax.lax.while_loop(go, body, (0, s))[1])(states)
+
+
+@pytest.mark.slow
+def test_experts_bring_things_and_put_them_down(env, reset):
+    done = run(env, reset, lambda s, _: expert_action(env.core.snapshot(env.params, s), s.task)[0])
+    success = np.asarray(done.metrics["success"])
+    for number, name in enumerate(env.params.tasks.names):
+        own = np.asarray(done.task.task) == number
+        assert own.sum() >= 12
+        assert success[own].mean() >= 0.95, name
+
+
+@pytest.mark.slow
+def test_chance_does_not_tidy_up(env, reset):
+    num = int(env.core.action_spec.high) + 1
+    done = run(env, reset, lambda _, key: jax.random.randint(key, (), 0, num))
+    assert np.asarray(done.metrics["success"]).mean() < 0.1
+
+
+@pytest.mark.parametrize("env_id", ["Fetch-v0", "Rearrange-v0"])
+def test_ids_have_hands(env_id, bank):
+    env = home_mjx.make(env_id, bank, sensors=("state", "instruction"), num_tasks=1, impl="kinematic")
+    assert env.core.action_names[-5:] == ("pick", "drop", "throw", "open", "close")
+    assert dataclasses.asdict(env.core.task)["stop"]
+    state = jax.eval_shape(env.reset, jax.random.key(0))
+    assert set(state.obs) == {"state", "instruction"}
