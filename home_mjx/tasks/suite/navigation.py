@@ -130,7 +130,7 @@ class PointGoals(Navigation):
         stage = arrive((When(Feature.DISTANCE, 0, most=self.success_distance),), self.stop, self.success_reward)
         while len(points):
             for point in random.permutation(points):
-                yield Row([Meant.at(point)], [stage])
+                yield Row([Meant.at(point.tolist())], [stage])
 
 
 @dataclass(frozen=True)

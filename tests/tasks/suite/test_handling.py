@@ -32,9 +32,8 @@ from home_mjx.tasks.rows.program import Meant, written
 from home_mjx.tasks.rows.task_bank import program_of
 from home_mjx.tasks.rows.words import NUM_CONDITIONS, Kind, Word
 
-STOPS = {"stop": True}
 HANDS = {"hands": True, "aim_angle": 10.0, "pitch_max": 1.05}
-TASKS = HouseTasks(tasks=(Fetch(**STOPS), Rearrange(num_things=2, **STOPS)), num_tasks=5)
+TASKS = HouseTasks(tasks=(Fetch(stop=True), Rearrange(stop=True, num_things=2)), num_tasks=5)
 MOST_STEPS = 400
 
 
