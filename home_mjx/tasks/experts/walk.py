@@ -57,11 +57,12 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
     if not has_hands(snapshot):
         actions = to_actions(config, *facing(snapshot, state, values, box[:, guide], way, there), stop)
         return or_words(snapshot, state, values, actions)
-    stop = stop & (there | should_stop(state, values.at[Feature.DISTANCE].add(MARGIN)))  # what is carried pushes
+    farther = values.at[Feature.DISTANCE].add(MARGIN)  # what is carried pushes
+    stop = stop & (there | should_stop(state, farther))
     grip = find_grip(snapshot, state, values, box[:, guide])
     works = (grip.take | grip.put) & ~stop
     stands = works & (grip.ready | there)
-    error, tilt, near = facing(snapshot, state, values, box[:, guide], way, there & ~works)
+    error, tilt, near = facing(snapshot, state, farther, box[:, guide], way, there & ~works)
     walks = _apart(way, snapshot.pose.yaw)
     error = jnp.where(stands, grip.turn, jnp.where(works, walks, error))
     tilt, near = jnp.where(stands, grip.tilt, tilt), jnp.where(works, stands, near)

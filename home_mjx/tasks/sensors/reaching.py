@@ -24,7 +24,7 @@ FLAT = 0.015  # [m]
 LEVEL = 0.7  # least upward part of the normal of a surface
 REST = 0.03  # [m]: what is so much above the top of something still lies on it
 SLACK = 0.03  # [m]
-SEEN = 3  # points of a thing that must be seen: hands miss what shows in a narrow gap
+SEEN = 6  # points of a thing that must be seen: hands miss what shows in a narrow gap
 
 Distance = Float[Array, ""] | float  # [m]
 
