@@ -110,7 +110,8 @@ def infos_of(state: State, before: World | None = None) -> dict[str, np.ndarray]
     lost = status_report(np.asarray(state.status))
     world = before or state.world
     metrics = {name: np.array(value) for name, value in state.metrics.items()}
-    own = {"house": np.array(world.house), "episode": np.array(world.episode)}
+    # Not `episode`, which Gymnasium's RecordEpisodeStatistics and Stable-Baselines3 write themselves.
+    own = {"house": np.array(world.house), "episode_index": np.array(world.episode)}
     return {**own, **metrics, **{f"status/{name}": value for name, value in lost.items()}}
 
 

@@ -30,6 +30,15 @@ def test_the_house_can_be_chosen(generated_bank):
     assert [env.reset(options={"house": i})[1]["house"] for i in (1, 0)] == [1, 0]
 
 
+def test_gymnasium_counts_episodes_itself(generated_bank):
+    """Its wrapper refuses an environment whose infos have `episode` already."""
+    env = GymEnv(houses=generated_bank, sensors=("state",), episode_length=2)
+    env = gymnasium.wrappers.RecordEpisodeStatistics(env)
+    env.reset(seed=0)
+    infos = [env.step(np.zeros(4, np.float32))[4] for _ in range(2)]
+    assert [info.get("episode", {}).get("l") for info in infos] == [None, 2]
+
+
 @pytest.mark.parametrize("options", [{"house": 2}, {"house": -1}, {"house": 1.0}, {"house": "a"}, {"hous": 1}])
 def test_other_options_of_reset_are_refused(generated_bank, options):
     env = GymEnv(houses=generated_bank, sensors=("state",))
@@ -127,11 +136,11 @@ def test_saved_episodes_are_evaluated(generated_bank, tmp_path):
     options = {"houses": generated_bank, "sensors": ("state",), "episodes": tmp_path / "e.jsonl", "episode_length": 1}
     env = GymEnv(**options)
     seen = [env.reset()[1] for _ in range(6)]
-    assert [info["episode"] % 5 for info in seen] == [0, 1, 2, 3, 4, 0]
+    assert [info["episode_index"] % 5 for info in seen] == [0, 1, 2, 3, 4, 0]
     np.testing.assert_allclose([i["distance"] for i in seen[:5]], episodes.columns["length"], rtol=1e-5)
     assert env.reset(options={"episode": 3})[1]["house"] == int(episodes.house[3])
     batch = GymVectorEnv(2, **options)
-    assert batch.reset(seed=0)[1]["episode"].tolist() == [0, 1]
+    assert batch.reset(seed=0)[1]["episode_index"].tolist() == [0, 1]
     assert batch.reset(options={"episode": [4, 2]})[1]["house"].tolist() == np.asarray(episodes.house)[[4, 2]].tolist()
 
 
