@@ -8,10 +8,11 @@ import jax.numpy as jnp
 import home_mjx
 from home_mjx.tasks import AutoReset
 
-NUM_ENVS, NUM_STEPS = 64, 50
+NUM_ENVS, NUM_STEPS = 64, 120
 
 home_mjx.use_compile_cache()  # a second start takes seconds
-env = home_mjx.make("PointNav-v0", num_houses=2, sensors=("state", "goal"), impl="kinematic", ctrl_dt=0.3)
+options = {"impl": "kinematic", "ctrl_dt": 0.3, "episode_length": 60}
+env = home_mjx.make("PointNav-v0", num_houses=2, sensors=("goal",), **options)
 batch = AutoReset(env.core)
 
 

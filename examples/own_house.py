@@ -4,7 +4,6 @@ import tempfile
 from pathlib import Path
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 import home_mjx
@@ -18,6 +17,7 @@ from home_mjx.datasets import (
     write_library,
 )
 from home_mjx.schema import Box
+from home_mjx.tasks import with_expert
 from home_mjx.viz import TopView, write_png
 
 rooms = [  # (x, z) of the middle lines of walls [m]
@@ -38,13 +38,14 @@ write_house(root, outline_house("cabin", rooms, openings, [table]))
 assert validate_house(open_dataset(root), "cabin") == ()
 
 home_mjx.use_compile_cache()
-env = home_mjx.make("PointNav-v0", root, sensors=("goal",), impl="kinematic")
+env = with_expert(home_mjx.make("PointNav-v0", root, sensors=("goal",), impl="kinematic", ctrl_dt=0.3))
 state, step = jax.jit(env.reset)(jax.random.key(0)), jax.jit(env.step)
 path = []
 for _ in range(60):
-    distance, cos, sin = state.obs["goal"]
-    state = step(state, jnp.array([jnp.maximum(cos, 0), 0, jnp.clip(2 * jnp.arctan2(sin, cos), -1, 1), 0]))
+    state = step(state, state.obs["expert"])  # along the shortest path
     path.append(np.asarray(env.core.snapshot(env.params, state).pose.pos[0]))
+    if state.done:
+        break
 snapshot = env.core.snapshot(env.params, state)
 goal = np.asarray(env.bank.navigation.goal[0, int(state.task.goal)])
 write_png(root / "path.png", TopView(env.bank, snapshot.scene).with_path(np.stack(path), goal, size=512))

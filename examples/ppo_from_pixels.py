@@ -3,7 +3,7 @@
 import jax
 
 import home_mjx
-from home_mjx.training import PPO, NetworkConfig, PPOConfig, evaluate, random_policy
+from home_mjx.training import PPO, NetworkConfig, PPOConfig
 
 home_mjx.use_compile_cache()
 options = {"sensors": ("depth", "goal"), "width": 16, "height": 16, "impl": "kinematic", "ctrl_dt": 0.3}
@@ -24,7 +24,3 @@ for update in range(1, config.num_updates + 1):
     state, metrics = ppo.update(env.params, state)
     episodes = max(float(metrics["episode/episodes"]), 1)
     print(f"{update * config.batch_size:6d} steps, mean return {float(metrics['episode/return']) / episodes:+.2f}")
-
-trained = evaluate(env, ppo.policy, state.net, num_episodes=16)
-chance = evaluate(env, random_policy(env.core), num_episodes=16)
-print(f"success {trained['success'].mean():.2f}, at random {chance['success'].mean():.2f}")

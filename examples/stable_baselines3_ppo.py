@@ -5,11 +5,21 @@ from stable_baselines3 import PPO
 
 import home_mjx
 
+
+class OwnEpisode(gymnasium.Wrapper):
+    """Stable-Baselines3 wants statistics of its own in `info["episode"]`, where we have a saved episode's number."""
+
+    def step(self, action):
+        """The same without that number."""
+        obs, reward, terminated, truncated, info = self.env.step(action)
+        return obs, reward, terminated, truncated, {name: x for name, x in info.items() if name != "episode"}
+
+
 home_mjx.use_compile_cache()
 env = gymnasium.make(
     "home_mjx/PointNav-v0", num_houses=2, sensors=("state", "goal"), impl="kinematic", ctrl_dt=0.3, episode_length=60
 )
-model = PPO("MultiInputPolicy", env, n_steps=256, batch_size=64, n_epochs=2, seed=0, verbose=0)
+model = PPO("MultiInputPolicy", OwnEpisode(env), n_steps=256, batch_size=64, n_epochs=2, seed=0, verbose=0)
 model.learn(512)
 
 obs, _ = env.reset(seed=0)

@@ -66,6 +66,12 @@ def drawn_actions(shape: tuple[int, ...]) -> list[jax.Array]:
     return [jax.random.uniform(key, shape, minval=-1.0) for key in keys]
 
 
+def drawn_moves(shape: tuple[int, ...], num: int) -> list[jax.Array]:
+    """Discrete actions for some steps, without the first one, `stop`."""
+    keys = jax.random.split(jax.random.key(0), NUM_ACTIONS)
+    return [jax.random.randint(key, shape, 1, num) for key in keys]
+
+
 def peak_memory_bytes() -> dict[str, int]:
     """Largest resident size of this process, and of the device's allocator where it keeps count."""
     scale = 1 if sys.platform == "darwin" else 1024  # ru_maxrss is in kilobytes on Linux

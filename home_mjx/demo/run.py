@@ -127,7 +127,8 @@ def place(env: BoundEnv[HouseholdEnv], begin: Any, options: DemoOptions) -> Stat
     states = begin(env.params, keys, houses)
     # All environments of a house hear the same radio, at the house's first goal.
     radio = env.bank.navigation.goal[houses, 0].at[:, 2].add(env.config.source_height)
-    return states.replace(world=states.world.replace(source=radio))
+    sounds = states.world.sounds.replace(pos=radio[:, None])
+    return states.replace(world=states.world.replace(sounds=sounds))
 
 
 def walk_through(

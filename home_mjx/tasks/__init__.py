@@ -20,14 +20,23 @@ from home_mjx.tasks.environment.memory import MemoryEstimate, estimate_memory
 from home_mjx.tasks.environment.saved import dump_flagged, load_flagged, load_states, save_states
 from home_mjx.tasks.experts.teacher import WithExpert, with_expert
 from home_mjx.tasks.experts.walk import expert_action
+from home_mjx.tasks.guided.exploration import Exploration, ExplorationState
+from home_mjx.tasks.guided.pied_piper import PiedPiper, PiedPiperState
 from home_mjx.tasks.language.splits import mentions, new_combinations
 from home_mjx.tasks.language.vocabulary import detokenize, tokenize
+from home_mjx.tasks.questions.balance import chance, prior_accuracy
+from home_mjx.tasks.questions.communication import Communication
+from home_mjx.tasks.questions.dialogue import Dialogue
+from home_mjx.tasks.questions.house_qa import HouseQA
+from home_mjx.tasks.questions.vqa import VQA
 from home_mjx.tasks.rows.build import Row, build_task_bank
 from home_mjx.tasks.rows.house_view import HouseView, Thing
 from home_mjx.tasks.rows.program import Go, Meant, Stage, When
 from home_mjx.tasks.rows.row_task import RowState, RowTask
 from home_mjx.tasks.rows.task_bank import TaskBank
 from home_mjx.tasks.rows.words import FAILURE, SUCCESS, Feature
+from home_mjx.tasks.sounds.row import Sound
+from home_mjx.tasks.suite.audio_nav import AudioNav
 from home_mjx.tasks.suite.handling import Fetch, Rearrange
 from home_mjx.tasks.suite.instructions import InstructionFollowing
 from home_mjx.tasks.suite.navigation import HouseTasks, Navigation, ObjectNav, PointGoals, RoomNav
@@ -39,18 +48,25 @@ __all__ = [
     "FAILURE",
     "SENSORS",
     "SUCCESS",
+    "VQA",
     "AgentCamera",
     "AgentPose",
     "ArraySpec",
+    "AudioNav",
     "AutoReset",
     "BoundEnv",
+    "Communication",
+    "Dialogue",
     "DiscreteActions",
     "EnvConfig",
     "EnvParams",
     "Episodes",
+    "Exploration",
+    "ExplorationState",
     "Feature",
     "Fetch",
     "Go",
+    "HouseQA",
     "HouseTasks",
     "HouseView",
     "HouseholdEnv",
@@ -59,6 +75,8 @@ __all__ = [
     "MemoryEstimate",
     "Navigation",
     "ObjectNav",
+    "PiedPiper",
+    "PiedPiperState",
     "PointGoals",
     "PointNav",
     "PointNavState",
@@ -69,6 +87,7 @@ __all__ = [
     "RowTask",
     "Sensor",
     "Snapshot",
+    "Sound",
     "Stage",
     "State",
     "Status",
@@ -82,6 +101,7 @@ __all__ = [
     "WithExpert",
     "World",
     "build_task_bank",
+    "chance",
     "check_status",
     "detokenize",
     "dump_flagged",
@@ -94,6 +114,7 @@ __all__ = [
     "make_config",
     "mentions",
     "new_combinations",
+    "prior_accuracy",
     "register_sensor",
     "sample_episodes",
     "save_episodes",

@@ -5,15 +5,17 @@ import numpy as np
 import pytest
 
 import home_mjx
+from home_mjx.registry import find_spec
 
 CHEAP = {"sensors": ("state",), "episode_length": 5}
 
 
 def cases(*combinations, fast=1):
-    """Parameters: every id with every combination; all are slow but the first ones of PointNav."""
+    """Parameters: every id for one agent with every combination; all are slow but the first ones of PointNav."""
+    alone = [env_id for env_id in home_mjx.list_envs() if find_spec(env_id).options.get("num_agents", 1) == 1]
     return [
         pytest.param(env_id, *values, marks=[pytest.mark.slow] * (env_id != "PointNav-v0" or number >= fast))
-        for env_id in home_mjx.list_envs()
+        for env_id in alone
         for number, values in enumerate(combinations)
     ]
 

@@ -9,6 +9,7 @@ from collections.abc import Callable
 import numpy as np
 from jaxtyping import Float
 
+from home_mjx.audio_jax.auralization.synthesis import FURTHER
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.core.checks import check_known
 
@@ -26,8 +27,9 @@ def clip_samples(name: str, config: AudioConfig) -> Float[np.ndarray, " n"]:
     """Samples of a clip, float32, to be played in a loop.
 
     Args:
-        name: "radio" (a melody of harmonic notes), "noise" (pink), "speech" (vowels in the rhythm of syllables) or
-            "tone" (1 kHz).
+        name: One of `CLIPS`: "radio" (a melody of harmonic notes), "noise" (pink), "speech" (vowels in the rhythm of
+            syllables), "tone" (1 kHz), and those of `synthesis`: "ring", "chirp", "knock", "bell", "alarm", "bursts",
+            "whistle", "hum" and "ticking".
         config: For its sample rate.
 
     Raises:
@@ -95,5 +97,6 @@ _MAKERS: dict[str, Callable[[int, int], Float[np.ndarray, " n"]]] = {
     "noise": _noise,
     "speech": _speech,
     "tone": _tone,
+    **FURTHER,
 }
 CLIPS = tuple(_MAKERS)

@@ -1,10 +1,13 @@
 """From impulse responses to sound: one frame at a time, without state."""
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 from scipy.fft import next_fast_len
 
+from home_mjx.audio_jax.auralization.schedule import loudness
 from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.endpoints import Sounds
 
 
 def sound_frame(
@@ -37,11 +40,53 @@ def sound_frame(
         >>> frame.shape, round(float(frame[0, 0]), 3)
         ((2, 1600), 0.5)
     """
+    return faded_frame(clip[_times(phase, config) % clip.shape[0]], response_old, response_new, config)
+
+
+def given_off(
+    clips: Float[Array, "c n"],
+    sounds: Sounds,
+    row: Int[Array, " e"],
+    phase: Int[Array, ""],
+    time: Int[Array, ""],
+    config: AudioConfig,
+) -> Float[Array, "e w"]:
+    """What leaves each source in this frame, and before it for as long as a response lasts.
+
+    Args:
+        clips: All clips that may be played.
+        sounds: The sources.
+        row: Which of the clips each plays; -1 silence.
+        phase: Index of the clips' sample that leaves at the frame's first sample.
+        time: Samples from the start to the frame's first one, for the schedules.
+        config: For the lengths.
+
+    Returns:
+        Pressure at 1 m, w = `config.response_length + config.frame - 1` samples, as `faded_frame` takes them.
+    """
+
+    def one(row: Array, gain: Array, every: Array, lasts: Array) -> Array:
+        played = clips[jnp.maximum(row, 0), _times(phase, config) % clips.shape[1]]
+        on = loudness(_times(time, config), every, lasts, config.sample_rate)
+        return jnp.where(row < 0, 0.0, gain * on * played)
+
+    return jax.vmap(one)(row, sounds.gain, sounds.every, sounds.lasts)
+
+
+def faded_frame(
+    heard: Float[Array, " w"], response_old: Float[Array, "2 l"], response_new: Float[Array, "2 l"], config: AudioConfig
+) -> Float[Array, "2 m"]:
+    """The same of what leaves the source in the frame and before it, see `given_off`."""
     length, frame = config.response_length, config.frame
     size = next_fast_len(length + frame - 1, real=True)
-    index = phase - (length - 1) + jnp.arange(length + frame - 1, dtype=jnp.int32)
-    heard = jnp.fft.rfft(clip[index % clip.shape[0]], size)
+    heard = jnp.fft.rfft(heard, size)
     responses = jnp.fft.rfft(jnp.stack([response_old, response_new]), size)
     sound = jnp.fft.irfft(heard[None, None] * responses, size)[..., length - 1 : length - 1 + frame]
     fade = jnp.arange(1, frame + 1, dtype=jnp.float32)[None] / frame
     return sound[0] + fade * (sound[1] - sound[0])
+
+
+def _times(first: Int[Array, ""], config: AudioConfig) -> Int[Array, " w"]:
+    """Of a frame whose first sample has this number, and of what came before it for as long as a response lasts."""
+    length = config.response_length
+    return first - (length - 1) + jnp.arange(length + config.frame - 1, dtype=jnp.int32)

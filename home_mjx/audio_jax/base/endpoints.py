@@ -18,3 +18,24 @@ class Listener(Pytree):
     pos: Float[Array, "3"]  # [m], world, middle of the head
     quat: Float[Array, "4"]  # wxyz, in MuJoCo's camera frame: +x right, +y up, looking along -z
     body: Int[Array, ""] | int = -1  # object id of the listener's own body, transparent to its ears; -1 none
+
+
+class Sounds(Pytree):
+    """All that sounds in one environment: e sources, what each plays and when.
+
+    A source sounds for `lasts` seconds at the start of every `every` seconds, and was doing so before time 0. If
+    `every` is inf it sounds once, from time 0 on; if `lasts` is inf it always sounds.
+
+    Example:
+        >>> import jax.numpy as jnp
+        >>> one, never = jnp.ones(1), jnp.full(1, jnp.inf)
+        >>> none = jnp.full(1, -1)
+        >>> radio = Sounds(jnp.zeros((1, 3)), body=none, clip=0 * none, gain=one, every=never, lasts=never)
+    """
+
+    pos: Float[Array, "e 3"]  # [m], world
+    body: Int[Array, " e"]  # object id of the body that sounds, which does not muffle itself; -1 none
+    clip: Int[Array, " e"]  # index into CLIPS; -1 silent
+    gain: Float[Array, " e"]  # of the clip's pressure
+    every: Float[Array, " e"]  # [s]
+    lasts: Float[Array, " e"]  # [s]

@@ -84,6 +84,9 @@ def _known_bad_pairs() -> Iterator[Finding]:
         yield Finding("brax", NOTE, text + "brax.training, call home_mjx.training.shim.install()")
     if flax and _parts(flax) >= (0, 12, 7) and _parts(jax.__version__) < (0, 10):
         yield Finding("flax", BROKEN, f"flax {flax} needs jax >= 0.10, found {jax.__version__}. Install flax==0.12.6")
+    if _parts(jax.__version__)[:2] == (0, 11):
+        text = f"jaxlib {jax.__version__} dies while it compiles a whole step for several CPU devices"
+        yield Finding("jax", NOTE, text + "; 0.10 and 0.12 do not. One device is fine")
 
 
 def _devices() -> Iterator[Finding]:

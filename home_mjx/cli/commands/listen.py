@@ -13,7 +13,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the options of `home-mjx listen`."""
     add_viewpoint_arguments(parser)
     parser.add_argument("--source", type=number(), nargs=3, metavar=("X", "Y", "Z"), help="where it sounds [m]")
-    parser.add_argument("--clip", default="speech", help="radio, noise, speech or tone (default: speech)")
+    parser.add_argument("--clip", default="speech", help="such as radio, noise, bell (default: speech)")
     parser.add_argument("--out", type=Path, default=Path("sound"), help="folder for the files (default: sound)")
 
 

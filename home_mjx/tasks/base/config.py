@@ -16,7 +16,7 @@ from home_mjx.raycast_render.executors.choose import find_executor
 from home_mjx.raycast_render.shading.preset import Preset, resolve
 from home_mjx.schema.agent import Body
 from home_mjx.schema.timing import Timing
-from home_mjx.tasks.base.specs import DiscreteActions
+from home_mjx.tasks.base.specs import ACTION_NAMES, HAND_MOVE_NAMES, HAND_NAMES, MOVE_NAMES, DiscreteActions
 
 PIXEL_KINDS = ("rgb", "depth", "normal")
 CAMERA_KINDS = ("intrinsics", "pose", "valid")
@@ -99,12 +99,16 @@ class EnvConfig:
         hands: Whether there are actions to pick up, put down, drop and throw things and to turn doors.
         aim_angle: Hands mean what is nearest to the middle of the view, at most so much aside and up or down from it,
             that they can reach and lift, or put things on [degrees]; 0: whatever is exactly in the middle.
+        speech: What agents may say besides what their task lets them: further discrete actions, each a word of the
+            tasks' language after `say:` or `answer:`, such as "say:yes". See `Snapshot.said`.
         doors: How doors stand at reset: "open" (wide), "closed", "placed" (as in the file) or "random" (each open or
             closed, by key). Whatever stands before a leaf, agents can push it, or turn it with their hands.
         arrangement: Where movable bodies are at reset: "placed" (as in the file) or "random" (one of the bank's settled
             arrangements, by key, in which agents have room; see `home_mjx.arrangements`).
         source_height: Sound source above the floor [m].
         clip: Name of the sound that the source plays, see `home_mjx.audio_jax.clip_samples`.
+        num_sources: How many things may sound at once; each is traced for itself. At least as many as the task needs.
+        clips: Further sounds that may be played; those of the task are added.
         executor: Ray executor, None for the platform's best.
         body: Size, mass and eye height of every agent; physics, cameras and ears take theirs from here.
         timing: The clock; physics and sound take theirs from here.
@@ -129,10 +133,13 @@ class EnvConfig:
     actions: str | DiscreteActions = "continuous"
     hands: bool = False
     aim_angle: float = 0.0
+    speech: tuple[str, ...] = ()
     doors: str = "open"
     arrangement: str = "placed"
     source_height: float = 1.0
     clip: str = "radio"
+    num_sources: int = 1
+    clips: tuple[str, ...] = ()
     executor: str | None = None
     body: Body = field(default_factory=Body)
     timing: Timing = field(default_factory=Timing)
@@ -142,8 +149,9 @@ class EnvConfig:
     def __post_init__(self) -> None:
         if self.sensors is not None:
             self._set(sensors=_names_in("sensors", self.sensors))
-        self._set(cameras=_tuple("cameras", self.cameras))
-        check_known("clip", [self.clip], CLIPS)
+        self._set(cameras=_tuple("cameras", self.cameras), speech=_names_in("speech", self.speech))
+        self._set(clips=_names_in("clips", self.clips))
+        check_known("clip", [self.clip, *self.clips], CLIPS)
         check_known("state of doors", [self.doors], DOOR_STATES)
         check_known("arrangement", [self.arrangement], ARRANGEMENTS)
         check_flag("hands", self.hands)
@@ -159,7 +167,7 @@ class EnvConfig:
             object.__setattr__(self, name, value)
 
     def _check_numbers(self) -> None:
-        for name in ("width", "height", "samples", "episode_length"):
+        for name in ("width", "height", "samples", "episode_length", "num_sources"):
             check_number(name, getattr(self, name), 1, whole=True)
         limits = {
             "fovy": (4, 179.9),  # [degrees]; less is an angle in radians
@@ -229,6 +237,12 @@ class EnvConfig:
         if isinstance(self.actions, DiscreteActions):
             return self.actions
         return DiscreteActions() if self.actions == "discrete" else None
+
+    @property
+    def action_names(self) -> tuple[str, ...]:
+        """What the numbers of a continuous action mean, or which discrete ones there are."""
+        own, hands = (ACTION_NAMES, HAND_NAMES) if self.discrete is None else (MOVE_NAMES, HAND_MOVE_NAMES)
+        return (*own, *(hands if self.hands else ()), *self.speech)
 
     def replace(self, **changes: Any) -> "EnvConfig":
         """A copy with some fields changed; physics and sound follow a new body or clock."""

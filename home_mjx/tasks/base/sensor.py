@@ -18,6 +18,8 @@ class Sensor:
     Attributes:
         name: As given in `sensors=`.
         costly: It casts rays. `AutoReset` then computes it for final observations only if asked to.
+        keeper: The sensor whose memory it reads instead of its own, such as the sound of which it gives a spectrum.
+            That is kept up to date once for all that read it, and observed only if it is asked for as well.
 
     Example:
         >>> class Compass(Sensor):
@@ -34,6 +36,7 @@ class Sensor:
 
     name: str = ""
     costly: bool = False
+    keeper: "Sensor | None" = None
 
     def spec(self, config: EnvConfig) -> Specs:
         """Observations by name, each as one agent has it."""

@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int, UInt32
 
+from home_mjx.audio_jax.base.endpoints import Sounds
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.pytree import Pytree, static
 from home_mjx.navigation import room_of
@@ -34,11 +35,14 @@ class Snapshot(Pytree):
     pose: AgentPose
     velocity: Float[Array, "a 3"]  # forward and left [m/s], yaw rate [rad/s]
     stopped: Bool[Array, " a"]  # has chosen the discrete action `stop`, and does nothing more
+    said: Int[Array, " a"]  # token of the word that it said in the last step; -1 none
     contact: Bool[Array, " a"]  # touched anything but the floor during the last step
     held: Int[Array, " a"]  # movable body in each hand; -1 none
     door_angle: Float[Array, " h"]  # [rad] about +z from as placed, of what slides [m]
     touch: Touch
-    source: Float[Array, "3"]  # [m], where the sound comes from
+    sounds: Sounds
+    action: Float[Array, "a n"]  # the last one: numbers, or 1 at the chosen move; 0 at the start
+    reward: Float[Array, " a"]  # the last one; 0 at the start, and while the task computes the next
     scene: Scene  # the same as rays see it
     tasks: Any  # `EnvParams.tasks`
     config: EnvConfig = static()
@@ -52,6 +56,11 @@ class Snapshot(Pytree):
     def house(self) -> Int[Array, ""]:
         """Index into the bank."""
         return self.scene.house
+
+    @property
+    def source(self) -> Float[Array, "3"]:
+        """Where the first sound comes from [m]."""
+        return self.sounds.pos[0]
 
 
 class TouchMeaning(Pytree):

@@ -6,6 +6,7 @@ import jax
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int, UInt32
 
+from home_mjx.audio_jax.base.endpoints import Sounds
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.pytree import Pytree
 
@@ -64,9 +65,17 @@ class World(Pytree):
     step: Int[Array, ""]  # steps since reset
     pitch: Float[Array, " a"]  # [rad], look up is positive
     stopped: Bool[Array, " a"]  # has chosen the discrete action `stop`
-    source: Float[Array, "3"]  # [m], where the sound comes from
+    said: Int[Array, " a"]  # token of the word said in the last step; -1 none
+    sounds: Sounds
+    action: Float[Array, "a n"]  # the last one: numbers, or 1 at the chosen move; 0 at the start
+    reward: Float[Array, " a"]  # the last one; 0 at the start
     sensors: dict[str, Any]  # what sensors remember, by their names
     faults: Int[Array, ""]  # episodes of this environment that ended because a pose was not a number
+
+    @property
+    def source(self) -> Float[Array, "*n 3"]:
+        """Where the first sound comes from [m]."""
+        return self.sounds.pos[..., 0, :]
 
 
 class State(Pytree):

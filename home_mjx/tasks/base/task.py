@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
+from home_mjx.audio_jax.base.endpoints import Sounds
 from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
 from home_mjx.navigation.grid import random_position
@@ -50,8 +51,31 @@ class Task:
         return False
 
     @property
+    def speech(self) -> tuple[str, ...]:
+        """Discrete actions by which agents speak: words of the tasks' language after `say:` or `answer:`; none here.
+
+        What an agent has said is in `Snapshot.said`.
+        """
+        return ()
+
+    @property
+    def least_agents(self) -> int:
+        """How many agents the task needs."""
+        return 1
+
+    @property
     def columns(self) -> tuple[str, ...]:
         """Names of what an episode of this task needs besides house, start and yaw."""
+        return ()
+
+    @property
+    def num_sources(self) -> int:
+        """How many things its episodes need to sound at once."""
+        return 1
+
+    @property
+    def clips(self) -> tuple[str, ...]:
+        """Sounds that its episodes may play, besides the environment's."""
         return ()
 
     def task_bank(self, bank: HouseBank) -> Any:
@@ -67,6 +91,19 @@ class Task:
             columns: This episode's own columns if it was drawn beforehand, else None: draw them.
         """
         return ()
+
+    def lead(self, snapshot: Snapshot, state: Any) -> tuple[Bool[Array, " a"], Array] | None:
+        """Which agents the task itself leads in the next step, whatever they are told to do, and what they do instead.
+
+        Returns:
+            A mask, and actions of all agents as the environment takes them, of which those of the mask count; a
+            discrete one that there is not does nothing. None: it leads nobody, whatever the state.
+        """
+        return None
+
+    def sounds(self, snapshot: Snapshot, state: Any) -> Sounds:
+        """What sounds at the start of an episode, and after each step, before `update`: here, what did before."""
+        return snapshot.sounds
 
     def update(self, snapshot: Snapshot, state: Any) -> Any:
         """The task's state after a step."""

@@ -15,7 +15,7 @@ from home_mjx.tasks.base.specs import ArraySpec, Specs
 from home_mjx.tasks.base.state import EnvParams, Episodes, State
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.environment.moves import action_names
-from home_mjx.tasks.environment.usable import check_bank
+from home_mjx.tasks.environment.usable import check_bank, check_sounds
 from home_mjx.tasks.rows.task_bank import TaskBank
 
 
@@ -84,6 +84,7 @@ class BoundEnv(Generic[C]):
     def __init__(self, core: C, params: EnvParams, spec: Any = None) -> None:
         self.core, self.params, self.spec = core, params, spec
         check_bank(core.config, params.bank)
+        check_sounds(core.config, params.tasks)
         # Now, not in the first trace: arrays made inside `pmap` or `shard_map` belong to that mesh for ever.
         core.template(params.bank)
         self._is_large = bank_bytes(params.bank) > LARGE

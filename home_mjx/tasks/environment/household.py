@@ -14,7 +14,7 @@ from home_mjx.bank.records import BankSpec
 from home_mjx.core.transforms import body_quat
 from home_mjx.errors import ConfigError
 from home_mjx.navigation.doors import door_angles
-from home_mjx.navigation.spawn import random_arrangement, random_source, random_yaw, spread_starts
+from home_mjx.navigation.spawn import random_arrangement, random_yaw, spread_starts
 from home_mjx.physics import PhysicsState
 from home_mjx.physics.hands import obey, settle
 from home_mjx.raycast_render.scene.scene import agent_sizes, make_scene
@@ -28,16 +28,26 @@ from home_mjx.tasks.base.status import flags
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.handling import hand_commands
-from home_mjx.tasks.environment.moves import Moves, action_names, action_spec, moves_of, tilted
+from home_mjx.tasks.environment.moves import (
+    SILENT,
+    Moves,
+    action_names,
+    action_spec,
+    moves_of,
+    spoken_tokens,
+    tilted,
+    with_led,
+)
 from home_mjx.tasks.environment.usable import (
     check_arrangements,
+    check_fit,
     check_observations,
-    check_stop,
     check_task,
     checked_metrics,
 )
 from home_mjx.tasks.rows.task_bank import TaskBank
-from home_mjx.tasks.sensors.choose import choose_sensors, sensor_names
+from home_mjx.tasks.sensors.choose import choose_sensors, keepers, sensor_names
+from home_mjx.tasks.sounds.emit import house_sounds
 from home_mjx.tasks.suite.point_nav import PointNav
 
 
@@ -60,7 +70,8 @@ class HouseholdEnv:
         observation_spec: What `State.obs` holds, by name; with a leading agent axis for several agents.
 
     Raises:
-        ConfigError: A sensor is unknown, or two observations have the same name.
+        ConfigError: A sensor or a word is unknown, two observations have the same name, or the task cannot be done with
+            these actions or so few agents.
 
     Example:
         >>> core, params = HouseholdEnv(), EnvParams(bank)  # doctest: +SKIP
@@ -73,9 +84,15 @@ class HouseholdEnv:
             raise ConfigError("HouseholdEnv takes options, not a bank", hint="Write HouseholdEnv(config).bind(bank).")
         self.task = task or PointNav()
         config = config or EnvConfig()
-        check_stop(config, self.task)
-        self.config = config.replace(sensors=sensor_names(config, self.task))
+        check_fit(config, self.task)
+        self.config = config.replace(
+            sensors=sensor_names(config, self.task),
+            num_sources=max(config.num_sources, self.task.num_sources),
+            clips=tuple(dict.fromkeys((*config.clips, *self.task.clips))),
+            speech=tuple(dict.fromkeys((*config.speech, *self.task.speech))),
+        )
         self.sensors = choose_sensors(self.config, self.task)
+        spoken_tokens(self.config)  # refuses what cannot be said
         self.action_spec = action_spec(self.config)
         self.observation_spec = self._observation_spec()
 
@@ -153,7 +170,7 @@ class HouseholdEnv:
         """The state after its sensors were updated, once after each `begin` or `advance`; then observed."""
         snapshot = self.snapshot(params, state)
         kept, lost = dict(state.world.sensors), state.status
-        for sensor in self.sensors:
+        for sensor in keepers(self.sensors):
             kept[sensor.name] = sensor.update(self.config, snapshot, kept[sensor.name])
             lost = lost | jnp.asarray(sensor.status(self.config, snapshot, kept[sensor.name]), jnp.int32)
         return self.observe(params, state.replace(world=state.world.replace(sensors=kept), status=lost))
@@ -163,7 +180,7 @@ class HouseholdEnv:
         obs: dict[str, Array] = {}
         for sensor in self.sensors:
             if sensor.costly == costly:
-                seen = sensor.observe(self.config, snapshot, state.world.sensors[sensor.name])
+                seen = sensor.observe(self.config, snapshot, state.world.sensors[(sensor.keeper or sensor).name])
                 check_observations(sensor, sensor.spec(self.config), seen, self.num_agents)
                 obs |= seen
         if not costly:
@@ -200,8 +217,11 @@ class HouseholdEnv:
             step=jnp.zeros((), jnp.int32),
             pitch=jnp.zeros(agents, jnp.float32),
             stopped=jnp.zeros(agents, bool),
-            source=random_source(bank, house, config.source_height, source_key),
-            sensors={sensor.name: sensor.init(config) for sensor in self.sensors},
+            said=jnp.full(agents, SILENT, jnp.int32),
+            sounds=house_sounds(config, bank, house, source_key),
+            action=jnp.zeros((agents, self.action_size), jnp.float32),
+            reward=jnp.zeros(agents, jnp.float32),
+            sensors={sensor.name: sensor.init(config) for sensor in keepers(self.sensors)},
             faults=jnp.zeros((), jnp.int32),
         )
         angle = door_angles(bank, house, config.doors, fold(to_raw(key), DOORS))
@@ -212,7 +232,7 @@ class HouseholdEnv:
         no = jnp.zeros((), bool)
         return State(
             physics=data,
-            world=world,
+            world=world.replace(sounds=self.task.sounds(snapshot, task)),
             task=task,
             obs={name: jnp.zeros(spec.shape, spec.dtype) for name, spec in self.observation_spec.items()},
             reward=self._squeeze(jnp.zeros(agents, jnp.float32)),
@@ -230,7 +250,7 @@ class HouseholdEnv:
         and `World.faults` tell of it.
         """
         bank, template = params.bank, self.template(params.bank)
-        moves = moves_of(self.config, action, state.world.stopped)
+        moves = self._led(params, state, moves_of(self.config, action, state.world.stopped))
         before = self._use_hands(params, self._set_off(params, state, moves), moves)
         data, lost = physics.step_checked(template, bank, state.world.house, before, moves.drive)
         if self.config.hands:
@@ -240,10 +260,13 @@ class HouseholdEnv:
         world = state.world.replace(
             pitch=tilted(self.config, state.world.pitch, moves.look),
             stopped=moves.stop,
+            said=moves.said,
             step=state.world.step + 1,
+            action=moves.action,
             faults=state.world.faults + broken.astype(jnp.int32),
         )
         snapshot = self._snapshot(params, data, world)
+        snapshot = snapshot.replace(sounds=self.task.sounds(snapshot, state.task))
         task = self.task.update(snapshot, state.task)
         reward, terminated = self.task.reward(snapshot, state.task, task), self.task.terminated(snapshot, task)
         metrics = checked_metrics(self.task, self.task.metrics(snapshot, task))
@@ -251,7 +274,7 @@ class HouseholdEnv:
         reward, terminated = jnp.where(broken, 0.0, reward), terminated | broken
         return state.replace(
             physics=data,
-            world=world,
+            world=world.replace(reward=reward, sounds=snapshot.sounds),
             task=task,
             reward=self._squeeze(reward),
             terminated=terminated,
@@ -289,15 +312,25 @@ class HouseholdEnv:
             pose=AgentPose(pos=pos, yaw=yaw, pitch=world.pitch),
             velocity=physics.agent_velocity(template, data),
             stopped=world.stopped,
+            said=world.said,
             contact=physics.agent_contact(template, data),
             held=data.held,
             door_angle=angle,
             touch=Touch(impulse=data.impulse, place=data.place, other=data.other),
-            source=world.source,
+            sounds=world.sounds,
+            action=world.action,
+            reward=world.reward,
             tasks=params.tasks,
             config=self.config,
             scene=make_scene(bank, world.house, *bodies, pos, turned, self.config.executor, angle, sizes),
         )
+
+    def _led(self, params: EnvParams, state: State, moves: Moves) -> Moves:
+        """The moves, but of agents that the task leads."""
+        if type(self.task).lead is Task.lead:
+            return moves
+        led = self.task.lead(self.snapshot(params, state), state.task)
+        return moves if led is None else with_led(self.config, moves, state.world.stopped, *led)
 
     def _set_off(self, params: EnvParams, state: State, moves: Moves) -> State:
         """Agents at the speed of their discrete action: it takes them exactly as far as it says."""

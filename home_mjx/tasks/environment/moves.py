@@ -6,19 +6,19 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.core.pytree import Pytree
+from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.specs import (
     ACTION_NAMES,
-    HAND_MOVE_NAMES,
     HAND_NAMES,
-    MOVE_NAMES,
     ArraySpec,
     DiscreteActions,
 )
 from home_mjx.tasks.environment.usable import usable_action, usable_choice
+from home_mjx.tasks.language.vocabulary import tokenize
 
 # Of each discrete action but `stop`: the number of a continuous one that it sets, and its sign.
 SETS = {
@@ -33,6 +33,8 @@ SETS = {
     "open": ("turn_door", 1),
     "close": ("turn_door", -1),
 }
+SPEAKING = ("say", "answer")  # before the colon of an action by which an agent speaks
+SILENT = -1  # token of who says nothing
 ROUNDING = 1e-4  # [rad], by which a look may end beyond `pitch_max`
 
 
@@ -43,7 +45,9 @@ class Moves(Pytree):
     look: Float[Array, " a"]  # [rad], up
     hands: Float[Array, "a n"]  # see `handling.hand_commands`; n is 0 without hands
     stop: Bool[Array, " a"]
+    said: Int[Array, " a"]  # token; -1 none
     unusable: Bool[Array, ""]  # a number of the action was clipped, or is no action
+    action: Float[Array, "a names"]  # as it was understood: numbers, or 1 at the chosen move
 
 
 def action_names(config: EnvConfig) -> tuple[str, ...]:
@@ -53,8 +57,7 @@ def action_names(config: EnvConfig) -> tuple[str, ...]:
         >>> action_names(EnvConfig(actions="discrete"))
         ('stop', 'move_forward', 'turn_left', 'turn_right', 'look_up', 'look_down')
     """
-    own, hands = (ACTION_NAMES, HAND_NAMES) if config.discrete is None else (MOVE_NAMES, HAND_MOVE_NAMES)
-    return (*own, *hands) if config.hands else own
+    return config.action_names
 
 
 def action_spec(config: EnvConfig) -> ArraySpec:
@@ -80,16 +83,54 @@ def moves_of(config: EnvConfig, action: Any, stopped: Any) -> Moves:
     names = action_names(config)
     if config.discrete is None:
         numbers, unusable = usable_action(action, config.num_agents, len(names))
-        stop = jnp.zeros(config.num_agents, bool)
-        look = numbers[:, 3] * jnp.float32(config.look_rate * config.timing.ctrl_dt)
+        stop, said = jnp.zeros(config.num_agents, bool), jnp.full(config.num_agents, SILENT, jnp.int32)
+        look, understood = numbers[:, 3] * jnp.float32(config.look_rate * config.timing.ctrl_dt), numbers
     else:
         chosen, unusable = usable_choice(action, config.num_agents, len(names))
         stop = stopped | (chosen == names.index("stop"))
         table = jnp.asarray(_move_table(config, config.discrete))
-        numbers = jax.vmap(lambda rows, i: rows[i])(table, jnp.where(stop, names.index("stop"), chosen))
+        chosen = jnp.where(stop, names.index("stop"), chosen)
+        numbers, understood = jax.vmap(lambda rows, i: rows[i])(table, chosen), jax.nn.one_hot(chosen, len(names))
+        said = jnp.asarray(spoken_tokens(config))[chosen]
         look = numbers[:, 3]
-    hands = numbers[:, len(ACTION_NAMES) :]
-    return Moves(drive=numbers[:, :3], look=look, hands=hands, stop=stop, unusable=unusable)
+    return Moves(
+        drive=numbers[:, :3],
+        look=look,
+        hands=numbers[:, len(ACTION_NAMES) :],
+        stop=stop,
+        said=said,
+        unusable=unusable,
+        action=understood,
+    )
+
+
+def with_led(config: EnvConfig, moves: Moves, stopped: Any, mask: Bool[Array, " a"], action: Array) -> Moves:
+    """The moves, but where a mask holds those that an action of all agents means."""
+    own = moves_of(config, action, stopped).replace(unusable=moves.unusable)
+
+    def pick(led: Array, told: Array) -> Array:
+        return jnp.where(mask.reshape(-1, *[1] * (led.ndim - 1)), led, told) if led.ndim else told
+
+    return jax.tree.map(pick, own, moves)
+
+
+def spoken_tokens(config: EnvConfig) -> Int[np.ndarray, " moves"]:
+    """Token that each discrete action says, `SILENT` for moves; the last entry is that of a number that is no action.
+
+    Raises:
+        ConfigError: The language has no such word, or an action of `speech` has another form.
+
+    Example:
+        >>> spoken_tokens(EnvConfig(actions="discrete", speech=("say:the", "answer:a"))).tolist()[6:]
+        [1, 2, -1]
+    """
+    tokens = [SILENT] * (len(action_names(config)) - len(config.speech))
+    for name in config.speech:
+        way, _, word = name.partition(":")
+        if way not in SPEAKING or not word or len(word.split()) != 1:
+            raise ConfigError(f"`speech` has {name!r}", hint="Write `say:` or `answer:` and a word, such as say:yes.")
+        tokens += tokenize(word)
+    return np.array([*tokens, SILENT], np.int32)
 
 
 def _move_table(config: EnvConfig, moves: DiscreteActions) -> Float[np.ndarray, "a moves n"]:

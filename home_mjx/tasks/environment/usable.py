@@ -4,13 +4,17 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
+from home_mjx.audio_jax.auralization.sources import CLIPS
 from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.specs import Specs
 from home_mjx.tasks.base.task import Task
+from home_mjx.tasks.rows.task_bank import TaskBank
+from home_mjx.tasks.sounds.row import emission_of
 
 
 def usable_action(action: Any, num_agents: int, size: int) -> tuple[Float[Array, "a n"], Bool[Array, ""]]:
@@ -58,17 +62,25 @@ def _of_all(action: Array, num_agents: int, shape: tuple[int, ...]) -> Array:
     return action.reshape(everybody)
 
 
-def check_stop(config: EnvConfig, task: Task) -> None:
-    """Refuses tasks that wait for an action that there is not.
+def check_fit(config: EnvConfig, task: Task) -> None:
+    """Refuses tasks that wait for an action, or for an agent, that there is not.
 
     Raises:
-        ConfigError: The task needs `stop`, and actions are continuous; or it needs hands, and there are none.
+        ConfigError: The task needs `stop` or words, and actions are continuous; or hands, and there are none; or more
+            agents.
     """
+    name, discrete = type(task).__name__, config.discrete is not None
     if task.needs_hands and not config.hands:
-        raise ConfigError(f"{type(task).__name__} needs hands, which agents do not have", hint="Give hands=True.")
-    if task.needs_stop and config.discrete is None:
-        message = f"{type(task).__name__} waits for `stop`, which continuous actions do not have"
+        raise ConfigError(f"{name} needs hands, which agents do not have", hint="Give hands=True.")
+    if task.needs_stop and not discrete:
+        message = f"{name} waits for `stop`, which continuous actions do not have"
         raise ConfigError(message, hint='Give actions="discrete".')
+    if (task.speech or config.speech) and not discrete:
+        message = f"agents of {name} speak, which continuous actions do not let them"
+        raise ConfigError(message, hint='Give actions="discrete".')
+    if config.num_agents < task.least_agents:
+        message = f"{name} is for {task.least_agents} agents or more, got {config.num_agents}"
+        raise ConfigError(message, hint=f"Give num_agents={task.least_agents}.")
 
 
 def check_bank(config: EnvConfig, bank: HouseBank) -> None:
@@ -89,6 +101,28 @@ def check_bank(config: EnvConfig, bank: HouseBank) -> None:
             hint="Give `make` a dataset instead of a bank: it compiles for the body. "
             "Or compile the bank with NavigationOptions(agent_radius=..., agent_height=...).",
         )
+
+
+def check_sounds(config: EnvConfig, tasks: Any) -> None:
+    """Refuses tasks whose sounds would not be heard.
+
+    Raises:
+        ConfigError: A row has more sounds, or plays another clip, than the environment can play.
+    """
+    if not isinstance(tasks, TaskBank) or isinstance(tasks.field, jax.core.Tracer):  # pyright: ignore
+        return
+    emission = emission_of(tasks.rows.columns)
+    used, clips = np.asarray(emission.emitter) >= 0, np.asarray(emission.clip)
+    most = int(used.sum(axis=1).max(initial=0))
+    if most > config.num_sources:
+        raise ConfigError(
+            f"tasks have up to {most} sounds at once, the environment plays {config.num_sources}",
+            hint=f"Give num_sources={most}.",
+        )
+    lost = {CLIPS[i] for i in np.unique(clips[used]).tolist()} - {config.clip, *config.clips}
+    if lost:
+        names = ", ".join(sorted(lost))
+        raise ConfigError(f"tasks play {names}, which the environment has not", hint=f"Add to clips=(...): {names}.")
 
 
 def check_arrangements(bank: HouseBank) -> None:

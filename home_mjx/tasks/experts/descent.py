@@ -22,7 +22,12 @@ def is_home(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> B
 
 
 def descend(
-    bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "3"], touches: Bool[Array, ""], far: Far
+    bank: HouseBank,
+    house: Int[Array, ""],
+    pos: Float[Array, "3"],
+    touches: Bool[Array, ""],
+    far: Far,
+    least: float = 0.0,
 ) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
     """A place on the way down [m] to which an agent can walk straight, and whether none is lower than where it is.
 
@@ -35,6 +40,7 @@ def descend(
         pos: Middle of the agent [m].
         touches: It has run into something.
         far: The field.
+        least: The way ends here, too, if less than so much of it is left [m].
     """
     numbers, part = bank.navigation.cell[house], jnp.linspace(0.0, 1.0, SAMPLES, dtype=jnp.float32)[:, None]
     at = cell_of(bank, house, pos)
@@ -51,4 +57,5 @@ def descend(
         between = jax.vmap(lambda p, there=there: cell_of(bank, house, p))(pos + part * (there - pos))
         free = jnp.all(is_home(bank, house, numbers[between[:, 0], between[:, 1], between[:, 2]]))
         aim = jnp.where((free & ~touches) | (step == 0), there, aim)
-    return aim[:2], jnp.all(at == first)
+    end = jnp.linalg.norm(place_position(bank, house, at) - pos) < jnp.float32(least)
+    return aim[:2], jnp.all(at == first) | end

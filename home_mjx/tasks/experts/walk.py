@@ -1,35 +1,45 @@
 """Going along the shortest path, turning to what is meant, stopping where the task says so."""
 
 import math
+from typing import Protocol, runtime_checkable
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from home_mjx.navigation.grid import cell_of, place_position, row_of_cell
-from home_mjx.schema.compiled import FIELD_FAR
+from home_mjx.navigation.grid import row_of_cell
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.environment.moves import action_names
+from home_mjx.tasks.experts.descent import descend
 from home_mjx.tasks.experts.grips import find_grip, has_hands, is_aimed, use_hands
+from home_mjx.tasks.experts.speaking import or_words
 from home_mjx.tasks.rows.features import boxes_now, nearest_meant, sights, table
 from home_mjx.tasks.rows.machine import advance, conditions
 from home_mjx.tasks.rows.row_task import RowState
 from home_mjx.tasks.rows.words import FAILURE, Feature, Kind, Word
 from home_mjx.tasks.sensors.cameras import eye_position
 
-LOOK_AHEAD = 6  # cells
+LAG = 0.2  # [m]
 MARGIN = 0.1  # [m]: with something in its hand an agent goes so much nearer than it must
-SAMPLES = 8  # places of a straight way that are looked at
 ALIGNED = 0.8  # [rad]: an agent that looks farther away from its way turns first
 
 
-def expert_action(snapshot: Snapshot, state: RowState) -> Array:
+@runtime_checkable
+class HasExpert(Protocol):
+    """State of a task that has an expert of its own."""
+
+    def expert(self, snapshot: Snapshot) -> Array:
+        """What every agent should do now."""
+        ...
+
+
+def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
     """What every agent should do now.
 
     Args:
         snapshot: The environment.
-        state: Of its row task.
+        state: Of its task: of a row task, or one with an expert of its own.
 
     Returns:
         Actions as the environment takes them, with a leading agent axis.
@@ -37,13 +47,16 @@ def expert_action(snapshot: Snapshot, state: RowState) -> Array:
     Example:
         >>> action = expert_action(env.core.snapshot(env.params, state), state.task)  # doctest: +SKIP
     """
+    if isinstance(state, HasExpert):
+        return state.expert(snapshot)
     config, program = snapshot.config, state.program
     values = table(snapshot, program, state.means, snapshot.tasks.field, snapshot.step - state.since)
     guide = jnp.maximum(program.guide[jnp.maximum(state.stage, 0)], 0)
     _, box = nearest_meant(snapshot, program, state.means, boxes_now(snapshot))
     stop, (way, there) = should_stop(state, values), downhill(snapshot, state, guide)
     if not has_hands(snapshot):
-        return to_actions(config, *facing(snapshot, state, values, box[:, guide], way, there), stop)
+        actions = to_actions(config, *facing(snapshot, state, values, box[:, guide], way, there), stop)
+        return or_words(snapshot, state, values, actions)
     farther = values.at[Feature.DISTANCE].add(MARGIN)  # what is carried pushes
     stop = stop & (there | should_stop(state, farther))
     grip = find_grip(snapshot, state, values, box[:, guide])
@@ -54,7 +67,8 @@ def expert_action(snapshot: Snapshot, state: RowState) -> Array:
     error = jnp.where(stands, grip.turn, jnp.where(works, walks, error))
     tilt, near = jnp.where(stands, grip.tilt, tilt), jnp.where(works, stands, near)
     actions = to_actions(config, error, tilt, near, stop)
-    return use_hands(config, actions, grip, stands & is_aimed(config, grip))
+    actions = use_hands(config, actions, grip, stands & is_aimed(config, grip))
+    return or_words(snapshot, state, values, actions)
 
 
 def facing(
@@ -83,7 +97,8 @@ def facing(
     agents = jnp.arange(points.shape[0])
     offset = points[agents, jnp.argmax(free, axis=-1)] - eye_position(snapshot.config, snapshot.pose)
     is_thing = state.program.descriptor[guide, Word.KIND] == Kind.OBJECT
-    near = is_thing & (there | (jnp.any(free, axis=-1) & should_look(state, values)))
+    # Who sees nothing of it from where it should be seen goes on to the middle of the cell.
+    near = is_thing & jnp.any(free, axis=-1) & (there | should_look(state, values))
     faces = jnp.arctan2(offset[:, 1], offset[:, 0])
     heading = jnp.where(near & jnp.all(jnp.isfinite(offset), axis=-1), faces, way)
     level = jnp.linalg.norm(offset[:, :2], axis=-1)
@@ -108,7 +123,10 @@ def should_stop(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[
     said = values.at[Feature.STOPPED].set(1.0)
     after, _, taken = advance(program, state.stage, conditions(program, said))
     quiet = advance(program, state.stage, conditions(program, values))[2]
-    good = taken & ~quiet & (after != FAILURE)
+    # What walks is a little farther away when `stop` is heard.
+    later = said.at[Feature.STRAIGHT].add(jnp.where(jnp.any(state.emission.speed > 0), LAG, 0.0))
+    still = advance(program, state.stage, conditions(program, later))[0]
+    good = taken & ~quiet & (after != FAILURE) & (still == after)
     return jnp.broadcast_to(good, values.shape[1:2])
 
 
@@ -117,36 +135,14 @@ def downhill(
 ) -> tuple[Float[Array, " a"], Bool[Array, " a"]]:
     """Heading of the shortest way to what a descriptor means [rad], and whether no place is nearer.
 
-    Each agent can walk straight to the place that it heads for: that is the farthest of the next `LOOK_AHEAD` cells for
-    which all cells of the straight way are free; the next one for an agent that has run into something.
+    Each agent can walk straight to the place that it heads for, see `descend`.
     """
-    bank, house = snapshot.bank, snapshot.house
+    bank, house, moves = snapshot.bank, snapshot.house, snapshot.config.discrete
     field = snapshot.tasks.field[:, jnp.maximum(state.program.field[guide], 0)]
-    numbers = bank.navigation.cell[house]
-    moves = snapshot.config.discrete
     least = moves.forward_step_size / 2 if moves and has_hands(snapshot) else 0.0  # who goes on would pass the end
-    part = jnp.linspace(0.0, 1.0, SAMPLES, dtype=jnp.float32)[:, None]
-
-    def is_home(cell: Int[Array, "n"]) -> Bool[Array, "n"]:
-        return (cell >= 0) & (cell - bank.navigation.first_cell[house] < bank.navigation.num_cells[house])
 
     def ahead(pos: Float[Array, "3"], touches: Bool[Array, ""]) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
-        at = cell_of(bank, house, pos)
-        at = bank.navigation.place[row_of_cell(numbers[at[0], at[1], at[2]])].astype(jnp.int32)
-        first, aim = at, place_position(bank, house, at)
-        for step in range(LOOK_AHEAD):
-            around = at + jnp.array([(0, dy, dx) for dy in (-1, 0, 1) for dx in (-1, 0, 1)], jnp.int32)
-            around = jnp.clip(around, 0, jnp.array(numbers.shape, jnp.int32) - 1)
-            cell = numbers[around[:, 0], around[:, 1], around[:, 2]]
-            home = is_home(cell)
-            far = jnp.where(home, field[row_of_cell(cell)].astype(jnp.int32), FIELD_FAR + 1)
-            at = jnp.where(jnp.any(home), around[jnp.argmin(far)], at)
-            there = place_position(bank, house, at)
-            between = jax.vmap(lambda p: cell_of(bank, house, p))(pos + part * (there - pos))
-            free = jnp.all(is_home(numbers[between[:, 0], between[:, 1], between[:, 2]]))
-            aim = jnp.where((free & ~touches) | (step == 0), there, aim)
-        end = jnp.linalg.norm(place_position(bank, house, at) - pos) < jnp.float32(least)
-        return aim[:2], jnp.all(at == first) | end
+        return descend(bank, house, pos, touches, lambda _, cell: field[row_of_cell(cell)], least)
 
     aim, there = jax.vmap(ahead)(snapshot.pose.pos, snapshot.contact)
     aim = aim - snapshot.pose.pos[:, :2]

@@ -66,11 +66,17 @@ def telling(things: Sequence[Thing], thing: Thing, random: np.random.Generator) 
 
     Where several sets of words are as few, one of them is drawn.
     """
+    alone = fewest(things, thing)
+    return alone[int(random.integers(len(alone)))] if alone else None
+
+
+def fewest(things: Sequence[Thing], thing: Thing, telling: Sequence[Word] = TELLING) -> list[dict[Word, int]]:
+    """All sets of the fewest words, of those by which things are told apart, that mean this thing alone."""
     noun = {Word.COARSE: thing.word(Semantic.COARSE)}
-    known = [word for word in TELLING if thing.word(COLUMN[word]) >= 0]
+    known = [word for word in telling if thing.word(COLUMN[word]) >= 0]
     for count in range(len(known) + 1):
         sets = [noun | {word: thing.word(COLUMN[word]) for word in chosen} for chosen in combinations(known, count)]
         alone = [words for words in sets if fitting(things, words) == [thing]]
         if alone:
-            return alone[int(random.integers(len(alone)))]
-    return None
+            return alone
+    return []

@@ -28,7 +28,7 @@ def mentions(tasks: TaskBank, words: Iterable[str]) -> Bool[np.ndarray, " t"]:
         >>> train, test = tasks.where(~held_out), tasks.where(held_out)  # doctest: +SKIP
     """
     tokens = [token for word in words for token in tokenize(word)]
-    return np.isin(np.asarray(tasks.rows.columns["tokens"]), tokens).any(axis=-1)
+    return np.asarray(np.isin(np.asarray(tasks.rows.columns["tokens"]), tokens).any(axis=-1))
 
 
 def new_combinations(tasks: TaskBank, part: float = 0.2, seed: int = 0) -> Bool[np.ndarray, " t"]:

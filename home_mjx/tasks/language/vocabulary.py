@@ -20,6 +20,7 @@ FUNCTION_WORDS = (
     *("house", "you", "do", "see", "from", "here", "first", "second", "sound", "look", "for", "your", "me", "person"),
 )
 NUMBERS = tuple(str(number) for number in range(11))
+LATER_WORDS = ("does", "have", "one", "ask", "tell", "number")  # behind all others, so that tokens keep their numbers
 NAMED = (Semantic.COARSE, Semantic.FINE, Semantic.BASIC, Semantic.MATERIAL, Semantic.SIZE, Semantic.ROOM_TYPE)
 
 
@@ -42,7 +43,7 @@ def words() -> tuple[str, ...]:
         ('', 'the', 'a')
     """
     named = (spoken(name) for column in NAMED for name in vocabularies()[column])
-    return tuple(dict.fromkeys(("", *FUNCTION_WORDS, *NUMBERS, *named)))
+    return tuple(dict.fromkeys(("", *FUNCTION_WORDS, *NUMBERS, *named, *LATER_WORDS)))
 
 
 @cache

@@ -1,8 +1,8 @@
 """From what generators write to a task bank."""
 
 import itertools
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Hashable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Protocol, runtime_checkable
 
 import jax.numpy as jnp
@@ -20,6 +20,8 @@ from home_mjx.tasks.rows.meaning import means_on_host
 from home_mjx.tasks.rows.program import Meant, Stage, written
 from home_mjx.tasks.rows.task_bank import TaskBank
 from home_mjx.tasks.rows.words import NUM_DESCRIPTORS, NUM_TOKENS, Feature, Kind, Use, Word
+from home_mjx.tasks.sounds.row import Sound, written_sounds
+from home_mjx.tasks.speech.talk import NONE, written_talk
 
 ROOM = 0.15  # [m]: who walks in steps comes no nearer to the middle of a cell
 
@@ -33,16 +35,30 @@ class Row:
         stages: What must hold, and what comes next.
         goal: Descriptor whose distance from the start is the length of the shortest path.
         tokens: Its instruction.
+        sounds: What sounds; none: the house's own source.
+        pose: Start on the floor [m] and yaw [rad]; None: drawn at random.
+        answer: Token of the right answer to its question; -1: there is none to answer.
+        told: Numbers of the agents that are told what is to be done; None: all.
+        oracle: Tokens of questions that agents may ask, and of what is replied.
+        ask: How many of these, from the first, tell apart what is meant.
+        group: For a generator's `choose`, such as rows that ask the same; None: none.
+        wordings: Other instructions that say the same.
         then: Descriptors that are gone to after the goal, whose ways count to the length as well.
-        start: Where the episode begins [m]; None: it is drawn.
     """
 
     meant: Sequence[Meant]
     stages: Sequence[Stage]
     goal: int = 0
     tokens: Sequence[int] = field(default=())
+    sounds: Sequence[Sound] = field(default=())
+    pose: tuple[Sequence[float], float] | None = None
+    answer: int = NONE
+    told: Sequence[int] | None = None
+    oracle: Sequence[tuple[int, int]] = ()
+    ask: int = 0
+    group: Hashable = None
+    wordings: Sequence[Sequence[int]] = ()
     then: Sequence[int] = field(default=())
-    start: Sequence[float] | None = None
 
 
 @runtime_checkable
@@ -56,6 +72,32 @@ class Generator(Protocol):
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
         """Tasks of one house, in an order drawn at random, as many as it has; none if it has none."""
+        ...
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A row of a house that can be done.
+
+    Attributes:
+        row: As its generator has written it.
+        house: Index of the house.
+        task: Number of the generator.
+        own: Columns: start, yaw, length, and the field of each descriptor.
+    """
+
+    row: Row
+    house: int
+    task: int
+    own: dict[str, np.ndarray]
+
+
+@runtime_checkable
+class Choosing(Protocol):
+    """A generator that writes all tasks that a house has, and then chooses among those of all houses."""
+
+    def choose(self, drawn: list[Drawn], num_tasks: int, random: np.random.Generator) -> list[Drawn]:
+        """Which rows to keep, at most `num_tasks` per house; they may be changed."""
         ...
 
 
@@ -73,7 +115,8 @@ def build_task_bank(
     Args:
         bank: The houses.
         generators: Of tasks.
-        num_tasks: Rows per house and generator, where the house has so many.
+        num_tasks: Rows per house and generator, where the house has so many. A generator that is `Choosing` writes all
+            and then keeps some.
         seed: Of the draw.
         least: Least shortest path from start to goal [m].
         most: Greatest one [m].
@@ -82,7 +125,7 @@ def build_task_bank(
     Raises:
         ConfigError: No house has a task.
     """
-    drawn: list[dict] = []
+    drawn: list[Drawn] = []
     fields = {}
     for view in tqdm(house_views(bank), desc="tasks", unit="house", disable=not progress):
         random = np.random.default_rng([seed, view.house])
@@ -92,11 +135,46 @@ def build_task_bank(
     names = tuple(generator.name for generator in generators)
     if not drawn:
         raise ConfigError(f"no house has a task of {', '.join(names)} with a way of {least} m to {most} m")
-    return packed(bank, _in_turns(drawn), fields, names)
+    kept = _chosen(generators, drawn, num_tasks, np.random.default_rng([seed, bank.num_houses]))
+    if len(kept) < len(drawn):
+        kept, fields = _used(kept, fields)
+    return packed(bank, [_columns(one) for one in _in_turns(kept)], fields, names)
 
 
 def _some(generator: Generator, view: HouseView, random: np.random.Generator, most: int) -> list[Row]:
-    return list(itertools.islice(generator.rows(view, random), most))
+    limit = None if isinstance(generator, Choosing) else most
+    return list(itertools.islice(generator.rows(view, random), limit))
+
+
+def _chosen(
+    generators: Sequence[Generator], drawn: list[Drawn], num_tasks: int, random: np.random.Generator
+) -> list[Drawn]:
+    """Those that generators keep which choose."""
+    kept = [one for one in drawn if not isinstance(generators[one.task], Choosing)]
+    for task, generator in enumerate(generators):
+        if isinstance(generator, Choosing):
+            kept += generator.choose([one for one in drawn if one.task == task], num_tasks, random)
+    return kept
+
+
+def _used(rows: list[Drawn], fields: dict[int, np.ndarray]) -> tuple[list[Drawn], dict[int, np.ndarray]]:
+    """Rows with the fields that they use alone."""
+    found, kept = [], {}
+    for house, field_ in fields.items():
+        own = [row for row in rows if row.house == house]
+        used = np.unique([column for row in own for column in row.own["field"].tolist() if column >= 0]).astype(int)
+        place = np.full(field_.shape[1] + 1, -1, np.int16)  # the last one, which -1 means, stays -1
+        place[used] = np.arange(len(used))
+        kept[house] = field_[:, used]
+        found += [replace(row, own=row.own | {"field": place[row.own["field"]]}) for row in own]
+    return found, kept
+
+
+def _columns(one: Drawn) -> dict:
+    row = one.row
+    own = one.own | {"house": one.house, "task": one.task, "tokens": padded(row.tokens)}
+    sounds = written_sounds(row.sounds, len(row.meant))
+    return written(row.meant, row.stages) | sounds | own | written_talk(row.answer, row.told, row.oracle, row.ask)
 
 
 def _of_house(
@@ -105,8 +183,8 @@ def _of_house(
     rows: list[tuple[int, Row]],
     random: np.random.Generator,
     limits: tuple[float, float],
-) -> tuple[list[dict], np.ndarray]:
-    """Columns of a house's tasks that can be done, and the fields of what they mean."""
+) -> tuple[list[Drawn], np.ndarray]:
+    """A house's tasks that can be done, and the fields of what they mean."""
     columns = [written(row.meant, row.stages) for _, row in rows]
     field_ = add_fields(bank, view, columns)
     nearest = field_[: len(view.graph.place)].min(axis=0, initial=FIELD_FAR) * FIELD_UNIT
@@ -115,11 +193,12 @@ def _of_house(
         goal = column["field"][row.goal]
         if goal < 0 or not _can_be_done(column, nearest):
             continue
-        start = _start(view, field_[: len(view.graph.place), goal], random, limits, row.start)
+        way = field_[: len(view.graph.place), goal]
+        start = _start(view, way, random, limits) if row.pose is None else _posed(view, way, row.pose)
         if start is not None:
             stops = [int(column["field"][d]) for d in (row.goal, *row.then)]
             start["length"] += _ways_between(field_[: len(view.graph.place)], stops)
-            found.append(column | start | {"house": view.house, "task": task, "tokens": padded(row.tokens)})
+            found.append(Drawn(row, view.house, task, start | {"field": column["field"]}))
     return found, field_
 
 
@@ -133,7 +212,9 @@ def _can_be_done(column: dict, nearest: Float[np.ndarray, " g"]) -> bool:
     field_, guide = column["field"], column["guide"]
     asked = column["feature"] == Feature.DISTANCE
     first = np.maximum(column["first"][asked], 0)
-    leads = np.all(field_[guide[guide >= 0]] >= 0) and np.all(field_[first] >= 0)
+    kind = column["descriptor"][:, Word.KIND]
+    led_to = guide[guide >= 0]
+    leads = np.all((field_[led_to] >= 0) | (kind[led_to] == Kind.AGENT)) and np.all(field_[first] >= 0)
     return bool(leads and np.all(nearest[field_[first]] + ROOM <= column["most"][asked]))
 
 
@@ -157,7 +238,8 @@ def add_fields(bank: HouseBank, view: HouseView, columns: list[dict]) -> UInt16[
     """
     if not columns:
         return view.graph.fields([])
-    meanings = means_on_host(bank, view.house, np.stack([c["descriptor"] for c in columns]))
+    different, which = np.unique(np.stack([c["descriptor"] for c in columns]), axis=0, return_inverse=True)
+    meanings = means_on_host(bank, view.house, different)
     instance, room = np.asarray(meanings.instance), np.asarray(meanings.room)
     known: dict[bytes, int] = {}
     ends: list[Ends] = []
@@ -166,8 +248,8 @@ def add_fields(bank: HouseBank, view: HouseView, columns: list[dict]) -> UInt16[
         for d, kind in enumerate(column["descriptor"][:, Word.KIND].tolist()):
             if kind in (Kind.NOTHING, Kind.AGENT):
                 continue
-            use = view, column, d, instance[at]
-            end = view.ends(kind, instance[at, d], room[at, d], column["place"][d], *_use(*use))
+            use = view, column, d, instance[which[at]]
+            end = view.ends(kind, instance[which[at], d], room[which[at], d], column["place"][d], *_use(*use))
             key = end[0].tobytes() + end[1].tobytes()
             if len(end[0]) and key not in known:
                 known[key] = len(ends)
@@ -189,28 +271,16 @@ def _use(view: HouseView, column: dict, d: int, instance: Bool[np.ndarray, "d i"
 
 
 def _start(
-    view: HouseView,
-    field_: np.ndarray,
-    random: np.random.Generator,
-    limits: tuple[float, float],
-    place: Sequence[float] | None = None,
+    view: HouseView, field_: np.ndarray, random: np.random.Generator, limits: tuple[float, float]
 ) -> dict | None:
-    """A start at random among cells whose way to the goal is neither too short nor too long; None: there is none.
-
-    Where a place is given only the cell there counts.
-    """
+    """A start at random among cells whose way to the goal is neither too short nor too long; None: there is none."""
     way = np.where(field_ == FIELD_FAR, np.inf, field_ * FIELD_UNIT)
     fit = np.flatnonzero(np.isfinite(way) & (way >= limits[0]) & (way <= limits[1]) & ~view.graph.at_leaf)
-    if place is not None:
-        fit = np.intersect1d(fit, view.graph.at(np.asarray(place))[0])
     if not len(fit):
         return None
     cell = random.choice(fit)
-    return {
-        "start": view.graph.place[cell].astype(np.float32),
-        "yaw": np.float32(random.uniform(-np.pi, np.pi)),
-        "length": np.float32(way[cell]),
-    }
+    place = view.graph.place[cell].astype(np.float32)
+    return {"start": place, "yaw": np.float32(random.uniform(-np.pi, np.pi)), "length": np.float32(way[cell])}
 
 
 def _ways_between(fields: UInt16[np.ndarray, "c g"], stops: Sequence[int]) -> np.float32:
@@ -219,11 +289,18 @@ def _ways_between(fields: UInt16[np.ndarray, "c g"], stops: Sequence[int]) -> np
     return np.float32(sum(fields[a, stop] * FIELD_UNIT for a, stop in zip(ends[:-1], stops[1:], strict=True)))
 
 
-def _in_turns(drawn: list[dict]) -> list[dict]:
+def _posed(view: HouseView, way: UInt16[np.ndarray, " c"], pose: tuple[Sequence[float], float]) -> dict | None:
+    """A start that a row says; None: there is no way from there."""
+    place, yaw = np.asarray(pose[0], np.float32), np.float32(pose[1])
+    units = way[np.argmin(np.linalg.norm(view.graph.place - place, axis=1))]
+    return None if units == FIELD_FAR else {"start": place, "yaw": yaw, "length": np.float32(units * FIELD_UNIT)}
+
+
+def _in_turns(drawn: list[Drawn]) -> list[Drawn]:
     """In an order in which houses take turns, so that the first rows are of as many houses as there are."""
     counts: dict[int, Iterator[int]] = {}
-    turns = [next(counts.setdefault(row["house"], itertools.count())) for row in drawn]
-    return [drawn[i] for i in np.lexsort([[row["house"] for row in drawn], turns])]
+    turns = [next(counts.setdefault(row.house, itertools.count())) for row in drawn]
+    return [drawn[i] for i in np.lexsort([[row.house for row in drawn], turns])]
 
 
 def packed(

@@ -15,6 +15,7 @@ from home_mjx.tasks.sensors.sight import clear, look_points
 
 FAR = 1000.0  # [m]: away from what is nowhere
 REST = 0.03  # [m]
+BELOW, ABOVE = 2.0, 1.0  # [m]: what is lower or higher, relative to an agent's middle, is on another storey
 
 
 def boxes_now(snapshot: Snapshot) -> Float[Array, "i 2 3"]:
@@ -41,11 +42,12 @@ def table(
     agents, descriptors = snapshot.pose.yaw.shape[0], program.field.shape[0]
     boxes = boxes_now(snapshot)
     straight, nearest = nearest_meant(snapshot, program, means, boxes)
+    points, free = sights(snapshot, nearest)
     rows: dict[Feature, Array] = {
         Feature.TRUE: jnp.ones((agents, 1, 1)),
         Feature.DISTANCE: distances(snapshot, program, field, straight)[:, :, None],
         Feature.STRAIGHT: straight[:, :, None],
-        Feature.SEEN: seen(snapshot, nearest)[:, :, None],
+        Feature.SEEN: jnp.any(in_frame(snapshot, points) & free, axis=-1)[:, :, None],
         Feature.HELD: held(snapshot, means)[:, :, None],
         Feature.INSIDE: inside(snapshot, means)[:, :, None],
         Feature.BESIDE: beside(means, boxes)[None],
@@ -54,6 +56,8 @@ def table(
         Feature.STOPPED: snapshot.stopped[:, None, None],
         Feature.TIME: jnp.broadcast_to(time, (agents, 1, 1)),
         Feature.TOUCHED: snapshot.contact[:, None, None],
+        Feature.CLEAR: jnp.any(free, axis=-1)[:, :, None],
+        Feature.SAID: snapshot.said[:, None, None],
     }
     shape = agents, descriptors, descriptors
     return jnp.stack([jnp.broadcast_to(rows[feature].astype(jnp.float32), shape) for feature in Feature])
@@ -70,11 +74,34 @@ def nearest_meant(
     away = jnp.where(means.instance[None], away[:, None], FAR)
     index = jnp.argmin(away, axis=-1)
     point = jnp.where((kind == Kind.AGENT)[:, None], pos[program.descriptor[:, Word.AGENT]], program.place)
-    to_point = jnp.linalg.norm(jnp.nan_to_num(point[None, :, :2] - pos[:, None, :2], posinf=FAR, neginf=FAR), axis=-1)
+    offset = jnp.nan_to_num(point[None] - pos[:, None], posinf=FAR, neginf=FAR)
+    same_storey = (offset[..., 2] > -BELOW) & (offset[..., 2] < ABOVE)
+    to_point = jnp.where(same_storey, jnp.linalg.norm(offset[..., :2], axis=-1), FAR)
     is_point = (kind == Kind.AGENT) | (kind == Kind.PLACE)
     least = jnp.where(is_point[None], jnp.minimum(to_point, FAR), jnp.min(away, axis=-1))
-    whole = jnp.stack([point, point], axis=1)
+    body = jnp.array([(b.radius, b.radius, b.height / 2) for b in snapshot.config.physics.agents], jnp.float32)
+    half = jnp.where((kind == Kind.AGENT)[:, None], body[program.descriptor[:, Word.AGENT]], 0.0)
+    whole = jnp.stack([point - half, point + half], axis=1)
     return least, jnp.where(is_point[None, :, None, None], whole[None], boxes[index])
+
+
+def emitters(snapshot: Snapshot, program: Program, means: Means) -> tuple[Float[Array, "d 3"], Int[Array, " d"]]:
+    """Where the sound of what each descriptor means comes from [m], inf for what does not sound; and its object id.
+
+    Objects and agents sound in their middle (of several the first does), places so far above the floor as
+    `EnvConfig.source_height` says.
+    """
+    kind = program.descriptor[:, Word.KIND]
+    first = jnp.argmax(means.instance, axis=1)
+    middle = jnp.where(jnp.any(means.instance, axis=1)[:, None], boxes_now(snapshot)[first].mean(axis=1), jnp.inf)
+    agent = jnp.clip(program.descriptor[:, Word.AGENT], 0, snapshot.pose.yaw.shape[0] - 1)
+    someone = snapshot.pose.pos[agent]
+    own = agent_ids(snapshot.bank, snapshot.pose.yaw.shape[0])[agent]
+    above = program.place.at[:, 2].add(jnp.float32(snapshot.config.source_height))
+    point = jnp.where((kind == Kind.OBJECT)[:, None], middle, jnp.where((kind == Kind.AGENT)[:, None], someone, above))
+    thing = snapshot.bank.geometry.instance_object[snapshot.house, first]
+    body = jnp.where(kind == Kind.OBJECT, thing, jnp.where(kind == Kind.AGENT, own, -1))
+    return point, body.astype(jnp.int32)
 
 
 def distances(
@@ -84,12 +111,6 @@ def distances(
     column = jnp.maximum(program.field, 0)
     way = jax.vmap(lambda at: geodesic_distance(snapshot.bank, snapshot.house, column, at, field))(snapshot.pose.pos)
     return jnp.where(program.field < 0, straight, jnp.minimum(way, FAR))
-
-
-def seen(snapshot: Snapshot, box: Float[Array, "a d 2 3"]) -> Bool[Array, "a d"]:
-    """Whether one of the `look_points` of these bounds is in each agent's view, with nothing before them."""
-    points, free = sights(snapshot, box)
-    return jnp.any(in_frame(snapshot, points) & free, axis=-1)
 
 
 def sights(snapshot: Snapshot, box: Float[Array, "a d 2 3"]) -> tuple[Float[Array, "a d p 3"], Bool[Array, "a d p"]]:

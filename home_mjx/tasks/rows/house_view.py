@@ -16,7 +16,7 @@ from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.rows.fields import CellGraph, Ends
 from home_mjx.tasks.rows.words import Kind, Use
 from home_mjx.tasks.sensors.reaching import plan_radius, put_from, taken_from
-from home_mjx.tasks.sensors.sight import seen_from
+from home_mjx.tasks.sensors.sight import ids_in_view, seen_from
 
 HAND = 0.93  # [m], how far hands reach: less than `Body.reach`, as agents do not stand in the middle of cells
 CELLS = 64  # that are nearest to a thing are tried
@@ -153,15 +153,14 @@ class HouseView:
             box = self._boxes[key[0]]
             cells, away = self.graph.around(box[0], box[1], EVERY * CELLS)
             cells, away = (x[away <= HAND][::EVERY] for x in (cells, away))
-            good = np.asarray(there(jnp.asarray(self._eyes(cells), jnp.float32)))[: len(cells)]
+            good = np.asarray(there(jnp.asarray(self._padded_eyes(cells), jnp.float32)))[: len(cells)]
             self._at_hand[key] = cells[good], away[good]
         return self._at_hand[key]
 
-    def _eyes(self, cells: Int[np.ndarray, " c"]) -> Float[np.ndarray, "n 3"]:
+    def _padded_eyes(self, cells: Int[np.ndarray, " c"]) -> Float[np.ndarray, "n 3"]:
         """Where eyes are above cells [m]; inf beyond."""
         eyes = np.full((CELLS, 3), np.inf)
-        eyes[: len(cells)] = self.graph.place[cells]
-        eyes[:, 2] += self.bank.spec.agent_height - BELOW_TOP
+        eyes[: len(cells)] = self._eyes(self.graph.place[cells])
         return eyes
 
     def beside(self, instance: int) -> Ends:
@@ -172,10 +171,29 @@ class HouseView:
         if instance not in self._beside:
             box = self._boxes[instance]
             cells, away = self.graph.around(box[0], box[1], CELLS)
-            seen = seen_from(self._device, self.house, self._eyes(cells), box)[: len(cells)]
+            seen = seen_from(self._device, self.house, self._padded_eyes(cells), box)[: len(cells)]
             near = seen & (away <= np.min(away, where=seen, initial=np.inf) + REACH)
             self._beside[instance] = cells[near], away[near]
         return self._beside[instance]
+
+    def can_be_seen(self, thing: Thing) -> bool:
+        """Whether a thing can be seen from beside it."""
+        parts = np.flatnonzero(self.bank.geometry.instance_object[self.house] == thing.object_id)
+        return any(len(self.beside(part)[0]) for part in parts.tolist())
+
+    def looks(self, places: Float[np.ndarray, "n 3"], yaw: Float[np.ndarray, " n"]) -> list[dict[int, float]]:
+        """What an agent sees that looks straight ahead: which part of the image objects fill, by object id.
+
+        Args:
+            places: On the floor [m].
+            yaw: [rad].
+        """
+        images = ids_in_view(self._device, self.house, self._eyes(places), yaw)
+        found = [np.unique(image[image >= 0], return_counts=True) for image in images]
+        return [dict(zip(ids.tolist(), (counts / images[0].size).tolist(), strict=True)) for ids, counts in found]
+
+    def _eyes(self, places: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
+        return places + np.array([0, 0, self.bank.spec.agent_height - BELOW_TOP])
 
 
 def house_views(bank: HouseBank) -> tuple[HouseView, ...]:

@@ -82,7 +82,10 @@ def _rooms(types: Int[Array, " r"], descriptor: Int[Array, "d words"]) -> Bool[A
 
 def means_on_host(bank: HouseBank, house: int, descriptors: np.ndarray) -> Means:
     """The same of many rows at once, as NumPy arrays with a leading axis of rows."""
-    return jax.tree.map(np.asarray, _many(bank, jnp.int32(house), jnp.asarray(descriptors, jnp.int32)))
+    room = 1 << (len(descriptors) - 1).bit_length()  # few different sizes: each is compiled
+    whole = np.full((room, *descriptors.shape[1:]), ANY, np.int32)
+    whole[: len(descriptors)] = descriptors
+    return jax.tree.map(lambda x: np.asarray(x)[: len(descriptors)], _many(bank, jnp.int32(house), whole))
 
 
 _many = jax.jit(jax.vmap(means, (None, None, 0)))  # here, so that it is compiled once for all houses

@@ -60,6 +60,11 @@ class Meant:
     place: tuple[float, float, float] = NOWHERE
 
     @classmethod
+    def hidden(cls) -> "Meant":
+        """Nothing. As the first descriptor it keeps `goal_words` and `goal` from telling what the others mean."""
+        return cls({})
+
+    @classmethod
     def thing(cls, **words: int) -> "Meant":
         """Objects that have these words in common.
 
@@ -164,7 +169,10 @@ def _check(descriptors: Sequence[Meant], known: dict[When, int], stages: Sequenc
 
 
 OF_TWO = (Feature.BESIDE, Feature.ON)
-OF_ONE = (Feature.DISTANCE, Feature.STRAIGHT, Feature.SEEN, Feature.HELD, Feature.INSIDE, Feature.OPEN, *OF_TWO)
+OF_ONE = (
+    *(Feature.DISTANCE, Feature.STRAIGHT, Feature.SEEN, Feature.HELD, Feature.INSIDE, Feature.OPEN, Feature.CLEAR),
+    *OF_TWO,
+)
 
 
 def _descriptors(descriptors: Sequence[Meant]) -> dict[str, np.ndarray]:

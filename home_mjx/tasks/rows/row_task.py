@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
+from home_mjx.audio_jax.base.endpoints import Sounds
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_number
 from home_mjx.core.pytree import Pytree
@@ -13,14 +14,22 @@ from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import ArraySpec, Specs
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.rows.build import Generator, build_task_bank
-from home_mjx.tasks.rows.features import table
+from home_mjx.tasks.rows.features import emitters, table
 from home_mjx.tasks.rows.machine import advance, conditions
 from home_mjx.tasks.rows.meaning import Means, means
 from home_mjx.tasks.rows.program import Program
 from home_mjx.tasks.rows.task_bank import TaskBank, program_of
-from home_mjx.tasks.rows.words import NUM_TOKENS, SUCCESS, Feature, Word
+from home_mjx.tasks.rows.words import ANY, NUM_TOKENS, SUCCESS, Feature, Word
+from home_mjx.tasks.sounds.emit import emitted
+from home_mjx.tasks.sounds.row import Emission, emission_of
+from home_mjx.tasks.speech.talk import NONE, Talk, as_observed, is_told, of_others, replies, talk_of
 
 FARTHEST = 1000.0  # [m]: no house is larger
+LEAP = 2.0  # [m]: what comes from another storey, or from nowhere, has made no progress of more than that
+HEARD = {
+    "reply": "token of what an oracle has replied to the last word",
+    "heard_words": "token of what another agent has said last",
+}
 
 
 class RowState(Pytree):
@@ -28,6 +37,7 @@ class RowState(Pytree):
 
     program: Program
     means: Means
+    emission: Emission
     task: Int[Array, ""]  # index into `TaskBank.names`
     tokens: Int[Array, " n"]
     length: Float[Array, ""]  # [m], of the shortest path from start to goal
@@ -38,6 +48,10 @@ class RowState(Pytree):
     place: Float[Array, "a 3"]  # [m], of each agent
     walked: Float[Array, " a"]  # [m]
     collisions: Int[Array, " a"]  # steps in which an agent touched anything but the floor
+    talk: Talk
+    reply: Int[Array, " a"]  # token, of the oracle in the last step; -1 none
+    asked: Int[Array, ""]  # questions that the oracle has answered
+    spoken: Int[Array, ""]  # words that were said
 
 
 @dataclass(frozen=True)
@@ -52,6 +66,7 @@ class RowTask(Task):
         progress_reward: Per metre towards what a stage leads to.
         step_cost: Taken every step.
         contact_cost: Taken while touching anything but the floor.
+        question_cost: Taken for each question that an oracle answers.
     """
 
     num_tasks: int = 64
@@ -61,10 +76,11 @@ class RowTask(Task):
     progress_reward: float = 1.0
     step_cost: float = 0.01
     contact_cost: float = 0.01
+    question_cost: float = 0.05
 
     def __post_init__(self) -> None:
         check_number("num_tasks", self.num_tasks, 1, whole=True)
-        for name in ("min_length", "max_length", "progress_reward", "step_cost", "contact_cost"):
+        for name in ("min_length", "max_length", "progress_reward", "step_cost", "contact_cost", "question_cost"):
             check_number(name, getattr(self, name), 0)
 
     @property
@@ -73,13 +89,33 @@ class RowTask(Task):
         raise NotImplementedError
 
     @property
+    def speech(self) -> tuple[str, ...]:
+        """What agents may say in any of the tasks."""
+        return tuple(dict.fromkeys(word for task in self._others for word in getattr(task, "speech", ())))
+
+    @property
+    def hears(self) -> tuple[str, ...]:
+        """What agents hear in any of the tasks: of `HEARD`."""
+        return tuple(dict.fromkeys(name for task in self._others for name in getattr(task, "hears", ())))
+
+    @property
+    def least_agents(self) -> int:
+        """As many as the tasks need."""
+        return max((getattr(task, "least_agents", 1) for task in self._others), default=1)
+
+    @property
+    def _others(self) -> tuple[Generator, ...]:
+        return tuple(task for task in self.generators if task is not self)
+
+    @property
     def observation_spec(self) -> Specs:
-        """`goal`, `goal_words` and `instruction`."""
+        """`goal`, `goal_words` and `instruction`; `reply` and `heard_words` in tasks in which these are heard."""
         polar = "of a goal that is a place: distance [m], cosine and sine of its bearing, left positive; else 0"
         return {
             "goal": ArraySpec((3,), "float32", (0.0, -1.0, -1.0), (FARTHEST, 1.0, 1.0), polar),
             "goal_words": ArraySpec((len(Word),), "int32", -1, 32767, "first descriptor, columns `Word`; -1 any"),
             "instruction": ArraySpec((NUM_TOKENS,), "int32", 0, 32767, "tokens; 0 ends"),
+            **{name: ArraySpec((1,), "int32", 0, 32767, f"{HEARD[name]}; 0 none") for name in self.hears},
         }
 
     def task_bank(self, bank: HouseBank) -> TaskBank:
@@ -99,6 +135,7 @@ class RowTask(Task):
         return RowState(
             program=program,
             means=meant,
+            emission=emission_of(columns),
             task=columns["task"].astype(jnp.int32),
             tokens=columns["tokens"].astype(jnp.int32),
             length=columns["length"],
@@ -109,14 +146,20 @@ class RowTask(Task):
             place=snapshot.pose.pos,
             walked=jnp.zeros(agents, jnp.float32),
             collisions=jnp.zeros(agents, jnp.int32),
+            talk=talk_of(columns),
+            reply=jnp.full(agents, NONE, jnp.int32),
+            asked=zero,
+            spoken=zero,
         )
 
     def update(self, snapshot: Snapshot, state: RowState) -> RowState:
         """The next stage, if its conditions hold."""
+        state = state.replace(program=_followed(snapshot, state))
         time = snapshot.step - state.since
         values = table(snapshot, state.program, state.means, snapshot.tasks.field, time)
         stage, gained, taken = advance(state.program, state.stage, conditions(state.program, values))
         moved = jnp.linalg.norm(snapshot.pose.pos - state.place, axis=-1)
+        reply = replies(state.talk, snapshot.said)
         return state.replace(
             stage=stage.astype(jnp.int32),
             since=jnp.where(taken, snapshot.step, state.since),
@@ -125,7 +168,15 @@ class RowTask(Task):
             place=snapshot.pose.pos,
             walked=state.walked + moved,
             collisions=state.collisions + snapshot.contact.astype(jnp.int32),
+            reply=reply,
+            asked=state.asked + jnp.sum(reply >= 0, dtype=jnp.int32),
+            spoken=state.spoken + jnp.sum(snapshot.said >= 0, dtype=jnp.int32),
         )
+
+    def sounds(self, snapshot: Snapshot, state: RowState) -> Sounds:
+        """Those of the row; if it has none, the house's source."""
+        point, body = emitters(snapshot, state.program, state.means)
+        return emitted(snapshot, state.emission, point, body, snapshot.tasks.field, state.program.field)
 
     def observe(self, snapshot: Snapshot, state: RowState) -> dict[str, Array]:
         """What `observation_spec` promises."""
@@ -134,19 +185,22 @@ class RowTask(Task):
         offset = jnp.where(known, place[:2] - pose.pos[:, :2], 0.0)
         bearing = jnp.arctan2(offset[:, 1], offset[:, 0]) - pose.yaw
         goal = jnp.stack([jnp.linalg.norm(offset, axis=-1), jnp.cos(bearing), jnp.sin(bearing)], axis=-1)
-        agents = (pose.yaw.shape[0],)
+        told = is_told(state.talk, pose.yaw.shape[0])[:, None]
+        heard = {"reply": state.reply, "heard_words": of_others(snapshot.said)}
         return {
-            "goal": jnp.where(known, goal, 0.0),
-            "goal_words": jnp.broadcast_to(state.program.descriptor[0].astype(jnp.int32), (*agents, len(Word))),
-            "instruction": jnp.broadcast_to(state.tokens, agents + state.tokens.shape),
+            "goal": jnp.where(known & told, goal, 0.0),
+            "goal_words": jnp.where(told, state.program.descriptor[0].astype(jnp.int32), ANY),
+            "instruction": jnp.where(told, state.tokens, 0),
+            **{name: as_observed(heard[name]) for name in self.hears},
         }
 
     def reward(self, snapshot: Snapshot, before: RowState, state: RowState) -> Float[Array, " a"]:
         """The transition's reward, progress towards what the stage leads to, less costs."""
         guide = state.program.guide[jnp.maximum(before.stage, 0)]
         progress = (before.distance - state.distance)[:, jnp.maximum(guide, 0)]
-        progress = jnp.where(guide < 0, 0.0, progress)
+        progress = jnp.where(guide < 0, 0.0, jnp.clip(progress, -LEAP, LEAP))
         costs = jnp.float32(self.step_cost) + jnp.float32(self.contact_cost) * snapshot.contact.astype(jnp.float32)
+        costs = costs + jnp.float32(self.question_cost) * (state.reply >= 0)
         return jnp.float32(self.progress_reward) * progress + state.gained - costs
 
     def terminated(self, snapshot: Snapshot, state: RowState) -> Bool[Array, ""]:
@@ -158,6 +212,7 @@ class RowTask(Task):
 
         Anderson et al., "On Evaluation of Embodied Navigation Agents", 2018 (arXiv:1807.06757), and for soft SPL Datta
         et al., "Integrating Egocentric Localization", 2020 (arXiv:2009.03231). Paths are those of the first agent.
+        Where agents speak also whether the row's question was `answered`, right or wrong, and the `questions` asked.
         """
         success = (state.stage == SUCCESS).astype(jnp.float32)
         short = state.length / jnp.maximum(jnp.maximum(state.length, state.walked[0]), 1e-6)
@@ -171,4 +226,21 @@ class RowTask(Task):
             "distance": left,
             "collisions": jnp.mean(state.collisions.astype(jnp.float32)),
             "stage": state.stage.astype(jnp.float32),
+            **self._spoken(state),
         }
+
+    def _spoken(self, state: RowState) -> dict[str, Float[Array, ""]]:
+        if not self.speech:
+            return {}
+        answered = (state.spoken > 0) & (state.talk.answer >= 0)
+        return {"answered": answered.astype(jnp.float32), "questions": state.asked.astype(jnp.float32)}
+
+
+def _followed(snapshot: Snapshot, state: RowState) -> Program:
+    """The program with the places of sounds that walk where they are now."""
+    count = min(snapshot.sounds.clip.shape[0], state.emission.emitter.shape[0])
+    speed, emitter = state.emission.speed[:count], state.emission.emitter[:count].astype(jnp.int32)
+    place = snapshot.sounds.pos[:count].at[:, 2].add(-jnp.float32(snapshot.config.source_height))
+    beyond = state.program.place.shape[0]
+    to = jnp.where((speed > 0) & (emitter >= 0), emitter, beyond)
+    return state.program.replace(place=state.program.place.at[to].set(place, mode="drop"))

@@ -54,6 +54,8 @@ class Feature(IntEnum):
     STOPPED = 9  # 1: the agent has chosen `stop`
     TIME = 10  # steps since the stage began
     TOUCHED = 11  # 1: the agent touched anything but the floor in the last step
+    CLEAR = 12  # 1: nothing is between the agent's eyes and the nearest i, whichever way it looks
+    SAID = 13  # token of the word that the agent said in the last step; -1 none
 
 
 class Use(IntEnum):

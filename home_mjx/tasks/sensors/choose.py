@@ -8,15 +8,20 @@ from home_mjx.tasks.base.config import DEFAULT_SENSORS, VIEW_KINDS, EnvConfig
 from home_mjx.tasks.base.sensor import Sensor, register_sensor, registered_sensors
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.sensors.cameras import Cameras
-from home_mjx.tasks.sensors.hearing import Hearing
+from home_mjx.tasks.sensors.hearing import Hearing, LogMel, Stft
 from home_mjx.tasks.sensors.locating import GpsCompass, Lidar, LocalMap
-from home_mjx.tasks.sensors.own_state import OwnState
+from home_mjx.tasks.sensors.own_state import HeldObject, OwnState, PrevAction, PrevReward
 
 register_sensor(Hearing())
 register_sensor(OwnState())
 register_sensor(GpsCompass())
 register_sensor(Lidar())
 register_sensor(LocalMap())
+register_sensor(Stft())
+register_sensor(LogMel())
+register_sensor(HeldObject())
+register_sensor(PrevAction())
+register_sensor(PrevReward())
 
 
 NAME, OBSERVATION = "the name", "an observation"
@@ -44,6 +49,11 @@ def choose_sensors(config: EnvConfig, task: Task) -> tuple[Sensor, ...]:
     sensors = (*((Cameras(),) if config.views else ()), *named)
     _check_names(config, sensors, task)
     return sensors
+
+
+def keepers(sensors: tuple[Sensor, ...]) -> tuple[Sensor, ...]:
+    """Those whose memory is kept, each once: the sensors themselves, or what they read."""
+    return tuple({(sensor.keeper or sensor).name: sensor.keeper or sensor for sensor in sensors}.values())
 
 
 def _check_names(config: EnvConfig, sensors: tuple[Sensor, ...], task: Task) -> None:

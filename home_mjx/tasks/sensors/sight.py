@@ -8,12 +8,16 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
+from home_mjx.core.transforms import camera_quat
+from home_mjx.raycast_render.cameras.camera import Camera, Lens
 from home_mjx.raycast_render.casting.cast import cast
+from home_mjx.raycast_render.images.render import render
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.types import Scene
 
 # Where one looks for a thing: across and up from the middle of its bounds, in half extents.
 POINTS = ((0.0, 0.0), (0.0, 0.7), (0.0, -0.7), (0.7, 0.0), (-0.7, 0.0))
+VIEW, FOVY = Lens(64, 64), 90.0  # of the default camera [degrees]
 SLACK = 0.02  # [m]: a box counts as seen if a ray comes as near to it
 
 
@@ -69,10 +73,41 @@ def seen_from(
 
 @jax.jit
 def _seen_from(bank: HouseBank, house: Array, eyes: Array, box: Array) -> Array:
-    physics = bank.physics
-    nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
-    bodies = physics.body_pos[house], physics.body_quat[house]
-    scene = make_scene(bank, house, *bodies, *nobody, door_angle=physics.door_wide[house])
+    scene = _as_it_begins(bank, house)
     points = jax.vmap(look_points, (0, None))(eyes, box)
     look = partial(clear, scene, own=jnp.full((), -1, jnp.int32))
     return jnp.any(jax.vmap(lambda eye, at: look(eye, box, at))(eyes, points), axis=1)
+
+
+def ids_in_view(
+    bank: HouseBank, house: int, eyes: Float[np.ndarray, "n 3"], yaw: Float[np.ndarray, " n"]
+) -> Int[np.ndarray, "n h w"]:
+    """Object ids that the default camera sees from places, level, in a house as it begins, doors open; -1 none.
+
+    Args:
+        bank: The houses.
+        house: Index of the house.
+        eyes: [m].
+        yaw: [rad].
+    """
+    poses = jnp.asarray(eyes, jnp.float32), jnp.asarray(yaw, jnp.float32)
+    return np.asarray(_ids_in_view(bank, jnp.int32(house), *poses))
+
+
+@jax.jit
+def _ids_in_view(bank: HouseBank, house: Array, eyes: Array, yaw: Array) -> Array:
+    scene = _as_it_begins(bank, house)
+
+    def look(eye: Array, yaw: Array) -> Array:
+        camera = Camera(eye, camera_quat(yaw, jnp.zeros_like(yaw)), jnp.deg2rad(jnp.float32(FOVY)))
+        return render(scene, camera, VIEW, kinds=("instance",))["instance"]
+
+    return jax.vmap(look)(eyes, yaw)
+
+
+def _as_it_begins(bank: HouseBank, house: Array) -> Scene:
+    """A house without agents, doors open."""
+    physics = bank.physics
+    nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
+    bodies = physics.body_pos[house], physics.body_quat[house]
+    return make_scene(bank, house, *bodies, *nobody, door_angle=physics.door_wide[house])

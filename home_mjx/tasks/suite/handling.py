@@ -26,6 +26,7 @@ PLACES = ("thing", "room", "start")  # where things are brought
 MOST_THINGS = 2  # a row speaks of four things: each of these, and what it is put on
 JOINED = ("{} and {}", "{} then {}")
 Words = dict[Word, int]
+Pose = tuple[Sequence[float], float]  # on the floor [m], yaw [rad]
 
 
 @dataclass(frozen=True)
@@ -108,18 +109,19 @@ class Fetch(Handling):
             yield self._row(words, Meant.space(room_type=kind), inside, f"to the {name(Word.ROOM_TYPE, kind)}")
 
     def _to_start(self, view: HouseView, words: Words, random: np.random.Generator) -> Row:
-        start = view.graph.place[int(random.integers(len(view.graph.place)))].tolist()
+        free = view.graph.place[~view.graph.at_leaf]
+        start = free[int(random.integers(len(free)))].tolist()
         near = When(Feature.DISTANCE, 1, most=self.success_distance)
-        return self._row(words, Meant.at(start), near, "here", start)
+        return self._row(words, Meant.at(start), near, "here", (start, random.uniform(-np.pi, np.pi)))
 
-    def _row(self, words: Words, goal: Meant, there: When, where: str, start: Sequence[float] | None = None) -> Row:
+    def _row(self, words: Words, goal: Meant, there: When, where: str, pose: Pose | None = None) -> Row:
         held, half = When(Feature.HELD, 0, least=1), self.success_reward / 2
         said, wrong = ((STOPPED,), (Go(FAILURE, (STOPPED,)),)) if self.stop else ((), ())
         back = Go(0, bars=(held,), reward=-half)  # who drops it has gained nothing
         first = Stage((Go(1, (held,), reward=half), *wrong), guide=0)
         second = Stage((Go(SUCCESS, (held, there, *said), reward=half), *wrong, back), guide=1)
         tokens = tokenize(f"bring {phrase(words)} {where}")
-        return Row([Meant.of(words), goal], [first, second], tokens=tokens, then=(1,), start=start)
+        return Row([Meant.of(words), goal], [first, second], tokens=tokens, then=(1,), pose=pose)
 
 
 @dataclass(frozen=True)

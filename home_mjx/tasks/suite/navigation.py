@@ -130,7 +130,7 @@ class PointGoals(Navigation):
         stage = arrive((When(Feature.DISTANCE, 0, most=self.success_distance),), self.stop, self.success_reward)
         while len(points):
             for point in random.permutation(points):
-                yield Row([Meant.at(point)], [stage])
+                yield Row([Meant.at(point.tolist())], [stage])
 
 
 @dataclass(frozen=True)
@@ -152,6 +152,16 @@ class HouseTasks(RowTask):
     def needs_hands(self) -> bool:
         """One of the tasks does."""
         return any(getattr(task, "needs_hands", False) for task in self.tasks)
+
+    @property
+    def num_sources(self) -> int:
+        """Of the task that needs most."""
+        return max((getattr(task, "num_sources", 1) for task in self.tasks), default=1)
+
+    @property
+    def clips(self) -> tuple[str, ...]:
+        """Those of all tasks."""
+        return tuple(dict.fromkeys(clip for task in self.tasks for clip in getattr(task, "clips", ())))
 
     @property
     def generators(self) -> tuple[Generator, ...]:

@@ -1,12 +1,14 @@
 """Tasks as JSON lines: names and places instead of numbers, so that any bank of the houses will do."""
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import jax
 import numpy as np
 
+from home_mjx.audio_jax.auralization.sources import CLIPS
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.files import read_json_lines
 from home_mjx.errors import ConfigError, DatasetError, UnknownIdError
@@ -18,6 +20,8 @@ from home_mjx.tasks.rows.house_view import house_views
 from home_mjx.tasks.rows.program import Go, Meant, Stage, When, written
 from home_mjx.tasks.rows.task_bank import TaskBank
 from home_mjx.tasks.rows.words import ANY, FAILURE, NUM_CONDITIONS, SUCCESS, Feature, Kind, Word
+from home_mjx.tasks.sounds.row import Sound, read_sounds, written_sounds
+from home_mjx.tasks.speech.talk import EVERYBODY, NONE, written_talk
 
 MAX_BYTES = 1 << 30  # of a file: about a million tasks
 ENDS = {SUCCESS: "success", FAILURE: "failure"}
@@ -44,6 +48,8 @@ def save_tasks(path: str | Path, bank: HouseBank, tasks: TaskBank) -> None:
         line = {"house": ids[int(host.house[at])], "task": tasks.names[int(row["task"])]}
         line |= {"start": host.start[at].tolist(), "yaw": float(host.yaw[at]), "length": float(row["length"])}
         line |= {"instruction": detokenize(row["tokens"]), "meant": _meant(row), "stages": _stages(row)}
+        line |= {"sounds": sounds} if (sounds := _sounds(row)) else {}
+        line |= _talk(row)
         lines.append(json.dumps(line))
     try:
         Path(path).write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
@@ -83,23 +89,50 @@ def _row(line: dict[str, Any], index: dict[str, int], names: dict[str, int]) -> 
     start, yaw, length = np.array(line["start"], np.float32), float(line["yaw"]), float(line["length"])
     if start.shape != (3,) or not np.isfinite([*start, yaw, length]).all():
         raise ValueError("`start` must be three finite numbers, `yaw` and `length` one each")
-    arrays = written([_read_meant(item) for item in line["meant"]], [_read_stage(item) for item in line["stages"]])
+    meant, sounds = [_read_meant(item) for item in line["meant"]], [Sound(**item) for item in line.get("sounds", ())]
+    arrays = written(meant, [_read_stage(item) for item in line["stages"]]) | written_sounds(sounds, len(meant))
     own = {"house": index[line["house"]], "task": names.setdefault(line["task"], len(names))}
     own |= {"start": start, "yaw": np.float32(yaw), "length": np.float32(length)}
-    return arrays | own | {"tokens": padded(tokenize(line["instruction"]))}
+    return arrays | own | {"tokens": padded(tokenize(line["instruction"]))} | _read_talk(line)
+
+
+def _talk(row: dict[str, np.ndarray]) -> dict[str, Any]:
+    """What a row says of speaking, of what it says anything."""
+    item: dict[str, Any] = {}
+    if row["answer"] != NONE:
+        item["answer"] = detokenize([int(row["answer"])])
+    if row["told"] != EVERYBODY:
+        item["told"] = [agent for agent in range(16) if int(row["told"]) >> agent & 1]
+    oracle = [[detokenize([word]) for word in pair] for pair in row["oracle"].tolist() if pair[0] != NONE]
+    return item | ({"oracle": oracle, "ask": int(row["ask"])} if oracle else {})
+
+
+def _read_talk(line: dict[str, Any]) -> dict[str, np.ndarray]:
+    (answer,) = tokenize(line["answer"]) if "answer" in line else (NONE,)
+    oracle = [tokenize(f"{question} {reply}") for question, reply in line.get("oracle", ())]
+    return written_talk(answer, line.get("told"), [(pair[0], pair[1]) for pair in oracle], int(line.get("ask", 0)))
 
 
 def _meant(row: dict[str, np.ndarray]) -> list[dict[str, Any]]:
     found = []
     for words, place in zip(row["descriptor"].tolist(), row["place"], strict=True):
-        if words[Word.KIND] == Kind.NOTHING:
-            break
         item: dict[str, Any] = {"kind": Kind(words[Word.KIND]).name.lower()}
         for word in list(Word)[1:]:
             if words[word] != ANY:
                 item[word.name.lower()] = vocabularies()[COLUMN[word]][words[word]] if word in COLUMN else words[word]
         found.append(item | ({"place": place.tolist()} if np.isfinite(place).all() else {}))
+    while found and found[-1] == {"kind": "nothing"}:
+        found.pop()
     return found
+
+
+def _sounds(row: dict[str, np.ndarray]) -> list[dict[str, Any]]:
+    plain = Sound(0, CLIPS[0])
+    return [
+        {"emitter": sound.emitter, "clip": sound.clip}
+        | {name: value for name, value in asdict(sound).items() if value != getattr(plain, name)}
+        for sound in read_sounds(row)
+    ]
 
 
 def _read_meant(item: dict[str, Any]) -> Meant:

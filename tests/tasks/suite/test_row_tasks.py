@@ -20,6 +20,7 @@ from home_mjx.tasks import (
     HouseTasks,
     InstructionFollowing,
     ObjectNav,
+    PointGoals,
     RoomNav,
     detokenize,
     expert_action,
@@ -29,7 +30,9 @@ from home_mjx.tasks import (
 )
 
 STOPS = {"stop": True}
-TASKS = HouseTasks(tasks=(RoomNav(**STOPS), ObjectNav(**STOPS), InstructionFollowing(**STOPS)), num_tasks=6)
+TASKS = HouseTasks(
+    tasks=(RoomNav(**STOPS), ObjectNav(**STOPS), InstructionFollowing(**STOPS), PointGoals(**STOPS)), num_tasks=6
+)
 CONFIG = EnvConfig(sensors=("state",), actions="discrete", physics=PhysicsConfig(impl="kinematic"))
 MOST_STEPS = 400
 
@@ -89,7 +92,7 @@ def test_random_actions_hardly_ever_succeed(env, reset):
 
 def test_rows_are_of_all_houses_and_tasks_and_begin_on_their_floors(env, bank, reset):
     rows = env.params.tasks.rows
-    counts = np.zeros((bank.num_houses, 3), int)
+    counts = np.zeros((bank.num_houses, len(env.params.tasks.names)), int)
     np.add.at(counts, (np.asarray(rows.house), np.asarray(rows.columns["task"])), 1)
     assert counts.min() >= 1
     assert counts.max() <= TASKS.num_tasks

@@ -1,0 +1,94 @@
+"""Further clips: each a function from a number of samples and a sample rate to a loop without a seam."""
+
+from collections.abc import Callable
+
+import numpy as np
+from jaxtyping import Float
+
+Samples = Float[np.ndarray, "_"]
+
+
+def _repeated(shape: Samples, seconds: float, sample_rate: int) -> Samples:
+    """A sound that begins anew so often; what rings on past the end of the loop is heard at its start."""
+    period = round(seconds * sample_rate)
+    return np.sum([np.roll(shape, start) for start in range(0, len(shape) - period + 1, period)], axis=0)
+
+
+def _time(length: int, sample_rate: int) -> Samples:
+    return np.arange(length) / sample_rate
+
+
+def _pulse(time: Samples, begin: float, end: float, ramp: float = 0.01) -> Samples:
+    """1 between two times [s], with soft ends."""
+    return np.clip(np.minimum(time - begin, end - time) / ramp, 0, 1)
+
+
+def _noise(length: int, seed: int) -> Samples:
+    return np.random.default_rng(seed).normal(size=length)
+
+
+def ring(length: int, sample_rate: int) -> Samples:
+    """A telephone: 440 and 480 Hz, twice 0.4 s every 2 s."""
+    time = _time(length, sample_rate)
+    tone = np.sin(2 * np.pi * 440 * time) + np.sin(2 * np.pi * 480 * time)
+    return _repeated(tone * (_pulse(time, 0, 0.4) + _pulse(time, 0.6, 1.0)), 2, sample_rate)
+
+
+def chirp(length: int, sample_rate: int) -> Samples:
+    """A bird: a tone that rises from 1.5 to 3 kHz in 0.15 s, twice a second."""
+    time = _time(length, sample_rate)
+    phase = 2 * np.pi * (1500 * time + 5000 * time**2)
+    return _repeated(np.sin(phase) * _pulse(time, 0, 0.15), 0.5, sample_rate)
+
+
+def knock(length: int, sample_rate: int) -> Samples:
+    """Knuckles on wood: three thuds of 180 and 420 Hz every 2 s."""
+    time = _time(length, sample_rate)
+    thud = (np.sin(2 * np.pi * 180 * time) + 0.6 * np.sin(2 * np.pi * 420 * time)) * np.exp(-40 * time)
+    thud = thud * np.minimum(time / 0.002, 1)
+    three = sum(np.roll(thud, round(begin * sample_rate)) for begin in (0.1, 0.4, 0.7))
+    return _repeated(np.asarray(three), 2, sample_rate)
+
+
+def bell(length: int, sample_rate: int) -> Samples:
+    """A bell of 600 Hz with its partials, struck every 2 s."""
+    time = _time(length, sample_rate)
+    partials = np.array([0.5, 1.0, 1.2, 1.5, 2.0, 2.67])[:, None]
+    strike = np.sin(2 * np.pi * 600 * partials * time) * np.exp(-2 * partials * time) / partials
+    return _repeated(strike.sum(axis=0) * np.minimum(time / 0.003, 1), 2, sample_rate)
+
+
+def alarm(length: int, sample_rate: int) -> Samples:
+    """Odd harmonics of 800 and 1000 Hz in turn, 0.25 s each."""
+    time = _time(length, sample_rate)
+    low, high = (sum(np.sin(2 * np.pi * pitch * n * time) / n for n in (1, 3)) for pitch in (800, 1000))
+    return _repeated(low * _pulse(time, 0, 0.25) + high * _pulse(time, 0.25, 0.5), 0.5, sample_rate)
+
+
+def bursts(length: int, sample_rate: int) -> Samples:
+    """White noise for 0.08 s, four times a second."""
+    return _repeated(_noise(length, 3) * _pulse(_time(length, sample_rate), 0, 0.08), 0.25, sample_rate)
+
+
+def whistle(length: int, sample_rate: int) -> Samples:
+    """A tone around 1.2 kHz that swings by 150 Hz five times a second."""
+    time = _time(length, sample_rate)
+    return np.sin(2 * np.pi * 1200 * time + 30 * np.sin(2 * np.pi * 5 * time))
+
+
+def hum(length: int, sample_rate: int) -> Samples:
+    """A fridge: harmonics of 50 Hz."""
+    time = _time(length, sample_rate)
+    return np.sum([np.sin(2 * np.pi * 50 * n * time + n) / n for n in (2, 3, 4, 6, 8, 12)], axis=0)
+
+
+def ticking(length: int, sample_rate: int) -> Samples:
+    """A clock: short strokes of 2.5 kHz, twice a second."""
+    time = _time(length, sample_rate)
+    return _repeated(np.sin(2 * np.pi * 2500 * time) * np.exp(-150 * time), 0.5, sample_rate)
+
+
+# New ones go to the end: files of tasks hold names, but arrays of them numbers.
+FURTHER: dict[str, Callable[[int, int], Samples]] = {
+    maker.__name__: maker for maker in (ring, chirp, knock, bell, alarm, bursts, whistle, hum, ticking)
+}

@@ -1,0 +1,69 @@
+"""Going to the nearest of some places that are known only at run time."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.navigation.fields import distance_field
+from home_mjx.navigation.grid import cell_of, row_of_cell
+from home_mjx.schema.compiled import FIELD_UNIT
+from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.experts.descent import descend, is_home
+from home_mjx.tasks.experts.leaves import cells_at_leaves
+from home_mjx.tasks.experts.walk import to_actions
+
+AROUND = np.array([-1, 0, 1])  # cells
+
+
+def seek(
+    snapshot: Snapshot, wanted: Bool[Array, "levels rows columns"], left: Bool[Array, "levels rows columns"]
+) -> Array:
+    """Actions of all agents, each towards the nearest cell that is wanted, see `ways_to`; who has none turns round."""
+    pose = snapshot.pose
+    error, done = ways_to(snapshot, wanted, left)
+    return to_actions(snapshot.config, jnp.where(done, 1.0, error), -pose.pitch, done, jnp.zeros_like(done))
+
+
+def ways_to(
+    snapshot: Snapshot,
+    wanted: Bool[Array, "levels rows columns"],
+    left: Bool[Array, "levels rows columns"],
+    num: int = -1,
+) -> tuple[Float[Array, " n"], Bool[Array, " n"]]:
+    """Turns of agents towards the nearest cell that is wanted [rad, to the left], and who has none to go to.
+
+    On its own storey that is by a field of distances made for the purpose, past the leaves of doors. If none can be had
+    so, an agent goes to the nearest of the house's goals that is left.
+
+    Args:
+        snapshot: The environment.
+        wanted: Cells of the house's grids; those where agents cannot walk do not count.
+        left: Cells, goals in which are worth a visit.
+        num: Of so many agents, the first ones; -1: of all.
+    """
+    bank, house = snapshot.bank, snapshot.house
+    chosen = slice(None) if num < 0 else slice(num)
+    pos, yaw, contact = snapshot.pose.pos[chosen], snapshot.pose.yaw[chosen], snapshot.contact[chosen]
+    navigation, numbers = bank.navigation, bank.navigation.cell[house]
+    clear = is_home(bank, house, numbers) & ~cells_at_leaves(snapshot)
+    goals = jax.vmap(lambda at: cell_of(bank, house, at))(navigation.goal[house])
+    is_left = left[goals[:, 0], goals[:, 1], goals[:, 2]]
+
+    def one(pos: Float[Array, "3"], touches: Bool[Array, ""]) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
+        level, row, column = cell_of(bank, house, pos)
+        near = distance_field(clear[level], wanted[level], bank.spec.cell)
+        y, x = (jnp.clip(at + AROUND, 0, most - 1) for at, most in zip((row, column), near.shape, strict=True))
+        is_near = jnp.any(jnp.isfinite(near[y[:, None], x[None]]))
+        way = navigation.field[row_of_cell(numbers[level, row, column])]
+        other = jnp.argmin(jnp.where(is_left, way.astype(jnp.float32), jnp.inf))
+
+        def far(place: Int[Array, "n 3"], cell: Int[Array, " n"]) -> Float[Array, " n"]:
+            there = navigation.field[row_of_cell(cell), other].astype(jnp.float32) * jnp.float32(FIELD_UNIT)
+            return jnp.where(is_near, near[place[:, 1], place[:, 2]], there)
+
+        return descend(bank, house, pos, touches, far)[0], ~is_near & ~jnp.any(is_left)
+
+    aim, done = jax.vmap(one)(pos, contact)
+    aim = aim - pos[:, :2]
+    return (jnp.arctan2(aim[:, 1], aim[:, 0]) - yaw + jnp.pi) % (2 * jnp.pi) - jnp.pi, done

@@ -1,0 +1,56 @@
+"""When an expert speaks, and what it says."""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.environment.moves import spoken_tokens
+from home_mjx.tasks.rows.machine import advance, conditions
+from home_mjx.tasks.rows.row_task import RowState
+from home_mjx.tasks.rows.words import FAILURE, Feature
+from home_mjx.tasks.speech.talk import NONE, is_told
+
+REPEAT = 4  # [steps] between words of who tells others; it walks in between, out of their way
+
+
+def or_words(snapshot: Snapshot, state: RowState, values: Float[Array, "feature a d d"], actions: Array) -> Array:
+    """The same actions, but words where it is time to speak.
+
+    Args:
+        snapshot: The environment.
+        state: Of its row task.
+        values: See `features.table`.
+        actions: Of all agents.
+    """
+    config = snapshot.config
+    if not config.speech:
+        return actions
+    said = next_words(snapshot, state, values)
+    match = jnp.asarray(spoken_tokens(config)[:-1]) == said[:, None]
+    return jnp.where(jnp.any(match, axis=1) & (said >= 0), jnp.argmax(match, axis=1).astype(jnp.int32), actions)
+
+
+def next_words(snapshot: Snapshot, state: RowState, values: Float[Array, "feature a d d"]) -> Int[Array, " a"]:
+    """Token that each agent should say now; -1 none.
+
+    The answer, once all has been looked at; questions that tell apart what is meant, before anything else; and to
+    agents that are not told what is to be done what they should know, again and again.
+    """
+    talk, agents = state.talk, values.shape[1]
+    told = is_told(talk, agents)
+    tells = told & ~jnp.all(told) & (snapshot.step % REPEAT == 0)
+    says = (tells | knows(state, values)) & (talk.answer >= 0)
+    question = jnp.take(talk.oracle[:, 0], jnp.minimum(state.asked, talk.oracle.shape[0] - 1))
+    asks = (state.asked < talk.ask) & (jnp.arange(agents) == 0)
+    return jnp.where(says, talk.answer, jnp.where(asks, question, NONE))
+
+
+def knows(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
+    """Whether the answer is all that the present stage, the last one, waits for."""
+    program = state.program
+    said = values.at[Feature.SAID].set(state.talk.answer.astype(jnp.float32))
+    after, _, taken = advance(program, state.stage, conditions(program, said))
+    quiet = advance(program, state.stage, conditions(program, values))[2]
+    at = jnp.maximum(state.stage, 0)
+    more = jnp.any((program.needs[at] >= 0) & (program.next[at] >= 0))
+    return jnp.broadcast_to(taken & ~quiet & (after != FAILURE) & ~more, values.shape[1:2])

@@ -1,0 +1,201 @@
+"""PiedPiper: follow the one who sounds, one of the tasks that HoME was made for (arXiv:1711.11017)."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.core.checks import check_known, check_number
+from home_mjx.errors import ConfigError
+from home_mjx.navigation.grid import cell_of, row_of_cell
+from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.base.specs import Specs
+from home_mjx.tasks.experts.descent import descend
+from home_mjx.tasks.experts.explore import ways_to
+from home_mjx.tasks.experts.walk import to_actions
+from home_mjx.tasks.language.vocabulary import tokenize
+from home_mjx.tasks.rows.build import Row
+from home_mjx.tasks.rows.house_view import HouseView
+from home_mjx.tasks.rows.program import Go, Meant, Stage, When
+from home_mjx.tasks.rows.row_task import RowState
+from home_mjx.tasks.rows.words import SUCCESS, Feature
+from home_mjx.tasks.sounds.row import Sound
+from home_mjx.tasks.suite.audio_nav import DISTRACTING, NUM_PLACES, SPLITS
+from home_mjx.tasks.suite.navigation import Navigation
+
+FOLLOWER, PIPER = 0, 1  # agents
+ROUTE = 2  # first of the two descriptors between which piper and others walk
+THERE = 0.5  # [m]: then they turn round
+PACE = 3  # every so many steps who is led rests
+PATIENCE = 30  # steps in touch with something, after which the first of them turns round as well; the next later
+APART = 0.9  # [m]: the expert comes no nearer
+
+
+class PiedPiperState(RowState):
+    """Where an episode stands, and where those who are led are going; A agents."""
+
+    heading: Int[Array, " a"]  # descriptor of the place
+    blocked: Int[Array, " a"]  # steps in touch with something, one after the other
+    near: Int[Array, ""]  # steps in which the follower was near
+
+    def expert(self, snapshot: Snapshot) -> Array:
+        """Along the shortest way to where the piper is now; beside it, it turns on the spot."""
+        bank, house, pose = snapshot.bank, snapshot.house, snapshot.pose
+        numbers, rooms = bank.navigation.cell[house], bank.navigation.room[house]
+        at = cell_of(bank, house, pose.pos[PIPER])
+        cell = bank.navigation.place[row_of_cell(numbers[at[0], at[1], at[2]])].astype(jnp.int32)
+        wanted = jnp.zeros(numbers.shape, bool).at[cell[0], cell[1], cell[2]].set(True)
+        error, _ = ways_to(snapshot, wanted, rooms == rooms[cell[0], cell[1], cell[2]], num=1)
+        away = jnp.linalg.norm(pose.pos[PIPER] - pose.pos[FOLLOWER])
+        waits = jnp.broadcast_to(away < APART, pose.yaw.shape)
+        error = jnp.where(waits, 1.0, error[FOLLOWER])
+        return to_actions(snapshot.config, error, -pose.pitch, waits, jnp.zeros_like(waits))
+
+
+@dataclass(frozen=True)
+class PiedPiper(Navigation):
+    """Stay near the agent that plays. The task itself leads that one, and the others, which make other noises.
+
+    The first agent is yours. The second, the piper, walks to and fro between two places of the house, at two thirds of
+    the speed. So do the others; whoever follows the nearest agent may follow the wrong one. Learning is for the first
+    agent: actions of the others are ignored, and their rewards are 0.
+
+    Attributes:
+        others: So many agents beside the piper, 0 or 1.
+        follow_distance: Near is so near to the piper [m], at first with nothing between.
+        follow_steps: So many steps one after the other.
+        clip_split: What the piper plays: "heard", "unheard" or "all" of `audio_nav.SPLITS`.
+    """
+
+    others: int = 1
+    follow_distance: float = 2.0
+    follow_steps: int = 80
+    clip_split: str = "heard"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_number("others", self.others, 0, 1, whole=True)
+        check_number("follow_distance", self.follow_distance, APART)
+        check_number("follow_steps", self.follow_steps, 1, whole=True)
+        check_known("split of sounds", [self.clip_split], SPLITS)
+
+    @property
+    def needs_stop(self) -> bool:
+        """No."""
+        return False
+
+    @property
+    def observation_spec(self) -> Specs:
+        """None: what there is to know is heard and seen."""
+        return {}
+
+    @property
+    def num_sources(self) -> int:
+        """Everybody's but the follower's."""
+        return 1 + self.others
+
+    @property
+    def clips(self) -> tuple[str, ...]:
+        """The piper's, and the others' noises."""
+        return (*SPLITS[self.clip_split], *(DISTRACTING if self.others else ()))
+
+    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
+        """Pairs of places of the house."""
+        free = random.permutation(np.flatnonzero(~view.graph.at_leaf))[:NUM_PLACES]
+        while len(free) > 1:
+            first, second = view.graph.place[random.choice(free, 2, replace=False)].tolist()
+            who = Meant.someone(PIPER + 1) if self.others else Meant.hidden()
+            meant = [Meant.someone(PIPER), who, Meant.at(first), Meant.at(second)]
+            sounds = [Sound(0, str(random.choice(SPLITS[self.clip_split])))]
+            sounds += [Sound(1, str(random.choice(DISTRACTING)))] * self.others
+            yield Row(meant, self._stages(), ROUTE, tokenize("follow the sound"), sounds)
+
+    def _stages(self) -> list[Stage]:
+        near = When(Feature.STRAIGHT, 0, agent=FOLLOWER, most=self.follow_distance)
+        clear, long = When(Feature.CLEAR, 0, agent=FOLLOWER, least=1), When(Feature.TIME, least=self.follow_steps)
+        win = Go(SUCCESS, (near, long), reward=self.success_reward)
+        return [Stage((Go(1, (near, clear)),), guide=0), Stage((win, Go(0, bars=(near,))), guide=0)]
+
+    def init(self, snapshot: Snapshot, key: Array, columns: dict[str, Array] | None) -> PiedPiperState:
+        """Everybody sets out to the first place."""
+        agents = snapshot.pose.yaw.shape[0]
+        if agents != 2 + self.others:
+            raise ConfigError(
+                f"PiedPiper with others={self.others} is for {2 + self.others} agents, got {agents}",
+                hint=f"Give num_agents={2 + self.others}.",
+            )
+        base, zero = super().init(snapshot, key, columns), jnp.zeros(agents, jnp.int32)
+        own = {option.name: getattr(base, option.name) for option in fields(RowState)}
+        return PiedPiperState(**own, heading=zero + ROUTE, blocked=zero, near=zero[0])
+
+    def lead(self, snapshot: Snapshot, state: PiedPiperState) -> tuple[Bool[Array, " a"], Array]:
+        """The piper and the others, down the distances to where they are going, but for every third step."""
+        pose, config = snapshot.pose, snapshot.config
+        everybody = jnp.ones_like(snapshot.stopped)
+        error = _turn(_aims(snapshot, state, state.heading) - pose.pos[:, :2], pose.yaw)
+        actions = to_actions(config, error, -pose.pitch, ~everybody, ~everybody)
+        rests = snapshot.step % PACE == 0
+        nothing = (
+            jnp.zeros_like(actions) if config.discrete is None else jnp.full_like(actions, len(config.action_names))
+        )
+        return jnp.arange(len(everybody)) != FOLLOWER, jnp.where(rests, nothing, actions)
+
+    def update(self, snapshot: Snapshot, state: PiedPiperState) -> PiedPiperState:
+        """The next stage; and who has arrived, or cannot go on, turns round."""
+        new = super().update(snapshot, state)
+        assert isinstance(new, PiedPiperState)
+        blocked = jnp.where(snapshot.contact, state.blocked + 1, 0)
+        left = jnp.take_along_axis(new.distance, state.heading[:, None], axis=1)[:, 0]
+        # Not both at once: the first needs the time to turn and to go.
+        turns = (left < THERE) | (blocked >= PATIENCE * jnp.arange(len(blocked)))
+        near = (new.distance[FOLLOWER, 0] <= jnp.float32(self.follow_distance)).astype(jnp.int32)
+        return new.replace(
+            heading=jnp.where(turns, 2 * ROUTE + 1 - state.heading, state.heading),
+            blocked=jnp.where(turns, 0, blocked),
+            near=state.near + near,
+        )
+
+    def observe(self, snapshot: Snapshot, state: PiedPiperState) -> dict[str, Array]:
+        """Nothing."""
+        return {}
+
+    def reward(self, snapshot: Snapshot, before: PiedPiperState, state: PiedPiperState) -> Float[Array, " a"]:
+        """The follower's: progress towards the piper, success, less costs."""
+        reward = super().reward(snapshot, before, state)
+        return jnp.where(jnp.arange(len(reward)) == FOLLOWER, reward, 0.0)
+
+    def terminated(self, snapshot: Snapshot, state: PiedPiperState) -> Bool[Array, ""]:
+        """It has followed for long enough, or has stopped."""
+        return (state.stage < 0) | snapshot.stopped[FOLLOWER]
+
+    def metrics(self, snapshot: Snapshot, state: PiedPiperState) -> dict[str, Float[Array, ""]]:
+        """Success, distance from the follower to the piper [m], part of the steps near it, collisions, stage."""
+        steps = jnp.maximum(snapshot.step, 1).astype(jnp.float32)
+        return {
+            "success": (state.stage == SUCCESS).astype(jnp.float32),
+            "distance": state.distance[FOLLOWER, 0],
+            "near": state.near.astype(jnp.float32) / steps,
+            "collisions": state.collisions[FOLLOWER].astype(jnp.float32),
+            "stage": state.stage.astype(jnp.float32),
+        }
+
+
+def _aims(snapshot: Snapshot, state: PiedPiperState, place: Int[Array, " a"]) -> Float[Array, "a 2"]:
+    """Where each agent walks straight on its way to a place of the route [m]."""
+    bank, house = snapshot.bank, snapshot.house
+    column = jnp.maximum(state.program.field, 0).astype(jnp.int32)
+
+    def one(pos: Array, touches: Array, place: Array) -> Array:
+        return descend(
+            bank, house, pos, touches, lambda _, cell: snapshot.tasks.field[row_of_cell(cell), column[place]]
+        )[0]
+
+    return jax.vmap(one)(snapshot.pose.pos, snapshot.contact, place)
+
+
+def _turn(aim: Float[Array, "a 2"], yaw: Float[Array, " a"]) -> Float[Array, " a"]:
+    """Angle from where agents look to where they are going, positive to the left [rad]."""
+    return (jnp.arctan2(aim[:, 1], aim[:, 0]) - yaw + jnp.pi) % (2 * jnp.pi) - jnp.pi

@@ -1,0 +1,72 @@
+"""Where things sound in an environment, now."""
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int, UInt16
+
+from home_mjx.audio_jax.auralization.sources import CLIPS
+from home_mjx.audio_jax.base.endpoints import Sounds
+from home_mjx.bank.bank import HouseBank
+from home_mjx.navigation.spawn import random_source
+from home_mjx.tasks.base.config import EnvConfig
+from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.sounds.row import NUM_SOUNDS, Emission
+from home_mjx.tasks.sounds.stroll import strolled
+
+NO_BODY, SILENT = -1, -1
+
+
+def house_sounds(config: EnvConfig, bank: HouseBank, house: Int[Array, ""], key: Array) -> Sounds:
+    """One source at a random place of a house that plays `config.clip` for ever; further ones are silent."""
+    number = config.num_sources
+    pos = random_source(bank, house, config.source_height, key)
+    return Sounds(
+        pos=jnp.broadcast_to(pos, (number, 3)),
+        body=jnp.full(number, NO_BODY, jnp.int32),
+        clip=jnp.full(number, SILENT, jnp.int32).at[0].set(CLIPS.index(config.clip)),
+        gain=jnp.ones(number, jnp.float32),
+        every=jnp.full(number, jnp.inf, jnp.float32),
+        lasts=jnp.full(number, jnp.inf, jnp.float32),
+    )
+
+
+def emitted(
+    snapshot: Snapshot,
+    emission: Emission,
+    point: Float[Array, "d 3"],
+    body: Int[Array, " d"],
+    field: UInt16[Array, "cell f"],
+    column: Int[Array, " d"],
+) -> Sounds:
+    """What a row's sounds are now; of a row without any, what sounded before.
+
+    Args:
+        snapshot: The environment; at step 0 nothing has moved yet.
+        emission: The row's sounds.
+        point: Where each descriptor's sound comes from [m]; inf: from nowhere.
+        body: Object id of what each descriptor means; -1 none.
+        field: Of the task bank.
+        column: Of each descriptor in it; -1 none.
+    """
+    before = snapshot.sounds
+    count = min(before.clip.shape[0], NUM_SOUNDS)
+    rows = jax.tree.map(lambda x: x[:count], emission)
+    of = jnp.maximum(rows.emitter, 0).astype(jnp.int32)
+    pos, own = point[of], body[of]
+    way = jnp.where(snapshot.step == 0, 0.0, rows.speed * jnp.float32(snapshot.config.timing.ctrl_dt))
+    goal = column[jnp.maximum(rows.towards, 0)].astype(jnp.int32)
+    walks = (way > 0) & (rows.towards >= 0) & (goal >= 0)
+    bank, house, height = snapshot.bank, snapshot.house, jnp.float32(snapshot.config.source_height)
+    gone = jax.vmap(lambda p, w, g: strolled(bank, house, field, jnp.maximum(g, 0), p, w, height))(pos, way, goal)
+    pos = jnp.where(walks[:, None], gone, pos)
+    known = (rows.emitter >= 0) & jnp.all(jnp.isfinite(pos), axis=-1)
+    new = before.replace(
+        pos=before.pos.at[:count].set(jnp.where(known[:, None], pos, before.pos[:count])),
+        body=before.body.at[:count].set(own),
+        clip=jnp.full_like(before.clip, SILENT).at[:count].set(jnp.where(known, rows.clip.astype(jnp.int32), SILENT)),
+        gain=before.gain.at[:count].set(rows.gain),
+        every=before.every.at[:count].set(rows.every),
+        lasts=before.lasts.at[:count].set(rows.lasts),
+    )
+    has_any = jnp.any(emission.emitter >= 0)
+    return jax.tree.map(lambda a, b: jnp.where(has_any, a, b), new, before)

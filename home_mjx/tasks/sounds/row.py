@@ -1,0 +1,106 @@
+"""The sounds of a row: written by a person, and the same as arrays."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from home_mjx.audio_jax.auralization.sources import CLIPS
+from home_mjx.core.checks import check_known, check_number
+from home_mjx.core.pytree import Pytree
+from home_mjx.errors import ConfigError
+
+NUM_SOUNDS = 4  # of a row
+NOBODY = -1
+COLUMN = "sound_{}"
+
+
+@dataclass(frozen=True)
+class Sound:
+    """What one of a row's descriptors plays, and when.
+
+    Attributes:
+        emitter: Number of the descriptor: an object, whose middle it comes from, a place or an agent.
+        clip: Name of the sound, from `home_mjx.audio_jax.CLIPS`.
+        every: It begins anew so often [s]; inf: once.
+        lasts: So long each time [s]; inf: always.
+        gain: Of its pressure.
+        towards: A place that goes on along the shortest way to what this descriptor means; -1: it stays.
+        speed: So fast [m/s].
+
+    Raises:
+        ConfigError: A value cannot be used.
+
+    Example:
+        >>> Sound(0, "bell", every=3.0, lasts=1.0).gain
+        1.0
+    """
+
+    emitter: int
+    clip: str
+    every: float = math.inf
+    lasts: float = math.inf
+    gain: float = 1.0
+    towards: int = NOBODY
+    speed: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_known("clip", [self.clip], CLIPS)
+        check_number("emitter", self.emitter, 0, whole=True)
+        check_number("towards", self.towards, NOBODY, whole=True)
+        for name in ("every", "lasts"):
+            if not getattr(self, name) > 0:
+                raise ConfigError(f"`{name}` must be positive, got {getattr(self, name)}")
+        for name in ("gain", "speed"):
+            check_number(name, getattr(self, name), 0)
+
+
+class Emission(Pytree):
+    """The sounds of one episode: s rows, see `Sound`."""
+
+    emitter: Int[Array, "*t s"]  # descriptor; -1 none
+    clip: Int[Array, "*t s"]  # index into CLIPS
+    every: Float[Array, "*t s"]  # [s]
+    lasts: Float[Array, "*t s"]  # [s]
+    gain: Float[Array, "*t s"]
+    towards: Int[Array, "*t s"]  # descriptor; -1 stays
+    speed: Float[Array, "*t s"]  # [m/s]
+
+
+def written_sounds(sounds: Sequence[Sound], num_descriptors: int) -> dict[str, np.ndarray]:
+    """The columns of an `Emission`.
+
+    Raises:
+        ConfigError: There are more than a row has room for, or one names a descriptor that the row lacks.
+
+    Example:
+        >>> written_sounds([Sound(0, "bell")], 1)["sound_emitter"].tolist()
+        [0, -1, -1, -1]
+    """
+    if len(sounds) > NUM_SOUNDS:
+        raise ConfigError(f"a task has room for {NUM_SOUNDS} sounds, got {len(sounds)}")
+    for number in (number for sound in sounds for number in (sound.emitter, sound.towards)):
+        if number >= num_descriptors:
+            raise ConfigError(f"a sound is of descriptor {number}, but the task has {num_descriptors}")
+    rows = [(s.emitter, CLIPS.index(s.clip), s.every, s.lasts, s.gain, s.towards, s.speed) for s in sounds]
+    rows += [(NOBODY, 0, math.inf, math.inf, 0.0, NOBODY, 0.0)] * (NUM_SOUNDS - len(sounds))
+    kinds = {"emitter": np.int8, "clip": np.int16, "towards": np.int8}
+    names = Emission.__dataclass_fields__
+    return {
+        COLUMN.format(name): np.array(values, kinds.get(name, np.float32))
+        for name, values in zip(names, zip(*rows, strict=True), strict=True)
+    }
+
+
+def emission_of(columns: Mapping[str, Array]) -> Emission:
+    """The sounds among the columns of a row, or of many."""
+    return Emission(**{name: columns[COLUMN.format(name)] for name in Emission.__dataclass_fields__})
+
+
+def read_sounds(columns: Mapping[str, np.ndarray]) -> list[Sound]:
+    """The sounds among the columns of a row; undoes `written_sounds`."""
+    values = {name: np.asarray(columns[COLUMN.format(name)]).tolist() for name in Emission.__dataclass_fields__}
+    rows = [dict(zip(values, row, strict=True)) for row in zip(*values.values(), strict=True)]
+    return [Sound(**(row | {"clip": CLIPS[row["clip"]]})) for row in rows if row["emitter"] != NOBODY]

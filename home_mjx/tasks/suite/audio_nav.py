@@ -1,0 +1,127 @@
+"""AudioNav: go to what sounds.
+
+Chen et al., "SoundSpaces: Audio-Visual Navigation in 3D Environments", 2020 (arXiv:1912.11474): success is `stop`
+within 1 m. Sounds that move, and distractors: Younes et al., "Catch Me If You Hear Me", 2023 (arXiv:2111.14843).
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Array
+
+from home_mjx.core.checks import check_flag, check_known, check_number
+from home_mjx.schema.categories import COARSE
+from home_mjx.schema.semantic import Semantic
+from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.base.specs import Specs
+from home_mjx.tasks.language.vocabulary import tokenize
+from home_mjx.tasks.rows.build import Row
+from home_mjx.tasks.rows.house_view import HouseView
+from home_mjx.tasks.rows.program import Meant, When
+from home_mjx.tasks.rows.row_task import RowState
+from home_mjx.tasks.rows.words import Feature
+from home_mjx.tasks.sounds.row import Sound
+from home_mjx.tasks.suite.navigation import NO_GOALS, Navigation, arrive
+
+SPLITS = {
+    "heard": ("radio", "ring", "chirp", "knock", "bell", "bursts"),
+    "unheard": ("speech", "tone", "alarm", "whistle"),
+}
+SPLITS["all"] = (*SPLITS["heard"], *SPLITS["unheard"])
+DISTRACTING = ("hum", "ticking", "noise")  # these are never looked for
+SCHEDULES = ("always", "intermittent", "once")
+EMITTERS = ("place", "object")
+NUM_PLACES = 16  # of a house: their distances are kept
+TARGET, GOAL = 1, 2  # descriptors; the first one is hidden
+
+
+@dataclass(frozen=True)
+class AudioNav(Navigation):
+    """Go to what sounds; nothing else tells where it is.
+
+    Attributes:
+        success_distance: From the source [m].
+        emitter: "place": a point of free floor, `EnvConfig.source_height` above it; "object": any object.
+        schedule: "always", "intermittent" (for `lasts` of every `every` seconds) or "once" (for `lasts` at the start).
+        every: [s].
+        lasts: [s].
+        clip_split: Sounds that are looked for: "heard", "unheard" or "all" of `SPLITS`.
+        distractors: So many other places play one of `DISTRACTING`, up to 2. An agent learns what not to go to.
+        moving: The source walks along the shortest way to another place and stays there. Only in view of it, however
+            near, is success; its guide is where it goes.
+        speed: Of a source that moves [m/s].
+    """
+
+    success_distance: float = 1.0
+    emitter: str = "place"
+    schedule: str = "always"
+    every: float = 3.0
+    lasts: float = 1.0
+    clip_split: str = "heard"
+    distractors: int = 0
+    moving: bool = False
+    speed: float = 0.3
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_number("success_distance", self.success_distance, 0)
+        check_known("kind of emitter", [self.emitter], EMITTERS)
+        check_known("schedule", [self.schedule], SCHEDULES)
+        check_known("split of sounds", [self.clip_split], SPLITS)
+        check_flag("moving", self.moving)
+        check_number("distractors", self.distractors, 0, 1 if self.moving else 2, whole=True)
+        for name in ("every", "lasts", "speed"):
+            check_number(name, getattr(self, name), 0.01)
+
+    @property
+    def observation_spec(self) -> Specs:
+        """None: what there is to know is heard."""
+        return {}
+
+    def observe(self, snapshot: Snapshot, state: RowState) -> dict[str, Array]:
+        """Nothing."""
+        return {}
+
+    @property
+    def num_sources(self) -> int:
+        """The target and the distractors."""
+        return 1 + self.distractors
+
+    @property
+    def clips(self) -> tuple[str, ...]:
+        """Those of the split, and the distracting ones if there are distractors."""
+        return (*SPLITS[self.clip_split], *(DISTRACTING if self.distractors else ()))
+
+    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
+        """Each time a clip at another of the house's places or objects, until all have had it; then again."""
+        found = self._emitters(view, random)
+        count = 1 + self.distractors + self.moving
+        while len(found) >= count:
+            order = random.permutation(len(found)).tolist()
+            for at in range(len(found) - count + 1):
+                yield self._row([found[i] for i in order[at : at + count]], random)
+
+    def _emitters(self, view: HouseView, random: np.random.Generator) -> list[Meant]:
+        if self.emitter == "object" and not self.moving:
+            things = [thing for thing in view.things if COARSE[thing.word(Semantic.COARSE)] not in NO_GOALS]
+            return [Meant.thing(object_id=thing.object_id) for thing in things]
+        free = np.flatnonzero(~view.graph.at_leaf)
+        return [Meant.at(view.graph.place[i].tolist()) for i in random.permutation(free)[:NUM_PLACES]]
+
+    def _row(self, meant: Sequence[Meant], random: np.random.Generator) -> Row:
+        near = self.success_distance
+        if self.moving:
+            there = When(Feature.STRAIGHT, TARGET, most=near), When(Feature.CLEAR, TARGET, least=1)
+        else:
+            there = (When(Feature.DISTANCE, TARGET, most=near),)
+        goal = GOAL if self.moving else TARGET
+        others = range(len(meant) - self.distractors + 1, len(meant) + 1)
+        sounds = [self._target(random), *(Sound(number, str(random.choice(DISTRACTING))) for number in others)]
+        stages = [arrive(there, self.stop, self.success_reward, goal)]
+        return Row([Meant.hidden(), *meant], stages, goal, tokenize("go to the sound"), sounds)
+
+    def _target(self, random: np.random.Generator) -> Sound:
+        when = {"always": {}, "intermittent": {"every": self.every, "lasts": self.lasts}, "once": {"lasts": self.lasts}}
+        walk = {"towards": GOAL, "speed": self.speed} if self.moving else {}
+        return Sound(TARGET, str(random.choice(SPLITS[self.clip_split])), **when[self.schedule], **walk)

@@ -1,0 +1,93 @@
+"""Balance: questions alone tell nothing, whatever was asked before."""
+
+import itertools
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from home_mjx.errors import ConfigError
+from home_mjx.tasks import TaskBank, chance, prior_accuracy
+from home_mjx.tasks.base.state import Episodes
+from home_mjx.tasks.questions.balance import balanced
+from home_mjx.tasks.rows.build import Drawn, Row, padded
+
+HOUSES = 12
+
+
+def offered(random, questions=20, kinds=3):
+    """Every question in most of the houses; one of its answers is far more frequent than the others."""
+    for number, house in itertools.product(range(questions), range(HOUSES)):
+        if random.random() < 0.8:
+            answer = 100 + (0 if random.random() < 0.8 else int(random.integers(1, 4)))
+            words = (1 + number, 1), (1 + number, 2), (1 + number, 3)
+            group = f"kind {number % kinds}", f"question {number}"
+            row = Row([], [], tokens=words[0], wordings=words[1:], answer=answer, group=group)
+            yield Drawn(row, house, 0, {})
+
+
+def bank_of(rows):
+    tokens = jnp.asarray([padded(row.row.tokens) for row in rows])
+    columns = {"tokens": tokens, "answer": jnp.asarray([row.row.answer for row in rows])}
+    zero = jnp.zeros(len(rows), jnp.int32)
+    episodes = Episodes(house=zero, start=jnp.zeros((len(rows), 3)), yaw=jnp.zeros(len(rows)), columns=columns)
+    return TaskBank(rows=episodes, field=jnp.zeros((1, 1), jnp.uint16), names=("Any",))
+
+
+@pytest.fixture(scope="module")
+def drawn():
+    return list(offered(np.random.default_rng(0)))
+
+
+def test_offered_questions_leak_and_chosen_ones_do_not(drawn):
+    kept = bank_of(balanced(drawn, 100, np.random.default_rng(1)))
+    assert 0.25 <= chance(kept) <= 0.5
+    assert prior_accuracy(bank_of(drawn), bank_of(drawn)) > chance(kept) + 0.1
+    assert prior_accuracy(kept, kept) == pytest.approx(chance(kept), abs=1e-12)
+
+
+def test_what_was_learned_elsewhere_does_not_help(drawn):
+    """Not even where it was not balanced."""
+    kept = bank_of(balanced(drawn, 100, np.random.default_rng(1)))
+    for seed in range(5):
+        others = list(offered(np.random.default_rng(10 + seed)))
+        held_out = bank_of(balanced(others, 100, np.random.default_rng(seed)))
+        for learned in (kept, bank_of(drawn)):
+            assert prior_accuracy(learned, held_out) <= chance(held_out) + 1e-12
+
+
+def test_each_text_has_its_answers_as_often_in_different_houses(drawn):
+    kept = balanced(drawn, 100, np.random.default_rng(1))
+    texts = {}
+    for row in kept:
+        texts.setdefault(tuple(row.row.tokens), []).append((row.row.answer, row.house))
+    for rows in texts.values():
+        answers, counts = np.unique([answer for answer, _ in rows], return_counts=True)
+        assert len(answers) >= 2
+        assert len(set(counts.tolist())) == 1
+    assert {tokens[1] for tokens in texts} == {1, 2, 3}  # all wordings are used
+    assert len({(row.row.group, row.house) for row in kept}) == len(kept)  # a question is asked once per house
+
+
+def test_no_house_has_too_many_and_kinds_take_turns(drawn):
+    kept = balanced(drawn, 5, np.random.default_rng(1))
+    assert np.bincount([row.house for row in kept]).max() <= 5
+    kinds = np.unique([row.row.group[0] for row in kept], return_counts=True)[1]
+    assert len(kinds) == 3
+    assert kinds.max() <= 2.5 * kinds.min()
+    assert prior_accuracy(bank_of(kept), bank_of(kept)) == pytest.approx(chance(bank_of(kept)))
+
+
+def test_the_same_seed_keeps_the_same(drawn):
+    first, again, other = (balanced(drawn, 5, np.random.default_rng(seed)) for seed in (1, 1, 2))
+    key = [(row.house, row.row.group, row.row.tokens) for row in first]
+    assert key == [(row.house, row.row.group, row.row.tokens) for row in again]
+    assert key != [(row.house, row.row.group, row.row.tokens) for row in other]
+
+
+def test_questions_with_one_answer_are_refused(drawn):
+    same = [row for row in drawn if row.row.answer == 100]
+    with pytest.raises(ConfigError, match="no question has two answers"):
+        balanced(same, 5, np.random.default_rng(0))
+    with pytest.raises(ConfigError, match="asks"):
+        chance(bank_of([Drawn(Row([], [], tokens=(1,)), 0, 0, {})]))
