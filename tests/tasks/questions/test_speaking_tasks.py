@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from spoken_words import number
+from whole_episodes import begun, played
 
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.physics import PhysicsConfig
@@ -223,22 +224,6 @@ def test_an_oracle_has_room_for_some_questions():
             written_talk(**wrong)
 
 
-def run(env, states, act):
-    """Until all have ended, but no longer than `MOST_STEPS`."""
-
-    def one(state, key):
-        after = env.core.step(env.params, state, act(state, key))
-        return jax.tree.map(lambda old, new: jnp.where(state.done, old, new), state, after)
-
-    def body(carry):
-        count, states = carry
-        keys = jax.random.split(jax.random.fold_in(jax.random.key(1), count), states.done.shape[0])
-        return count + 1, jax.vmap(one)(states, keys)
-
-    go = lambda carry: (carry[0] < MOST_STEPS) & ~jnp.all(carry[1].done)  # noqa: E731
-    return jax.jit(lambda s: jax.lax.while_loop(go, body, (0, s))[1])(states)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("task", "num_agents", "least"),
@@ -252,14 +237,14 @@ def run(env, states, act):
 )
 def test_experts_succeed_and_chance_does_not(bank, task, num_agents, least):
     env = HouseholdEnv(config_of(num_agents), task).bind(bank)
-    rows = len(env.params.tasks)
-    keys, index = jax.random.split(jax.random.key(0), rows), jnp.arange(rows)
-    begun = jax.jit(jax.vmap(env.core.reset, (None, 0, None, 0)))(env.params, keys, None, index)
+    first = begun(env)
     of_all = (lambda action: action) if num_agents > 1 else (lambda action: action[0])
-    expert = run(env, begun, lambda s, _: of_all(expert_action(env.core.snapshot(env.params, s), s.task)))
-    assert rows >= 40
+    expert = played(
+        env, first, lambda s, _: of_all(expert_action(env.core.snapshot(env.params, s), s.task)), MOST_STEPS
+    )
+    assert len(env.params.tasks) >= 40
     assert np.asarray(expert.metrics["success"]).mean() >= least
     count = len(env.core.action_names)
     shape = (num_agents,) if num_agents > 1 else ()
-    drawn = run(env, begun, lambda _, key: jax.random.randint(key, shape, 0, count))
+    drawn = played(env, first, lambda _, key: jax.random.randint(key, shape, 0, count), MOST_STEPS)
     assert np.asarray(drawn.metrics["success"]).mean() < 0.08

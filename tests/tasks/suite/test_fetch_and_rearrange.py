@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from whole_episodes import begun, played
 
 import home_mjx
 from home_mjx.errors import ConfigError
@@ -227,30 +228,12 @@ def env(bank, tasks):
 
 @pytest.fixture(scope="module")
 def reset(env):
-    rows = len(env.params.tasks)
-    keys, index = jax.random.split(jax.random.key(0), rows), jnp.arange(rows)
-    return jax.jit(jax.vmap(env.core.reset, (None, 0, None, 0)))(env.params, keys, None, index)
-
-
-def run(env, states, act):
-    """Until all have ended, but no longer than `MOST_STEPS`."""
-
-    def step(state, key):
-        after = env.core.step(env.params, state, act(state, key))
-        return jax.tree.map(lambda old, new: jnp.where(state.done, old, new), state, after)
-
-    def body(carry):
-        number, states = carry
-        keys = jax.random.split(jax.random.fold_in(jax.random.key(1), number), states.done.shape[0])
-        return number + 1, jax.vmap(step)(states, keys)
-
-    go = lambda carry: (carry[0] < MOST_STEPS) & ~jnp.all(carry[1].done)  # noqa: E731
-    return jax.jit(lambda s: jax.lax.while_loop(go, body, (0, s))[1])(states)
+    return begun(env)
 
 
 @pytest.mark.slow
 def test_experts_bring_things_and_put_them_down(env, reset):
-    done = run(env, reset, lambda s, _: expert_action(env.core.snapshot(env.params, s), s.task)[0])
+    done = played(env, reset, lambda s, _: expert_action(env.core.snapshot(env.params, s), s.task)[0], MOST_STEPS)
     success = np.asarray(done.metrics["success"])
     for number, name in enumerate(env.params.tasks.names):
         own = np.asarray(done.task.task) == number
@@ -261,7 +244,7 @@ def test_experts_bring_things_and_put_them_down(env, reset):
 @pytest.mark.slow
 def test_chance_does_not_tidy_up(env, reset):
     num = int(env.core.action_spec.high) + 1
-    done = run(env, reset, lambda _, key: jax.random.randint(key, (), 0, num))
+    done = played(env, reset, lambda _, key: jax.random.randint(key, (), 0, num), MOST_STEPS)
     assert np.asarray(done.metrics["success"]).mean() < 0.1
 
 
