@@ -57,4 +57,5 @@ class InstructionFollowing(Navigation):
         text = said[0]
         for part in said[1:]:
             text = JOINED[int(random.integers(2 if len(said) > 2 else 3))].format(text, part)
-        return Row([Meant.of(words) for words in parts], stages, tokens=tokenize(text))
+        meant = [Meant.of(words) for words in parts]
+        return Row(meant, stages, tokens=tokenize(text), then=range(1, len(meant)))

@@ -82,7 +82,10 @@ def test_rows_are_of_all_houses_and_tasks_and_begin_on_their_floors(env, bank, r
     assert np.asarray(rows.columns["length"]).min() >= TASKS.min_length
     guide = np.asarray(rows.columns["guide"][:, 0])
     told = np.asarray(reset.task.distance)[np.arange(len(rows)), 0, guide]
-    np.testing.assert_allclose(told, rows.columns["length"], atol=0.15)
+    length, parts = np.asarray(rows.columns["length"]), (np.asarray(rows.columns["guide"]) >= 0).sum(axis=1)
+    np.testing.assert_allclose(told[parts == 1], length[parts == 1], atol=0.15)
+    assert (length - told)[parts > 1].min() > -0.15  # and the ways from one thing to the next
+    assert (length - told)[parts > 1].mean() > 1.0
 
 
 def test_a_file_of_tasks_holds_all_of_them(env, bank, tmp_path):
