@@ -61,7 +61,7 @@ def play(env: BoundEnv[HouseholdEnv], told: Callable[[Step], None] = lambda step
     places = Places.of(env.bank)
     script = Script(core.config, places)
     state = jax.jit(core.begin)(params, suitable_start(env, places))
-    state = state.replace(world=state.world.replace(source=jnp.asarray(places.sound, jnp.float32)))
+    state = state.replace(world=state.world.with_source(jnp.asarray(places.sound, jnp.float32)))
     look = jax.jit(lambda params, state: moment_of(core, params, state))
     step = jax.jit(core.step)
     moment = to_host(look(params, state))

@@ -77,6 +77,10 @@ class World(Pytree):
         """Where the first sound comes from [m]."""
         return self.sounds.pos[..., 0, :]
 
+    def with_source(self, pos: Float[Array, "*n 3"]) -> "World":
+        """The same world, its first sound elsewhere [m]."""
+        return self.replace(sounds=self.sounds.replace(pos=self.sounds.pos.at[..., 0, :].set(pos)))
+
 
 class State(Pytree):
     """One environment between two steps; for one agent the agent axis of obs and reward is squeezed.
