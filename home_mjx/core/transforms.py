@@ -1,7 +1,12 @@
-"""Affine maps as 3x4 matrices (linear part and translation) and quaternions (w, x, y, z), for one environment."""
+"""Affine maps as 3x4 matrices (linear part and translation), quaternions (w, x, y, z) and angles."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
+
+
+def wrap_angle(angle: Float[Array, "*n"]) -> Float[Array, "*n"]:
+    """The same angle from -pi to pi [rad]."""
+    return (angle + jnp.pi) % (2 * jnp.pi) - jnp.pi
 
 
 def body_quat(yaw: Float[Array, ""]) -> Float[Array, "4"]:

@@ -101,6 +101,11 @@ def _rank(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Int
     return jnp.where(cell >= 0, rank, NOWHERE)
 
 
+def is_home(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Bool[Array, "*n"]:
+    """Whether entries of `Navigation.cell` are of the home region, where agents can walk."""
+    return (cell >= 0) & (cell - bank.navigation.first_cell[house] < bank.navigation.num_cells[house])
+
+
 def row_of_cell(cell: Int[Array, "*n"]) -> Int[Array, "*n"]:
     """Of entries of `Navigation.cell`: the row of `field` and `place` that counts there."""
     return jnp.where(cell >= 0, cell, ~cell)

@@ -7,18 +7,13 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.navigation.grid import cell_of, place_position, row_of_cell
+from home_mjx.navigation.grid import cell_of, is_home, place_position, row_of_cell
 
 LOOK_AHEAD = 6  # cells
 SAMPLES = 8  # places of a straight way that are looked at
 
 # Distance of some cells, given by level, row and column and as entries of `Navigation.cell`, in any unit.
 Far = Callable[[Int[Array, "n 3"], Int[Array, " n"]], Array]
-
-
-def is_home(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Bool[Array, "*n"]:
-    """Whether entries of `Navigation.cell` are of the home region, where agents can walk."""
-    return (cell >= 0) & (cell - bank.navigation.first_cell[house] < bank.navigation.num_cells[house])
 
 
 def descend(

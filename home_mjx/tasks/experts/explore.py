@@ -5,11 +5,12 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
+from home_mjx.core.transforms import wrap_angle
 from home_mjx.navigation.fields import distance_field
-from home_mjx.navigation.grid import cell_of, row_of_cell
+from home_mjx.navigation.grid import cell_of, is_home, row_of_cell
 from home_mjx.schema.compiled import FIELD_UNIT
 from home_mjx.tasks.base.snapshot import Snapshot
-from home_mjx.tasks.experts.descent import descend, is_home
+from home_mjx.tasks.experts.descent import descend
 from home_mjx.tasks.experts.leaves import cells_at_leaves
 from home_mjx.tasks.experts.walk import to_actions
 
@@ -66,4 +67,4 @@ def ways_to(
 
     aim, done = jax.vmap(one)(pos, contact)
     aim = aim - pos[:, :2]
-    return (jnp.arctan2(aim[:, 1], aim[:, 0]) - yaw + jnp.pi) % (2 * jnp.pi) - jnp.pi, done
+    return wrap_angle(jnp.arctan2(aim[:, 1], aim[:, 0]) - yaw), done

@@ -7,6 +7,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.core.pytree import Pytree
+from home_mjx.core.transforms import wrap_angle
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.environment.handling import carried_ids, in_reach, look_past_hand
@@ -154,7 +155,7 @@ def _aimed(
     offset = points - eye_position(config, pose)[:, None]
     away = jnp.linalg.norm(offset[..., :2], axis=-1)
     turn = jnp.arctan2(offset[..., 1], offset[..., 0]) - pose.yaw[:, None]
-    turn = (turn + jnp.pi) % (2 * jnp.pi) - jnp.pi
+    turn = wrap_angle(turn)
     tilt = jnp.arctan2(offset[..., 2], jnp.maximum(away, 1e-3)) - pose.pitch[:, None]
     done = _in_steps(config, turn, tilt, pose.pitch)
     miss = jnp.hypot(turn - done[0], tilt - done[1])

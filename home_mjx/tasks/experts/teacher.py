@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array
 
+from home_mjx.core.transforms import wrap_angle
 from home_mjx.errors import ConfigError
 from home_mjx.navigation.grid import row_of_cell
 from home_mjx.tasks.base.snapshot import Snapshot
@@ -76,7 +77,7 @@ def _to_point(task: PointNav, snapshot: Snapshot, state: PointNavState) -> Array
 
     aim, there = jax.vmap(ahead)(snapshot.pose.pos, snapshot.contact)
     way = aim - snapshot.pose.pos[:, :2]
-    error = (jnp.arctan2(way[:, 1], way[:, 0]) - snapshot.pose.yaw + jnp.pi) % (2 * jnp.pi) - jnp.pi
+    error = wrap_angle(jnp.arctan2(way[:, 1], way[:, 0]) - snapshot.pose.yaw)
     stop = (state.distance <= jnp.float32(WELL_WITHIN * task.success_radius)) | there
     stop = stop & jnp.bool_(task.stop)
     return to_actions(snapshot.config, error, -snapshot.pose.pitch, jnp.zeros_like(stop), stop)

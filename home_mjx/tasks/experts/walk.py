@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
+from home_mjx.core.transforms import wrap_angle
 from home_mjx.navigation.grid import row_of_cell
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
@@ -63,7 +64,7 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
     works = (grip.take | grip.put) & ~stop
     stands = works & (grip.ready | there)
     error, tilt, near = facing(snapshot, state, farther, box[:, guide], way, there & ~works)
-    walks = _apart(way, snapshot.pose.yaw)
+    walks = wrap_angle(way - snapshot.pose.yaw)
     error = jnp.where(stands, grip.turn, jnp.where(works, walks, error))
     tilt, near = jnp.where(stands, grip.tilt, tilt), jnp.where(works, stands, near)
     actions = to_actions(config, error, tilt, near, stop)
@@ -103,11 +104,7 @@ def facing(
     heading = jnp.where(near & jnp.all(jnp.isfinite(offset), axis=-1), faces, way)
     level = jnp.linalg.norm(offset[:, :2], axis=-1)
     rise = jnp.where(near & jnp.isfinite(level), jnp.arctan2(offset[:, 2], jnp.maximum(level, 0.3)), 0.0)
-    return _apart(heading, snapshot.pose.yaw), rise - snapshot.pose.pitch, near
-
-
-def _apart(heading: Float[Array, " a"], yaw: Float[Array, " a"]) -> Float[Array, " a"]:
-    return (heading - yaw + jnp.pi) % (2 * jnp.pi) - jnp.pi
+    return wrap_angle(heading - snapshot.pose.yaw), rise - snapshot.pose.pitch, near
 
 
 def should_look(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:

@@ -14,10 +14,9 @@ from jaxtyping import Array, Bool, Float, Int
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_number
 from home_mjx.core.pytree import Pytree
-from home_mjx.navigation.grid import cell_of
+from home_mjx.navigation.grid import cell_of, is_home
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.task import Task
-from home_mjx.tasks.experts.descent import is_home
 from home_mjx.tasks.experts.explore import seek
 
 TILE = 0.5  # [m], edge of what is covered at once

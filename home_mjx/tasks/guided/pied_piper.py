@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.core.checks import check_known, check_number
+from home_mjx.core.transforms import wrap_angle
 from home_mjx.errors import ConfigError
 from home_mjx.navigation.grid import cell_of, row_of_cell
 from home_mjx.tasks.base.snapshot import Snapshot
@@ -198,4 +199,4 @@ def _aims(snapshot: Snapshot, state: PiedPiperState, place: Int[Array, " a"]) ->
 
 def _turn(aim: Float[Array, "a 2"], yaw: Float[Array, " a"]) -> Float[Array, " a"]:
     """Angle from where agents look to where they are going, positive to the left [rad]."""
-    return (jnp.arctan2(aim[:, 1], aim[:, 0]) - yaw + jnp.pi) % (2 * jnp.pi) - jnp.pi
+    return wrap_angle(jnp.arctan2(aim[:, 1], aim[:, 0]) - yaw)

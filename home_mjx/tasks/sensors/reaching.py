@@ -10,9 +10,9 @@ from home_mjx.core.transforms import quat_matrix
 from home_mjx.physics.kinematic.footprints import Footprints
 from home_mjx.physics.reference.slots import Boxes
 from home_mjx.raycast_render.casting.cast import cast
-from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.surface import normals
 from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.tasks.sensors.sight import as_it_begins
 
 ACROSS = np.linspace(-0.85, 0.85, 5)  # where a thing is aimed at, in half extents
 GRID = np.linspace(-1.0, 1.0, 10)  # spots of a surface
@@ -124,7 +124,7 @@ def taken_from(
     reach: Float[Array, ""],
 ) -> Bool[Array, " n"]:
     """From below which eyes a hand can take an instance with these bounds, as the house begins with doors open."""
-    scene = _as_it_begins(bank, house)
+    scene = as_it_begins(bank, house)
 
     def one(eye: Float[Array, "3"]) -> Bool[Array, ""]:
         way = take_points(eye, box) - eye
@@ -147,7 +147,7 @@ def put_from(
     reach: Float[Array, ""],
 ) -> Bool[Array, " n"]:
     """From below which eyes a hand can put something of a radius [m] on an instance, as the house begins."""
-    scene, nothing = _as_it_begins(bank, house), jnp.full((), -1, jnp.int32)
+    scene, nothing = as_it_begins(bank, house), jnp.full((), -1, jnp.int32)
     meant = jnp.arange(bank.spec.num_instances, dtype=jnp.int32) == instance
     points, free = free_spots(scene, box, meant, radius, nothing)
 
@@ -163,10 +163,3 @@ def in_sight(scene: Scene, eye: Float[Array, "3"], points: Float[Array, "p 3"]) 
     length = jnp.linalg.norm(way, axis=-1)
     hit = cast(scene, jnp.broadcast_to(eye, way.shape), way / length[:, None])
     return hit.t >= length - SLACK
-
-
-def _as_it_begins(bank: HouseBank, house: Int[Array, ""]) -> Scene:
-    physics = bank.physics
-    nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
-    bodies = physics.body_pos[house], physics.body_quat[house]
-    return make_scene(bank, house, *bodies, *nobody, door_angle=physics.door_wide[house])

@@ -73,7 +73,7 @@ def seen_from(
 
 @jax.jit
 def _seen_from(bank: HouseBank, house: Array, eyes: Array, box: Array) -> Array:
-    scene = _as_it_begins(bank, house)
+    scene = as_it_begins(bank, house)
     points = jax.vmap(look_points, (0, None))(eyes, box)
     look = partial(clear, scene, own=jnp.full((), -1, jnp.int32))
     return jnp.any(jax.vmap(lambda eye, at: look(eye, box, at))(eyes, points), axis=1)
@@ -96,7 +96,7 @@ def ids_in_view(
 
 @jax.jit
 def _ids_in_view(bank: HouseBank, house: Array, eyes: Array, yaw: Array) -> Array:
-    scene = _as_it_begins(bank, house)
+    scene = as_it_begins(bank, house)
 
     def look(eye: Array, yaw: Array) -> Array:
         camera = Camera(eye, camera_quat(yaw, jnp.zeros_like(yaw)), jnp.deg2rad(jnp.float32(FOVY)))
@@ -105,7 +105,7 @@ def _ids_in_view(bank: HouseBank, house: Array, eyes: Array, yaw: Array) -> Arra
     return jax.vmap(look)(eyes, yaw)
 
 
-def _as_it_begins(bank: HouseBank, house: Array) -> Scene:
+def as_it_begins(bank: HouseBank, house: Array) -> Scene:
     """A house without agents, doors open."""
     physics = bank.physics
     nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)

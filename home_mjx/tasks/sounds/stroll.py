@@ -4,7 +4,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int, UInt16
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.navigation.grid import cell_of, row_of_cell
+from home_mjx.navigation.grid import cell_of, is_home, row_of_cell
 from home_mjx.schema.compiled import FIELD_FAR
 
 PARTS = 4  # of a way: none goes farther than to the next cell
@@ -38,7 +38,7 @@ def strolled(
         at = cell_of(bank, house, pos.at[2].add(jnp.float32(bank.spec.agent_height / 2) - height))
         near = jnp.clip(at + around, 0, limits)
         cell = numbers[near[:, 0], near[:, 1], near[:, 2]]
-        home = (cell >= 0) & (cell - navigation.first_cell[house] < navigation.num_cells[house])
+        home = is_home(bank, house, cell)
         row = row_of_cell(cell)
         best = jnp.argmin(jnp.where(home, field[row, goal].astype(jnp.int32), FIELD_FAR + 1))
         plan = (near[best, :0:-1].astype(jnp.float32) + 0.5) * jnp.float32(bank.spec.cell) + navigation.origin[house]
