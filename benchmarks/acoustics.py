@@ -26,19 +26,8 @@ from home_mjx.schema.compiled import BANDS
 
 UPRIGHT = jnp.float32([0.5, 0.5, -0.5, -0.5])
 LATE = (-25.0, -45.0)  # [dB], where coupled rooms decay as both together
-COLUMNS = (
-    "Room",
-    "Octave [Hz]",
-    "T30 [s]",
-    "here",
-    "error",
-    "EDT [s]",
-    "here",
-    "error",
-    "Level error [dB]",
-    "Late slope [s]",
-    "here",
-)
+ERRORS = ("T30 [s]", "here", "error", "EDT [s]", "here", "error", "Level error [dB]", "Late slope [s]", "here")
+COLUMNS = ("Room", "Octave [Hz]", *ERRORS)
 
 
 def engine(scene_bank, house, source, listener, key, config):
