@@ -54,8 +54,8 @@ def decay_curve(energy: Float[Array, "*c n"]) -> Float[Array, "*c n"]:
         energy: Squared response, or energy per bin.
 
     Example:
-        >>> decay_curve(jnp.array([1.0, 2.0, 1.0])).round(2).tolist()
-        [0.0, -1.25, -6.02]
+        >>> decay_curve(jnp.array([9.0, 0.9, 0.1])).round(2).tolist()
+        [0.0, -10.0, -20.0]
     """
     remaining = jax.lax.cumsum(energy, axis=energy.ndim - 1, reverse=True) + missing_energy(energy)[..., None]
     return 10 * jnp.log10(remaining / remaining[..., :1])
