@@ -3,7 +3,7 @@
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Float, Int, UInt8
 
 from home_mjx.core.pytree import Pytree
 
@@ -24,7 +24,7 @@ class LateField(Pytree):
     level: Float[Array, "n n spans bands"]  # ln of the energy re the free field at 1 m
     shape: Float[Array, "rooms rooms bands k"]  # ln of the energy per bin between two rooms, of which each span holds 1
     room: Int[Array, " n"]  # of each cell
-    near: Int[Array, "levels rows columns e"]  # cells around each place
+    near: UInt8[Array, "levels rows columns e"]  # cells around each place
     weight: Float[Array, "levels rows columns e"]  # of these; they add up to 1
     floor: Float[Array, " levels"]  # [m]
     origin: Float[Array, " 2"]  # [m], of place (0, 0)
