@@ -45,12 +45,11 @@ class Tally:
         """Logarithms of the energy per pair, span and octave, and the shapes of the decays."""
         shape = self.shape + np.swapaxes(self.shape, 0, 1)
         valid = int(np.clip(np.median(self.valid), 3 * SPANS[-1], shape.shape[3]))
-        apart = ~np.eye(len(shape), dtype=bool) if len(shape) > 1 else np.ones((1, 1), bool)
-        usual = shape[apart].sum(axis=0)  # between different rooms
-        grown = [_extend(band, valid) for band in usual]
+        rooms = np.arange(len(shape))
+        slowest = [_rate(band, valid) for band in shape[rooms, rooms].sum(axis=0)]
         longer = np.ones(shape.shape[:3])
         for index in np.ndindex(*shape.shape[:3]):
-            longer[index] = self._continue(shape[index], valid, usual[index[2]], grown[index[2]])
+            longer[index] = _extend(shape[index], valid, slowest[index[2]])
         pair = self.pair + np.swapaxes(self.pair, 0, 1)
         pair /= 2
         a, b = self.room[:, None], self.room[None]
@@ -61,16 +60,6 @@ class Tally:
         width = np.diff([*SPANS, shape.shape[3]])
         shape /= np.maximum(np.repeat(spans, width, axis=3), SILENT)
         return np.log(np.maximum(pair, SILENT)), shape
-
-    @staticmethod
-    def _continue(decay: Float[np.ndarray, " k"], valid: int, usual: Float[np.ndarray, " k"], grown: float) -> float:
-        """Completes the decay between two rooms; takes the usual one's form where rays were too few for a form."""
-        end = _dense(decay, valid)
-        if 2 * end >= valid and _rate(decay, end) > 0:
-            return _extend(decay, end)
-        late = slice(SPANS[-1], None)
-        decay[late] = usual[late] * (decay[late].sum() / max(usual[late].sum(), SILENT))
-        return grown
 
 
 def _dense(decay: Float[np.ndarray, " k"], valid: int) -> int:
@@ -86,16 +75,24 @@ def _rate(decay: Float[np.ndarray, " k"], end: int) -> float:
 
     The half before is divided in two; the ratio of their energies is what falls in so much time.
     """
-    first = max(end // 2, SPANS[-1])
-    middle = (first + end) // 2
-    before, after = decay[first:middle].mean() if middle > first else 0, decay[middle:end].mean() if end > middle else 0
-    return float(np.log(before / after) / ((end - first) / 2)) if before > after > 0 else 0.0
+    half = (end - max(end // 2, SPANS[-1])) // 2
+    if half < 1:
+        return 0.0
+    before, after = decay[end - 2 * half : end - half].sum(), decay[end - half : end].sum()
+    return float(np.log(before / after) / half) if before > after > 0 else 0.0
 
 
-def _extend(decay: Float[np.ndarray, " k"], end: int) -> float:
-    """Continues a decay in place beyond a bin as it fell before; by how much its last span grew."""
+def _extend(decay: Float[np.ndarray, " k"], valid: int, slowest: float) -> float:
+    """Continues a decay in place beyond what rays have found, as it fell before; by how much its last span grew.
+
+    Args:
+        decay: Energy per bin between two rooms.
+        valid: Bin up to which nearly all rays flew.
+        slowest: Rate at which the rooms themselves fall in the end [per bin]: none that they feed falls more slowly.
+    """
     old = decay[SPANS[-1] :].sum()
-    first, rate = max(end - (end - SPANS[-1]) // 4, SPANS[-1]), _rate(decay, end)
+    end = _dense(decay, valid)
+    first, rate = max(end - (end - SPANS[-1]) // 4, SPANS[-1]), max(_rate(decay, end), slowest)
     if old <= 0 or rate <= 0 or end <= first:
         return 1.0
     width = (end - first) / 2
