@@ -1,11 +1,12 @@
 """Rays from the cells of a house, heard in all other cells at once."""
 
+from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.propagation.paths import SKIN, air_energy
@@ -62,50 +63,66 @@ def fly(
     octave = jnp.repeat(jnp.arange(len(BANDS), dtype=jnp.int32), rays)
     ways, jitter, draws = jax.random.split(key, 3)
     way = jax.random.normal(ways, (octave.size, 3), jnp.float32)
-    way = way / jnp.linalg.norm(way, axis=1, keepdims=True)
-    first = _Ray(
-        jnp.tile(start, (len(BANDS), 1)),
-        way,
-        jnp.zeros(octave.size, jnp.float32),
-        jnp.ones(octave.size, jnp.float32),
-        jnp.zeros(octave.size, jnp.float32),
-    )
+    zero = jnp.zeros(octave.size, jnp.float32)
+    origin = jnp.tile(start, (len(BANDS), 1))
+    first = _Ray(origin, way / jnp.linalg.norm(way, axis=1, keepdims=True), zero, zero + 1, zero)
     metres = config.bin_seconds * config.speed_of_sound
     late = jax.random.uniform(jitter, octave.shape, jnp.float32)
     hear = partial(_hear, grid=grid, step=step, octave=octave, late=late, metres=metres)
-    air = jnp.asarray(air_energy(config))[octave]
+    walk = _Walk(scene, octave, jnp.asarray(air_energy(config))[octave], config.num_reflections > 0, hear)
+    cells = grid.volume.shape[0]
+    nothing = jnp.zeros(len(BANDS) * cells * bins, jnp.float32)
+    (ray, heard), _ = jax.lax.scan(walk.bounce, (first, nothing), jax.random.split(draws, config.num_bounces))
+    scale = 4 * jnp.pi * metres / rays / grid.volume
+    return heard.reshape(len(BANDS), cells, bins) * scale[None, :, None], ray.travelled
 
-    def bounce(carry: tuple[_Ray, Array], key: Array) -> tuple[tuple[_Ray, Array], None]:
+
+class _Walk(NamedTuple):
+    """What all bounces share."""
+
+    scene: Scene
+    octave: Int[Array, " n"]
+    air: Float[Array, " n"]  # [1/m]
+    mirrors: bool  # whether early paths render first-order reflections
+    hear: Callable[..., Array]
+
+    def bounce(self, carry: tuple[_Ray, Array], key: Array) -> tuple[tuple[_Ray, Array], None]:
+        """One segment, heard on its way, and the reflection at its end."""
         ray, heard = carry
-        choice, scatter = jax.random.split(key)
-        hit = cast(scene, ray.origin, ray.direction, t_max=jnp.where(ray.energy > 0, FAR, -1.0), mask=int(Ray.SOUND))
-        met = surface_at(scene, ray.direction, hit)
+        reach = jnp.where(ray.energy > 0, FAR, -1.0)
+        hit = cast(self.scene, ray.origin, ray.direction, t_max=reach, mask=int(Ray.SOUND))
+        met = surface_at(self.scene, ray.direction, hit)
         alive = hit.instance >= 0
         length = jnp.where(alive, hit.t, 0.0)
-        heard = hear(heard, ray, length, air)
-        absorption, scattering = (
-            jnp.take_along_axis(x, octave[:, None], 1)[:, 0] for x in (met.absorption, met.scattering)
-        )
-        mirrors = jax.random.uniform(choice, octave.shape, jnp.float32) >= scattering
-        ball = jax.random.normal(scatter, (octave.size, 3), jnp.float32)
-        lambert = met.normal + ball / jnp.linalg.norm(ball, axis=1, keepdims=True)
-        lambert = lambert / jnp.maximum(jnp.linalg.norm(lambert, axis=1, keepdims=True), 1e-6)
-        mirrored = ray.direction - 2 * jnp.sum(ray.direction * met.normal, axis=1, keepdims=True) * met.normal
-        rendered = (ray.travelled == 0) & mirrors & (hit.instance == ARCHITECTURE) & (config.num_reflections > 0)
+        heard = self.hear(heard, ray, length, self.air)
+        left = ray.energy * jnp.exp(-self.air * length) * (1 - self._own(met.absorption))
+        direction, mirrored = _reflect(ray.direction, met.normal, self._own(met.scattering), key)
+        rendered = (ray.travelled == 0) & mirrored & (hit.instance == ARCHITECTURE) & self.mirrors
         new = _Ray(
             ray.origin + length[:, None] * ray.direction + SKIN * met.normal,
-            jnp.where(mirrors[:, None], mirrored, lambert),
+            direction,
             ray.travelled + length,
-            jnp.where(alive, ray.energy * jnp.exp(-air * length) * (1 - absorption), 0.0),
+            jnp.where(alive, left, 0.0),
             jnp.where(rendered, 0.0, 1.0),
         )
         return (new, heard), None
 
-    cells = grid.volume.shape[0]
-    nothing = jnp.zeros(len(BANDS) * cells * bins, jnp.float32)
-    (ray, heard), _ = jax.lax.scan(bounce, (first, nothing), jax.random.split(draws, config.num_bounces))
-    scale = 4 * jnp.pi * metres / rays / grid.volume
-    return heard.reshape(len(BANDS), cells, bins) * scale[None, :, None], ray.travelled
+    def _own(self, values: Float[Array, "n bands"]) -> Float[Array, " n"]:
+        """Of each ray's octave."""
+        return jnp.take_along_axis(values, self.octave[:, None], axis=1)[:, 0]
+
+
+def _reflect(
+    direction: Float[Array, "n 3"], normal: Float[Array, "n 3"], scattering: Float[Array, " n"], key: Array
+) -> tuple[Float[Array, "n 3"], Bool[Array, " n"]]:
+    """New directions, mirrored or by Lambert's law, and which are mirrored."""
+    choice, scatter = jax.random.split(key)
+    mirrors = jax.random.uniform(choice, scattering.shape, jnp.float32) >= scattering
+    ball = jax.random.normal(scatter, direction.shape, jnp.float32)
+    lambert = normal + ball / jnp.linalg.norm(ball, axis=1, keepdims=True)
+    lambert = lambert / jnp.maximum(jnp.linalg.norm(lambert, axis=1, keepdims=True), 1e-6)
+    mirrored = direction - 2 * jnp.sum(direction * normal, axis=1, keepdims=True) * normal
+    return jnp.where(mirrors[:, None], mirrored, lambert), mirrors
 
 
 def _hear(
