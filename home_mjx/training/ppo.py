@@ -40,7 +40,7 @@ class TrainState(Pytree):
     opt: Any  # the optimizer's state
     actor: Actor
     key: UInt32[Array, "2"]
-    updates: Int[Array, ""]  # done so far
+    updates: Int[Array, ""]  # of the run, done so far
 
 
 class Batch(Pytree):
@@ -145,7 +145,7 @@ class PPO:
             steps=steps, memory=memory, advantage=advantage, target=advantage + steps.outputs["value"]
         )
         key, order = jax.random.split(state.key)
-        net, opt, metrics = self.fit(self.loss, state.net, state.opt, batch, order)
+        net, opt, metrics = self.fit(self.loss_now(state), state.net, state.opt, batch, order)
         new = TrainState.unchecked(net=net, opt=opt, actor=actor, key=key, updates=state.updates + 1)
         return new, metrics | {f"episode/{name}": jax.lax.psum(x, AXIS) for name, x in episodes.items()}
 
@@ -168,6 +168,10 @@ class PPO:
             return self.agent.read_one(net, memory, last, jnp.zeros(memory.shape[0], bool))[2]
 
         return Policy(act, value, choose.clip, self.agent.first_memory)
+
+    def loss_now(self, state: TrainState) -> Loss:
+        """What is descended in an update from this state."""
+        return self.loss
 
     def loss(self, net: Any, batch: Batch) -> tuple[Array, dict[str, Array]]:
         """PPO's clipped loss, the value's error and the entropy bonus; the whole sequence is run again."""
