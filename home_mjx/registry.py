@@ -43,6 +43,7 @@ class EnvSpec:
         split: `train`, `val` or `test`; None: any.
         where: A filter of houses; None: any.
         in_memory: It was made with a bank or dataset in memory, which no file can name.
+        variation: Ranges of domain randomisation by name, see `tasks.Variation`; None: nothing varies.
 
     Example:
         >>> spec = EnvSpec("PointNav-v0", "home_mjx.tasks:PointNav", {"width": 32})
@@ -58,6 +59,7 @@ class EnvSpec:
     split: str | None = None
     where: "HouseFilter | None" = None
     in_memory: bool = False
+    variation: Mapping[str, Any] | None = None
 
     def to_json(self) -> str:
         """The spec as text.
@@ -165,6 +167,7 @@ def make(
     split: str | None = None,
     where: "HouseFilter | None" = None,
     progress: bool | None = None,
+    variation: Any = None,
     **options: Any,
 ) -> "BoundEnv[HouseholdEnv]":
     """An environment by id.
@@ -178,6 +181,8 @@ def make(
         split: Only houses of `train`, `val` or `test`.
         where: A `HouseFilter`: only houses of a dataset that have all this.
         progress: Show a progress bar while houses are made and compiled; None: in a terminal.
+        variation: What differs from episode to episode: a `tasks.Variation`, or its ranges by name such as
+            `{"lamps": 0.5, "colors": (0, 0.3)}`; None: nothing.
         **options: Fields of `EnvConfig` and of the records in it, of the task (`task.*`) and of `CompileOptions`
             (`compile.*`): flat (`width=32`, `friction=0.5`, `success_radius=0.2`), dotted
             (`**{"physics.friction": 0.5}`) or as whole records (`physics=PhysicsConfig(...)`).
@@ -206,6 +211,7 @@ def make(
         split=split,
         where=where,
         in_memory=in_memory,
+        variation=_ranges(variation),
     )
     return _made(spec, houses, progress)
 
@@ -222,8 +228,19 @@ def _made(spec: EnvSpec, houses: Any, progress: bool | None) -> "BoundEnv[Househ
         env = _with_task(entry_point, get_bank, spec.options)
     else:
         env = entry_point(get_bank, **spec.options)
+    env = env if spec.variation is None else env.with_variation(spec.variation)
     env.spec = spec
     return env
+
+
+def _ranges(variation: Any) -> Mapping[str, Any] | None:
+    """As plain numbers by name, checked before any house is made."""
+    if variation is None:
+        return None
+    from home_mjx.tasks.variation.ranges import as_variation
+
+    checked = as_variation(variation)
+    return None if checked is None else checked.named()
 
 
 def _is_task(entry_point: Callable[..., Any]) -> TypeGuard[type]:
