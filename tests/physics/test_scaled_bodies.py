@@ -1,4 +1,4 @@
-"""Friction and mass of bodies times an episode's factors: as in a house whose bodies are so, and as closed forms say."""
+"""Friction and mass of bodies times factors: as in a house whose bodies are so, and as closed forms say."""
 
 import jax
 import jax.numpy as jnp

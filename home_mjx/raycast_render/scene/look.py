@@ -30,7 +30,7 @@ class Look(Pytree):
     swap: Float[Array, ""] | None = None  # chance of each textured material to have another texture of the bank
 
 
-def dimmed(look: Look | None, light: Vec, daylight: Bool[Array, "*n"], room: Int[Array, "*n"]) -> Vec:
+def dimmed(look: Look | None, light: Vec, daylight: Bool[Array, "*#n"], room: Int[Array, "*#n"]) -> Vec:
     """Light of windows, or of the lamps of rooms (-1: of none), as bright as it is in this episode."""
     if look is not None and look.lamps is not None:
         lamps = take(look.lamps, jnp.clip(room + 1, 0, look.lamps.shape[0] - 1))

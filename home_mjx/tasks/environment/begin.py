@@ -1,7 +1,6 @@
 """How an episode begins, and what there is to know of an environment at one instant."""
 
 import functools
-from collections.abc import Sequence
 
 import jax
 import jax.numpy as jnp
@@ -33,7 +32,7 @@ Index = Int[Array, ""] | int | None
 
 
 def first_instant(
-    config: EnvConfig, sensors: Sequence[Sensor], params: EnvParams, key: Array, house: Index, episode: Index
+    config: EnvConfig, sensors: tuple[Sensor, ...], params: EnvParams, key: Array, house: Index, episode: Index
 ) -> tuple[PhysicsState, World, Episodes | None, Array]:
     """Bodies and world at the start of an episode.
 
