@@ -219,7 +219,7 @@ def varied(studio, samples):
         rise, tilt, wider = (0.0 if x is None else float(x) for x in (mount.height, mount.pitch, mount.fovy))
         turn = np.array(quat_matrix(view.quat))
         yaw, pitch = np.arctan2(-turn[1, 2], -turn[0, 2]), np.arcsin(-turn[2, 2])
-        own = camera(np.asarray(view.pos) + [0, 0, rise], yaw, pitch + tilt, float(view.fovy) + wider)
+        own = camera(np.asarray(view.pos) + np.array([0, 0, rise]), yaw, pitch + tilt, float(view.fovy) + wider)
         shown.append((name, studio.draw(own, lens, preset=FINE, drawn=drawn)["rgb"]))
     return panels(shown[:3], shown[3:6], shown[6:])
 
