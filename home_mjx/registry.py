@@ -37,13 +37,12 @@ class EnvSpec:
         id: `Name-vN`; N is raised whenever learning results could change.
         entry_point: `module:name` of a `Task` subclass, or of a function `(get_bank, **options)` that returns an
             environment, where `get_bank(compile_options)` makes the houses.
-        options: As for `make`, by name.
+        options: As for `make`, by name; with `variation`, ranges of domain randomisation by name.
         houses: Folder of a dataset; None: generated houses, or `SUNCG_DATA_DIR`.
         num_houses: How many.
         split: `train`, `val` or `test`; None: any.
         where: A filter of houses; None: any.
         in_memory: It was made with a bank or dataset in memory, which no file can name.
-        variation: Ranges of domain randomisation by name, see `tasks.Variation`; None: nothing varies.
 
     Example:
         >>> spec = EnvSpec("PointNav-v0", "home_mjx.tasks:PointNav", {"width": 32})
@@ -59,7 +58,6 @@ class EnvSpec:
     split: str | None = None
     where: "HouseFilter | None" = None
     in_memory: bool = False
-    variation: Mapping[str, Any] | None = None
 
     def to_json(self) -> str:
         """The spec as text.
@@ -205,19 +203,19 @@ def make(
                 raise ConfigError(f"`{name}` chooses houses of a dataset, not of {type(houses).__name__}")
     spec = dataclasses.replace(
         known,
-        options={**known.options, **options},
+        options={**known.options, **options, **_ranges(variation)},
         houses=str(houses) if isinstance(houses, str | Path) else None,
         num_houses=NUM_HOUSES if num_houses is None else num_houses,
         split=split,
         where=where,
         in_memory=in_memory,
-        variation=_ranges(variation),
     )
     return _made(spec, houses, progress)
 
 
 def _made(spec: EnvSpec, houses: Any, progress: bool | None) -> "BoundEnv[HouseholdEnv]":
-    entry_point = _load(spec.entry_point)
+    entry_point, options = _load(spec.entry_point), dict(spec.options)
+    variation = _ranges(options.pop("variation", None))
     shown = sys.stderr.isatty() if progress is None else progress
 
     def get_bank(compile_options: "CompileOptions | None" = None, num_arrangements: int = 0) -> "HouseBank":
@@ -225,22 +223,21 @@ def _made(spec: EnvSpec, houses: Any, progress: bool | None) -> "BoundEnv[Househ
         return _arranged(bank, num_arrangements, shown) if num_arrangements and bank is not houses else bank
 
     if _is_task(entry_point):
-        env = _with_task(entry_point, get_bank, spec.options)
+        env = _with_task(entry_point, get_bank, options)
     else:
-        env = entry_point(get_bank, **spec.options)
-    env = env if spec.variation is None else env.with_variation(spec.variation)
+        env = entry_point(get_bank, **options)
+    env = env.with_variation(variation["variation"]) if variation else env
     env.spec = spec
     return env
 
 
-def _ranges(variation: Any) -> Mapping[str, Any] | None:
-    """As plain numbers by name, checked before any house is made."""
+def _ranges(variation: Any) -> dict[str, Any]:
+    """The option as plain numbers by name, checked before any house is made; nothing if nothing varies."""
     if variation is None:
-        return None
-    from home_mjx.tasks.variation.ranges import as_variation
+        return {}
+    from home_mjx.tasks.variation.ranges import named
 
-    checked = as_variation(variation)
-    return None if checked is None else checked.named()
+    return {"variation": named(variation)}
 
 
 def _is_task(entry_point: Callable[..., Any]) -> TypeGuard[type]:

@@ -140,14 +140,14 @@ def check_variation(config: EnvConfig, variation: Variation | None) -> None:
         return
     lit, impl = resolve(config.rgb_preset) is not None, config.physics.impl
     useless = {
-        **dict.fromkeys(LIGHTS, None if lit else 'the preset "fast" has no lights: give rgb_preset="lit"'),
-        "move_noise": None if config.discrete else 'it is of discrete moves: give actions="discrete"',
-        "friction": f'nothing slides with impl="{impl}"' if impl in ("kinematic", "c") else None,
-        "mass": 'impl="c" steps each house\'s own model' if impl == "c" else None,
+        **dict.fromkeys(LIGHTS, None if lit else 'The preset "fast" has no lights: give rgb_preset="lit".'),
+        "move_noise": None if config.discrete else 'It is of discrete moves: give actions="discrete".',
+        "friction": f'Nothing slides with impl="{impl}": give impl="fused".' if impl in ("kinematic", "c") else None,
+        "mass": 'With impl="c" each house has its own model: give impl="fused".' if impl == "c" else None,
     }
     for name, reason in useless.items():
         if reason is not None and getattr(variation, name) is not None:
-            raise ConfigError(f"`{name}` cannot vary here", element=f"Variation.{name}", hint=reason.capitalize())
+            raise ConfigError(f"`{name}` cannot vary here", element=f"Variation.{name}", hint=reason)
     _check_fovy(config, variation)
     _check_clips(config, variation)
 

@@ -119,6 +119,17 @@ class Variation(Pytree):
 NAMES = tuple(Variation.__dataclass_fields__)
 
 
+def named(given: Any) -> dict[str, Any]:
+    """What `make` takes, checked, as plain numbers by name.
+
+    Example:
+        >>> named({"lamps": 0.5, "volume": 2})
+        {'lamps': 0.5, 'volume': [2.0, 2.0]}
+    """
+    variation = as_variation(given)
+    return {} if variation is None else variation.named()
+
+
 def as_variation(given: Any) -> Variation | None:
     """What `make` takes: None, a `Variation`, or its ranges by name.
 
