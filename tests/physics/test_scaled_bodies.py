@@ -26,23 +26,23 @@ def boxes(friction=1.0, mass=1.0):
     ]
 
 
-def slide(houses, scales, impl="fused"):
-    """Poses of all environments' bodies after they were pushed; environment e is in house e."""
+def slide(houses, scales, impl="fused", speed=SPEED, agent=(50.0, 50.0, 0.0), forward=0.0):
+    """Poses of all environments' bodies after two were given a speed; environment e is in house e."""
     bank, num = make_bank(houses), max(len(houses), len(scales))
     template = Template(PhysicsConfig(timing=Timing(ctrl_dt=0.1, sim_dt=0.01), impl=impl), bank.spec)
     house = jnp.arange(num, dtype=jnp.int32) % len(houses)
     factors = jnp.broadcast_to(jnp.asarray(scales, jnp.float32), (num, 2))
-    rows, speed = template.layout.body_qvel, jnp.zeros((4, 6)).at[:2, 0].set(SPEED).reshape(-1)
+    rows, given = template.layout.body_qvel, jnp.zeros((4, 6)).at[:2, 0].set(speed).reshape(-1)
 
     @jax.jit
     @jax.vmap
     def run(house, factor):
         scale = Scale(friction=factor[0], mass=factor[1])
-        at, yaw = jnp.array([[50.0, 50.0, 0.0]]), jnp.zeros(1)
+        at, yaw = jnp.array([agent]), jnp.zeros(1)
         state = physics.reset(template, bank, house, at, yaw, scale=scale)
-        state = state.replace(qvel=state.qvel.at[rows].set(speed))
-        still = jnp.zeros((1, 3))
-        step = lambda s, _: (physics.step(template, bank, house, s, still), None)  # noqa: E731
+        state = state.replace(qvel=state.qvel.at[rows].set(given))
+        action = jnp.array([[forward, 0.0, 0.0]])
+        step = lambda s, _: (physics.step(template, bank, house, s, action), None)  # noqa: E731
         state = jax.lax.scan(step, state, None, length=STEPS)[0]
         return physics.body_pose(template, state)[0], state.qpos, state.scale.mass
 
@@ -65,8 +65,16 @@ def test_scaled_bodies_are_those_of_a_house_that_has_them_so(scaled):
     """To the last bit where factors are powers of two, as inertia and friction then are."""
     own = slide([TinyHouse(movable=boxes(*factors)) for factors in FACTORS], [[1.0, 1.0]])
     assert_array_equal(scaled[1], own[1])
-    pushed = scaled[0][:, 2, 0]  # what was met goes the farther the heavier was what met it
-    assert pushed[4] > pushed[0] > 0.85
+    assert_allclose(scaled[0][4], scaled[0][0], atol=1e-4)  # if all are heavier, nothing changes among them
+
+
+def test_a_heavier_box_is_pushed_less_far():
+    """Its friction, 0.4 m g, is 12 N and 1177 N; an agent pushes with 300 N."""
+    factors = [[1.0, 1.0], [1.0, 100.0]]
+    house = [TinyHouse(movable=boxes())]
+    light, heavy = slide(house, factors, speed=0.0, agent=(-0.6, 0.0, 0.0), forward=1.0)[0][:, 0, 0]
+    assert light > 1.0
+    assert abs(heavy) < 0.02
 
 
 @pytest.mark.slow
