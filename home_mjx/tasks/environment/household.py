@@ -128,7 +128,7 @@ class HouseholdEnv:
             key: Typed or raw uint32 key.
             house: Index of the house, the nearest one that there is if out of range; None draws one.
             episode: Row of `params.tasks`, counted around: house, start and columns come from it, the key draws the
-                rest. None draws a row if there are any.
+                rest. None draws a row if there are any, by their weights if they have some.
 
         Returns:
             A state with its first observation, zero reward, neither terminated nor truncated.
