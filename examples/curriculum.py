@@ -6,15 +6,16 @@ import jax.numpy as jnp
 import home_mjx
 from home_mjx.training import PPO, NetworkConfig, PPOConfig
 
-WANTED, LONGER = 0.5, 1.3  # from this success on, ways may be longer by this factor
+WANTED, LONGER = 0.3, 1.3  # from this success on, ways may be longer by this factor
 
 home_mjx.use_compile_cache()
-options = {"sensors": ("depth", "goal_words"), "width": 16, "height": 16, "impl": "kinematic", "episode_length": 40}
+options = {"sensors": ("depth", "goal_words"), "width": 16, "height": 16, "impl": "kinematic", "ctrl_dt": 0.3}
+options |= {"actions": "continuous", "stop": False, "min_length": 0.3, "episode_length": 60}
 ranges = {"camera_height": (-0.2, 0.2), "depth_noise": (0.0, 1.0)}
-env = home_mjx.make("ObjectNav-v0", num_houses=2, split="train", stop=False, variation=ranges, **options)
+env = home_mjx.make("RoomNav-v0", num_houses=2, split="train", variation=ranges, **options)
 config = PPOConfig(
     num_envs=16,
-    num_timesteps=4096,  # a hundred million, for an agent that finds things in houses that it has never seen
+    num_timesteps=4096,  # a hundred million, for an agent that finds rooms in houses that it has never seen
     unroll_length=32,
     num_minibatches=2,
     num_epochs=1,
