@@ -24,6 +24,7 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.tasks.base.keys import to_raw
 from home_mjx.tasks.base.state import EnvParams
 from home_mjx.tasks.environment.autoreset import AutoReset
+from home_mjx.tasks.environment.begin import in_order
 from home_mjx.tasks.environment.household import HouseholdEnv
 from home_mjx.training.config import PPOConfig
 from home_mjx.training.networks.agent import RecurrentAgent
@@ -118,7 +119,7 @@ class PPO:
         num, config = keys.shape[0], self.core.config
         env_keys, time_keys, row_keys = jnp.unstack(jax.vmap(lambda key: jax.random.split(key, 3))(keys), axis=1)
         first = jax.lax.axis_index(AXIS) * num  # each device begins with rows of its own
-        episodes = None if params.tasks is None else first + jnp.arange(num, dtype=jnp.int32)
+        episodes = first + jnp.arange(num, dtype=jnp.int32) if in_order(params.tasks) else None
         env = self.batch.reset(params, env_keys, None, episodes)
         if self.config.stagger:
             step = jax.vmap(lambda key: jax.random.randint(key, (), 0, config.episode_length))(time_keys)
