@@ -43,6 +43,8 @@ from home_mjx.tasks.suite.instructions import InstructionFollowing
 from home_mjx.tasks.suite.navigation import HouseTasks, Navigation, ObjectNav, PointGoals, RoomNav
 from home_mjx.tasks.suite.point_nav import PointNav, PointNavState
 from home_mjx.tasks.suite.task_lines import load_tasks, save_tasks
+from home_mjx.tasks.variation.draw import Drawn
+from home_mjx.tasks.variation.ranges import Variation
 
 __all__ = [
     "DEFAULT_SENSORS",
@@ -59,6 +61,7 @@ __all__ = [
     "Communication",
     "Dialogue",
     "DiscreteActions",
+    "Drawn",
     "EnvConfig",
     "EnvParams",
     "Episodes",
@@ -101,6 +104,7 @@ __all__ = [
     "TopDownMap",
     "Touch",
     "TouchMeaning",
+    "Variation",
     "When",
     "WithExpert",
     "World",

@@ -15,7 +15,7 @@ from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.sensor import Sensor
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import ArraySpec, Specs
-from home_mjx.tasks.sensors.hearing import clip_names, clip_rows, hear, no_words, spoken, with_words
+from home_mjx.tasks.sensors.hearing import as_loud_as_drawn, clip_names, clip_rows, hear, no_words, spoken, with_words
 from home_mjx.tasks.sounds.voice import voice_power
 
 LONGEST = 1.0  # [ms]: no head is so large
@@ -69,7 +69,8 @@ class EarLevels(Sensor):
         said = with_words(snapshot, state.said)
         left = power_given_off(config, snapshot, time)
         if config.speech:
-            left = left + snapshot.sounds.gain[:, None, None] ** 2 * voice_power(spoken(snapshot, said), config.audio)
+            gain = as_loud_as_drawn(snapshot).gain[:, None, None]
+            left = left + gain**2 * voice_power(spoken(snapshot, said), config.audio)
         envelopes = hear(config, snapshot, energy_response)  # axes (a, e)
         power = jax.vmap(jax.vmap(band_level), (0, None))(envelopes.energy, left)  # (a, e, 2, bands)
         weight = jnp.sum(power, axis=2)
@@ -94,7 +95,7 @@ def power_given_off(config: EnvConfig, snapshot: Snapshot, time: Int[Array, ""])
         snapshot: The environment.
         time: Samples from the start of the episode, and of the clips, to the frame.
     """
-    audio, sounds, row = config.audio, snapshot.sounds, clip_rows(config, snapshot)
+    audio, sounds, row = config.audio, as_loud_as_drawn(snapshot), clip_rows(config, snapshot)
     table = jnp.asarray(np.stack([clip_power(name, audio) for name in clip_names(config)]))
     bins = time // audio.bin_samples + jnp.arange(1 - audio.num_bins, _bins_of_frame(audio), dtype=jnp.int32)
 
