@@ -62,11 +62,12 @@ class Puppets:
         if told["turn_door"] > 0 and np.linalg.norm(door.middle[:2] - here[:2]) < REACH:
             angle[0] += 0.2 * (door.wide - angle[0])
         if told["pick"] > 0 and held[CARRIER] == lamp.body:
-            held[CARRIER], bodies[lamp.body] = -1, self.script.spot(self.now) + [0, 0, lamp.half[2]]
+            held[CARRIER], bodies[lamp.body] = -1, self.script.spot(self.now) + np.array([0, 0, lamp.half[2]])
         elif told["pick"] > 0 and np.linalg.norm(bodies[lamp.body] - here) < REACH:
             held[CARRIER] = lamp.body
         if held[CARRIER] == lamp.body:
-            bodies[lamp.body] = here + [0.4 * np.cos(self.now.yaw[CARRIER]), 0.4 * np.sin(self.now.yaw[CARRIER]), 0.0]
+            yaw = self.now.yaw[CARRIER]
+            bodies[lamp.body] = here + 0.4 * np.array([np.cos(yaw), np.sin(yaw), 0.0])
         self.now = replace(self.now, held=held, body_pos=bodies, door_angle=angle)
 
     def _is_shut(self, to: np.ndarray) -> bool:
@@ -129,7 +130,8 @@ def test_actors_and_environment_mean_the_same_by_an_action(env):
 
 def test_the_loudspeaker_is_what_sounds(env, places):
     """It is in the state that the story begins with, and a step later."""
-    core = HouseholdEnv(env.config.replace(sensors=("state",)).replace(physics=kinematic(env)), env.task)
+    physics = replace(env.config.physics, impl="kinematic")
+    core = HouseholdEnv(env.config.replace(sensors=("state",), physics=physics), env.task)
     params = core.bind(env.bank).params
 
     def run(key):
@@ -142,10 +144,6 @@ def test_the_loudspeaker_is_what_sounds(env, places):
         np.testing.assert_allclose(sounds.pos[0], places.sound, atol=1e-6)
         assert np.linalg.norm(speaker - sounds.pos[0, :2], axis=-1).min() < 1e-3
         assert int(sounds.clip[0]) >= 0
-
-
-def kinematic(env):
-    return replace(env.config.physics, impl="kinematic")
 
 
 def test_every_step_gives_what_the_script_and_the_film_read(env, places):
