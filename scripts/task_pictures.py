@@ -94,8 +94,10 @@ class Artist:
         sights = [self._place(step) for step in steps[:last]] + [self.camera.shot(steps[last].state)]
         state, outcome = steps[last].state, self.game.outcome
         assert outcome is not None
-        plan = Plan(self.env.bank, int(state.world.house))
-        top = plan.drawn(without_agents(self.env, state), sights, goals_of(self.env.bank, state, sights[-1].boxes))
+        # Whoever has arrived has no goal any more.
+        before = steps[max(last - 1, 0)].state if state.terminated else state
+        goals = goals_of(self.env.bank, before, sights[-1].boxes)
+        top = Plan(self.env.bank, int(state.world.house)).drawn(without_agents(self.env, state), sights, goals)
         over, how = last == len(steps) - 1, "success" if outcome.success else "failure"
         words = ", ".join(dict.fromkeys(word for step in steps[: last + 1] for word in words_of(step.state)))
         status = f"expert   {f'{how}   ' if over else ''}{last} steps{f'   said {words}' if words else ''}"

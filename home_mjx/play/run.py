@@ -164,11 +164,10 @@ class _Reporter:
         self.sights.append(self.camera.shot(step.state))
         if self.options.out is not None:
             moves = is_first or self.env.config.hands
-            self.top = self.plan.drawn(
-                without_agents(self.env, step.state) if moves else None,
-                self.sights,
-                goals_of(self.env.bank, step.state, self.sights[-1].boxes),
-            )
+            if is_first or not step.state.terminated:  # whoever has arrived has no goal any more
+                self.goals = goals_of(self.env.bank, step.state, self.sights[-1].boxes)
+            scene = without_agents(self.env, step.state) if moves else None
+            self.top = self.plan.drawn(scene, self.sights, self.goals)
             self.film.add(self._frame(said(self.env, step, self.options.agent)), self._sound(step))
 
     def end(self, outcome: Outcome) -> None:
