@@ -54,6 +54,7 @@ TURNS = (3, 15)  # of 10 degrees, after a touch
 PICKS = 0.25  # part of the steps in which `wander` tries to pick
 HABITAT = {"actions": "discrete", "stop": True, "success_radius": 0.2}
 AGENTS = ("random", "blind", "expert")
+UNITS = {"distance": " m"}
 
 Act = Callable[[Any, dict[str, Any], Any, Any], Any]  # (turns that are left, observations, begins, keys) to actions
 
@@ -257,11 +258,11 @@ def table(lines: list[dict[str, Any]]) -> str:
     for case in (case.name or case.id for case in CASES):
         for agent in AGENTS if case in found else ():
             line = found[case][agent]
-            own = ", ".join(f"{name} {shown(line[name])}" for name in line["own"])
+            own = ", ".join(f"{name} {shown(line[name])}{UNITS.get(name, '')}" for name in line["own"])
             name = f"blind: {line['blind']}" if agent == "blind" else agent
             spl = shown(line["spl"]) if line["paths"] and "spl" in line else ""
             cells = [name, shown(line["success"]), spl, f"{line['length']['mean']:.0f}", own, str(line["episodes"])]
-            rows.append([f"`{case}`" if agent == AGENTS[0] else "", *cells])
+            rows.append([case.replace(line["id"], f"`{line['id']}`") if agent == AGENTS[0] else "", *cells])
     return "\n".join("| " + " | ".join(row) + " |" for row in rows)
 
 
