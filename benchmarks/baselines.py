@@ -246,7 +246,8 @@ def tell(out: Path, lines: list[dict[str, Any]]) -> None:
 def filled(found: re.Match[str], lines: list[dict[str, Any]]) -> str:
     """A marked part of a page: the table of all ids, or of the one that it names."""
     kept = [line for line in lines if found["id"] in (None, line["id"])]
-    return f"{found[1]}{table(kept)}\n{found[3]}"
+    made = table(kept) if kept else f"Not measured yet: `python benchmarks/baselines.py --id {found['id']}`."
+    return f"{found[1]}{made}\n{found[3]}"
 
 
 def table(lines: list[dict[str, Any]]) -> str:
