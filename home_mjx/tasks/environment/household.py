@@ -189,7 +189,8 @@ class HouseholdEnv:
             state: The state.
             costly: Which of both.
         """
-        obs, own, config = {}, snapshot.of_first(self.num_agents), self.own_config
+        obs: dict[str, Array] = {}
+        own, config = snapshot.of_first(self.num_agents), self.own_config
         for sensor in self.sensors:
             if sensor.costly == costly:
                 seen = sensor.observe(config, own, state.world.sensors[(sensor.keeper or sensor).name])
