@@ -1,5 +1,6 @@
 """Sound: impulse responses by the ray caster, and what two ears hear through them."""
 
+from home_mjx.audio_jax.auralization.envelope import Envelope, band_level, clip_power, energy_response
 from home_mjx.audio_jax.auralization.response import ear_gains, early_response, impulse_response, late_response
 from home_mjx.audio_jax.auralization.schedule import loudness
 from home_mjx.audio_jax.auralization.sources import CLIPS, clip_samples
@@ -20,6 +21,7 @@ from home_mjx.audio_jax.propagation.tracing import Trace, trace
 __all__ = [
     "CLIPS",
     "AudioConfig",
+    "Envelope",
     "Listener",
     "PathProducer",
     "Paths",
@@ -28,9 +30,11 @@ __all__ = [
     "Source",
     "Survey",
     "Trace",
+    "band_level",
     "c50",
     "c80",
     "centre_time",
+    "clip_power",
     "clip_samples",
     "d50",
     "decay_curve",
@@ -42,6 +46,7 @@ __all__ = [
     "early_response",
     "edt",
     "energy_histogram",
+    "energy_response",
     "faded_frame",
     "given_off",
     "iacc",

@@ -24,6 +24,7 @@ from home_mjx.tasks.guided.exploration import Exploration, ExplorationState
 from home_mjx.tasks.guided.pied_piper import PiedPiper, PiedPiperState
 from home_mjx.tasks.language.splits import mentions, new_combinations
 from home_mjx.tasks.language.vocabulary import detokenize, tokenize
+from home_mjx.tasks.measures.top_down import Ground, MapMemory, TopDownMap, remember_map, top_down_map
 from home_mjx.tasks.questions.balance import chance, prior_accuracy
 from home_mjx.tasks.questions.communication import Communication
 from home_mjx.tasks.questions.dialogue import Dialogue
@@ -69,11 +70,13 @@ __all__ = [
     "Feature",
     "Fetch",
     "Go",
+    "Ground",
     "HouseQA",
     "HouseTasks",
     "HouseView",
     "HouseholdEnv",
     "InstructionFollowing",
+    "MapMemory",
     "Meant",
     "MemoryEstimate",
     "Navigation",
@@ -98,6 +101,7 @@ __all__ = [
     "Task",
     "TaskBank",
     "Thing",
+    "TopDownMap",
     "Touch",
     "TouchMeaning",
     "Variation",
@@ -120,11 +124,13 @@ __all__ = [
     "new_combinations",
     "prior_accuracy",
     "register_sensor",
+    "remember_map",
     "sample_episodes",
     "save_episodes",
     "save_states",
     "save_tasks",
     "tokenize",
+    "top_down_map",
     "touch_meaning",
     "with_expert",
 ]

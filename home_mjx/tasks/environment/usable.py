@@ -7,7 +7,6 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from home_mjx.audio_jax.auralization.sources import CLIPS
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_number
 from home_mjx.errors import ConfigError
@@ -16,7 +15,7 @@ from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.specs import Specs
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.rows.task_bank import TaskBank
-from home_mjx.tasks.sounds.row import emission_of
+from home_mjx.tasks.sounds.row import VOICE, clip_name, emission_of
 from home_mjx.tasks.variation.ranges import Variation
 
 FLAT = 179.0  # [degrees]: greatest field of view
@@ -127,7 +126,7 @@ def check_sounds(config: EnvConfig, tasks: Any) -> None:
             f"tasks have up to {most} sounds at once, the environment plays {config.num_sources}",
             hint=f"Give num_sources={most}.",
         )
-    lost = {CLIPS[i] for i in np.unique(clips[used]).tolist()} - {config.clip, *config.clips}
+    lost = {clip_name(i) for i in np.unique(clips[used]).tolist()} - {config.clip, *config.clips, VOICE}
     if lost:
         names = ", ".join(sorted(lost))
         raise ConfigError(f"tasks play {names}, which the environment has not", hint=f"Add to clips=(...): {names}.")

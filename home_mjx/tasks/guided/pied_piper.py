@@ -44,16 +44,40 @@ class PiedPiperState(RowState):
 
     def expert(self, snapshot: Snapshot) -> Array:
         """The follower's, along the shortest way to where the piper is now; beside it, it turns on the spot."""
-        bank, house, pose = snapshot.bank, snapshot.house, snapshot.pose
-        numbers, rooms = bank.navigation.cell[house], bank.navigation.room[house]
-        at = cell_of(bank, house, pose.pos[PIPER])
-        cell = bank.navigation.place[row_of_cell(numbers[at[0], at[1], at[2]])].astype(jnp.int32)
-        wanted = jnp.zeros(numbers.shape, bool).at[cell[0], cell[1], cell[2]].set(True)
-        error, _ = ways_to(snapshot, wanted, rooms == rooms[cell[0], cell[1], cell[2]], num=1)
-        away = jnp.linalg.norm(pose.pos[PIPER] - pose.pos[FOLLOWER])
-        waits = jnp.broadcast_to(away < APART, pose.yaw.shape)
-        error = jnp.where(waits, 1.0, error[FOLLOWER])
-        return to_actions(snapshot.config, error, -pose.pitch, waits, jnp.zeros_like(waits))[: FOLLOWER + 1]
+        return follow(snapshot, jnp.int32(PIPER))
+
+
+def follow(snapshot: Snapshot, whom: Int[Array, ""]) -> Array:
+    """The action that takes the first agent along the shortest way to where another one is now.
+
+    Beside it, the follower turns on the spot. `nearest_other` is whom somebody follows who does not listen.
+
+    Args:
+        snapshot: The environment.
+        whom: Number of the other agent.
+
+    Returns:
+        The action of the first agent, with a leading agent axis.
+
+    Example:
+        >>> action = follow(snapshot, nearest_other(snapshot))  # doctest: +SKIP
+    """
+    bank, house, pose = snapshot.bank, snapshot.house, snapshot.pose
+    numbers, rooms = bank.navigation.cell[house], bank.navigation.room[house]
+    at = cell_of(bank, house, pose.pos[whom])
+    cell = bank.navigation.place[row_of_cell(numbers[at[0], at[1], at[2]])].astype(jnp.int32)
+    wanted = jnp.zeros(numbers.shape, bool).at[cell[0], cell[1], cell[2]].set(True)
+    error, _ = ways_to(snapshot, wanted, rooms == rooms[cell[0], cell[1], cell[2]], num=1)
+    away = jnp.linalg.norm(pose.pos[whom] - pose.pos[FOLLOWER])
+    waits = jnp.broadcast_to(away < APART, pose.yaw.shape)
+    error = jnp.where(waits, 1.0, error[FOLLOWER])
+    return to_actions(snapshot.config, error, -pose.pitch, waits, jnp.zeros_like(waits))[: FOLLOWER + 1]
+
+
+def nearest_other(snapshot: Snapshot) -> Int[Array, ""]:
+    """Number of the agent that is nearest to the first one now, in a straight line; of two it is the earlier."""
+    away = jnp.linalg.norm(snapshot.pose.pos - snapshot.pose.pos[FOLLOWER], axis=-1)
+    return jnp.argmin(away.at[FOLLOWER].set(jnp.inf)).astype(jnp.int32)
 
 
 @dataclass(frozen=True)

@@ -21,14 +21,14 @@ from home_mjx.tasks.rows.program import Program
 from home_mjx.tasks.rows.task_bank import TaskBank, program_of
 from home_mjx.tasks.rows.words import ANY, NUM_TOKENS, SUCCESS, Feature, Word
 from home_mjx.tasks.sounds.emit import emitted
-from home_mjx.tasks.sounds.row import Emission, emission_of
+from home_mjx.tasks.sounds.row import Emission, emission_of, is_audible
 from home_mjx.tasks.speech.talk import NONE, Talk, as_observed, is_told, of_others, replies, talk_of
 
 FARTHEST = 1000.0  # [m]: no house is larger
 LEAP = 2.0  # [m]: what comes from another storey, or from nowhere, has made no progress of more than that
 HEARD = {
     "reply": "token of what an oracle has replied to the last word",
-    "heard_words": "token of what another agent has said last",
+    "heard_words": "token of what another agent has said last, unless words are sounds",
 }
 
 
@@ -186,7 +186,8 @@ class RowTask(Task):
         bearing = jnp.arctan2(offset[:, 1], offset[:, 0]) - pose.yaw
         goal = jnp.stack([jnp.linalg.norm(offset, axis=-1), jnp.cos(bearing), jnp.sin(bearing)], axis=-1)
         told = is_told(state.talk, pose.yaw.shape[0])[:, None]
-        heard = {"reply": state.reply, "heard_words": of_others(snapshot.said)}
+        words = jnp.where(is_audible(state.emission), NONE, of_others(snapshot.said))
+        heard = {"reply": state.reply, "heard_words": words}
         return {
             "goal": jnp.where(known & told, goal, 0.0),
             "goal_words": jnp.where(told, state.program.descriptor[0].astype(jnp.int32), ANY),
