@@ -16,7 +16,7 @@ from home_mjx.play.camera import FilmCamera, Sight, without_agents
 from home_mjx.play.episode import Game, Outcome, Step, said
 from home_mjx.play.film import Film, frame
 from home_mjx.play.keyboard import KeyboardPlayer, as_text, key_help
-from home_mjx.play.meant import asked_of, goals_of
+from home_mjx.play.meant import asked_of, goals_of, words_of
 from home_mjx.play.plan import Plan
 from home_mjx.play.players import POLICIES, Player, PolicyPlayer, check_agent, policy_of
 from home_mjx.registry import EnvSpec
@@ -149,24 +149,25 @@ class _Reporter:
         self.heard = "audio" in env.observation_spec
         self.film = Film(env.dt, env.config.audio.sample_rate if self.heard else None)
         self.sights: list[Sight] = []
+        self.words: dict[str, None] = {}  # that were said, each once, in their order
 
     def add(self, step: Step) -> None:
         """A step was taken."""
         self.step = step
         is_first = step.action is None
         if is_first:
-            self.asked, self.sights = asked_of(self.env, step.state), []
+            self.asked, self.sights, self.words = asked_of(self.env, step.state), [], {}
             self.plan = Plan(self.env.bank, int(step.state.world.house))
+        self.words |= dict.fromkeys(words_of(step.state))
         if not self.is_seen:
             return
         self.sights.append(self.camera.shot(step.state))
         if self.options.out is not None:
             moves = is_first or self.env.config.hands
-            self.top = self.plan.drawn(
-                without_agents(self.env, step.state) if moves else None,
-                self.sights,
-                goals_of(self.env.bank, step.state, self.sights[-1].boxes),
-            )
+            if is_first or not step.state.terminated:  # whoever has arrived has no goal any more
+                self.goals = goals_of(self.env.bank, step.state, self.sights[-1].boxes)
+            scene = without_agents(self.env, step.state) if moves else None
+            self.top = self.plan.drawn(scene, self.sights, self.goals)
             self.film.add(self._frame(said(self.env, step, self.options.agent)), self._sound(step))
 
     def end(self, outcome: Outcome) -> None:
@@ -174,7 +175,8 @@ class _Reporter:
         if self.options.out is not None:
             spl = "" if np.isnan(outcome.spl) else f"   SPL {outcome.spl:.2f}"
             how = "success" if outcome.success else "failure"
-            text = f"{self.options.agent}   {how}{spl}   {outcome.steps} steps   return {outcome.gained:+.2f}"
+            words = f"   said {', '.join(self.words)}" if self.words else ""
+            text = f"{self.options.agent}   {how}{spl}   {outcome.steps} steps   return {outcome.gained:+.2f}{words}"
             self.film.end(self._frame(text, outcome.success > 0))
 
     def show(self, state: Any) -> None:
