@@ -54,7 +54,7 @@ clean:  ## remove environments and everything generated
 	rm -rf .venv .venv-* build dist site demo *.egg-info .pytest_cache .ruff_cache .hypothesis
 
 $(USER_STAMP): $(SETUP)
-	scripts/setup_venv.sh $(VENV) .
+	scripts/setup_venv.sh $(VENV) '.[train]'
 	touch $@
 
 $(DEV_STAMP): $(SETUP)

@@ -23,9 +23,11 @@ from home_mjx.registry import EnvSpec
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.household import HouseholdEnv
 from home_mjx.tasks.experts.teacher import with_expert
+from home_mjx.tasks.sensors.choose import keepers
 from home_mjx.training.evaluation import with_episodes
 
 AGENTS = (*POLICIES, "human")
+HEARD = "audio"  # what keeps the sound that was heard, whether it is observed as waves or as spectra
 WIDTH, HEIGHT = 480, 360  # [px], of the agent's view
 
 
@@ -146,7 +148,7 @@ class _Reporter:
         self.in_terminal = options.agent == "human" and sys.stdout.isatty()
         self.is_seen = options.out is not None or self.in_terminal
         self.camera = FilmCamera(env, options.width, options.height, options.samples)
-        self.heard = "audio" in env.observation_spec
+        self.heard = HEARD in {sensor.name for sensor in keepers(env.core.sensors)}
         self.film = Film(env.dt, env.config.audio.sample_rate if self.heard else None)
         self.sights: list[Sight] = []
         self.words: dict[str, None] = {}  # that were said, each once, in their order
@@ -200,7 +202,4 @@ class _Reporter:
         return frame(self.sights[-1].view, self.top, self.asked.text, status, success)
 
     def _sound(self, step: Step) -> np.ndarray | None:
-        if not self.heard:
-            return None
-        sound = np.asarray(step.state.obs["audio"])
-        return sound if self.env.num_agents == 1 else sound[0]
+        return np.asarray(step.state.world.sensors[HEARD].frame)[0] if self.heard else None
