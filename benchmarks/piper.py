@@ -35,7 +35,7 @@ class Advised(WithExpert):
 
     Args:
         core: The environment.
-        act: From a snapshot and the state to the actions of all agents.
+        act: From a snapshot and the state to the follower's action, with an agent axis.
     """
 
     def __init__(self, core: HouseholdEnv, act: Act) -> None:
@@ -45,7 +45,7 @@ class Advised(WithExpert):
     def sense(self, snapshot: Snapshot, state: State, costly: bool) -> dict[str, Array]:
         """Observations and advice."""
         obs = HouseholdEnv.sense(self, snapshot, state, costly)
-        return obs if costly else obs | {EXPERT: self._act(snapshot, state)}
+        return obs if costly else obs | {EXPERT: self._squeeze(self._act(snapshot, state))}
 
 
 def nearest(snapshot: Snapshot, state: State) -> Array:
