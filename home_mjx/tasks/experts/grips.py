@@ -35,11 +35,6 @@ class Grip(Pytree):
     tilt: Float[Array, " a"]  # [rad], up
 
 
-def has_hands(snapshot: Snapshot) -> bool:
-    """Whether agents have hands and houses have things for them."""
-    return snapshot.config.hands and snapshot.bank.spec.num_bodies > 0
-
-
 def find_grip(
     snapshot: Snapshot, state: RowState, values: Float[Array, "feature a d d"], box: Float[Array, "a 2 3"]
 ) -> Grip:
@@ -48,7 +43,7 @@ def find_grip(
     Args:
         snapshot: The environment.
         state: Of its row task.
-        values: See `features.table`.
+        values: See `features.Looked`.
         box: Bounds of the nearest thing that the guide means [m].
     """
     guide = jnp.maximum(state.program.guide[jnp.maximum(state.stage, 0)], 0)
