@@ -14,7 +14,7 @@ from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.environment.moves import action_names
 from home_mjx.tasks.experts.carrying import has_hands
 from home_mjx.tasks.experts.descent import descend
-from home_mjx.tasks.experts.grips import find_grip, is_aimed, use_hands
+from home_mjx.tasks.experts.grips import elsewhere, find_grip, is_aimed, use_hands
 from home_mjx.tasks.experts.speaking import or_words
 from home_mjx.tasks.rows.features import Looked, look
 from home_mjx.tasks.rows.machine import advance, conditions
@@ -62,9 +62,10 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
     stop = stop & (there | should_stop(state, farther))
     grip = find_grip(snapshot, state, values, box[:, guide])
     works = (grip.take | grip.put) & ~stop
-    stands = works & (grip.ready | there)
+    goes, where = elsewhere(snapshot, state)
+    stands = works & (grip.ready | there) & ~goes
     error, tilt, near = facing(snapshot, state, looked.replace(values=farther), way, there & ~works)
-    walks = wrap_angle(way - snapshot.pose.yaw)
+    walks = wrap_angle(jnp.where(goes & (there | snapshot.contact), where, way) - snapshot.pose.yaw)
     error = jnp.where(stands, grip.turn, jnp.where(works, walks, error))
     tilt, near = jnp.where(stands, grip.tilt, tilt), jnp.where(works, stands, near)
     actions = to_actions(config, error, tilt, near, stop)
