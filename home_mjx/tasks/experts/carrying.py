@@ -16,6 +16,13 @@ def has_hands(snapshot: Snapshot) -> bool:
     return snapshot.config.hands and snapshot.bank.spec.num_bodies > 0
 
 
+def carried_radius(snapshot: Snapshot, agent: Int[Array, ""]) -> Float[Array, ""]:
+    """How far what an agent carries reaches from its own middle in the plan [m]; 0: it carries nothing."""
+    body, physics = jnp.maximum(snapshot.held[agent], 0), snapshot.bank.physics
+    radius = plan_radius(physics.body_size[snapshot.house, body], physics.body_quat[snapshot.house, body])
+    return jnp.where(snapshot.held[agent] >= 0, radius + jnp.float32(AROUND), 0.0)
+
+
 def meets(snapshot: Snapshot, agent: Int[Array, ""], place: Float[Array, "n 3"]) -> Bool[Array, " n"]:
     """Whether what an agent carries before it, as high as now, would come near anything on its way through some places.
 
@@ -24,9 +31,8 @@ def meets(snapshot: Snapshot, agent: Int[Array, ""], place: Float[Array, "n 3"])
         agent: Number of the agent.
         place: The places [m].
     """
-    bank, house, held = snapshot.bank, snapshot.house, snapshot.held[agent]
-    body, physics = jnp.maximum(held, 0), bank.physics
-    radius = plan_radius(physics.body_size[house, body], physics.body_quat[house, body]) + jnp.float32(AROUND)
+    held, radius = snapshot.held[agent], carried_radius(snapshot, agent)
+    body = jnp.maximum(held, 0)
     boxes = footprints(snapshot.scene, carried_ids(snapshot)[agent])
     low, high = snapshot.scene.moving.box[body, :, 2]
     boxes = jax.tree.map(lambda x: x[None], boxes)

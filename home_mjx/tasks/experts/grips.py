@@ -82,6 +82,14 @@ def use_hands(config: EnvConfig, actions: Array, grip: Grip, aims: Bool[Array, "
     return actions.at[:, names.index("pick")].set(pick)
 
 
+def open_doors(config: EnvConfig, actions: Array, opens: Bool[Array, " a"]) -> Array:
+    """Actions of which some are to open the door in view."""
+    names = action_names(config)
+    if config.discrete is not None:
+        return jnp.where(opens, names.index("open"), actions).astype(jnp.int32)
+    return actions.at[:, names.index("turn_door")].set(jnp.where(opens, 1.0, 0.0))
+
+
 def is_aimed(config: EnvConfig, grip: Grip) -> Bool[Array, " a"]:
     """Whether no turn and no look would bring the middle of the view nearer to what hands are aimed at."""
     if config.discrete is None:

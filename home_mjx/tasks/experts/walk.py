@@ -14,7 +14,8 @@ from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.environment.moves import action_names
 from home_mjx.tasks.experts.carrying import has_hands
 from home_mjx.tasks.experts.descent import descend
-from home_mjx.tasks.experts.grips import elsewhere, find_grip, is_aimed, use_hands
+from home_mjx.tasks.experts.grips import elsewhere, find_grip, is_aimed, open_doors, use_hands
+from home_mjx.tasks.experts.leaves import faces_shut_leaf
 from home_mjx.tasks.experts.speaking import or_words
 from home_mjx.tasks.rows.features import Looked, look
 from home_mjx.tasks.rows.machine import advance, conditions
@@ -24,6 +25,7 @@ from home_mjx.tasks.sensors.cameras import eye_position
 
 LAG = 0.2  # [m]
 MARGIN = 0.1  # [m]: with something in its hand an agent goes so much nearer than it must
+OPENS = 6  # steps between two tries to open a door; in between an agent gets out of its way, or through
 ALIGNED = 0.8  # [rad]: an agent that looks farther away from its way turns first
 
 
@@ -70,6 +72,8 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
     tilt, near = jnp.where(stands, grip.tilt, tilt), jnp.where(works, stands, near)
     actions = to_actions(config, error, tilt, near, stop)
     actions = use_hands(config, actions, grip, stands & is_aimed(config, grip))
+    opens = ~stands & ~stop & faces_shut_leaf(snapshot, snapshot.pose.yaw) & (snapshot.step % OPENS == 0)
+    actions = open_doors(config, actions, opens)
     return or_words(snapshot, state, values, actions)
 
 

@@ -20,9 +20,10 @@ def window_places(at: Int[Array, "3"], shape: tuple[int, ...]) -> tuple[Int[Arra
 
 
 def window_distances(known: Float[Array, " n"], length: Float[Array, " n"]) -> Float[Array, "w w"]:
-    """Distances within a window: at its edge, and where they are least, as known; elsewhere along the cells between.
+    """Distances within a window, along its cells, to where they are least, or else to its edge and on as known.
 
-    No corner is cut.
+    The edge counts if no such end is in the window, or none can be reached in it: what is known does not know what is
+    in the way, and a way by the edge could lead back through it. No corner is cut.
 
     Args:
         known: As if nothing were in the way [m]; inf where agents cannot stand.
@@ -34,22 +35,29 @@ def window_distances(known: Float[Array, " n"], length: Float[Array, " n"]) -> F
         (29, 29)
     """
     known, length = known.reshape(WIDTH, WIDTH), length.reshape(WIDTH, WIDTH)
-    free = jnp.isfinite(known)
     edge = np.ones((WIDTH, WIDTH), bool)
     edge[1:-1, 1:-1] = False
-    around = _neighbours(known, jnp.inf)
-    ends = jnp.asarray(edge) | (known <= jnp.min(around, axis=0))
+    ends = (known <= jnp.min(_neighbours(known, jnp.inf), axis=0)) & ~jnp.asarray(edge)
+    cost = _costs(jnp.isfinite(known), length)
+    to_end, to_edge = (_relaxed(jnp.where(begin, known, jnp.inf), cost) for begin in (ends, jnp.asarray(edge)))
+    return jnp.where(jnp.isfinite(to_end[HALF, HALF]), to_end, to_edge)
+
+
+def _costs(free: Bool[Array, "w w"], length: Float[Array, "w w"]) -> Float[Array, "9 w w"]:
+    """Of a step out of each cell to each of the 3 × 3 around it [m]; inf where it cannot be made."""
     sides = _neighbours(free, False)
     steps = []
     for index, (y, x) in enumerate(OFFSETS.tolist()):
         open_ = free & sides[index] & sides[_number(y, 0)] & sides[_number(0, x)]
         steps.append(jnp.where(open_, length * jnp.float32(np.hypot(y, x)), jnp.inf))
-    cost = jnp.stack(steps)
+    return jnp.stack(steps)
 
+
+def _relaxed(begin: Float[Array, "w w"], cost: Float[Array, "9 w w"]) -> Float[Array, "w w"]:
     def relax(_: Array, far: Array) -> Array:
         return jnp.minimum(far, jnp.min(_neighbours(far, jnp.inf) + cost, axis=0))
 
-    return jax.lax.fori_loop(0, ROUNDS, relax, jnp.where(ends, known, jnp.inf))
+    return jax.lax.fori_loop(0, ROUNDS, relax, begin)
 
 
 def descend_window(far: Float[Array, "w w"], steps: int) -> Int[Array, "k 3"]:
