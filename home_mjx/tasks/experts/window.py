@@ -8,6 +8,7 @@ from jaxtyping import Array, Bool, Float, Int
 HALF = 14  # cells, from the middle of a window to its edge: more than it takes to get round a leaf
 WIDTH = 2 * HALF + 1
 ROUNDS = 48  # cells of the longest way within a window
+DETOUR = 3.0  # [m]: rather than pushing a leaf on the way to an end that is near, agents go out of the window
 OFFSETS = np.array([(y, x) for y in (-1, 0, 1) for x in (-1, 0, 1)])
 
 
@@ -22,8 +23,8 @@ def window_places(at: Int[Array, "3"], shape: tuple[int, ...]) -> tuple[Int[Arra
 def window_distances(known: Float[Array, " n"], length: Float[Array, " n"]) -> Float[Array, "w w"]:
     """Distances within a window, along its cells, to where they are least, or else to its edge and on as known.
 
-    The edge counts if no such end is in the window, or none can be reached in it: what is known does not know what is
-    in the way, and a way by the edge could lead back through it. No corner is cut.
+    The edge counts if no such end is in the window, or it is farther there by more than `DETOUR`: what is known does
+    not know what is in the way, and a way by the edge could lead back through it. No corner is cut.
 
     Args:
         known: As if nothing were in the way [m]; inf where agents cannot stand.
@@ -40,7 +41,7 @@ def window_distances(known: Float[Array, " n"], length: Float[Array, " n"]) -> F
     ends = (known <= jnp.min(_neighbours(known, jnp.inf), axis=0)) & ~jnp.asarray(edge)
     cost = _costs(jnp.isfinite(known), length)
     to_end, to_edge = (_relaxed(jnp.where(begin, known, jnp.inf), cost) for begin in (ends, jnp.asarray(edge)))
-    return jnp.where(jnp.isfinite(to_end[HALF, HALF]), to_end, to_edge)
+    return jnp.where(to_end[HALF, HALF] < to_edge[HALF, HALF] + jnp.float32(DETOUR), to_end, to_edge)
 
 
 def _costs(free: Bool[Array, "w w"], length: Float[Array, "w w"]) -> Float[Array, "9 w w"]:
