@@ -7,6 +7,12 @@ from home_mjx.audio_jax.auralization.spectra import log_mel, stft_magnitude
 from home_mjx.audio_jax.auralization.stream import faded_frame, given_off, sound_frame
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Sounds, Source
+from home_mjx.audio_jax.measures.clarity import c50, c80, centre_time, d50, drr, strength
+from home_mjx.audio_jax.measures.decay import decay_curve, decay_time, edt, t20, t30
+from home_mjx.audio_jax.measures.octaves import octave_responses
+from home_mjx.audio_jax.measures.spatial import iacc, lateral_fraction
+from home_mjx.audio_jax.measures.survey import Survey, survey_room
+from home_mjx.audio_jax.measures.table import RoomMeasures, measure_energy, measure_response
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.paths import PathProducer, Paths, direct_path, early_paths, reflected_paths
 from home_mjx.audio_jax.propagation.tracing import Trace, trace
@@ -17,23 +23,42 @@ __all__ = [
     "Listener",
     "PathProducer",
     "Paths",
+    "RoomMeasures",
     "Sounds",
     "Source",
+    "Survey",
     "Trace",
+    "c50",
+    "c80",
+    "centre_time",
     "clip_samples",
+    "d50",
+    "decay_curve",
+    "decay_time",
     "direct_path",
+    "drr",
     "ear_gains",
     "early_paths",
     "early_response",
+    "edt",
     "energy_histogram",
     "faded_frame",
     "given_off",
+    "iacc",
     "impulse_response",
     "late_response",
+    "lateral_fraction",
     "log_mel",
     "loudness",
+    "measure_energy",
+    "measure_response",
+    "octave_responses",
     "reflected_paths",
     "sound_frame",
     "stft_magnitude",
+    "strength",
+    "survey_room",
+    "t20",
+    "t30",
     "trace",
 ]

@@ -42,6 +42,8 @@ from home_mjx.tasks.suite.instructions import InstructionFollowing
 from home_mjx.tasks.suite.navigation import HouseTasks, Navigation, ObjectNav, PointGoals, RoomNav
 from home_mjx.tasks.suite.point_nav import PointNav, PointNavState
 from home_mjx.tasks.suite.task_lines import load_tasks, save_tasks
+from home_mjx.tasks.variation.draw import Drawn
+from home_mjx.tasks.variation.ranges import Variation
 
 __all__ = [
     "DEFAULT_SENSORS",
@@ -58,6 +60,7 @@ __all__ = [
     "Communication",
     "Dialogue",
     "DiscreteActions",
+    "Drawn",
     "EnvConfig",
     "EnvParams",
     "Episodes",
@@ -97,6 +100,7 @@ __all__ = [
     "Thing",
     "Touch",
     "TouchMeaning",
+    "Variation",
     "When",
     "WithExpert",
     "World",

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 from home_mjx.errors import ConfigError, install_hint
 
 if TYPE_CHECKING:
-    from home_mjx.training.checkpoint import load_checkpoint, load_net, read_config, save_checkpoint
-    from home_mjx.training.cloning import Cloning
+    from home_mjx.training.checkpoint import load_checkpoint, load_net, read_config, save_checkpoint, save_net
+    from home_mjx.training.cloning import Advised, Cloning
     from home_mjx.training.config import CPU_CONFIG, PPOConfig, RunConfig
     from home_mjx.training.evaluation import evaluate, expert_policy, random_policy, summary
     from home_mjx.training.networks import NetworkConfig, RecurrentAgent
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 __all__ = [
     "CPU_CONFIG",
     "PPO",
+    "Advised",
     "Cloning",
     "NetworkConfig",
     "PPOConfig",
@@ -36,13 +37,14 @@ __all__ = [
     "random_policy",
     "read_config",
     "save_checkpoint",
+    "save_net",
     "summary",
     "train",
 ]
 
 _MODULES = {
-    "checkpoint": ("load_checkpoint", "load_net", "read_config", "save_checkpoint"),
-    "cloning": ("Cloning",),
+    "checkpoint": ("load_checkpoint", "load_net", "read_config", "save_checkpoint", "save_net"),
+    "cloning": ("Advised", "Cloning"),
     "config": ("CPU_CONFIG", "PPOConfig", "RunConfig"),
     "evaluation": ("evaluate", "expert_policy", "random_policy", "summary"),
     "networks": ("NetworkConfig", "RecurrentAgent"),

@@ -15,7 +15,9 @@ from home_mjx.errors import ConfigError, DatasetError, MissingFileError
 from home_mjx.training.config import RunConfig
 
 CHECKPOINT = "checkpoint.npz"  # in the folder of a run
+AGENT = "agent.npz"  # beside it, once the run is over: the network alone
 CONFIG = "config"  # name of the configuration in a file; names of arrays begin with a dot
+NET = ".net"  # of a `TrainState`
 MAX_SHOWN = 5  # differences that an error names
 
 
@@ -30,8 +32,29 @@ def save_checkpoint(path: str | Path, state: Any, config: RunConfig) -> None:
     Raises:
         ConfigError: The file cannot be written, or the configuration is not made of numbers, text and dataclasses.
     """
-    path = Path(path)
-    arrays = {jax.tree_util.keystr(place): np.asarray(x) for place, x in jax.tree_util.tree_leaves_with_path(state)}
+    _save(Path(path), _named(state), config)
+
+
+def save_net(path: str | Path, net: Any, config: RunConfig) -> None:
+    """Writes the parameters alone, in half precision: what `load_net` and `read_config` need, a tenth of a checkpoint.
+
+    Args:
+        path: The file.
+        net: Parameters, such as `TrainState.net`.
+        config: What they belong to.
+
+    Raises:
+        ConfigError: As of `save_checkpoint`.
+    """
+    half = jax.tree.map(lambda x: np.asarray(x).astype(np.float16), net)
+    _save(Path(path), {NET + name: x for name, x in _named(half).items()}, config)
+
+
+def _named(tree: Any) -> dict[str, np.ndarray]:
+    return {jax.tree_util.keystr(place): np.asarray(x) for place, x in jax.tree_util.tree_leaves_with_path(tree)}
+
+
+def _save(path: Path, arrays: dict[str, np.ndarray], config: RunConfig) -> None:
     beside = path.with_name(f".{path.name}.new")
     try:
         with beside.open("wb") as file:
@@ -61,8 +84,13 @@ def load_checkpoint(path: str | Path, like: Any, config: RunConfig) -> Any:
 
 
 def load_net(path: str | Path, like: Any) -> Any:
-    """The parameters alone, whatever else the checkpoint holds; errors as of `load_checkpoint`."""
-    return _load(path, like, ".net")
+    """The parameters alone, of a checkpoint or of `save_net`'s file; errors as of `load_checkpoint`."""
+    return _load(path, like, NET)
+
+
+def read_updates(path: str | Path) -> int:
+    """Updates that a checkpoint's run had made; errors as of `read_config`."""
+    return int(_read(path, [".updates"])[0])
 
 
 def read_config(path: str | Path) -> RunConfig:
@@ -109,11 +137,13 @@ def _load(path: str | Path, like: Any, below: str) -> Any:
     names = [below + jax.tree_util.keystr(place) for place, _ in leaves]
     arrays = _read(path, names)
     for name, (_, leaf), array in zip(names, leaves, arrays, strict=True):
-        if array.shape != leaf.shape or array.dtype != leaf.dtype:
+        kinds = (leaf.dtype, np.dtype(np.float16)) if leaf.dtype == np.float32 else (leaf.dtype,)
+        if array.shape != leaf.shape or array.dtype not in kinds:
             message = f"expected {leaf.dtype} {leaf.shape}, got {array.dtype} {array.shape}"
             hint = "Houses of another capacity, or another version of the package, made it."
             raise DatasetError(message, file=path, element=name, hint=hint)
-    return jax.tree.unflatten(structure, arrays)
+    whole = [array.astype(leaf.dtype, copy=False) for array, (_, leaf) in zip(arrays, leaves, strict=True)]
+    return jax.tree.unflatten(structure, whole)
 
 
 def _read(path: str | Path, names: list[str]) -> list[np.ndarray]:

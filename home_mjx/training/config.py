@@ -1,13 +1,13 @@
 """Options of training."""
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 
 from home_mjx.core.checks import check_flag, check_known, check_number, check_type
 from home_mjx.errors import ConfigError
 from home_mjx.registry import EnvSpec
 from home_mjx.training.networks.agent import NetworkConfig
 
-ALGORITHMS = ("ppo", "clone")
+ALGORITHMS = ("ppo", "advised", "clone")
 OPTIMIZERS = ("adam", "lamb")
 FINAL_OBS = ("cheap", "all")
 WHOLE = ("num_envs", "num_timesteps", "unroll_length", "num_minibatches", "num_epochs")
@@ -37,6 +37,7 @@ class PPOConfig:
         clip_range: How far the ratio of probabilities counts, from 1.
         entropy_cost: Weight of the entropy bonus.
         value_cost: Weight of the value's loss.
+        advice_cost: Of algorithm "advised": weight of an expert's advice at the start, see `Advised`.
         stagger: Environments begin somewhere in the time of their first episode, so that they do not end all at once.
         final_obs: What an episode that runs out of time is continued by in the returns. "cheap": the value of the last
             observation if it needs no rays, else the value of the step before. "all": the value of the last
@@ -66,6 +67,7 @@ class PPOConfig:
     clip_range: float = 0.2
     entropy_cost: float = 0.01
     value_cost: float = 0.5
+    advice_cost: float = 0.5
     stagger: bool = True
     final_obs: str = "cheap"
     network: NetworkConfig = field(default_factory=lambda: NetworkConfig(dtype="bfloat16"))
@@ -131,8 +133,11 @@ class RunConfig:
         env: What `make` was asked for: task, houses, sensors.
         ppo: Options of the training.
         seed: Of everything random.
-        algorithm: "ppo", or "clone": an expert's advice, see `Cloning`.
+        algorithm: "ppo"; "clone": an expert's advice alone, see `Cloning`; "advised": both, see `Advised`.
         start: Checkpoint whose network is where training begins; None: a fresh one.
+        clone_timesteps: So many environment steps of an expert's advice come before PPO's own.
+        max_seconds: Training ends after so many seconds, if it has not by then; compiling does not count. None: no
+            limit. Learning rates fall as if there were none.
     """
 
     env: EnvSpec
@@ -140,9 +145,30 @@ class RunConfig:
     seed: int = 0
     algorithm: str = "ppo"
     start: str | None = None
+    clone_timesteps: int = 0
+    max_seconds: float | None = None
 
     def __post_init__(self) -> None:
         check_known("algorithm", [self.algorithm], ALGORITHMS)
         check_type("env", self.env, EnvSpec)
         check_type("ppo", self.ppo, PPOConfig)
         check_number("seed", self.seed, 0, 2**32 - 1, whole=True)
+        check_number("clone_timesteps", self.clone_timesteps, 0, whole=True)
+        if self.max_seconds is not None:
+            check_number("max_seconds", self.max_seconds, 0)
+        if self.clone_timesteps and self.algorithm == "clone":
+            raise ConfigError("`clone_timesteps` come before PPO; `algorithm` is clone", hint="Leave one of them out.")
+
+    @property
+    def stages(self) -> tuple[tuple[str, PPOConfig], ...]:
+        """Algorithms and their options, one after the other.
+
+        Example:
+            >>> run = RunConfig(spec, PPOConfig(num_envs=64), clone_timesteps=10_000)  # doctest: +SKIP
+            >>> [algorithm for algorithm, _ in run.stages]  # doctest: +SKIP
+            ['clone', 'ppo']
+        """
+        own = ((self.algorithm, self.ppo),)
+        if not self.clone_timesteps:
+            return own
+        return (("clone", replace(self.ppo, num_timesteps=self.clone_timesteps)), *own)

@@ -24,6 +24,7 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.tasks.base.keys import to_raw
 from home_mjx.tasks.base.state import EnvParams
 from home_mjx.tasks.environment.autoreset import AutoReset
+from home_mjx.tasks.environment.begin import in_order
 from home_mjx.tasks.environment.household import HouseholdEnv
 from home_mjx.training.config import PPOConfig
 from home_mjx.training.networks.agent import RecurrentAgent
@@ -40,7 +41,7 @@ class TrainState(Pytree):
     opt: Any  # the optimizer's state
     actor: Actor
     key: UInt32[Array, "2"]
-    updates: Int[Array, ""]  # done so far
+    updates: Int[Array, ""]  # of the run, done so far
 
 
 class Batch(Pytree):
@@ -118,7 +119,7 @@ class PPO:
         num, config = keys.shape[0], self.core.config
         env_keys, time_keys, row_keys = jnp.unstack(jax.vmap(lambda key: jax.random.split(key, 3))(keys), axis=1)
         first = jax.lax.axis_index(AXIS) * num  # each device begins with rows of its own
-        episodes = None if params.tasks is None else first + jnp.arange(num, dtype=jnp.int32)
+        episodes = first + jnp.arange(num, dtype=jnp.int32) if in_order(params.tasks) else None
         env = self.batch.reset(params, env_keys, None, episodes)
         if self.config.stagger:
             step = jax.vmap(lambda key: jax.random.randint(key, (), 0, config.episode_length))(time_keys)
@@ -145,7 +146,7 @@ class PPO:
             steps=steps, memory=memory, advantage=advantage, target=advantage + steps.outputs["value"]
         )
         key, order = jax.random.split(state.key)
-        net, opt, metrics = self.fit(self.loss, state.net, state.opt, batch, order)
+        net, opt, metrics = self.fit(self.loss_now(state), state.net, state.opt, batch, order)
         new = TrainState.unchecked(net=net, opt=opt, actor=actor, key=key, updates=state.updates + 1)
         return new, metrics | {f"episode/{name}": jax.lax.psum(x, AXIS) for name, x in episodes.items()}
 
@@ -168,6 +169,10 @@ class PPO:
             return self.agent.read_one(net, memory, last, jnp.zeros(memory.shape[0], bool))[2]
 
         return Policy(act, value, choose.clip, self.agent.first_memory)
+
+    def loss_now(self, state: TrainState) -> Loss:
+        """What is descended in an update from this state."""
+        return self.loss
 
     def loss(self, net: Any, batch: Batch) -> tuple[Array, dict[str, Array]]:
         """PPO's clipped loss, the value's error and the entropy bonus; the whole sequence is run again."""

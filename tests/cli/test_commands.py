@@ -204,7 +204,14 @@ def test_listen_hears_the_source_after_its_delay(houses: Path, tmp_path: Path, c
     source = np.add(feet, [np.cos(yaw), np.sin(yaw), EYE_HEIGHT])
     where = ["--source", *map(str, source)]
     assert main(["listen", "--dataset", str(houses), "--out", str(tmp_path), "--clip", "tone", *where]) == 0
-    metres = float(capsys.readouterr().out.split(": ")[-1].split()[0])
+    printed = capsys.readouterr().out
+    metres = float(printed.split(": ")[-1].split()[0])
+    assert printed.split("octave [Hz]")[1].split()[:7] == ["125", "250", "500", "1000", "2000", "4000", "8000"]
+    table = {line.split()[0]: np.array(line.split()[-7:]) for line in printed.splitlines() if len(line.split()) >= 8}
+    assert {"T20", "T30", "EDT", "C50", "C80", "D50", "Ts", "DRR", "G", "IACC", "LF"} <= set(table)
+    sound = np.array([table[name].astype(float) for name in ("T30", "EDT", "D50", "IACC", "LF")])
+    assert np.all((sound > 0) & (sound < [[3], [3], [1], [1], [1]]))
+    assert np.all(table["T30"].astype(float)[3:6] > 0.1)
     with wave.open(str(tmp_path / "response.wav")) as file:
         assert (file.getnchannels(), file.getframerate()) == (2, 16000)
         samples = np.frombuffer(file.readframes(file.getnframes()), "<i2").reshape(-1, 2)

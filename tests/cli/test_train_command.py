@@ -74,7 +74,7 @@ def test_a_killed_run_goes_on_as_if_it_had_not_been(houses: Path, tmp_path: Path
     assert {"success", "spl", "soft_spl", "return", "length"} <= set(report["trained"])
     assert read_config(whole / "checkpoint.npz").env.split == "train"
     assert {path.name for path in whole.iterdir()} == {
-        "checkpoint.npz", "curves.png", "evaluation.json", "metrics.jsonl", "tensorboard",
+        "agent.npz", "checkpoint.npz", "curves.png", "evaluation.json", "metrics.jsonl", "tensorboard",
     }  # fmt: skip
 
     program = [sys.executable, "-m", "home_mjx.cli", *command(houses, killed)]
@@ -144,3 +144,7 @@ def test_a_run_has_all_options():
     assert (config.env.num_houses, config.env.split, config.seed) == (2, "train", 5)
     assert config.env.options == {"sensors": ("state", "goal"), "episode_length": 8}
     assert (config.ppo.num_envs, config.ppo.num_timesteps, config.ppo.network.memory) == (8, 2560, 16)
+    assert (config.clone_timesteps, config.max_seconds) == (0, None)
+    more = command(houses, Path("out"), "--clone-steps", "640", "--seconds", "7.5", "--algorithm", "advised")
+    config = run_config(parser.parse_args(more[1:]))
+    assert (config.clone_timesteps, config.max_seconds, config.algorithm) == (640, 7.5, "advised")

@@ -14,7 +14,7 @@ from home_mjx.errors import ConfigError, DatasetError, MissingFileError
 from home_mjx.registry import EnvSpec
 from home_mjx.tasks import DiscreteActions
 from home_mjx.training import checkpoint
-from home_mjx.training.checkpoint import load_checkpoint, load_net, read_config, save_checkpoint
+from home_mjx.training.checkpoint import load_checkpoint, load_net, read_config, save_checkpoint, save_net
 from home_mjx.training.config import CPU_CONFIG, PPOConfig, RunConfig
 
 OPTIONS = {"sensors": ("state", "goal"), "actions": DiscreteActions(turn_angle=30.0), "ctrl_dt": 0.4}
@@ -49,6 +49,21 @@ def test_everything_comes_back(tmp_path: Path):
     assert equal(load_net(path, tree(0.0).net), tree().net)
     assert read_config(path) == CONFIG
     assert [file.name for file in tmp_path.iterdir()] == ["checkpoint.npz"]
+
+
+def test_a_network_alone_is_small_and_begins_a_run(tmp_path: Path):
+    """In half precision: what is read is what was written, rounded to 11 bits."""
+    whole, alone = tmp_path / "whole.npz", tmp_path / "agent.npz"
+    net = {"dense": jnp.linspace(-2.0, 3.0, 30_000).reshape(100, 300)}
+    save_checkpoint(whole, Tree(net, [net["dense"]]), CONFIG)
+    save_net(alone, net, CONFIG)
+    assert alone.stat().st_size < whole.stat().st_size / 3.5
+    assert read_config(alone) == CONFIG
+    found = load_net(alone, net)
+    assert found["dense"].dtype == np.float32
+    np.testing.assert_array_equal(found["dense"], np.asarray(net["dense"]).astype(np.float16))
+    with pytest.raises(DatasetError, match=r"lacks \.rest"):
+        load_checkpoint(alone, Tree(net, [jnp.zeros(1)]), CONFIG)
 
 
 def test_a_write_that_breaks_off_leaves_the_old_checkpoint(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

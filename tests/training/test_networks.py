@@ -11,7 +11,7 @@ pytest.importorskip("flax", reason="needs the extra `train`")
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.specs import ArraySpec
 from home_mjx.training.networks import Categorical, Gaussian, NetworkConfig, RecurrentAgent, distribution_of
-from home_mjx.training.networks.encoders import kind_of, squash
+from home_mjx.training.networks.encoders import SpectraEncoder, id_codes, kind_of, squash
 
 SPECS = {
     "pixels/head_rgb": ArraySpec((16, 16, 3), "uint8", 0, 255),
@@ -43,6 +43,24 @@ def test_kinds_of_observations():
     assert kinds == ["image", "image", "ids", "image", "image", "sound", "vector", "words"]
     assert kind_of("camera/head_pose", ArraySpec((4, 4))) == "none"
     assert kind_of("previous_reward", ArraySpec(())) == "vector"
+    assert kind_of("log_mel", ArraySpec((2, 8, 40))) == "spectra"
+
+
+def test_ears_are_told_apart_however_loud_it_is(rng: np.random.Generator):
+    """3 dB between the ears move the features at any level."""
+    encoder = SpectraEncoder(16)
+    quiet = jnp.asarray(rng.uniform(-60, -50, (1, 2, 8, 40)), jnp.float32)
+    net = encoder.init(jax.random.key(0), quiet)
+    louder = quiet.at[:, 0].add(3.0)
+    moved = [encoder.apply(net, level + louder) - encoder.apply(net, level + quiet) for level in (0.0, 40.0)]
+    assert min(float(jnp.linalg.norm(x)) for x in moved) > 0.1
+    assert not np.array_equal(encoder.apply(net, quiet[:, ::-1]), encoder.apply(net, quiet))
+
+
+def test_codes_of_ids_are_all_different():
+    codes = id_codes()
+    assert len(np.unique(codes[:200], axis=0)) == pytest.approx(200, abs=10)  # of 4096 possible ones
+    assert np.array_equal(codes, id_codes())
 
 
 def test_squash_is_odd_and_grows_with_the_logarithm():

@@ -14,7 +14,7 @@ from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.base.filters import high_pass, octave_gains
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.paths import Paths, early_paths
-from home_mjx.audio_jax.propagation.tracing import trace
+from home_mjx.audio_jax.propagation.tracing import Trace, trace
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS
 
@@ -46,12 +46,19 @@ def impulse_response(
     trace_key, noise_key = jax.random.split(key)
     paths = early_paths(scene, source, listener, config)
     traced = trace(scene, source, listener, trace_key, config)
-    energy = energy_histogram(traced, ear_gains(traced.direction, listener.quat, config), config)
-    late = late_response(energy, noise_key, config)
+    return assembled(paths, traced, listener.quat, noise_key, config)
+
+
+def assembled(
+    paths: Paths, traced: Trace, head_quat: Float[Array, "4"], key: Array, config: AudioConfig
+) -> Float[Array, "2 l"]:
+    """The response that paths and rays make at a head, see `impulse_response`; `key` chooses the noise."""
+    energy = energy_histogram(traced, ear_gains(traced.direction, head_quat, config), config)
+    late = late_response(energy, key, config)
     onset = (paths.distance[0] - config.head_radius) * jnp.float32(config.sample_rate / config.speed_of_sound)
     # nothing overtakes the direct sound
     heard = jnp.arange(config.response_length, dtype=jnp.int32) >= onset.astype(jnp.int32)
-    return early_response(paths, listener.quat, config) + jnp.where(heard[None], late, 0.0)
+    return early_response(paths, head_quat, config) + jnp.where(heard[None], late, 0.0)
 
 
 def ear_gains(

@@ -1,12 +1,29 @@
-"""Write a sound as heard at a point of a house, and the impulse response that made it."""
+"""Write a sound as heard at a point of a house and the impulse response that made it; print the room's measures."""
 
 import argparse
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import number
 from home_mjx.cli.viewpoint import EYE_HEIGHT, add_viewpoint_arguments, check_inside, stand
+from home_mjx.schema.compiled import BANDS
+
+if TYPE_CHECKING:
+    from home_mjx.audio_jax.measures.survey import Survey
+
+MEASURES = (  # field of `RoomMeasures`, title, format
+    ("t20", "T20 [s]", ".2f"),
+    ("t30", "T30 [s]", ".2f"),
+    ("edt", "EDT [s]", ".2f"),
+    ("c50", "C50 [dB]", ".1f"),
+    ("c80", "C80 [dB]", ".1f"),
+    ("d50", "D50", ".2f"),
+    ("centre_time", "Ts [s]", ".3f"),
+    ("drr", "DRR [dB]", ".1f"),
+    ("strength", "G [dB]", ".1f"),
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -18,19 +35,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Writes the WAV files."""
+    """Writes the WAV files and prints the measures."""
     import jax
     import jax.numpy as jnp
     import numpy as np
     import scipy.signal
 
-    from home_mjx.audio_jax.auralization.response import impulse_response
     from home_mjx.audio_jax.auralization.sources import clip_samples
-    from home_mjx.audio_jax.base.config import AudioConfig
     from home_mjx.audio_jax.base.endpoints import Listener, Source
+    from home_mjx.audio_jax.measures.survey import SURVEY, survey_room
     from home_mjx.viz.media import write_wav
 
-    config = AudioConfig()
+    config = SURVEY
     clip = clip_samples(args.clip, config)
     make_folder(args.out)
     view = stand(args)
@@ -38,13 +54,22 @@ def run(args: argparse.Namespace) -> int:
     source = goal if args.source is None else np.array(args.source, np.float32)
     check_inside(view.bank, source, "--source")
     listener = Listener(jnp.asarray(view.position), jnp.asarray(view.head_quat))
-    respond = jax.jit(impulse_response, static_argnames="config")
-    response = respond(view.scene, Source(jnp.asarray(source)), listener, jax.random.key(0), config)
-    response = np.asarray(response)
+    survey = jax.jit(survey_room, static_argnames="config")
+    found = survey(view.scene, Source(jnp.asarray(source)), listener, jax.random.key(0), config)
+    response = np.asarray(found.response)
     heard = scipy.signal.fftconvolve(response, clip[None], axes=1)
     for name, samples in (("heard.wav", heard), ("response.wav", response)):
         write_wav(args.out / name, samples.astype(np.float32), config.sample_rate)
         sys.stdout.write(f"{args.out / name}\n")
     distance = np.linalg.norm(source - view.position)
     sys.stdout.write(f"source {np.round(source, 2)} m, head {np.round(view.position, 2)} m: {distance:.2f} m apart\n")
+    sys.stdout.write(f"\n{measures_table(found)}\n{config.num_rays} rays, {config.num_bounces} bounces\n")
     return 0
+
+
+def measures_table(survey: "Survey") -> str:
+    """Measures of a survey as text, one row each, one column per octave band."""
+    rows = [("octave [Hz]", BANDS, "g")]
+    rows += [(title, getattr(survey.measures, name), form) for name, title, form in MEASURES]
+    rows += [("IACC", survey.iacc, ".2f"), ("LF", survey.lateral_fraction, ".2f")]
+    return "\n".join(title.ljust(12) + "".join(f"{float(v):8{form}}" for v in row) for title, row, form in rows)

@@ -25,14 +25,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, help="folder for the files (default: runs/TASK)")
     parser.add_argument(
         "--algorithm",
-        choices=("ppo", "clone"),
+        choices=("ppo", "advised", "clone"),
         default="ppo",
-        help="clone: learn from an expert's advice (default: ppo)",
+        help="clone: learn from an expert's advice; advised: from rewards and advice (default: ppo)",
     )
+    parser.add_argument(
+        "--clone-steps", type=positive_int, default=0, metavar="N", help="steps of an expert's advice before PPO's own"
+    )
+    parser.add_argument("--seconds", type=float, help="end after so many seconds, without those of compiling")
     parser.add_argument("--start", type=Path, metavar="CHECKPOINT", help="begin with the network of a checkpoint")
     parser.add_argument("--resume", action="store_true", help="go on from the folder's checkpoint")
     parser.add_argument("--houses", type=positive_int, default=32, help="how many to train in (default: 32)")
     parser.add_argument("--episodes", type=positive_int, default=1000, help="of the evaluation (default: 1000)")
+    parser.add_argument("--held-out", type=positive_int, default=16, help="houses to be evaluated in (default: 16)")
     add_dataset_option(parser)
     for name, what in (("--env", "of the environment, as of make"), ("--ppo", "of PPOConfig")):
         parser.add_argument(name, action="append", default=[], metavar="NAME=VALUE", help=f"an option {what}")
@@ -47,7 +52,7 @@ def run(args: argparse.Namespace) -> int:
 
     out = make_folder(args.out or Path("runs") / config.env.id)
     train(config, out, args.resume)
-    report = evaluate_checkpoint(out / CHECKPOINT, num_episodes=args.episodes)
+    report = evaluate_checkpoint(out / CHECKPOINT, num_houses=args.held_out, num_episodes=args.episodes)
     (out / "evaluation.json").write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
     sys.stdout.write(as_table(report) + f"Look at {out / 'curves.png'}\n")
     return 0
@@ -58,7 +63,7 @@ def run_config(args: argparse.Namespace) -> "RunConfig":
     from home_mjx.training import RunConfig
 
     start = None if args.start is None else str(checkpoint_of(args.start))
-    return RunConfig(env_spec(args), ppo_config(args), args.seed, args.algorithm, start)
+    return RunConfig(env_spec(args), ppo_config(args), args.seed, args.algorithm, start, args.clone_steps, args.seconds)
 
 
 def checkpoint_of(path: Path) -> Path:

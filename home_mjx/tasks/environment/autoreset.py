@@ -13,6 +13,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.physics import Template
 from home_mjx.tasks.base.keys import RENEW, fold
 from home_mjx.tasks.base.state import EnvParams, State
+from home_mjx.tasks.environment.begin import in_order
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.household import HouseholdEnv
 
@@ -29,7 +30,7 @@ class AutoReset:
     as `obs`.
 
     With `EnvParams.tasks`, environment i of n takes the rows i, i + n, i + 2n, ... so that all rows are evaluated once
-    before any is repeated; `World.episode` counts on without end.
+    before any is repeated; `World.episode` counts on without end. Rows of a `TaskBank` with weights are drawn instead.
 
     Args:
         core: The environment.
@@ -66,13 +67,13 @@ class AutoReset:
         house: Int[Array, " n"] | None = None,
         episode: Int[Array, " n"] | None = None,
     ) -> State:
-        """A new episode per key; with `params.tasks`, rows 0 to n - 1 unless told otherwise.
+        """A new episode per key; with `params.tasks`, rows 0 to n - 1 unless told otherwise, or rows drawn by weight.
 
         Raises:
             ConfigError: There is only one key.
         """
         num = _count(key)
-        if episode is None and params.tasks is not None:
+        if episode is None and in_order(params.tasks):
             episode = jnp.arange(num, dtype=jnp.int32)
         begin = jax.vmap(self.core.begin, (None, 0, None if house is None else 0, None if episode is None else 0))
         state = self._perceive(params, begin(params, key, house, episode))
@@ -100,7 +101,7 @@ class AutoReset:
         num = done.shape[0]
 
         def one(state: State, done: Bool[Array, ""]) -> State:
-            episode = None if params.tasks is None else state.world.episode + num
+            episode = state.world.episode + num if in_order(params.tasks) else None
             new = self.core.begin(params, fold(state.world.key, RENEW), None, episode)
             world = new.world.replace(faults=state.world.faults)
             new = state.replace(physics=new.physics, world=world, task=new.task)

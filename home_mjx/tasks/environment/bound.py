@@ -15,8 +15,9 @@ from home_mjx.tasks.base.specs import ArraySpec, Specs
 from home_mjx.tasks.base.state import EnvParams, Episodes, State
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.environment.moves import action_names
-from home_mjx.tasks.environment.usable import check_bank, check_sounds
+from home_mjx.tasks.environment.usable import check_bank, check_sounds, check_variation
 from home_mjx.tasks.rows.task_bank import TaskBank
+from home_mjx.tasks.variation.ranges import as_variation
 
 
 @runtime_checkable
@@ -85,6 +86,9 @@ class BoundEnv(Generic[C]):
         self.core, self.params, self.spec = core, params, spec
         check_bank(core.config, params.bank)
         check_sounds(core.config, params.tasks)
+        check_variation(core.config, params.variation)
+        if isinstance(params.tasks, TaskBank):
+            params.tasks.check_weights()
         # Now, not in the first trace: arrays made inside `pmap` or `shard_map` belong to that mesh for ever.
         core.template(params.bank)
         self._is_large = bank_bytes(params.bank) > LARGE
@@ -106,6 +110,20 @@ class BoundEnv(Generic[C]):
     def with_tasks(self, episodes: Episodes | TaskBank | None) -> "BoundEnv[C]":
         """The same environment whose resets take their rows from episodes drawn beforehand; None: draw afresh."""
         return BoundEnv(self.core, self.params.replace(tasks=episodes), self.spec)
+
+    def with_variation(self, variation: Any) -> "BoundEnv[C]":
+        """The same environment whose resets draw from other ranges; None: nothing varies.
+
+        Args:
+            variation: A `Variation`, or its ranges by name.
+
+        Raises:
+            ConfigError: A range cannot be used, or the environment has nothing that would show it.
+
+        Example:
+            >>> env = env.with_variation({"exposure": (0.5, 1.5)})  # doctest: +SKIP
+        """
+        return BoundEnv(self.core, self.params.replace(variation=as_variation(variation)), self.spec)
 
     def _warn_of_baking(self, argument: Any) -> None:
         """A traced argument means that a program is being made, whose constant the bank becomes."""

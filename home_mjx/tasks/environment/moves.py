@@ -17,8 +17,11 @@ from home_mjx.tasks.base.specs import (
     ArraySpec,
     DiscreteActions,
 )
+from home_mjx.tasks.base.state import World
 from home_mjx.tasks.environment.usable import usable_action, usable_choice
 from home_mjx.tasks.language.vocabulary import tokenize
+from home_mjx.tasks.variation.draw import MOVES
+from home_mjx.tasks.variation.noise import noisy_moves
 
 # Of each discrete action but `stop`: the number of a continuous one that it sets, and its sign.
 SETS = {
@@ -112,6 +115,17 @@ def with_led(config: EnvConfig, moves: Moves, stopped: Any, mask: Bool[Array, " 
         return jnp.where(mask.reshape(-1, *[1] * (led.ndim - 1)), led, told) if led.ndim else told
 
     return jax.tree.map(pick, own, moves)
+
+
+def with_noise(config: EnvConfig, moves: Moves, world: World) -> Moves:
+    """The moves as agents make them: with the errors that the episode has drawn."""
+    drawn = world.drawn
+    if drawn is None or drawn.move_noise is None:
+        return moves
+    rates = [(body.forward_speed, body.strafe_speed, body.turn_rate) for body in config.physics.agents]
+    full = jnp.array(rates, jnp.float32) * config.timing.ctrl_dt
+    key = drawn.noise_key(world.step, MOVES)
+    return moves.replace(drive=noisy_moves(drawn.move_noise, key, moves.drive, full))
 
 
 def spoken_tokens(config: EnvConfig) -> Int[np.ndarray, " moves"]:

@@ -10,11 +10,16 @@ from jaxtyping import Array, Bool, Float, Int
 from home_mjx.audio_jax.auralization.sources import CLIPS
 from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
+from home_mjx.raycast_render.shading.preset import resolve
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.specs import Specs
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.rows.task_bank import TaskBank
 from home_mjx.tasks.sounds.row import emission_of
+from home_mjx.tasks.variation.ranges import Variation
+
+FLAT = 179.0  # [degrees]: greatest field of view
+LIGHTS = ("lamps", "lamp_gain", "daylight", "sun_azimuth", "sun_elevation")
 
 
 def usable_action(action: Any, num_agents: int, size: int) -> tuple[Float[Array, "a n"], Bool[Array, ""]]:
@@ -123,6 +128,50 @@ def check_sounds(config: EnvConfig, tasks: Any) -> None:
     if lost:
         names = ", ".join(sorted(lost))
         raise ConfigError(f"tasks play {names}, which the environment has not", hint=f"Add to clips=(...): {names}.")
+
+
+def check_variation(config: EnvConfig, variation: Variation | None) -> None:
+    """Refuses what varies without effect, and cameras that could not be.
+
+    Raises:
+        ConfigError: With the name of the range, and what to do.
+    """
+    if variation is None or any(isinstance(x, jax.core.Tracer) for x in jax.tree.leaves(variation)):  # pyright: ignore
+        return
+    lit, impl = resolve(config.rgb_preset) is not None, config.physics.impl
+    useless = {
+        **dict.fromkeys(LIGHTS, None if lit else 'The preset "fast" has no lights: give rgb_preset="lit".'),
+        "move_noise": None if config.discrete else 'It is of discrete moves: give actions="discrete".',
+        "friction": f'Nothing slides with impl="{impl}": give impl="fused".' if impl in ("kinematic", "c") else None,
+        "mass": 'With impl="c" each house has its own model: give impl="fused".' if impl == "c" else None,
+    }
+    for name, reason in useless.items():
+        if reason is not None and getattr(variation, name) is not None:
+            raise ConfigError(f"`{name}` cannot vary here", element=f"Variation.{name}", hint=reason)
+    _check_fovy(config, variation)
+    _check_clips(config, variation)
+
+
+def _check_fovy(config: EnvConfig, variation: Variation) -> None:
+    if variation.camera_fovy is None:
+        return
+    low, high = np.asarray(variation.camera_fovy).tolist()
+    for view in config.views:
+        if view.lens.model == "pinhole" and not 0 < view.fovy + low <= view.fovy + high < FLAT:
+            text = f"{view.fovy + low:g} to {view.fovy + high:g} degrees"
+            message = f"the field of view of camera `{view.name}` would be {text}"
+            hint = f"It must stay between 0 and {FLAT:g}."
+            raise ConfigError(message, element="Variation.camera_fovy", hint=hint)
+
+
+def _check_clips(config: EnvConfig, variation: Variation) -> None:
+    if variation.clips is None:
+        return
+    lost = {CLIPS[i] for i in np.flatnonzero(np.asarray(variation.clips))} - {config.clip, *config.clips}
+    if lost:
+        names = ", ".join(f'"{name}"' for name in sorted(lost))
+        message = f"the environment has not the sounds {names}"
+        raise ConfigError(message, element="Variation.clips", hint=f"Add them to clips=(...): {names}.")
 
 
 def check_arrangements(bank: HouseBank) -> None:

@@ -10,7 +10,7 @@ from home_mjx.audio_jax.auralization.sources import CLIPS, clip_samples
 from home_mjx.audio_jax.auralization.spectra import LEAST, MOST, NUM_MELS, log_mel, spectrum_shape, stft_magnitude
 from home_mjx.audio_jax.auralization.stream import faded_frame, given_off
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Listener, Source
+from home_mjx.audio_jax.base.endpoints import Listener, Sounds, Source
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import camera_quat
 from home_mjx.tasks.base.config import EnvConfig
@@ -64,7 +64,7 @@ class Hearing(Sensor):
         time = jnp.where(first, 0, state.time + frame)
         response = hear(config, snapshot)
         before = jnp.where(first, response, state.response)
-        left = given_off(clips, snapshot.sounds, row, phase, time, config.audio)
+        left = given_off(clips, _as_loud_as_drawn(snapshot), row, phase, time, config.audio)
 
         def of_all(old: Float[Array, "e 2 l"], new: Float[Array, "e 2 l"]) -> Float[Array, "2 m"]:
             return jnp.sum(jax.vmap(lambda s, a, b: faded_frame(s, a, b, config.audio))(left, old, new), axis=0)
@@ -126,6 +126,11 @@ class LogMel(Sensor):
         """Of the last step's frame."""
         rate = config.audio.sample_rate
         return {"log_mel": log_mel(stft_magnitude(state.frame, rate), rate)}
+
+
+def _as_loud_as_drawn(snapshot: Snapshot) -> Sounds:
+    sounds, drawn = snapshot.sounds, snapshot.drawn
+    return sounds if drawn is None or drawn.volume is None else sounds.replace(gain=sounds.gain * drawn.volume)
 
 
 def playable(config: EnvConfig, snapshot: Snapshot) -> tuple[Float[Array, "c n"], Int[Array, " e"]]:

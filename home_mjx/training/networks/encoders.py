@@ -1,5 +1,6 @@
 """From a dictionary of observations to one vector: which network reads which observation."""
 
+import functools
 from collections import defaultdict
 from typing import Any
 
@@ -13,7 +14,9 @@ from home_mjx.tasks.experts.teacher import EXPERT
 from home_mjx.training.networks.images import ImageEncoder
 
 NUM_IDS = 1024  # rows of the tables of ids and words; greater ids are counted around
-ID_CHANNELS = 8
+ID_CHANNELS = 12
+LOUD = 50.0  # [dB]: levels are told in such parts
+APART = 10.0  # [dB]: and differences between ears in such
 QUIET = 1e-4  # pressure below which loudness is not told apart
 
 
@@ -23,6 +26,7 @@ def kind_of(name: str, spec: ArraySpec) -> str:
     - `image`: rank 3, and rank 2 unless they are integers or sound.
     - `ids`: rank 2 integers, `ids/*`.
     - `sound`: `audio` (2, samples).
+    - `spectra`: `log_mel` (2, windows, bands).
     - `words`: rank 1 integers, such as tokens of an instruction.
     - `vector`: all other numbers.
     - `none`: `camera/*`, which says where cameras are, and `expert`, which says what to do.
@@ -38,6 +42,8 @@ def kind_of(name: str, spec: ArraySpec) -> str:
         return "none"
     if rank == 2 and name == "audio":
         return "sound"
+    if rank == 3 and name == "log_mel":
+        return "spectra"
     if is_int and rank in (1, 2):
         return "words" if rank == 1 else "ids"
     return "image" if rank in (2, 3) else "vector"
@@ -75,6 +81,22 @@ class SoundEncoder(nn.Module):
         return nn.relu(nn.Dense(self.features)(jnp.concatenate(heard, axis=-1)))
 
 
+class SpectraEncoder(nn.Module):
+    """Features of both ears' spectra [dB]: of their mean, and of their difference, which tells the direction.
+
+    Levels differ by tens of dB from near to far, ears by a few from left to right: each is scaled for itself.
+    """
+
+    features: int = 256
+
+    @nn.compact
+    def __call__(self, x: Float[Array, "*b ears w m"]) -> Float[Array, "*b f"]:
+        """Two layers."""
+        mean, apart = jnp.mean(x, axis=-3) / LOUD, (x[..., 0, :, :] - x[..., 1, :, :]) / APART
+        flat = jnp.stack([mean, apart], axis=-3).reshape(*x.shape[:-3], -1)
+        return nn.relu(nn.Dense(self.features)(nn.relu(nn.Dense(self.features)(flat))))
+
+
 class WordEncoder(nn.Module):
     """Features of a short row of words: each is looked up by place and word, then all are averaged."""
 
@@ -86,6 +108,15 @@ class WordEncoder(nn.Module):
         places = self.param("places", nn.initializers.normal(0.02), (words.shape[-1], self.features))
         looked_up = nn.Embed(NUM_IDS, self.features)(_row(words)) + places
         return jnp.mean(nn.relu(nn.Dense(self.features)(looked_up)), axis=-2)
+
+
+@functools.cache
+def id_codes() -> Float[np.ndarray, "n c"]:
+    """A code for every id, drawn at random once and for all.
+
+    Codes that are learned tell no more, but their gradients are sums over all pixels: they took most of the time.
+    """
+    return np.random.default_rng(0).choice([-1.0, 1.0], (NUM_IDS, ID_CHANNELS)).astype(np.float32)
 
 
 def _row(ids: Int[Array, "*b"]) -> Int[Array, "*b"]:
@@ -121,9 +152,11 @@ class Encoder(nn.Module):
                 image = as_image(spec, x)
                 images[image.shape[-3:-1]].append(image)
             elif kind == "ids":
-                images[spec.shape].append(nn.Embed(NUM_IDS, ID_CHANNELS)(_row(x)))
+                images[spec.shape].append(jnp.asarray(id_codes(), self.dtype)[_row(x)])
             elif kind == "sound":
                 parts.append(SoundEncoder()(x))
+            elif kind == "spectra":
+                parts.append(SpectraEncoder(self.features)(x))
             elif kind == "words":
                 parts.append(WordEncoder()(x))
             elif kind == "vector":

@@ -5,6 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from handmade import Furniture, shoebox, two_rooms
+from numpy_measures import octave_energies, t30
 from scenes import HEAD, scene_of
 
 from home_mjx.audio_jax.auralization.response import impulse_response
@@ -12,7 +13,6 @@ from home_mjx.audio_jax.auralization.sources import clip_samples
 from home_mjx.audio_jax.auralization.stream import sound_frame
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
-from home_mjx.audio_jax.base.metrics import octave_energies, t30
 from home_mjx.raycast_render.scene.scene import make_scene
 
 BINAURAL, OMNI = AudioConfig(), AudioConfig(receiver="omni")

@@ -4,9 +4,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from numpy_measures import t30
 
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.metrics import t30
 from home_mjx.audio_jax.propagation.histogram import _multiply, _scatter, energy_histogram
 from home_mjx.audio_jax.propagation.tracing import Trace
 

@@ -11,12 +11,12 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from handmade import shoebox, two_rooms
+from numpy_measures import t30
 from scenes import HEAD, scene_of
 
 from home_mjx.audio_jax.auralization.response import ear_gains
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
-from home_mjx.audio_jax.base.metrics import t30
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.paths import air_energy, early_paths
 from home_mjx.audio_jax.propagation.tracing import trace

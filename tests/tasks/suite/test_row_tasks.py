@@ -29,6 +29,7 @@ from home_mjx.tasks import (
     detokenize,
     expert_action,
     load_tasks,
+    new_combinations,
     save_tasks,
     tokenize,
 )
@@ -204,3 +205,18 @@ def test_ids(env_id, bank):
     state = jax.jit(env.step)(state, jnp.int32(1))
     assert bool(jnp.isfinite(state.reward))
     assert dataclasses.asdict(env.core.task)["stop"]
+
+
+def test_sentences_are_split_by_combinations(generated_bank):
+    """Each sentence is for training or has something new, and a training one has none of the new combinations."""
+    banks = {
+        name: InstructionFollowing(stop=True, num_tasks=24, combinations=name, unseen_part=0.4).task_bank(
+            generated_bank
+        )
+        for name in ("all", "seen", "new")
+    }
+    assert len(banks["seen"]) + len(banks["new"]) == len(banks["all"])
+    assert new_combinations(banks["new"], 0.4).all()
+    assert not new_combinations(banks["seen"], 0.4).any()
+    with pytest.raises(ConfigError, match="unknown kind of combinations"):
+        InstructionFollowing(combinations="old")

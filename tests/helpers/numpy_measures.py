@@ -1,4 +1,4 @@
-"""Room-acoustic measures of ISO 3382 from impulse responses or energy histograms; host side."""
+"""Room-acoustic measures of ISO 3382 in NumPy, apart from the engine: an oracle of `audio_jax.measures`."""
 
 import numpy as np
 from jaxtyping import Float
@@ -95,3 +95,23 @@ def _first(energy: Float[np.ndarray, " n"]) -> int:
 def _ratio(part: Float[np.ndarray, " a"], rest: Float[np.ndarray, " b"]) -> float:
     with np.errstate(divide="ignore"):
         return float(10 * np.log10(np.sum(part, dtype=np.float64) / np.sum(rest, dtype=np.float64)))
+
+
+def split(energy: np.ndarray, dt: float, seconds: float) -> tuple[float, float]:
+    """Energy before and after a time since the direct sound."""
+    at = _first(energy) + round(seconds / dt)
+    return float(np.sum(energy[:at], dtype=np.float64)), float(np.sum(energy[at:], dtype=np.float64))
+
+
+def centre_time(energy: np.ndarray, dt: float) -> float:
+    """Centre of gravity after the direct sound [s]."""
+    since = (np.arange(len(energy)) - _first(energy)) * dt
+    return float(np.sum(since * energy) / np.sum(energy, dtype=np.float64))
+
+
+def correlation(left: np.ndarray, right: np.ndarray, sample_rate: int) -> float:
+    """Largest normalised correlation of two ears within 1 ms, in the time domain."""
+    lags, length = round(0.001 * sample_rate), len(left)
+    shifts = range(-lags, lags + 1)
+    sums = [np.dot(left[max(k, 0) : length + min(k, 0)], right[max(-k, 0) : length - max(k, 0)]) for k in shifts]
+    return float(np.max(np.abs(sums)) / np.sqrt(np.dot(left, left) * np.dot(right, right)))

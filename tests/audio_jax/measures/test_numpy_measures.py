@@ -2,9 +2,7 @@
 
 import numpy as np
 import pytest
-from pyroomacoustics.experimental import measure_rt60
-
-from home_mjx.audio_jax.base.metrics import (
+from numpy_measures import (
     c50,
     decay_curve,
     decay_time,
@@ -14,6 +12,7 @@ from home_mjx.audio_jax.base.metrics import (
     octave_responses,
     t30,
 )
+from pyroomacoustics.experimental import measure_rt60
 
 RATE = 16000
 

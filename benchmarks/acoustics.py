@@ -1,0 +1,122 @@
+"""Sound against an independent Monte Carlo: decay times and levels per octave, in rooms that are hard to get right.
+
+Prints a Markdown table, and with `--out` writes one JSON object a line. The rooms and the oracle are those of the
+tests (`tests/helpers/acoustic_rooms.py`, `tests/helpers/decay_oracle.py`).
+"""
+
+import argparse
+import json
+import sys
+from functools import partial
+from pathlib import Path
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "helpers"))
+
+import acoustic_rooms as rooms
+from decay_oracle import fly
+
+from home_mjx.audio_jax import AudioConfig, Listener, Source, decay_time, early_paths, edt, energy_histogram, t30, trace
+from home_mjx.bank.bank import HouseBank
+from home_mjx.raycast_render.scene.scene import make_scene
+from home_mjx.schema.compiled import BANDS
+
+UPRIGHT = jnp.float32([0.5, 0.5, -0.5, -0.5])
+LATE = (-25.0, -45.0)  # [dB], where coupled rooms decay as both together
+ERRORS = ("T30 [s]", "here", "error", "EDT [s]", "here", "error", "Level error [dB]", "Late slope [s]", "here")
+COLUMNS = ("Room", "Octave [Hz]", *ERRORS)
+
+
+def engine(scene_bank, house, source, listener, key, config):
+    """Histogram (bins, bands) of one omnidirectional microphone: paths and late part."""
+    physics = scene_bank.physics
+    nobody = jnp.zeros((0, 3)), jnp.zeros((0, 4))
+    scene = make_scene(scene_bank, house, physics.body_pos[house], physics.body_quat[house], *nobody)
+    who, ears = Source(source), Listener(listener, UPRIGHT)
+    paths = early_paths(scene, who, ears, config)
+    rays = trace(scene, who, ears, key, config)
+    late = energy_histogram(rays, jnp.ones((config.num_rays, 2, len(BANDS))), config)[:, 0]
+    at = (paths.distance / (config.bin_seconds * config.speed_of_sound)).astype(jnp.int32)
+    return late.at[at].add(paths.gain**2, mode="drop")
+
+
+def heard(cases, config, seeds):
+    """Histograms of the engine, one array (seeds, listeners, bands, bins) per room."""
+    bank = HouseBank.from_compiled([case.house for case in cases])
+    run = jax.jit(jax.vmap(partial(engine, config=config), in_axes=(None, None, None, 0, 0)))
+    found = []
+    for house, case in enumerate(cases):
+        listeners = jnp.asarray(np.tile(case.listeners, (seeds, 1)), jnp.float32)
+        keys = jax.random.split(jax.random.key(0), len(listeners))
+        energy = run(bank, jnp.int32(house), jnp.asarray(case.source, jnp.float32), listeners, keys)
+        found.append(np.moveaxis(np.asarray(energy), 1, 2).reshape(seeds, -1, len(BANDS), config.num_bins))
+    return found
+
+
+def places(case):
+    """Groups of listeners: everywhere, or each of two rooms by itself."""
+    if case.name != "coupled":
+        return {case.name: slice(None)}
+    return {"coupled, source's room": slice(0, 3), "coupled, other room": slice(3, None)}
+
+
+def compare(name, truth, ours, dt):
+    """One record per octave; truth (listeners, bands, bins), ours (seeds, listeners, bands, bins)."""
+    late = {"late": partial(decay_time, start=LATE[0], stop=LATE[1])} if "source's" in name else {}
+    times = {"t30": t30, "edt": edt, **late}
+    both = [jnp.asarray(x / x.max(), jnp.float32) for x in (truth, ours)]
+    means = {n: [np.nanmean(f(e, dt).reshape(-1, len(BANDS)), axis=0) for e in both] for n, f in times.items()}
+    level = 10 * np.log10(ours.mean(axis=(0, 1)).sum(axis=-1) / truth.mean(axis=0).sum(axis=-1))
+    for band, octave in enumerate(BANDS):
+        record = {"room": name, "octave": octave, "level_error": round(float(level[band]), 2)}
+        for key, (right, here) in means.items():
+            record |= {f"{key}_truth": round(float(right[band]), 3), key: round(float(here[band]), 3)}
+        yield record
+
+
+def cells(record):
+    """The Markdown cells of one record."""
+    parts = [record["room"], f"{record['octave']:g}"]
+    for key in ("t30", "edt"):
+        right, here = record[f"{key}_truth"], record[key]
+        parts += [f"{right:.2f}", f"{here:.2f}", f"{100 * (here / right - 1):+.0f} %"]
+    late = [f"{record[key]:.2f}" if key in record else "" for key in ("late_truth", "late")]
+    return [*parts, f"{record['level_error']:+.1f}", *late]
+
+
+def main():
+    """Runs what the command line asks for."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--particles", type=int, default=100_000, help="of the oracle, per octave")
+    parser.add_argument("--rays", type=int, default=AudioConfig().num_rays)
+    parser.add_argument("--bounces", type=int, default=AudioConfig().num_bounces)
+    parser.add_argument("--seeds", type=int, default=8, help="runs of the engine per listener")
+    parser.add_argument("--seconds", type=float, default=3.0, help="length of the decays")
+    parser.add_argument("--out", type=Path, help="file for the records, to which they are added")
+    args = parser.parse_args()
+    cases = [
+        rooms.even(),
+        rooms.uneven(),
+        rooms.rising(),
+        rooms.household(False),
+        rooms.household(True),
+        rooms.coupled(),
+    ]
+    config = AudioConfig(receiver="omni", response_seconds=args.seconds, num_rays=args.rays, num_bounces=args.bounces)
+    print("| " + " | ".join(COLUMNS) + " |\n|" + " --- |" * len(COLUMNS))
+    for case, ours in zip(cases, heard(cases, config, args.seeds), strict=True):
+        truth = fly(case.blocks, case.source, case.listeners, args.seconds, config.bin_seconds, args.particles).energy
+        for name, group in places(case).items():
+            for record in compare(name, truth[group], ours[:, group], config.bin_seconds):
+                print("| " + " | ".join(cells(record)) + " |", flush=True)
+                if args.out:
+                    whole = {**record, "rays": args.rays, "bounces": args.bounces, "particles": args.particles}
+                    with args.out.open("a") as file:
+                        file.write(json.dumps(whole) + "\n")
+
+
+if __name__ == "__main__":
+    main()

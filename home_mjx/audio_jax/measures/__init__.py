@@ -1,0 +1,1 @@
+"""Measures of rooms by ISO 3382-1, as functions inside `jit`."""

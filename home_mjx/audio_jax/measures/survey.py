@@ -1,0 +1,86 @@
+"""What an acoustician would measure between two points of a house."""
+
+from dataclasses import replace
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from home_mjx.audio_jax.auralization.hrtf import to_head
+from home_mjx.audio_jax.auralization.response import assembled
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.endpoints import Listener, Source
+from home_mjx.audio_jax.measures.octaves import octave_responses
+from home_mjx.audio_jax.measures.spatial import iacc, lateral_fraction
+from home_mjx.audio_jax.measures.table import RoomMeasures, measure_response
+from home_mjx.audio_jax.propagation.histogram import energy_histogram
+from home_mjx.audio_jax.propagation.paths import Paths, early_paths
+from home_mjx.audio_jax.propagation.tracing import trace
+from home_mjx.core.pytree import Pytree
+from home_mjx.raycast_render.scene.types import Scene
+
+STEP = 0.001  # [s], of the histogram from which the lateral fraction is taken
+SURVEY = AudioConfig(response_seconds=2.0, num_rays=1000, num_bounces=100)
+
+
+class Survey(Pytree):
+    """A response with its measures per octave band."""
+
+    response: Float[Array, "2 l"]  # at the ears
+    measures: RoomMeasures  # of an omnidirectional microphone at the middle of the head
+    iacc: Float[Array, " bands"]  # of the whole response
+    lateral_fraction: Float[Array, " bands"]
+
+
+def survey_room(scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig = SURVEY) -> Survey:
+    """Responses of two ears, of one microphone and of a figure of eight from one trace, and what ISO 3382-1 reads.
+
+    Args:
+        scene: The environment.
+        source: Who sounds.
+        listener: Who hears; the figure of eight's axis is that of its ears.
+        key: Random key.
+        config: Options; the default has the rays and the length that measuring wants.
+
+    Example:
+        >>> found = survey_room(scene, Source(radio), Listener(ears, quat), jax.random.key(0))  # doctest: +SKIP
+        >>> found.measures.t30.shape  # doctest: +SKIP
+        (7,)
+    """
+    trace_key, noise_key = jax.random.split(key)
+    paths = early_paths(scene, source, listener, config)
+    traced = trace(scene, source, listener, trace_key, config)
+    response = assembled(paths, traced, listener.quat, noise_key, config)
+    pressure = assembled(paths, traced, listener.quat, noise_key, replace(config, receiver="omni"))[0]
+    rate = config.sample_rate
+    sides = _from_the_sides(traced.direction, listener.quat)
+    gains = jnp.broadcast_to(jnp.stack([jnp.ones_like(sides), sides], axis=1)[..., None], (*sides.shape, 2, 7))
+    late = energy_histogram(traced, gains, config)
+    energy = _fine(paths, jnp.ones(paths.distance.shape, jnp.float32), late[:, 0], config)
+    lateral = _fine(paths, _from_the_sides(paths.direction, listener.quat), late[:, 1], config)
+    return Survey(
+        response=response,
+        measures=measure_response(pressure, rate),
+        iacc=iacc(jnp.moveaxis(octave_responses(response, rate), 1, 0), rate),
+        lateral_fraction=lateral_fraction(lateral.T, energy.T, config.bin_seconds / _parts(config)),
+    )
+
+
+def _from_the_sides(direction: Float[Array, "n 3"], quat: Float[Array, "4"]) -> Float[Array, " n"]:
+    """What a figure of eight along the axis of the ears hears of the energy from each direction."""
+    return to_head(direction, quat)[:, 0] ** 2
+
+
+def _fine(
+    paths: Paths, gain: Float[Array, " p"], late: Float[Array, "k bands"], config: AudioConfig
+) -> Float[Array, "m bands"]:
+    """Energy of paths and of a histogram, in steps of `STEP`."""
+    parts = _parts(config)
+    energy = jnp.repeat(late / parts, parts, axis=0)
+    at = (paths.distance / jnp.float32(config.bin_seconds / parts * config.speed_of_sound)).astype(jnp.int32)
+    return energy.at[at].add(gain[:, None] * paths.gain**2, mode="drop")
+
+
+def _parts(config: AudioConfig) -> int:
+    """Steps per bin."""
+    return max(round(config.bin_seconds / STEP), 1)

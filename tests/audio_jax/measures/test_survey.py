@@ -1,0 +1,45 @@
+"""A survey of a room: its measures are those of a long decay in that room."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from handmade import shoebox
+from scenes import HEAD, scene_of
+
+from home_mjx.audio_jax import AudioConfig, Listener, Source, impulse_response, survey_room
+
+CONFIG = AudioConfig(response_seconds=1.2, num_rays=500, num_bounces=60)
+SOURCE, LISTENER = Source(jnp.float32([-1.0, -1.0, 1.2])), Listener(jnp.float32([1, 1, 1.6]), HEAD)
+
+
+@pytest.fixture(scope="module")
+def survey():
+    run = jax.jit(lambda scene: survey_room(scene, SOURCE, LISTENER, jax.random.key(0), CONFIG))
+    return jax.tree.map(np.asarray, run(scene_of(shoebox((6.0, 5.0, 3.0), 0.2, 0.3))))
+
+
+def test_measures_are_those_of_an_even_room(survey):
+    """6 x 5 x 3 m, absorption 0.2: T30 0.534 s by Monte Carlo; level by Barron's theory, rays and waveform together."""
+    np.testing.assert_allclose(survey.measures.t30[2:5], [0.534] * 3, rtol=0.08)
+    distance, time = np.linalg.norm([2, 2, 0.4]), 0.534
+    late = 31200 * time / 90 * np.exp(-0.04 * distance / time)  # Barron and Lee, JASA 84 (1988), as is 100 / r²
+    expected = 10 * np.log10(100 / distance**2 + late)
+    np.testing.assert_allclose(survey.measures.strength[2:5], expected, atol=1.0)
+    assert np.all(survey.measures.c80 > survey.measures.c50)
+    assert np.all((survey.measures.d50 > 0.5) & (survey.measures.d50 < 1))
+
+
+def test_ears_agree_at_low_and_differ_at_high_frequencies(survey):
+    """The coherence of a diffuse field at two points a head apart falls with frequency."""
+    assert survey.iacc[0] > 0.8
+    assert np.all(survey.iacc[3:] < 0.7)
+    assert np.all((survey.lateral_fraction > 0.1) & (survey.lateral_fraction < 0.5))
+
+
+def test_the_response_is_that_of_the_engine():
+    scene = scene_of(shoebox((6.0, 5.0, 3.0), 0.2, 0.3))
+    small = AudioConfig(num_rays=16, num_bounces=6)
+    found = jax.jit(lambda s: survey_room(s, SOURCE, LISTENER, jax.random.key(0), small).response)(scene)
+    plain = jax.jit(lambda s: impulse_response(s, SOURCE, LISTENER, jax.random.key(0), small))(scene)
+    np.testing.assert_allclose(found, plain, atol=1e-5)
