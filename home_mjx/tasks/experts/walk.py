@@ -12,10 +12,8 @@ from home_mjx.navigation.grid import stored_distance
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.environment.moves import action_names
-from home_mjx.tasks.experts.carrying import has_hands
 from home_mjx.tasks.experts.descent import descend
-from home_mjx.tasks.experts.grips import elsewhere, find_grip, is_aimed, open_doors, use_hands
-from home_mjx.tasks.experts.leaves import faces_shut_leaf
+from home_mjx.tasks.experts.grips import find_grip, has_hands, is_aimed, use_hands
 from home_mjx.tasks.experts.speaking import or_words
 from home_mjx.tasks.rows.features import Looked, look
 from home_mjx.tasks.rows.machine import advance, conditions
@@ -25,7 +23,6 @@ from home_mjx.tasks.sensors.cameras import eye_position
 
 LAG = 0.2  # [m]
 MARGIN = 0.1  # [m]: with something in its hand an agent goes so much nearer than it must
-OPENS = 6  # steps between two tries to open a door; in between an agent gets out of its way, or through
 ALIGNED = 0.8  # [rad]: an agent that looks farther away from its way turns first
 
 
@@ -64,16 +61,13 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
     stop = stop & (there | should_stop(state, farther))
     grip = find_grip(snapshot, state, values, box[:, guide])
     works = (grip.take | grip.put) & ~stop
-    goes, where = elsewhere(snapshot, state)
-    stands = works & (grip.ready | there) & ~goes
+    stands = works & (grip.ready | there)
     error, tilt, near = facing(snapshot, state, looked.replace(values=farther), way, there & ~works)
-    walks = wrap_angle(jnp.where(goes & (there | snapshot.contact), where, way) - snapshot.pose.yaw)
+    walks = wrap_angle(way - snapshot.pose.yaw)
     error = jnp.where(stands, grip.turn, jnp.where(works, walks, error))
     tilt, near = jnp.where(stands, grip.tilt, tilt), jnp.where(works, stands, near)
     actions = to_actions(config, error, tilt, near, stop)
     actions = use_hands(config, actions, grip, stands & is_aimed(config, grip))
-    opens = ~stands & ~stop & faces_shut_leaf(snapshot, snapshot.pose.yaw) & (snapshot.step % OPENS == 0)
-    actions = open_doors(config, actions, opens)
     return or_words(snapshot, state, values, actions)
 
 
