@@ -72,6 +72,6 @@ def test_an_expert_finds_points(generated_bank, options: dict):
     env = home_mjx.make("PointNav-v0", generated_bank, sensors=("goal",), impl="kinematic", **options)
     found = evaluate(with_expert(env), expert_policy, num_episodes=64)
     chance = evaluate(env, random_policy(env.core), num_episodes=16)
-    assert found["success"].mean() >= 0.98
+    assert found["success"].mean() >= 0.95
     assert found["spl"][found["success"] > 0].mean() >= 0.9
     assert chance["success"].mean() < 0.5
