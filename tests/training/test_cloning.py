@@ -93,12 +93,13 @@ def test_advice_beside_rewards_falls_to_nothing(generated_bank):
     assert "expert" in state.actor.env.obs
     _, metrics = advised.update(env.params, state)
     assert {"loss/clone", "loss/agreement", "loss/policy", "loss/entropy"} <= set(metrics)
+    nothing = Batch.unchecked(steps=None, memory=None, advantage=None, target=None)
     calls = {"ppo": (jnp.float32(2.0), {}), "advice": (jnp.float32(3.0), {})}
     advised.loss = lambda net, batch: calls["ppo"]
     advised.advice_loss = lambda net, batch: calls["advice"]
     for updates, weight in ((0, 0.25), (3.5, 0.125), (7, 0.0), (10, 0.0)):
         state = state.replace(updates=jnp.float32(updates))
-        assert float(advised.loss_now(state)(None, None)[0]) == pytest.approx(2 + 3 * weight, abs=1e-6)
+        assert float(advised.loss_now(state)(None, nothing)[0]) == pytest.approx(2 + 3 * weight, abs=1e-6)
 
 
 def test_advice_can_come_first():

@@ -40,7 +40,7 @@ def observations(rng: np.random.Generator, steps: int, rows: int, specs: dict[st
 
 def test_kinds_of_observations():
     kinds = [kind_of(name, spec) for name, spec in SPECS.items()]
-    assert kinds == ["image", "image", "ids", "image", "image", "sound", "vector", "words"]
+    assert kinds == ["image", "image", "ids", "image", "spectra", "sound", "vector", "words"]
     assert kind_of("camera/head_pose", ArraySpec((4, 4))) == "none"
     assert kind_of("previous_reward", ArraySpec(())) == "vector"
     assert kind_of("log_mel", ArraySpec((2, 8, 40))) == "spectra"
