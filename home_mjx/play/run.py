@@ -136,7 +136,7 @@ def _rows(env: BoundEnv[HouseholdEnv], options: PlayOptions) -> list[int | None]
 
 def _player(env: BoundEnv[HouseholdEnv], options: PlayOptions, reporter: "_Reporter", keys: Any) -> Player:
     if options.agent == "human":
-        return KeyboardPlayer(env.config, reporter.show, keys)
+        return KeyboardPlayer(env.core.own_config, reporter.show, keys)
     return PolicyPlayer(env.core, policy_of(env, options.agent, options.checkpoint, options.greedy), options.seed)
 
 

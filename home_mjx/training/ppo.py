@@ -124,7 +124,7 @@ class PPO:
         if self.config.stagger:
             step = jax.vmap(lambda key: jax.random.randint(key, (), 0, config.episode_length))(time_keys)
             env = env.replace(world=env.world.replace(step=step.astype(jnp.int32)))
-        rows = jax.vmap(lambda key: jax.random.split(key, config.num_agents))(row_keys).reshape(-1, 2)
+        rows = jax.vmap(lambda key: jax.random.split(key, self.core.num_agents))(row_keys).reshape(-1, 2)
         zero = jnp.zeros(num, jnp.float32)
         return Actor.unchecked(
             env=env.replace(info={}),

@@ -13,8 +13,8 @@ from home_mjx.registry import find_spec
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "adapters.md"
 SPEAKING = ("HouseQA-v0", "VQA-v0", "Dialogue-v0", "Communication-v0")
 REFUSED = {
-    "Brax": {**dict.fromkeys(SPEAKING, "speak"), "PiedPiper-v0": "one agent"},
-    "gymnax": dict.fromkeys(("PiedPiper-v0", "Communication-v0"), "one agent"),
+    "Brax": dict.fromkeys(SPEAKING, "speak"),
+    "gymnax": {"Communication-v0": "one agent"},
 }
 REFUSED["Playground"] = REFUSED["Brax"]
 IDS = tuple(env_id for env_id in home_mjx.list_envs() if find_spec(env_id).entry_point.startswith("home_mjx.tasks:"))

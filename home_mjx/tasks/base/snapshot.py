@@ -74,6 +74,21 @@ class Snapshot(Pytree):
         """Where the first sound comes from [m]."""
         return self.sounds.pos[0]
 
+    def of_first(self, num_agents: int) -> "Snapshot":
+        """The same instant for the first agents alone; the others are things in it: in `scene`, `touch` and `sounds`.
+
+        Example:
+            >>> own = snapshot.of_first(core.num_agents)  # doctest: +SKIP
+        """
+        if num_agents == self.config.num_agents:
+            return self
+        per_agent = self.pose, self.velocity, self.stopped, self.said, self.contact, self.held, self.action, self.reward
+        pose, velocity, stopped, said, contact, held, action, reward = jax.tree.map(lambda x: x[:num_agents], per_agent)
+        return self.replace(
+            pose=pose, velocity=velocity, stopped=stopped, said=said, contact=contact, held=held, action=action,
+            reward=reward, config=self.config.of_first(num_agents),
+        )  # fmt: skip
+
 
 class TouchMeaning(Pytree):
     """What met in the strongest contact of each mobile: rows as of `bank.semantics`, columns `Semantic`; -1 unknown."""

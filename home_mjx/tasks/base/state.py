@@ -86,14 +86,14 @@ class World(Pytree):
 
 
 class State(Pytree):
-    """One environment between two steps; for one agent the agent axis of obs and reward is squeezed.
+    """One environment between two steps. obs and reward are of the agents that act; one of them has no agent axis.
 
     Attributes:
         physics: Poses and speeds, see `PhysicsState`.
         world: House, time, and what sensors remember.
         task: The task's own state, such as its goal.
         obs: Observations by name, see `Environment.observation_spec`.
-        reward: Of the last step, per agent.
+        reward: Of the last step, per agent that acts.
         terminated: The task has ended the episode.
         truncated: The time is up.
         metrics: Float scalars by name.

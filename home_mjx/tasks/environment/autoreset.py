@@ -49,7 +49,7 @@ class AutoReset:
             raise ConfigError("AutoReset takes a core", hint="Write AutoReset(env.core).bind(env.params).")
         check_known("choice of `final_obs`", [final_obs], FINAL_OBS)
         self.core, self.final_obs = core, final_obs
-        self.config, self.task = core.config, core.task
+        self.config, self.task, self.num_agents = core.config, core.task, core.num_agents
         self.action_spec, self.observation_spec = core.action_spec, core.observation_spec
 
     def bind(self, params: EnvParams | HouseBank) -> "BoundEnv[AutoReset]":

@@ -1,6 +1,7 @@
 """How an episode begins, and what there is to know of an environment at one instant."""
 
 import functools
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -18,13 +19,11 @@ from home_mjx.raycast_render.scene.scene import agent_sizes, make_scene
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.keys import ARRANGEMENT, DOORS, VARIATION, fold, split, to_raw
 from home_mjx.tasks.base.pose import AgentPose
-from home_mjx.tasks.base.sensor import Sensor
 from home_mjx.tasks.base.snapshot import Snapshot, Touch
 from home_mjx.tasks.base.state import EnvParams, Episodes, World
 from home_mjx.tasks.environment.moves import SILENT, action_names
 from home_mjx.tasks.environment.usable import check_arrangements
 from home_mjx.tasks.rows.task_bank import TaskBank
-from home_mjx.tasks.sensors.choose import keepers
 from home_mjx.tasks.sounds.emit import house_sounds
 from home_mjx.tasks.variation.draw import draw
 
@@ -32,13 +31,13 @@ Index = Int[Array, ""] | int | None
 
 
 def first_instant(
-    config: EnvConfig, sensors: tuple[Sensor, ...], params: EnvParams, key: Array, house: Index, episode: Index
+    config: EnvConfig, memory: dict[str, Any], params: EnvParams, key: Array, house: Index, episode: Index
 ) -> tuple[PhysicsState, World, Episodes | None, Array]:
     """Bodies and world at the start of an episode.
 
     Args:
         config: Options.
-        sensors: Those of the environment.
+        memory: What sensors remember before their first update, by their names.
         params: Houses, episodes, and what varies.
         key: Typed or raw key.
         house: See `HouseholdEnv.reset`.
@@ -72,7 +71,7 @@ def first_instant(
         sounds=house_sounds(config, bank, house, source_key, None if drawn is None else drawn.clip),
         action=jnp.zeros((agents, len(action_names(config))), jnp.float32),
         reward=jnp.zeros(agents, jnp.float32),
-        sensors={sensor.name: sensor.init(config) for sensor in keepers(sensors)},
+        sensors=memory,
         faults=jnp.zeros((), jnp.int32),
         drawn=drawn,
     )

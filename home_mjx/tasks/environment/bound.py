@@ -35,6 +35,11 @@ class Core(Protocol):
         ...
 
     @property
+    def num_agents(self) -> int:
+        """Agents that act."""
+        ...
+
+    @property
     def action_spec(self) -> ArraySpec:
         """Shape and limits of actions."""
         ...
@@ -153,8 +158,8 @@ class BoundEnv(Generic[C]):
 
     @property
     def num_agents(self) -> int:
-        """Agents per environment."""
-        return self.config.num_agents
+        """Agents per environment that act, see `HouseholdEnv.num_agents`."""
+        return self.core.num_agents
 
     @property
     def dt(self) -> float:

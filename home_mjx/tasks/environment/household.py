@@ -54,14 +54,15 @@ class HouseholdEnv:
     Attributes:
         config: The options, sensors named.
         task: The task.
+        own_config: The options of the agents that act alone, as sensors get them.
         sensors: The sensors, those of the task apart.
         action_spec: Forward, left, turn left, look up: each in [-1, 1] of its fastest rate. Discrete: the number of one
             of `action_names`.
-        observation_spec: What `State.obs` holds, by name; with a leading agent axis for several agents.
+        observation_spec: What `State.obs` holds, by name; with a leading agent axis for several agents that act.
 
     Raises:
         ConfigError: A sensor or a word is unknown, two observations have the same name, or the task cannot be done with
-            these actions or so few agents.
+            these actions or so many agents.
 
     Example:
         >>> core, params = HouseholdEnv(), EnvParams(bank)  # doctest: +SKIP
@@ -81,15 +82,19 @@ class HouseholdEnv:
             clips=tuple(dict.fromkeys((*config.clips, *self.task.clips))),
             speech=tuple(dict.fromkeys((*config.speech, *self.task.speech))),
         )
-        self.sensors = choose_sensors(self.config, self.task)
+        self.own_config = self.config.of_first(self.num_agents)
+        self.sensors = choose_sensors(self.own_config, self.task)
         spoken_tokens(self.config)  # refuses what cannot be said
-        self.action_spec = action_spec(self.config)
+        self.action_spec = action_spec(self.own_config)
         self.observation_spec = self._observation_spec()
 
     @property
     def num_agents(self) -> int:
-        """Agents per environment."""
-        return self.config.num_agents
+        """Agents per environment that act: of whom there are actions, observations and rewards.
+
+        All but those that the task keeps for itself, see `Task.num_acting`; `config.num_agents` counts these as well.
+        """
+        return self.task.num_acting or self.config.num_agents
 
     @property
     def dt(self) -> float:
@@ -141,7 +146,7 @@ class HouseholdEnv:
         Args:
             params: Houses; may differ from the last call's as long as the bank's spec is the same.
             state: The state before.
-            action: (4,), or (A, 4) for several agents: forward, left, turn left, look up in [-1, 1]. Others
+            action: (4,), or (A, 4) for several agents that act: forward, left, turn left, look up in [-1, 1]. Others
                 are clipped and NaN counts as 0, so that one bad number of a policy does not spoil an environment for
                 good. Discrete: an integer, or (A,); a number that is no action does nothing. `status` tells of both.
 
@@ -159,23 +164,31 @@ class HouseholdEnv:
     def perceive(self, params: EnvParams, state: State) -> State:
         """The state after its sensors were updated, once after each `begin` or `advance`; then observed."""
         snapshot = self.snapshot(params, state)
+        snapshot, config = snapshot.of_first(self.num_agents), self.own_config
         kept, lost = dict(state.world.sensors), state.status
         for sensor in keepers(self.sensors):
-            kept[sensor.name] = sensor.update(self.config, snapshot, kept[sensor.name])
-            lost = lost | jnp.asarray(sensor.status(self.config, snapshot, kept[sensor.name]), jnp.int32)
+            kept[sensor.name] = sensor.update(config, snapshot, kept[sensor.name])
+            lost = lost | jnp.asarray(sensor.status(config, snapshot, kept[sensor.name]), jnp.int32)
         return self.observe(params, state.replace(world=state.world.replace(sensors=kept), status=lost))
 
     def sense(self, snapshot: Snapshot, state: State, costly: bool) -> dict[str, Array]:
-        """Observations of the sensors that cast rays, or of the others and the task."""
+        """Observations of the sensors that cast rays, or of the others and the task.
+
+        Args:
+            snapshot: Of all agents, see `snapshot`.
+            state: The state.
+            costly: Which of both.
+        """
         obs: dict[str, Array] = {}
+        own, config = snapshot.of_first(self.num_agents), self.own_config
         for sensor in self.sensors:
             if sensor.costly == costly:
-                seen = sensor.observe(self.config, snapshot, state.world.sensors[(sensor.keeper or sensor).name])
-                check_observations(sensor, sensor.spec(self.config), seen, self.num_agents)
+                seen = sensor.observe(config, own, state.world.sensors[(sensor.keeper or sensor).name])
+                check_observations(sensor, sensor.spec(config), seen, self.num_agents)
                 obs |= seen
         if not costly:
             seen = self.task.observe(snapshot, state.task)
-            check_observations(self.task, self.task.observation_spec, seen, self.num_agents)
+            check_observations(self.task, self.task.observation_spec, seen, self.config.num_agents)
             obs |= {name: value for name, value in seen.items() if name in self.observation_spec}
         return self._squeeze(obs)
 
@@ -187,7 +200,8 @@ class HouseholdEnv:
         episode: Int[Array, ""] | int | None = None,
     ) -> State:
         """`reset` without sensors: observations are zeros until `perceive`. For wrappers."""
-        data, world, row, goal_key = first_instant(self.config, self.sensors, params, key, house, episode)
+        memory = {sensor.name: sensor.init(self.own_config) for sensor in keepers(self.sensors)}
+        data, world, row, goal_key = first_instant(self.config, memory, params, key, house, episode)
         snapshot = self._snapshot(params, data, world)
         task = self.task.init(snapshot, goal_key, None if row is None else row.columns)
         no = jnp.zeros((), bool)
@@ -211,7 +225,7 @@ class HouseholdEnv:
         and `World.faults` tell of it.
         """
         bank, template = params.bank, self.template(params.bank)
-        moves = moves_of(self.config, action, state.world.stopped)
+        moves = moves_of(self.config, action, state.world.stopped, self.num_agents)
         moves = with_noise(self.config, self._led(params, state, moves), state.world)
         before = self._use_hands(params, self._set_off(params, state, moves), moves)
         data, lost = physics.step_checked(template, bank, state.world.house, before, moves.drive)
@@ -232,7 +246,7 @@ class HouseholdEnv:
         task = self.task.update(snapshot, state.task)
         reward, terminated = self.task.reward(snapshot, state.task, task), self.task.terminated(snapshot, task)
         metrics = checked_metrics(self.task, self.task.metrics(snapshot, task))
-        check_task(self.task, state.task, task, reward, terminated, self.num_agents)
+        check_task(self.task, state.task, task, reward, terminated, self.config.num_agents)
         reward, terminated = jnp.where(broken, 0.0, reward), terminated | broken
         return state.replace(
             physics=data,
@@ -253,11 +267,11 @@ class HouseholdEnv:
         )
 
     def snapshot(self, params: EnvParams, state: State) -> Snapshot:
-        """The environment as tasks and sensors read it; also for drawing."""
+        """The environment as tasks read it, with all agents; also for drawing."""
         return self._snapshot(params, state.physics, state.world)
 
     def _observation_spec(self) -> Specs:
-        own = {name: spec for sensor in self.sensors for name, spec in sensor.spec(self.config).items()}
+        own = {name: spec for sensor in self.sensors for name, spec in sensor.spec(self.own_config).items()}
         offered = self.task.observation_spec
         own |= {name: offered[name] for name in self.config.sensors or () if name in offered}
         return {name: spec.for_agents(self.num_agents) for name, spec in own.items()}
@@ -291,5 +305,7 @@ class HouseholdEnv:
         return template_of(self.config, bank.spec)
 
     def _squeeze(self, tree: Any) -> Any:
-        """The border: inside, the agent axis is always there; outside, one agent goes without."""
-        return jax.tree.map(lambda x: x[0], tree) if self.num_agents == 1 else tree
+        """The border: inside are all agents; outside those that act, of whom one goes without an agent axis."""
+        if self.num_agents == 1:
+            return jax.tree.map(lambda x: x[0], tree)
+        return tree if self.num_agents == self.config.num_agents else jax.tree.map(lambda x: x[: self.num_agents], tree)

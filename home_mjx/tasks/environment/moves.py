@@ -72,24 +72,27 @@ def action_spec(config: EnvConfig) -> ArraySpec:
     return ArraySpec((), "int32", 0, len(names) - 1, text).for_agents(config.num_agents)
 
 
-def moves_of(config: EnvConfig, action: Any, stopped: Any) -> Moves:
-    """What an action of all agents means.
+def moves_of(config: EnvConfig, action: Any, stopped: Any, num_told: int | None = None) -> Moves:
+    """What an action means for all agents.
 
     Args:
         config: Options.
         action: As `action_spec` says.
         stopped: (a,) bool, agents that have stopped before: they do nothing. Read after the action has been checked.
+        num_told: So many agents the action is of, the first ones; the others do nothing. None: all.
 
     Raises:
         ConfigError: The action has another shape or type.
     """
-    names = action_names(config)
+    names, told = action_names(config), num_told or config.num_agents
     if config.discrete is None:
-        numbers, unusable = usable_action(action, config.num_agents, len(names))
+        numbers, unusable = usable_action(action, told, len(names))
+        numbers = _of_all(config, numbers, 0)
         stop, said = jnp.zeros(config.num_agents, bool), jnp.full(config.num_agents, SILENT, jnp.int32)
         look, understood = numbers[:, 3] * jnp.float32(config.look_rate * config.timing.ctrl_dt), numbers
     else:
-        chosen, unusable = usable_choice(action, config.num_agents, len(names))
+        chosen, unusable = usable_choice(action, told, len(names))
+        chosen = _of_all(config, chosen, len(names))
         stop = stopped | (chosen == names.index("stop"))
         table = jnp.asarray(_move_table(config, config.discrete))
         chosen = jnp.where(stop, names.index("stop"), chosen)
@@ -105,6 +108,12 @@ def moves_of(config: EnvConfig, action: Any, stopped: Any) -> Moves:
         unusable=unusable,
         action=understood,
     )
+
+
+def _of_all(config: EnvConfig, told: Array, nothing: int) -> Array:
+    """What the first agents are told, and nothing for the others."""
+    others = config.num_agents - told.shape[0]
+    return jnp.concatenate([told, jnp.full((others, *told.shape[1:]), nothing, told.dtype)]) if others else told
 
 
 def with_led(config: EnvConfig, moves: Moves, stopped: Any, mask: Bool[Array, " a"], action: Array) -> Moves:

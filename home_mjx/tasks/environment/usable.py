@@ -9,6 +9,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.audio_jax.auralization.sources import CLIPS
 from home_mjx.bank.bank import HouseBank
+from home_mjx.core.checks import check_number
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.shading.preset import resolve
 from home_mjx.tasks.base.config import EnvConfig
@@ -72,7 +73,7 @@ def check_fit(config: EnvConfig, task: Task) -> None:
 
     Raises:
         ConfigError: The task needs `stop` or words, and actions are continuous; or hands, and there are none; or more
-            agents.
+            agents; or there are not as many agents as it says that act.
     """
     name, discrete = type(task).__name__, config.discrete is not None
     if task.needs_hands and not config.hands:
@@ -86,6 +87,8 @@ def check_fit(config: EnvConfig, task: Task) -> None:
     if config.num_agents < task.least_agents:
         message = f"{name} is for {task.least_agents} agents or more, got {config.num_agents}"
         raise ConfigError(message, hint=f"Give num_agents={task.least_agents}.")
+    if task.num_acting is not None:
+        check_number(f"num_acting of {name}", task.num_acting, 1, config.num_agents, whole=True)
 
 
 def check_bank(config: EnvConfig, bank: HouseBank) -> None:

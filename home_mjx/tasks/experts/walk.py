@@ -31,7 +31,7 @@ class HasExpert(Protocol):
     """State of a task that has an expert of its own."""
 
     def expert(self, snapshot: Snapshot) -> Array:
-        """What every agent should do now."""
+        """What every agent that acts should do now."""
         ...
 
 
@@ -43,7 +43,8 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
         state: Of its task: of a row task, or one with an expert of its own.
 
     Returns:
-        Actions as the environment takes them, with a leading agent axis.
+        Actions as the environment takes them, with an axis of all agents, or of those that act if the task has an
+        expert of its own.
 
     Example:
         >>> action = expert_action(env.core.snapshot(env.params, state), state.task)  # doctest: +SKIP

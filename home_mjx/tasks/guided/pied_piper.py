@@ -43,7 +43,7 @@ class PiedPiperState(RowState):
     near: Int[Array, ""]  # steps in which the follower was near
 
     def expert(self, snapshot: Snapshot) -> Array:
-        """Along the shortest way to where the piper is now; beside it, it turns on the spot."""
+        """The follower's, along the shortest way to where the piper is now; beside it, it turns on the spot."""
         bank, house, pose = snapshot.bank, snapshot.house, snapshot.pose
         numbers, rooms = bank.navigation.cell[house], bank.navigation.room[house]
         at = cell_of(bank, house, pose.pos[PIPER])
@@ -53,7 +53,7 @@ class PiedPiperState(RowState):
         away = jnp.linalg.norm(pose.pos[PIPER] - pose.pos[FOLLOWER])
         waits = jnp.broadcast_to(away < APART, pose.yaw.shape)
         error = jnp.where(waits, 1.0, error[FOLLOWER])
-        return to_actions(snapshot.config, error, -pose.pitch, waits, jnp.zeros_like(waits))
+        return to_actions(snapshot.config, error, -pose.pitch, waits, jnp.zeros_like(waits))[: FOLLOWER + 1]
 
 
 @dataclass(frozen=True)
@@ -61,8 +61,8 @@ class PiedPiper(Navigation):
     """Stay near the agent that plays. The task itself leads that one, and the others, which make other noises.
 
     The first agent is yours. The second, the piper, walks to and fro between two places of the house, at two thirds of
-    the speed. So do the others; whoever follows the nearest agent may follow the wrong one. Learning is for the first
-    agent: actions of the others are ignored, and their rewards are 0.
+    the speed. So do the others; whoever follows the nearest agent may follow the wrong one. Outwardly there is
+    your agent alone: its action, its observations, its reward.
 
     Attributes:
         others: So many agents beside the piper, 0 or 1.
@@ -92,6 +92,16 @@ class PiedPiper(Navigation):
     def observation_spec(self) -> Specs:
         """None: what there is to know is heard and seen."""
         return {}
+
+    @property
+    def num_acting(self) -> int:
+        """The follower."""
+        return FOLLOWER + 1
+
+    @property
+    def least_agents(self) -> int:
+        """The follower, the piper and the others."""
+        return 2 + self.others
 
     @property
     def num_sources(self) -> int:

@@ -211,8 +211,8 @@ class RowTask(Task):
         return jnp.float32(self.progress_reward) * progress + state.gained - costs
 
     def terminated(self, snapshot: Snapshot, state: RowState) -> Bool[Array, ""]:
-        """A stage that ends the episode, or all agents have stopped."""
-        return (state.stage < 0) | jnp.all(snapshot.stopped)
+        """A stage that ends the episode, or all agents that act have stopped."""
+        return (state.stage < 0) | jnp.all(snapshot.stopped[: self.num_acting])
 
     def metrics(self, snapshot: Snapshot, state: RowState) -> dict[str, Float[Array, ""]]:
         """Habitat's: success, SPL, soft SPL, distance to the goal [m], collisions; and the stage.
