@@ -48,7 +48,7 @@ def find_grip(
     Args:
         snapshot: The environment.
         state: Of its row task.
-        values: See `features.table`.
+        values: See `features.Looked`.
         box: Bounds of the nearest thing that the guide means [m].
     """
     guide = jnp.maximum(state.program.guide[jnp.maximum(state.stage, 0)], 0)

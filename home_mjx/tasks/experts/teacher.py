@@ -8,7 +8,7 @@ from jaxtyping import Array
 
 from home_mjx.core.transforms import wrap_angle
 from home_mjx.errors import ConfigError
-from home_mjx.navigation.grid import row_of_cell
+from home_mjx.navigation.grid import stored_distance
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import Specs
 from home_mjx.tasks.base.state import State
@@ -17,7 +17,7 @@ from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.household import HouseholdEnv
 from home_mjx.tasks.experts.descent import descend
 from home_mjx.tasks.experts.walk import expert_action, to_actions
-from home_mjx.tasks.rows.row_task import RowState
+from home_mjx.tasks.rows.row_task import RowState, RowTask
 from home_mjx.tasks.suite.point_nav import PointNav, PointNavState
 
 EXPERT = "expert"  # name of the observation
@@ -42,7 +42,8 @@ class WithExpert(HouseholdEnv):
     """
 
     def __init__(self, core: HouseholdEnv) -> None:
-        super().__init__(core.config, core.task)
+        task = core.task
+        super().__init__(core.config, dataclasses.replace(task, keep_looks=True) if isinstance(task, RowTask) else task)
 
     def sense(self, snapshot: Snapshot, state: State, costly: bool) -> dict[str, Array]:
         """Observations, the expert's action among those that are not costly."""
@@ -69,15 +70,15 @@ def _action(task: Task, snapshot: Snapshot, state: object) -> Array:
 
 
 def _to_point(task: PointNav, snapshot: Snapshot, state: PointNavState) -> Array:
-    """Along the shortest path; `stop` well within the radius of success."""
-    field = snapshot.bank.navigation.field[:, state.goal]
+    """Along the shortest path past leaves of doors; `stop` well within the radius of success."""
+    field, pose = snapshot.bank.navigation.field, snapshot.pose
 
-    def ahead(pos: Array, touches: Array) -> tuple[Array, Array]:
-        return descend(snapshot.bank, snapshot.house, pos, touches, lambda _, cell: field[row_of_cell(cell)])
+    def ahead(agent: Array) -> tuple[Array, Array]:
+        return descend(snapshot, agent, lambda _, cell: stored_distance(field, cell, state.goal))
 
-    aim, there = jax.vmap(ahead)(snapshot.pose.pos, snapshot.contact)
-    way = aim - snapshot.pose.pos[:, :2]
-    error = wrap_angle(jnp.arctan2(way[:, 1], way[:, 0]) - snapshot.pose.yaw)
+    aim, there = jax.vmap(ahead)(jnp.arange(snapshot.config.num_agents))
+    way = aim - pose.pos[:, :2]
+    error = wrap_angle(jnp.arctan2(way[:, 1], way[:, 0]) - pose.yaw)
     stop = (state.distance <= jnp.float32(WELL_WITHIN * task.success_radius)) | there
     stop = stop & jnp.bool_(task.stop)
-    return to_actions(snapshot.config, error, -snapshot.pose.pitch, jnp.zeros_like(stop), stop)
+    return to_actions(snapshot.config, error, -pose.pitch, jnp.zeros_like(stop), stop)

@@ -8,14 +8,14 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.core.transforms import wrap_angle
-from home_mjx.navigation.grid import row_of_cell
+from home_mjx.navigation.grid import stored_distance
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.environment.moves import action_names
 from home_mjx.tasks.experts.descent import descend
 from home_mjx.tasks.experts.grips import find_grip, has_hands, is_aimed, use_hands
 from home_mjx.tasks.experts.speaking import or_words
-from home_mjx.tasks.rows.features import boxes_now, nearest_meant, sights, table
+from home_mjx.tasks.rows.features import Looked, look
 from home_mjx.tasks.rows.machine import advance, conditions
 from home_mjx.tasks.rows.row_task import RowState
 from home_mjx.tasks.rows.words import FAILURE, Feature, Kind, Word
@@ -51,20 +51,19 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
     """
     if isinstance(state, HasExpert):
         return state.expert(snapshot)
-    config, program = snapshot.config, state.program
-    values = table(snapshot, program, state.means, snapshot.tasks.field, snapshot.step - state.since)
+    config, program, looked = snapshot.config, state.program, looks(snapshot, state)
+    values, box = looked.values, looked.box
     guide = jnp.maximum(program.guide[jnp.maximum(state.stage, 0)], 0)
-    _, box = nearest_meant(snapshot, program, state.means, boxes_now(snapshot))
     stop, (way, there) = should_stop(state, values), downhill(snapshot, state, guide)
     if not has_hands(snapshot):
-        actions = to_actions(config, *facing(snapshot, state, values, box[:, guide], way, there), stop)
+        actions = to_actions(config, *facing(snapshot, state, looked, way, there), stop)
         return or_words(snapshot, state, values, actions)
     farther = values.at[Feature.DISTANCE].add(MARGIN)  # what is carried pushes
     stop = stop & (there | should_stop(state, farther))
     grip = find_grip(snapshot, state, values, box[:, guide])
     works = (grip.take | grip.put) & ~stop
     stands = works & (grip.ready | there)
-    error, tilt, near = facing(snapshot, state, farther, box[:, guide], way, there & ~works)
+    error, tilt, near = facing(snapshot, state, looked.replace(values=farther), way, there & ~works)
     walks = wrap_angle(way - snapshot.pose.yaw)
     error = jnp.where(stands, grip.turn, jnp.where(works, walks, error))
     tilt, near = jnp.where(stands, grip.tilt, tilt), jnp.where(works, stands, near)
@@ -73,11 +72,18 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
     return or_words(snapshot, state, values, actions)
 
 
+def looks(snapshot: Snapshot, state: RowState) -> Looked:
+    """What conditions look at now: what the task has kept of it, or else all anew."""
+    time = snapshot.step - state.since
+    if state.looked is None:
+        return look(snapshot, state.program, state.means, snapshot.tasks.field, time)
+    return state.looked.replace(values=state.looked.values.at[Feature.TIME].set(time.astype(jnp.float32)))
+
+
 def facing(
     snapshot: Snapshot,
     state: RowState,
-    values: Float[Array, "feature a d d"],
-    box: Float[Array, "a 2 3"],
+    looked: Looked,
     way: Float[Array, " a"],
     there: Bool[Array, " a"],
 ) -> tuple[Float[Array, " a"], Float[Array, " a"], Bool[Array, " a"]]:
@@ -86,8 +92,7 @@ def facing(
     Args:
         snapshot: The environment.
         state: Of its row task.
-        values: See `features.table`.
-        box: Bounds of what the guide means [m].
+        looked: See `looks`.
         way: Heading of the way [rad].
         there: Whether it ends here.
 
@@ -95,12 +100,12 @@ def facing(
         Turn, tilt, and who stands and looks.
     """
     guide = jnp.maximum(state.program.guide[jnp.maximum(state.stage, 0)], 0)
-    points, free = (x[:, 0] for x in sights(snapshot, box[:, None]))
+    points, free = looked.points[:, guide], looked.free[:, guide]
     agents = jnp.arange(points.shape[0])
     offset = points[agents, jnp.argmax(free, axis=-1)] - eye_position(snapshot.config, snapshot.pose)
     is_thing = state.program.descriptor[guide, Word.KIND] == Kind.OBJECT
     # Who sees nothing of it from where it should be seen goes on to the middle of the cell.
-    near = is_thing & jnp.any(free, axis=-1) & (there | should_look(state, values))
+    near = is_thing & jnp.any(free, axis=-1) & (there | should_look(state, looked.values))
     faces = jnp.arctan2(offset[:, 1], offset[:, 0])
     heading = jnp.where(near & jnp.all(jnp.isfinite(offset), axis=-1), faces, way)
     level = jnp.linalg.norm(offset[:, :2], axis=-1)
@@ -135,14 +140,13 @@ def downhill(
 
     Each agent can walk straight to the place that it heads for, see `descend`.
     """
-    bank, house, moves = snapshot.bank, snapshot.house, snapshot.config.discrete
-    field = snapshot.tasks.field[:, jnp.maximum(state.program.field[guide], 0)]
+    moves, column = snapshot.config.discrete, jnp.maximum(state.program.field[guide], 0).astype(jnp.int32)
     least = moves.forward_step_size / 2 if moves and has_hands(snapshot) else 0.0  # who goes on would pass the end
 
-    def ahead(pos: Float[Array, "3"], touches: Bool[Array, ""]) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
-        return descend(bank, house, pos, touches, lambda _, cell: field[row_of_cell(cell)], least)
+    def ahead(agent: Int[Array, ""]) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
+        return descend(snapshot, agent, lambda _, cell: stored_distance(snapshot.tasks.field, cell, column), least)
 
-    aim, there = jax.vmap(ahead)(snapshot.pose.pos, snapshot.contact)
+    aim, there = jax.vmap(ahead)(jnp.arange(snapshot.config.num_agents))
     aim = aim - snapshot.pose.pos[:, :2]
     return jnp.arctan2(aim[:, 1], aim[:, 0]), there
 

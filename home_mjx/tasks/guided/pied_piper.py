@@ -11,7 +11,7 @@ from jaxtyping import Array, Bool, Float, Int
 from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.transforms import wrap_angle
 from home_mjx.errors import ConfigError
-from home_mjx.navigation.grid import cell_of, row_of_cell
+from home_mjx.navigation.grid import cell_of, row_of_cell, stored_distance
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import Specs
 from home_mjx.tasks.experts.descent import descend
@@ -220,15 +220,12 @@ class PiedPiper(Navigation):
 
 def _aims(snapshot: Snapshot, state: PiedPiperState, place: Int[Array, " a"]) -> Float[Array, "a 2"]:
     """Where each agent walks straight on its way to a place of the route [m]."""
-    bank, house = snapshot.bank, snapshot.house
-    column = jnp.maximum(state.program.field, 0).astype(jnp.int32)
+    column = jnp.maximum(state.program.field, 0).astype(jnp.int32)[place]
 
-    def one(pos: Array, touches: Array, place: Array) -> Array:
-        return descend(
-            bank, house, pos, touches, lambda _, cell: snapshot.tasks.field[row_of_cell(cell), column[place]]
-        )[0]
+    def one(agent: Array) -> Array:
+        return descend(snapshot, agent, lambda _, cell: stored_distance(snapshot.tasks.field, cell, column[agent]))[0]
 
-    return jax.vmap(one)(snapshot.pose.pos, snapshot.contact, place)
+    return jax.vmap(one)(jnp.arange(len(place)))
 
 
 def _turn(aim: Float[Array, "a 2"], yaw: Float[Array, " a"]) -> Float[Array, " a"]:

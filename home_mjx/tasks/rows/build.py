@@ -250,12 +250,24 @@ def add_fields(bank: HouseBank, view: HouseView, columns: list[dict]) -> UInt16[
                 continue
             use = view, column, d, instance[which[at]]
             end = view.ends(kind, instance[which[at], d], room[which[at], d], column["place"][d], *_use(*use))
+            end = _near_enough(column, d, end)
             key = end[0].tobytes() + end[1].tobytes()
             if len(end[0]) and key not in known:
                 known[key] = len(ends)
                 ends.append(end)
             column["field"][d] = known.get(key, -1)
     return view.graph.fields(ends)
+
+
+def _near_enough(column: dict, d: int, ends: Ends) -> Ends:
+    """Of the cells that ways to descriptor `d` end at those that are as near to it as conditions ask; all, if none is.
+
+    Without that a way could end at the nearest of several things, which can be seen but not come near enough to.
+    """
+    cells, away = ends
+    asked = (column["feature"] == Feature.DISTANCE) & (column["first"] == d)
+    near = away + ROOM <= np.min(column["most"], where=asked, initial=np.inf)
+    return (cells[near], away[near]) if near.any() else ends
 
 
 def _use(view: HouseView, column: dict, d: int, instance: Bool[np.ndarray, "d i"]) -> tuple[Use, float]:

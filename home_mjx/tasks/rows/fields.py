@@ -18,6 +18,7 @@ from home_mjx.schema.compiled import FIELD_FAR, FIELD_UNIT
 STEP = 0.35  # [m], at most, between cells of a ramp and of the level that it leads to
 STOREY = 2.5  # [m]: what is higher above a floor belongs to another storey
 BRUSHES = 4.0  # who brushes the leaf of an open door may shut it
+PUSHES = BRUSHES**2  # and who walks into it does
 MARGIN = 0.15  # [m], to a leaf
 TINY = 1e-6  # [m]: a way of no length would be none in a sparse matrix
 
@@ -31,7 +32,8 @@ class CellGraph:
     Args:
         bank: The houses.
         house: Index of the house.
-        brushes: So many times as long counts a way on which an agent would brush the leaf of an open door.
+        brushes: So many times as long counts a way on which an agent would brush the leaf of an open door; the square
+            of it one on which it would walk into the leaf.
 
     Attributes:
         place: Middle of each home cell, on the floor [m].
@@ -54,19 +56,21 @@ class CellGraph:
         self.room = self._rooms[self._home]
         edges = [grid_edges(self._home, self._height, self._cell), *self._between_levels()]
         sources, targets, lengths = (np.concatenate(parts) for parts in zip(*edges, strict=True))
-        self.at_leaf = self._beside_leaves(bank, house)
-        brushed = self.at_leaf[sources] | self.at_leaf[targets]
-        self._edges = sources, targets, np.where(brushed, brushes * lengths, lengths)
+        gap, radius = self._leaf_gaps(bank, house), bank.spec.agent_radius
+        self.at_leaf = gap < radius + MARGIN
+        slow = np.where(gap < radius, brushes**2, np.where(self.at_leaf, brushes, 1.0))
+        self._edges = sources, targets, np.maximum(slow[sources], slow[targets]) * lengths
 
-    def _beside_leaves(self, bank: HouseBank, house: int) -> Bool[np.ndarray, " c"]:
+    def _leaf_gaps(self, bank: HouseBank, house: int) -> Float[np.ndarray, " c"]:
+        """From the middle of each cell to the nearest leaf, doors open [m]."""
         leaves = jax.tree.map(lambda x: x[house], Leaf.of(jax.tree.map(jnp.asarray, bank.physics)))
         pos, quat = (np.asarray(x) for x in leaves.moved(jnp.asarray(bank.physics.door_wide[house])))
-        found, reach = np.zeros(len(self.place), bool), bank.spec.agent_radius + MARGIN
+        found = np.full(len(self.place), np.inf)
         for middle, (w, _, _, z), half in zip(pos, quat, np.asarray(leaves.size), strict=True):
             away, yaw = self.place - middle, 2 * np.arctan2(z, w)
             along, across = away[:, :2] @ [np.cos(yaw), np.sin(yaw)], away[:, :2] @ [-np.sin(yaw), np.cos(yaw)]
             gap = np.hypot(np.maximum(abs(along) - half[0], 0), np.maximum(abs(across) - half[1], 0))
-            found |= (half[0] > 0) & (gap < reach) & (abs(away[:, 2]) < STOREY)
+            found = np.minimum(found, np.where((half[0] > 0) & (abs(away[:, 2]) < STOREY), gap, np.inf))
         return found
 
     def fields(self, ends: Sequence[Ends]) -> UInt16[np.ndarray, "c g"]:

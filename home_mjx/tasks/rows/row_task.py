@@ -7,14 +7,14 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.audio_jax.base.endpoints import Sounds
 from home_mjx.bank.bank import HouseBank
-from home_mjx.core.checks import check_number
+from home_mjx.core.checks import check_flag, check_number
 from home_mjx.core.pytree import Pytree
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import ArraySpec, Specs
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.rows.build import Generator, build_task_bank
-from home_mjx.tasks.rows.features import emitters, table
+from home_mjx.tasks.rows.features import Looked, emitters, look
 from home_mjx.tasks.rows.machine import advance, conditions
 from home_mjx.tasks.rows.meaning import Means, means
 from home_mjx.tasks.rows.program import Program
@@ -52,6 +52,7 @@ class RowState(Pytree):
     reply: Int[Array, " a"]  # token, of the oracle in the last step; -1 none
     asked: Int[Array, ""]  # questions that the oracle has answered
     spoken: Int[Array, ""]  # words that were said
+    looked: Looked | None  # what the last transition was decided by, if `RowTask.keep_looks`
 
 
 @dataclass(frozen=True)
@@ -67,6 +68,8 @@ class RowTask(Task):
         step_cost: Taken every step.
         contact_cost: Taken while touching anything but the floor.
         question_cost: Taken for each question that an oracle answers.
+        keep_looks: States keep what conditions have looked at, so that experts need not look again: `with_expert`
+            wants it.
     """
 
     num_tasks: int = 64
@@ -77,9 +80,11 @@ class RowTask(Task):
     step_cost: float = 0.01
     contact_cost: float = 0.01
     question_cost: float = 0.05
+    keep_looks: bool = False
 
     def __post_init__(self) -> None:
         check_number("num_tasks", self.num_tasks, 1, whole=True)
+        check_flag("keep_looks", self.keep_looks)
         for name in ("min_length", "max_length", "progress_reward", "step_cost", "contact_cost", "question_cost"):
             check_number(name, getattr(self, name), 0)
 
@@ -131,7 +136,7 @@ class RowTask(Task):
         program = program_of(columns)
         agents, zero = snapshot.pose.yaw.shape[0], jnp.zeros((), jnp.int32)
         meant = means(snapshot.bank, snapshot.house, program.descriptor)
-        values = table(snapshot, program, meant, snapshot.tasks.field, zero)
+        looked = look(snapshot, program, meant, snapshot.tasks.field, zero)
         return RowState(
             program=program,
             means=meant,
@@ -142,7 +147,7 @@ class RowTask(Task):
             stage=zero,
             since=zero,
             gained=jnp.zeros((), jnp.float32),
-            distance=values[Feature.DISTANCE, :, :, 0],
+            distance=looked.values[Feature.DISTANCE, :, :, 0],
             place=snapshot.pose.pos,
             walked=jnp.zeros(agents, jnp.float32),
             collisions=jnp.zeros(agents, jnp.int32),
@@ -150,27 +155,29 @@ class RowTask(Task):
             reply=jnp.full(agents, NONE, jnp.int32),
             asked=zero,
             spoken=zero,
+            looked=looked if self.keep_looks else None,
         )
 
     def update(self, snapshot: Snapshot, state: RowState) -> RowState:
         """The next stage, if its conditions hold."""
         state = state.replace(program=_followed(snapshot, state))
         time = snapshot.step - state.since
-        values = table(snapshot, state.program, state.means, snapshot.tasks.field, time)
-        stage, gained, taken = advance(state.program, state.stage, conditions(state.program, values))
+        looked = look(snapshot, state.program, state.means, snapshot.tasks.field, time)
+        stage, gained, taken = advance(state.program, state.stage, conditions(state.program, looked.values))
         moved = jnp.linalg.norm(snapshot.pose.pos - state.place, axis=-1)
         reply = replies(state.talk, snapshot.said)
         return state.replace(
             stage=stage.astype(jnp.int32),
             since=jnp.where(taken, snapshot.step, state.since),
             gained=gained,
-            distance=values[Feature.DISTANCE, :, :, 0],
+            distance=looked.values[Feature.DISTANCE, :, :, 0],
             place=snapshot.pose.pos,
             walked=state.walked + moved,
             collisions=state.collisions + snapshot.contact.astype(jnp.int32),
             reply=reply,
             asked=state.asked + jnp.sum(reply >= 0, dtype=jnp.int32),
             spoken=state.spoken + jnp.sum(snapshot.said >= 0, dtype=jnp.int32),
+            looked=looked if self.keep_looks else None,
         )
 
     def sounds(self, snapshot: Snapshot, state: RowState) -> Sounds:

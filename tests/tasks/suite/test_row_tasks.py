@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy.ndimage import minimum_filter
 from whole_episodes import begun, played
 
 import home_mjx
@@ -14,9 +15,11 @@ from home_mjx.errors import ConfigError, DatasetError, MissingFileError, Unknown
 from home_mjx.physics import PhysicsConfig
 from home_mjx.registry import as_bank
 from home_mjx.schema.categories import COARSE
+from home_mjx.schema.compiled import FIELD_UNIT
 from home_mjx.tasks import (
     EnvConfig,
     EnvParams,
+    Feature,
     HouseholdEnv,
     HouseTasks,
     InstructionFollowing,
@@ -52,6 +55,23 @@ def env(bank):
 @pytest.fixture(scope="module")
 def reset(env):
     return begun(env)
+
+
+def test_ways_end_where_conditions_hold(env):
+    """Wherever no cell around is nearer, it is as near as the row asks: nobody is led to what stays too far away."""
+    tasks, navigation, seen = env.params.tasks, env.bank.navigation, 0
+    columns, houses = {name: np.asarray(x) for name, x in tasks.rows.columns.items()}, np.asarray(tasks.rows.house)
+    for row, house in enumerate(houses.tolist()):
+        number, first = np.asarray(navigation.cell[house]), int(navigation.first_cell[house])
+        home = (number >= first) & (number < first + int(navigation.num_cells[house]))
+        for c in np.flatnonzero(columns["feature"][row] == Feature.DISTANCE).tolist():
+            far = np.full(number.shape, np.inf)
+            column = columns["field"][row, columns["first"][row, c]]
+            far[home] = np.asarray(tasks.field[:, column])[number[home]] * FIELD_UNIT
+            ends = home & (far <= minimum_filter(far, size=(1, 3, 3), mode="constant", cval=np.inf))
+            assert far[ends].max() <= columns["most"][row, c] + 1e-6
+            seen += 1
+    assert seen > 20
 
 
 @pytest.mark.slow
