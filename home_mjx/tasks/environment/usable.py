@@ -169,7 +169,7 @@ def _check_fovy(config: EnvConfig, variation: Variation) -> None:
 def _check_clips(config: EnvConfig, variation: Variation) -> None:
     if variation.clips is None:
         return
-    lost = {CLIPS[i] for i in np.flatnonzero(np.asarray(variation.clips))} - {config.clip, *config.clips}
+    lost = {clip_name(int(i)) for i in np.flatnonzero(np.asarray(variation.clips))} - {config.clip, *config.clips}
     if lost:
         names = ", ".join(f'"{name}"' for name in sorted(lost))
         message = f"the environment has not the sounds {names}"

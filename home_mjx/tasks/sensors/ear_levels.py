@@ -38,7 +38,7 @@ class EarLevels(Sensor):
     0 dB is a pressure of 1 relative to the source's at 1 m; clipped to -100 and 100 dB. The difference is by how much
     the left ear hears each octave louder [dB]. The delay is by how much it hears earlier [ms], averaged over all
     directions by their energy: of a source behind a wall mostly those of the doors that its sound comes through. From
-    the same rays as `audio`, whose levels these are but for interference; no waveform is made, so it is cheaper.
+    the same rays as `audio`, whose levels these are but for interference; no waveform is made.
     """
 
     name = "ear_levels"

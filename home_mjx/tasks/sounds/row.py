@@ -110,8 +110,9 @@ def emission_of(columns: Mapping[str, Array]) -> Emission:
 def read_sounds(columns: Mapping[str, np.ndarray]) -> list[Sound]:
     """The sounds among the columns of a row; undoes `written_sounds`."""
     values = {name: np.asarray(columns[COLUMN.format(name)]).tolist() for name in Emission.__dataclass_fields__}
+    values["clip"] = [clip_name(number) for number in values["clip"]]
     rows = [dict(zip(values, row, strict=True)) for row in zip(*values.values(), strict=True)]
-    return [Sound(**(row | {"clip": clip_name(row["clip"])})) for row in rows if row["emitter"] != NOBODY]
+    return [Sound(**row) for row in rows if row["emitter"] != NOBODY]
 
 
 def clip_name(number: int) -> str:
