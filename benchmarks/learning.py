@@ -9,10 +9,12 @@ the run, then each evaluation. The folder is one of `home-mjx train`: its checkp
 """
 
 import argparse
+import contextlib
 import dataclasses
+import fcntl
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -28,6 +30,7 @@ from home_mjx.tasks import chance, prior_accuracy
 from home_mjx.tasks.base.options import override
 from home_mjx.training import PPO, Policy, PPOConfig, RunConfig, evaluate, load_net, random_policy, summary, train
 from home_mjx.training.checkpoint import CHECKPOINT
+from home_mjx.training.progress import Clock
 from home_mjx.training.records import read_lines
 
 EYES = ("depth", "coarse", "prev_action")
@@ -79,6 +82,7 @@ CASES = {
         "InstructionFollowing", *COLOURS, "instruction", judged=NEW, taken="instruction", combinations="seen"
     ),
     "unread": task("InstructionFollowing", *COLOURS, judged=NEW, combinations="seen"),
+    "piper": task("PiedPiper", *EYES, "log_mel", judged=UNHEARD, taken="log_mel"),
     "question": task("HouseQA", *COLOURS, "instruction"),
     "unseen": task("HouseQA", "prev_action", "instruction"),
 }
@@ -100,11 +104,13 @@ def main() -> None:
     parser.add_argument("--out", type=Path, help="folder of the run")
     parser.add_argument("--env", action="append", default=[], metavar="NAME=VALUE", help="an option of the environment")
     parser.add_argument("--ppo", action="append", default=[], metavar="NAME=VALUE", help="an option of PPOConfig")
+    parser.add_argument("--turn", type=Path, help="a file: of all runs that name it, one trains at a time")
     parser.add_argument("--greedy", action="store_true", help="evaluate the likeliest actions, too")
     args = parser.parse_args()
     run, out = run_of(args), args.out or Path("runs") / f"learning-{args.case}-{args.seed}"
     out.mkdir(parents=True, exist_ok=True)
-    ppo = train(run, out)
+    with in_turn(args.turn):
+        ppo = train(run, out)
     common = {"case": f"learning/{args.case}", "seed": args.seed, "device": device_name()}
     print(json.dumps(common | last_line(out) | {"houses": run.env.num_houses, "run": plain(run)}), flush=True)
     net = load_net(out / CHECKPOINT, ppo.agent.init_net(jax.random.key(0)))
@@ -123,6 +129,24 @@ def main() -> None:
         if env.spec and env.spec.id == "HouseQA-v0":
             asked = run.env.make().params.tasks, env.params.tasks
             print(json.dumps(common | {"prior": prior_accuracy(*asked), "chance": chance(asked[1])}), flush=True)
+
+
+@contextlib.contextmanager
+def in_turn(path: Path | None) -> Iterator[None]:
+    """While one run trains, others can compile or be evaluated: the time of training is its own."""
+    if path is None:
+        yield
+        return
+    begin = Clock.start
+    with path.open("w") as file:
+
+        def start(clock: Clock, steps: int) -> None:
+            fcntl.flock(file, fcntl.LOCK_EX)
+            begin(clock, steps)
+
+        Clock.start = start
+        yield
+        Clock.start = begin
 
 
 def run_of(args: argparse.Namespace) -> RunConfig:
