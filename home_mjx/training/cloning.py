@@ -22,7 +22,8 @@ from home_mjx.training.rollout import Policy
 
 ADVISED = 0.7  # part of the run in which PPO is advised
 LED = 0.5  # part of the run in which the expert acts ever less often, at first always
-LEAST = 0.3  # share of the actions that stay the expert's: else all that is seen at last is where the network is stuck
+LEAST = 0.3  # share of the actions that stay the expert's for long: else all that is seen is where the network is stuck
+ALONE = 0.8  # part of the run after which it acts alone: the value, with which PPO may go on, is then of its own ways
 AGREES = 0.25  # farthest that a continuous action may be from the expert's to count as the same
 
 
@@ -97,9 +98,10 @@ class Cloning(Advised):
     """
 
     def behaviour(self, state: TrainState) -> Policy:
-        """The expert, at first always and then less and less often; else the network."""
+        """The expert, at first always, then less and less often, at last never; else the network."""
         student = self.policy(state.net)
-        led = jnp.clip(1 - state.updates.astype(jnp.float32) / (LED * self.config.num_updates), LEAST, 1)
+        done = state.updates.astype(jnp.float32) / self.config.num_updates
+        led = jnp.where(done < ALONE, jnp.clip(1 - done / LED, LEAST, 1), 0.0)
 
         def act(memory: Array, obs: dict[str, Array], begins: Array, keys: Array) -> tuple[Array, Array, dict]:
             memory, action, outputs = student.act(memory, obs, begins, keys)

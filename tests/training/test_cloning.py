@@ -65,7 +65,8 @@ def test_the_expert_leads_less_and_less(cloning: Cloning):
 
     assert led(0) == 1.0
     assert led(2) == pytest.approx(0.6, abs=0.04)
-    assert led(5) == led(9) == pytest.approx(0.3, abs=0.04)
+    assert led(5) == led(7) == pytest.approx(0.3, abs=0.04)
+    assert led(8) == led(9) == 0.0
 
 
 def test_the_loss_is_how_unlikely_the_advice_is(cloning: Cloning, rng: np.random.Generator):

@@ -11,7 +11,7 @@ pytest.importorskip("flax", reason="needs the extra `train`")
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.specs import ArraySpec
 from home_mjx.training.networks import Categorical, Gaussian, NetworkConfig, RecurrentAgent, distribution_of
-from home_mjx.training.networks.encoders import SpectraEncoder, id_codes, kind_of, squash
+from home_mjx.training.networks.encoders import Encoder, SpectraEncoder, id_codes, kind_of, squash
 
 SPECS = {
     "pixels/head_rgb": ArraySpec((16, 16, 3), "uint8", 0, 255),
@@ -145,6 +145,23 @@ def test_every_observation_is_read(rng: np.random.Generator):
         changed = read(net, memory, obs | {name: other}, begins)[2]
         assert abs(changed - value)[0, 0] > 1e-5, name
         assert changed[0, 1] == value[0, 1], name
+
+
+def test_words_tell_images_what_to_look_for(rng: np.random.Generator):
+    """What the words change in the features is not the same whatever the image: their two effects do not just add."""
+    specs = {name: SPECS[name] for name in ("pixels/head_depth", "instruction")}
+    encoder = Encoder(tuple(specs.items()), 16, (4, 8))
+    one, other = (observations(np.random.default_rng(seed), 1, 1, specs) for seed in (0, 1))
+    net = encoder.init(jax.random.key(0), one)
+
+    def seen(image: dict, words: dict) -> np.ndarray:
+        obs = {"pixels/head_depth": image["pixels/head_depth"], "instruction": words["instruction"]}
+        return np.asarray(
+            encoder.apply(net, obs, capture_intermediates=True)[1]["intermediates"]["ImageEncoder_0"]["__call__"][0]
+        )
+
+    assert np.abs(seen(one, one) - seen(one, other)).max() > 1e-3
+    assert np.abs(seen(one, one) - seen(one, other) - seen(other, one) + seen(other, other)).max() > 1e-4
 
 
 def test_bfloat16_is_only_inside(rng: np.random.Generator):

@@ -107,7 +107,8 @@ class WordEncoder(nn.Module):
         """Order counts through the table of places."""
         places = self.param("places", nn.initializers.normal(0.02), (words.shape[-1], self.features))
         looked_up = nn.Embed(NUM_IDS, self.features)(_row(words)) + places
-        return jnp.mean(nn.relu(nn.Dense(self.features)(looked_up)), axis=-2)
+        # Of size 1: short embeddings would leave all gates half open for long.
+        return nn.LayerNorm()(jnp.mean(nn.relu(nn.Dense(self.features)(looked_up)), axis=-2))
 
 
 @functools.cache
@@ -126,8 +127,8 @@ def _row(ids: Int[Array, "*b"]) -> Int[Array, "*b"]:
 class Encoder(nn.Module):
     """One vector from all observations of an agent.
 
-    Images of one size, ids among them, are stacked and read by one `ImageEncoder`. Vectors are squashed, joined and
-    read by two layers.
+    Images of one size, ids among them, are stacked and read by one `ImageEncoder`, which words tell what to look for.
+    Vectors are squashed, joined and read by two layers.
 
     Attributes:
         specs: Name and spec of every observation of one agent.
@@ -145,7 +146,7 @@ class Encoder(nn.Module):
     def __call__(self, obs: dict[str, Array]) -> Float[Array, "*b f"]:
         """Leading axes of the observations are kept."""
         images: dict[tuple[int, ...], list[Array]] = defaultdict(list)
-        vectors, parts = [], []
+        vectors, parts, asked = [], [], []
         for name, spec in self.specs:
             x, kind = obs[name], kind_of(name, spec)
             if kind == "image":
@@ -158,12 +159,15 @@ class Encoder(nn.Module):
             elif kind == "spectra":
                 parts.append(SpectraEncoder(self.features)(x))
             elif kind == "words":
-                parts.append(WordEncoder()(x))
+                asked.append(WordEncoder()(x))
             elif kind == "vector":
                 lead = x.shape[: x.ndim - len(spec.shape)]
                 vectors.append(squash(x.astype(jnp.float32)).reshape(*lead, -1))
+        words = jnp.concatenate(asked, axis=-1) if asked else None
         for _, stack in sorted(images.items()):
-            parts.append(ImageEncoder(self.channels, self.features, self.dtype)(jnp.concatenate(stack, axis=-1)))
+            look = ImageEncoder(self.channels, self.features, self.dtype)
+            parts.append(look(jnp.concatenate(stack, axis=-1), words))
+        parts += asked
         if vectors:
             parts.append(nn.tanh(nn.Dense(self.features)(jnp.concatenate(vectors, axis=-1))))
         return nn.relu(nn.Dense(self.features)(jnp.concatenate(parts, axis=-1)))

@@ -48,10 +48,23 @@ class ResidualBlock(nn.Module):
         return x + SqueezeExcite(self.dtype)(y)
 
 
+class Gate(nn.Module):
+    """Scales each channel by what words ask for: gated attention, Chaplot et al., 2018 (arXiv:1706.07230)."""
+
+    dtype: Any = jnp.float32
+
+    @nn.compact
+    def __call__(self, x: Float[Array, "*b h w c"], asked: Float[Array, "*b a"]) -> Float[Array, "*b h w c"]:
+        """The scaled channels."""
+        gate = nn.sigmoid(nn.Dense(x.shape[-1], dtype=self.dtype)(asked.astype(self.dtype)))
+        return x * gate[..., None, None, :]
+
+
 class ImageEncoder(nn.Module):
     """Features of images: a stem that divides the size by four, a residual block per entry of `channels`, one layer.
 
-    Each block but the first halves the size. Parameters are float32 whatever `dtype` computes in.
+    Each block but the first halves the size. Where words say what to look for, a `Gate` follows each block. Parameters
+    are float32 whatever `dtype` computes in.
 
     Attributes:
         channels: Channels of each block.
@@ -71,10 +84,11 @@ class ImageEncoder(nn.Module):
     dtype: Any = jnp.float32
 
     @nn.compact
-    def __call__(self, x: Float[Array, "*b h w c"]) -> Float[Array, "*b f"]:
-        """Features of each image, whose values should be about 1 in size."""
+    def __call__(self, x: Float[Array, "*b h w c"], asked: Float[Array, "*b a"] | None = None) -> Float[Array, "*b f"]:
+        """Features of each image, whose values should be about 1 in size; `asked` are those of words."""
         x = nn.Conv(self.channels[0], (8, 8), (4, 4), dtype=self.dtype, kernel_init=HE)(x.astype(self.dtype))
         for i, channels in enumerate(self.channels):
             x = ResidualBlock(channels, 1 if i == 0 else 2, self.dtype)(x)
+            x = x if asked is None else Gate(self.dtype)(x, asked)
         flat = nn.relu(x).reshape(*x.shape[:-3], -1)
         return nn.relu(nn.Dense(self.features, dtype=self.dtype)(flat)).astype(jnp.float32)
