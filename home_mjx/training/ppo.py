@@ -91,14 +91,17 @@ class PPO:
         whole, split = PartitionSpec(), PartitionSpec(AXIS)
         self.whole = NamedSharding(self.mesh, whole)
         self._places = TrainState.unchecked(net=whole, opt=whole, actor=split, key=whole, updates=whole)
+        self._put = jax.tree.map(lambda spec: NamedSharding(self.mesh, spec), self._places)
         # Without `check_vma=False` JAX asks for annotations that the environment's loops do not have.
         self._begin = jax.jit(jax.shard_map(
             self._begin_local, mesh=self.mesh, in_specs=(whole, split), out_specs=split, check_vma=False
         ))  # fmt: skip
-        self.update = jax.jit(jax.shard_map(
+        update = jax.shard_map(
             self._update_local, mesh=self.mesh, in_specs=(whole, self._places),
             out_specs=(self._places, whole), check_vma=False,
-        ))  # fmt: skip
+        )  # fmt: skip
+        # Said once more: else arrays without elements come out placed otherwise than they went in.
+        self.update = jax.jit(update, out_shardings=(self._put, self.whole))
 
     def init(self, params: EnvParams, key: Array) -> TrainState:
         """A fresh network, and environments at the start of an episode."""
@@ -111,8 +114,7 @@ class PPO:
 
     def place(self, state: TrainState) -> TrainState:
         """The state, such as one from a file, where `update` wants it."""
-        put = jax.tree.map(lambda spec: NamedSharding(self.mesh, spec), self._places)
-        return jax.device_put(state, put)
+        return jax.device_put(state, self._put)
 
     def _begin_local(self, params: EnvParams, keys: UInt32[Array, "n 2"]) -> Actor:
         """First states of this device's environments."""
