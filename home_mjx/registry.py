@@ -75,12 +75,12 @@ class EnvSpec:
         """The spec that `to_json` wrote.
 
         Raises:
-            ConfigError: The text is no such spec.
+            ConfigError: The text is no such spec, or its environment is not registered here.
         """
         spec = from_json(text)
         if not isinstance(spec, cls):
             raise ConfigError(f"expected the JSON of an EnvSpec, got {type(spec).__name__}")
-        return spec
+        return check_registered(spec)
 
     def memory_estimate(self, num_envs: int, progress: bool | None = None) -> "MemoryEstimate":
         """What `num_envs` of this environment take of a device; its houses are packed on the host to tell."""
@@ -155,6 +155,19 @@ def find_spec(env_id: str) -> EnvSpec:
     if env_id not in _REGISTRY:
         raise UnknownNameError(f"unknown environment `{env_id}`", hint=did_you_mean(env_id, _REGISTRY))
     return _REGISTRY[env_id]
+
+
+def check_registered(spec: EnvSpec, file: Path | None = None) -> EnvSpec:
+    """The spec, if what it runs is what is registered under its id: for specs from files, which must not choose that.
+
+    Raises:
+        ConfigError: It is not.
+    """
+    known = _REGISTRY.get(str(spec.id))
+    if known is None or known.entry_point != spec.entry_point:
+        hint = "If you trust it, import the module that registers it first."
+        raise ConfigError(f"no environment `{spec.id}` of `{spec.entry_point}` is registered", file=file, hint=hint)
+    return spec
 
 
 def make(

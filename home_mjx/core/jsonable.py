@@ -3,11 +3,13 @@
 import dataclasses
 import importlib
 import json
+import sys
 from collections.abc import Mapping
 from typing import Any
 
 from home_mjx.errors import ConfigError
 
+PACKAGE = __name__.split(".")[0]
 TYPE, TUPLE = "__type__", "__tuple__"
 
 
@@ -28,7 +30,8 @@ def from_json(text: str) -> Any:
     """What `to_json` was given.
 
     Raises:
-        ConfigError: The text is broken, or names something that is no dataclass.
+        ConfigError: The text is broken, or names something that is no dataclass, or one of a module that neither is of
+            this package nor has been imported.
     """
     try:
         return _rebuilt(json.loads(text))
@@ -66,6 +69,9 @@ def _rebuilt(value: Any) -> Any:
 
 def _dataclass(name: str) -> type:
     module, _, qualname = name.partition(":")
+    if module.split(".")[0] != PACKAGE and module not in sys.modules:  # a file must not choose what is run
+        hint = f"If you trust it, import {module} first."
+        raise ConfigError(f"`{name}` is of a module that has not been imported", hint=hint)
     try:
         found: Any = importlib.import_module(module)
         for part in qualname.split("."):

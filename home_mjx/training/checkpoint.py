@@ -12,6 +12,7 @@ import numpy as np
 
 from home_mjx.core.jsonable import from_json, to_json
 from home_mjx.errors import ConfigError, DatasetError, MissingFileError
+from home_mjx.registry import check_registered
 from home_mjx.training.config import RunConfig
 
 CHECKPOINT = "checkpoint.npz"  # in the folder of a run
@@ -99,12 +100,13 @@ def read_config(path: str | Path) -> RunConfig:
     Raises:
         MissingFileError: There is no such file.
         DatasetError: The file is no checkpoint.
-        ConfigError: Its configuration cannot be read by this version.
+        ConfigError: Its configuration cannot be read by this version, or its environment is not registered here.
     """
     (text,) = _read(path, [CONFIG])
     config = from_json(str(text))
     if not isinstance(config, RunConfig):
         raise DatasetError("file is no checkpoint of training", file=path)
+    check_registered(config.env, Path(path))
     return config
 
 
@@ -154,5 +156,5 @@ def _read(path: str | Path, names: list[str]) -> list[np.ndarray]:
         raise MissingFileError("there is no checkpoint", file=path) from None
     except KeyError as error:
         raise DatasetError(f"file lacks {error.args[0]}", file=path, hint="Another version made it.") from None
-    except (OSError, ValueError, AttributeError, zipfile.BadZipFile) as error:
+    except (OSError, EOFError, ValueError, TypeError, AttributeError, NotImplementedError, zipfile.BadZipFile) as error:
         raise DatasetError(f"file is no checkpoint: {error}", file=path) from None

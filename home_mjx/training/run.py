@@ -139,13 +139,15 @@ class _Run:
         per_line = max(1, num // NUM_LINES)
         saved = -REST
         state = stage.state if net is None else stage.ppo.place(stage.state.replace(net=net))
+        over = self.is_over()
         for i in range(int(state.updates) + 1, stage.last + 1):
-            if self.is_over():
+            if over:
                 break
             state, metrics = stage.update(stage.params, state)
             sums.add(metrics)
             self.bar.update(size)
-            ends = i == stage.last or self.is_over()
+            over = self.is_over()
+            ends = i == stage.last or over
             if (i - stage.first) % per_line == 0 or ends:
                 line = {"steps": i * size, **self.clock.lap(i * size), **sums.means()}
                 self.records.add(line)

@@ -1,6 +1,7 @@
 """Checkpoints: whole or not there, and of the same configuration."""
 
 import dataclasses
+import sys
 from pathlib import Path
 
 import jax
@@ -120,6 +121,29 @@ def test_files_that_are_no_checkpoint(tmp_path: Path):
     for path, words in ((broken, "no checkpoint"), (other, "lacks config"), (older, r"lacks \.rest")):
         with pytest.raises(DatasetError, match=words):
             load_checkpoint(path, tree(), CONFIG)
+
+
+def test_a_file_does_not_choose_what_is_run(tmp_path: Path):
+    """A checkpoint could name any function of any module as its environment, and it was called with its options."""
+    harm = tmp_path / "harm"
+    env = EnvSpec("PointNav-v0", "timeit:timeit", {"setup": f"open({str(harm)!r}, 'w')", "number": 0})
+    save_net(tmp_path / "evil.npz", tree().net, dataclasses.replace(CONFIG, env=env))
+    with pytest.raises(ConfigError, match="no environment `PointNav-v0` of `timeit:timeit` is registered"):
+        read_config(tmp_path / "evil.npz")
+    text = CONFIG.env.to_json().replace("home_mjx.registry:EnvSpec", "antigravity:EnvSpec")
+    with pytest.raises(ConfigError, match="has not been imported"):
+        EnvSpec.from_json(text)
+    assert not harm.exists()
+    assert "antigravity" not in sys.modules
+
+
+def test_an_empty_file_and_a_bare_array_are_no_checkpoints(tmp_path: Path):
+    (tmp_path / "empty.npz").write_bytes(b"")
+    with (tmp_path / "array.npz").open("wb") as file:
+        np.save(file, np.zeros(3))
+    for name in ("empty.npz", "array.npz"):
+        with pytest.raises(DatasetError, match="no checkpoint"):
+            read_config(tmp_path / name)
 
 
 def test_other_shapes_are_refused(tmp_path: Path):

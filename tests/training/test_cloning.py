@@ -123,7 +123,7 @@ def test_a_run_of_two_stages_goes_on_from_either(hall: Path, tmp_path: Path, kil
     whole.mkdir(), killed.mkdir()
     train(config, whole)
     with monkeypatch.context() as patch:
-        patch.setattr(run_module._Run, "is_over", lambda run: len(run.records.lines) + 1 > killed_after)
+        patch.setattr(run_module._Run, "is_over", lambda run: len(run.records.lines) + 1 >= killed_after)
         train(config, killed)
     assert read_updates(killed / CHECKPOINT) == killed_after
     train(config, killed, resume=True)

@@ -49,7 +49,7 @@ class Program(Pytree):
 
 @dataclass(frozen=True)
 class Meant:
-    """What a descriptor speaks of, and where: one of `Meant.thing`, `.room`, `.at`, `.agent`.
+    """What a descriptor speaks of, and where: one of `Meant.thing`, `.space`, `.at`, `.someone`, `.hidden`.
 
     Attributes:
         words: Values of `Word` by name, in small letters.
