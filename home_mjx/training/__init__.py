@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING, Any
 from home_mjx.errors import ConfigError, install_hint
 
 if TYPE_CHECKING:
-    from home_mjx.training.checkpoint import load_checkpoint, load_net, read_config, save_checkpoint, save_net
+    from home_mjx.training.checkpoint import (
+        CHECKPOINT,
+        load_checkpoint,
+        load_net,
+        read_config,
+        save_checkpoint,
+        save_net,
+    )
     from home_mjx.training.cloning import Advised, Cloning
     from home_mjx.training.config import CPU_CONFIG, PPOConfig, RunConfig
     from home_mjx.training.evaluation import evaluate, expert_policy, random_policy, summary
@@ -19,6 +26,7 @@ if TYPE_CHECKING:
     from home_mjx.training.run import evaluate_checkpoint, train
 
 __all__ = [
+    "CHECKPOINT",
     "CPU_CONFIG",
     "PPO",
     "Advised",
@@ -43,7 +51,7 @@ __all__ = [
 ]
 
 _MODULES = {
-    "checkpoint": ("load_checkpoint", "load_net", "read_config", "save_checkpoint", "save_net"),
+    "checkpoint": ("CHECKPOINT", "load_checkpoint", "load_net", "read_config", "save_checkpoint", "save_net"),
     "cloning": ("Advised", "Cloning"),
     "config": ("CPU_CONFIG", "PPOConfig", "RunConfig"),
     "evaluation": ("evaluate", "expert_policy", "random_policy", "summary"),

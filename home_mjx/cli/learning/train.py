@@ -68,7 +68,7 @@ def run_config(args: argparse.Namespace) -> "RunConfig":
 
 def checkpoint_of(path: Path) -> Path:
     """The file itself, or the checkpoint in the folder of a run."""
-    from home_mjx.training.checkpoint import CHECKPOINT  # needs the extra `train`
+    from home_mjx.training import CHECKPOINT  # refuses where the extra `train` is not installed
 
     return path / CHECKPOINT if path.is_dir() else path
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from home_mjx.core.checks import check_flag, check_number
+from home_mjx.errors import ConfigError
 from home_mjx.schema.categories import COARSE
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.rows.build import Generator, Row
@@ -142,6 +143,17 @@ class HouseTasks(RowTask):
     """
 
     tasks: tuple[Generator, ...] = (RoomNav(), ObjectNav())
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for task in self.tasks:
+            if isinstance(task, type) or not isinstance(task, Generator):
+                raise ConfigError(f"a mix is made of tasks that write rows, got {task!r}", hint="Write RoomNav(), ...")
+            if getattr(task, "combinations", "all") != "all":
+                hint = "Choose rows of the mix: tasks.where(~new_combinations(tasks))."
+                raise ConfigError("a mix takes sentences with all combinations of words", hint=hint)
+            if getattr(task, "num_acting", None) is not None:
+                raise ConfigError(f"{task.name} leads agents itself: it cannot be part of a mix")
 
     @property
     def needs_stop(self) -> bool:

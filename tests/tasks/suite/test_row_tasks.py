@@ -24,6 +24,7 @@ from home_mjx.tasks import (
     HouseTasks,
     InstructionFollowing,
     ObjectNav,
+    PiedPiper,
     PointGoals,
     RoomNav,
     detokenize,
@@ -220,3 +221,14 @@ def test_sentences_are_split_by_combinations(generated_bank):
     assert not new_combinations(banks["seen"], 0.4).any()
     with pytest.raises(ConfigError, match="unknown kind of combinations"):
         InstructionFollowing(combinations="old")
+
+
+def test_what_cannot_be_mixed_is_refused():
+    """A mix dropped the choice of combinations without a word, so that what was held out was trained with."""
+    for task, words in (
+        (InstructionFollowing(combinations="seen"), "all combinations"),
+        (PiedPiper(), "leads agents itself"),
+        (RoomNav, "tasks that write rows"),
+    ):
+        with pytest.raises(ConfigError, match=words):
+            HouseTasks(tasks=(task,))
