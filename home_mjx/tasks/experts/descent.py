@@ -20,7 +20,11 @@ Far = Callable[[Int[Array, "n 3"], Int[Array, " n"]], Float[Array, " n"]]
 
 
 def descend(
-    snapshot: Snapshot, agent: Int[Array, ""], far: Far, least: float = 0.0
+    snapshot: Snapshot,
+    agent: Int[Array, ""],
+    far: Far,
+    least: float = 0.0,
+    within: Float[Array, ""] | float = 0.0,
 ) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
     """A place on the way down [m] to which an agent can walk straight, and whether none is lower than where it is.
 
@@ -34,6 +38,7 @@ def descend(
         agent: Its number.
         far: The field.
         least: The way ends here, too, if less than so much of it is left [m].
+        within: So near to its end is near enough [m].
     """
     bank, house, moves = snapshot.bank, snapshot.house, snapshot.config.discrete
     pos, touches = snapshot.pose.pos[agent], snapshot.contact[agent]
@@ -47,12 +52,18 @@ def descend(
     if moves is None:
         return aim, jnp.all(path[-1] == path[0]) | (left < jnp.float32(least))
     stride = moves.forward_step_size
-    aside = within_steps(snapshot, agent, end, stride)
+    aside = within_steps(snapshot, agent, end, stride, within)
     ends = left < jnp.float32(max(THERE * stride, least))
     return jnp.where(settled & straight[-1], aside, aim), settled & ends
 
 
-def within_steps(snapshot: Snapshot, agent: Int[Array, ""], end: Float[Array, "2"], stride: float) -> Float[Array, "2"]:
+def within_steps(
+    snapshot: Snapshot,
+    agent: Int[Array, ""],
+    end: Float[Array, "2"],
+    stride: float,
+    within: Float[Array, ""] | float = 0.0,
+) -> Float[Array, "2"]:
     """Where to walk so that whole steps end at a place that is less than two steps away [m].
 
     That is the tip of a triangle with two sides of one step each, on the side where the way is free; the place itself,
@@ -63,11 +74,13 @@ def within_steps(snapshot: Snapshot, agent: Int[Array, ""], end: Float[Array, "2
         agent: Number of who walks.
         end: The place [m].
         stride: Length of a step [m].
+        within: A step that ends so near to the place leads to it [m].
     """
     pos = snapshot.pose.pos[agent]
     way = end - pos[:2]
     left = jnp.linalg.norm(way)
-    fits = (jnp.abs(left - jnp.float32(stride)) < jnp.float32(CLOSE * stride)) | (left > jnp.float32(2 * stride))
+    close = jnp.maximum(jnp.float32(CLOSE * stride), jnp.float32(within))
+    fits = (jnp.abs(left - jnp.float32(stride)) < close) | (left > jnp.float32(2 * stride))
     along = jnp.where(left > 0, way / jnp.maximum(left, 1e-6), jnp.array([1.0, 0.0], jnp.float32))
     across = jnp.array([-along[1], along[0]])
     out = jnp.sqrt(jnp.maximum(jnp.float32(stride) ** 2 - left * left / 4, 0.0))

@@ -74,7 +74,8 @@ def _to_point(task: PointNav, snapshot: Snapshot, state: PointNavState) -> Array
     field, pose = snapshot.bank.navigation.field, snapshot.pose
 
     def ahead(agent: Array) -> tuple[Array, Array]:
-        return descend(snapshot, agent, lambda _, cell: stored_distance(field, cell, state.goal))
+        far = lambda _, cell: stored_distance(field, cell, state.goal)  # noqa: E731
+        return descend(snapshot, agent, far, within=WELL_WITHIN * task.success_radius / 2)
 
     aim, there = jax.vmap(ahead)(jnp.arange(snapshot.config.num_agents))
     way = aim - pose.pos[:, :2]

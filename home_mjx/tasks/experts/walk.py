@@ -142,9 +142,12 @@ def downhill(
     """
     moves, column = snapshot.config.discrete, jnp.maximum(state.program.field[guide], 0).astype(jnp.int32)
     least = moves.forward_step_size / 2 if moves and has_hands(snapshot) else 0.0  # who goes on would pass the end
+    is_room = state.program.descriptor[guide, Word.KIND] == Kind.ROOM  # anywhere beyond its threshold will do
+    within = jnp.where(is_room, jnp.inf, 0.0)
 
     def ahead(agent: Int[Array, ""]) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
-        return descend(snapshot, agent, lambda _, cell: stored_distance(snapshot.tasks.field, cell, column), least)
+        far = lambda _, cell: stored_distance(snapshot.tasks.field, cell, column)  # noqa: E731
+        return descend(snapshot, agent, far, least, within)
 
     aim, there = jax.vmap(ahead)(jnp.arange(snapshot.config.num_agents))
     aim = aim - snapshot.pose.pos[:, :2]

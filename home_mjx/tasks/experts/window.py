@@ -9,6 +9,7 @@ HALF = 14  # cells, from the middle of a window to its edge: more than it takes 
 WIDTH = 2 * HALF + 1
 ROUNDS = 48  # cells of the longest way within a window
 DETOUR = 3.0  # [m]: rather than pushing a leaf on the way to an end that is near, agents go out of the window
+SHORTER, SHORTEST = 0.5, 20.0  # cells that a way shorter by 1 m is worth, and the way up to which that counts [m]
 OFFSETS = np.array([(y, x) for y in (-1, 0, 1) for x in (-1, 0, 1)])
 
 
@@ -41,7 +42,8 @@ def window_distances(known: Float[Array, " n"], length: Float[Array, " n"]) -> F
     ends = (known <= jnp.min(_neighbours(known, jnp.inf), axis=0)) & ~jnp.asarray(edge)
     cost = _costs(jnp.isfinite(known), length)
     to_end, to_edge = (_relaxed(jnp.where(begin, known, jnp.inf), cost) for begin in (ends, jnp.asarray(edge)))
-    return jnp.where(to_end[HALF, HALF] < to_edge[HALF, HALF] + jnp.float32(DETOUR), to_end, to_edge)
+    begin = nearest_free(to_end)
+    return jnp.where(to_end[begin] < to_edge[begin] + jnp.float32(DETOUR), to_end, to_edge)
 
 
 def _costs(free: Bool[Array, "w w"], length: Float[Array, "w w"]) -> Float[Array, "9 w w"]:
@@ -61,11 +63,23 @@ def _relaxed(begin: Float[Array, "w w"], cost: Float[Array, "9 w w"]) -> Float[A
     return jax.lax.fori_loop(0, ROUNDS, relax, begin)
 
 
+def nearest_free(far: Float[Array, "w w"]) -> tuple[Int[Array, ""], Int[Array, ""]]:
+    """Row and column of the cell of a window from which there is a way that is nearest to the middle.
+
+    An agent may stand beside the cells that agents can cross: at what it has pushed aside, or close to furniture.
+    """
+    y, x = np.meshgrid(np.arange(WIDTH) - HALF, np.arange(WIDTH) - HALF, indexing="ij")
+    away = jnp.asarray(np.hypot(y, x), jnp.float32)
+    rank = jnp.where(jnp.isfinite(far), away + SHORTER * jnp.minimum(far, SHORTEST), jnp.inf)
+    best = jnp.argmin(rank.at[HALF, HALF].add(-1e-3)).astype(jnp.int32)
+    return best // WIDTH, best % WIDTH
+
+
 def descend_window(far: Float[Array, "w w"], steps: int) -> Int[Array, "k 3"]:
     """Level, row and column of the next cells down from the middle of a window, relative to it; the middle first."""
     offsets = jnp.asarray(OFFSETS, jnp.int32)
-    path = [jnp.zeros(2, jnp.int32)]
-    for _ in range(steps):
+    path = [jnp.zeros(2, jnp.int32), jnp.stack(nearest_free(far)) - HALF]
+    for _ in range(steps - 1):
         around = path[-1] + offsets
         lower = far[around[:, 0] + HALF, around[:, 1] + HALF]
         path.append(around[jnp.argmin(lower.at[_number(0, 0)].add(-1e-4))])
