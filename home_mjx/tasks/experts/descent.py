@@ -9,7 +9,7 @@ from jaxtyping import Array, Bool, Float, Int
 from home_mjx.navigation.grid import cell_of, is_home, place_position, row_of_cell
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.experts.leaves import slowness
-from home_mjx.tasks.experts.window import descend_window, window_distances, window_places
+from home_mjx.tasks.experts.window import descend_window, nearest_free, window_distances, window_places
 
 LOOK_AHEAD = 6  # cells
 SAMPLES = 8  # places of a straight way that are looked at
@@ -103,7 +103,7 @@ def _path(snapshot: Snapshot, agent: Int[Array, ""], far: Far) -> Int[Array, "k 
     middle = jax.vmap(lambda p: place_position(bank, house, p))(places)
     known = jnp.where(home, far(places, cell).astype(jnp.float32), jnp.inf)
     length = jnp.float32(bank.spec.cell) * slowness(snapshot, middle, agent)
-    return at + descend_window(window_distances(known, length), LOOK_AHEAD)
+    return at + descend_window(window_distances(known, length), nearest_free(known), LOOK_AHEAD)
 
 
 def _ways(
@@ -115,6 +115,8 @@ def _ways(
     between = pos + part * (place - pos)[:, None]
     cell = jax.vmap(lambda at: cell_of(bank, house, at))(between.reshape(-1, 3))
     home = is_home(bank, house, bank.navigation.cell[house][cell[:, 0], cell[:, 1], cell[:, 2]])
+    gone = jnp.linalg.norm(between - pos, axis=-1)
+    off = gone < jnp.float32(bank.spec.cell)  # an agent may stand beside the cells
     slow = slowness(snapshot, between.reshape(-1, 3), agent).reshape(between.shape[:2])
     ends = jnp.maximum(slow[:, 0], slow[:, -1])
-    return jnp.all(home.reshape(slow.shape), axis=1), jnp.max(slow, axis=1), ends
+    return jnp.all(home.reshape(slow.shape) | off, axis=1), jnp.max(slow, axis=1), ends
