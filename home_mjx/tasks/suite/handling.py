@@ -135,7 +135,7 @@ class Pair:
 
 
 def _touch(pair: Pair, other: Pair) -> bool:
-    """Whether two pairs have a thing in common, or one is taken from where the other is put: it would be knocked off."""
+    """Whether two pairs have a thing in common, or one is taken from where the other is put and might fall."""
     same = {pair.thing.thing.object_id, pair.below.object_id} & {other.thing.thing.object_id, other.below.object_id}
     return bool(same) or lies_on(pair.thing.thing, other.below) or lies_on(other.thing.thing, pair.below)
 
