@@ -105,6 +105,7 @@ def main() -> None:
     parser.add_argument("--env", action="append", default=[], metavar="NAME=VALUE", help="an option of the environment")
     parser.add_argument("--ppo", action="append", default=[], metavar="NAME=VALUE", help="an option of PPOConfig")
     parser.add_argument("--turn", type=Path, help="a file: of all runs that name it, one trains at a time")
+    parser.add_argument("--random", type=int, default=1, help="0: without agents that act at random")
     parser.add_argument("--greedy", action="store_true", help="evaluate the likeliest actions, too")
     args = parser.parse_args()
     run, out = run_of(args), args.out or Path("runs") / f"learning-{args.case}-{args.seed}"
@@ -116,7 +117,9 @@ def main() -> None:
     net = load_net(out / CHECKPOINT, ppo.agent.init_net(jax.random.key(0)))
     for name, options in {"held out": {}, **CASES[args.case].judged}.items():
         env = held_out(run, args, options)
-        policies = {"trained": (ppo.policy, net), "random": (random_policy(env.core), None)}
+        policies = {"trained": (ppo.policy, net)}
+        if args.random:
+            policies["random"] = (random_policy(env.core), None)
         if CASES[args.case].taken:
             policies[f"without {CASES[args.case].taken}"] = (without(ppo, CASES[args.case].taken), net)
         if args.greedy:
