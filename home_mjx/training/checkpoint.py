@@ -3,7 +3,7 @@
 import json
 import os
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -12,14 +12,17 @@ import numpy as np
 
 from home_mjx.core.jsonable import from_json, to_json
 from home_mjx.errors import ConfigError, DatasetError, MissingFileError
-from home_mjx.registry import check_registered
+from home_mjx.tasks.environment.household import HouseholdEnv
 from home_mjx.training.config import RunConfig
+from home_mjx.training.ppo import PPO
+from home_mjx.training.rollout import Policy
 
 CHECKPOINT = "checkpoint.npz"  # in the folder of a run
 AGENT = "agent.npz"  # beside it, once the run is over: the network alone
 CONFIG = "config"  # name of the configuration in a file; names of arrays begin with a dot
 NET = ".net"  # of a `TrainState`
 MAX_SHOWN = 5  # differences that an error names
+NAME_ONE = "Name the folder of a run of `home-mjx train`, its checkpoint.npz or its agent.npz."
 
 
 def save_checkpoint(path: str | Path, state: Any, config: RunConfig) -> None:
@@ -89,6 +92,29 @@ def load_net(path: str | Path, like: Any) -> Any:
     return _load(path, like, NET)
 
 
+def load_policy(path: str | Path, core: HouseholdEnv, greedy: bool = False) -> tuple[Callable[[Any], Policy], Any]:
+    """A trained agent, to be played in an environment with the observations and actions of its training.
+
+    Args:
+        path: A checkpoint, or `save_net`'s file.
+        core: The environment's functions.
+        greedy: It does what is likeliest, instead of drawing its actions.
+
+    Returns:
+        From parameters to a policy, and the parameters: what `evaluate` wants.
+
+    Raises:
+        ConfigError: As of `read_config`.
+        DatasetError: As of `load_net`: such as for other observations or actions.
+
+    Example:
+        >>> results = evaluate(held_out, *load_policy("runs/PointNav-v0/agent.npz", held_out.core))  # doctest: +SKIP
+    """
+    ppo = PPO(core, read_config(path).ppo, jax.devices()[:1])
+    net = load_net(path, jax.eval_shape(ppo.agent.init_net, jax.random.key(0)))
+    return lambda net: ppo.policy(net, greedy), net
+
+
 def read_updates(path: str | Path) -> int:
     """Updates that a checkpoint's run had made; errors as of `read_config`."""
     return int(_read(path, [".updates"])[0])
@@ -103,10 +129,9 @@ def read_config(path: str | Path) -> RunConfig:
         ConfigError: Its configuration cannot be read by this version, or its environment is not registered here.
     """
     (text,) = _read(path, [CONFIG])
-    config = from_json(str(text))
+    config = from_json(str(text), Path(path))
     if not isinstance(config, RunConfig):
-        raise DatasetError("file is no checkpoint of training", file=path)
-    check_registered(config.env, Path(path))
+        raise DatasetError("file is no checkpoint of training", file=path, hint=NAME_ONE)
     return config
 
 

@@ -3,6 +3,7 @@
 import dataclasses
 import time
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ from home_mjx.training.checkpoint import (
     check_same,
     load_checkpoint,
     load_net,
+    load_policy,
     read_config,
     read_updates,
     save_checkpoint,
@@ -39,7 +41,10 @@ REST = 20.0  # [s] between checkpoints
 SHOWN = ("success", "return")  # beside the progress bar
 
 
-def train(config: RunConfig, out: Path, resume: bool = False, progress: bool | None = None) -> PPO:
+def train(
+    config: RunConfig, out: Path, resume: bool = False, progress: bool | None = None,
+    turn: AbstractContextManager[Any] | None = None,
+) -> PPO:  # fmt: skip
     """Trains, and writes to a folder.
 
     All programs are compiled first. `metrics.jsonl` has one line for every two-hundredth of each stage,
@@ -51,6 +56,8 @@ def train(config: RunConfig, out: Path, resume: bool = False, progress: bool | N
         out: The folder, which exists.
         resume: Go on from its checkpoint if it has one; a run that was killed then gives what it would have given.
         progress: Show a progress bar; None: in a terminal.
+        turn: Entered once all is compiled, left when the run is over: such as a lock of the device, so that the time of
+            training is its own while others compile.
 
     Returns:
         The trainer; its parameters are in the checkpoint.
@@ -70,8 +77,8 @@ def train(config: RunConfig, out: Path, resume: bool = False, progress: bool | N
     with Records(out, done * size) as records:
         clock = Clock(records.lines[-1] if records.lines else {})
         stages = _stages(config, env, done, path)
-        clock.start(done * size)
-        with progress_bar(done * size, stages[-1].last * size, progress) as bar:
+        with turn or nullcontext(), progress_bar(done * size, stages[-1].last * size, progress) as bar:
+            clock.start(done * size)
             run, net = _Run(config, path, records, bar, clock), None
             for stage in stages:
                 net = run.learn(stage, net)
@@ -181,13 +188,12 @@ def evaluate_checkpoint(
     Returns:
         `trained` and `random`, each a `summary`, and what was asked for.
     """
-    config = read_config(path)
-    spec = config.env if split is None else dataclasses.replace(config.env, split=split, num_houses=num_houses)
+    spec = read_config(path).env
+    spec = spec if split is None else dataclasses.replace(spec, split=split, num_houses=num_houses)
     env = made(spec, progress)
-    ppo = PPO(env.core, config.ppo, jax.devices()[:1])
-    net = load_net(path, jax.eval_shape(ppo.agent.init_net, jax.random.key(0)))
+    policy = load_policy(path, env.core, greedy)
     begun = time.perf_counter()
-    trained = evaluate(env, lambda net: ppo.policy(net, greedy), net, num_episodes, seed)
+    trained = evaluate(env, *policy, num_episodes, seed)
     chance = evaluate(env, random_policy(env.core), None, num_episodes, seed)
     return {
         "trained": summary(trained),
