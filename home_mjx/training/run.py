@@ -12,14 +12,16 @@ import jax
 import jax.numpy as jnp
 from tqdm import tqdm
 
-from home_mjx.errors import ConfigError
+from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.registry import EnvSpec
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.household import HouseholdEnv
 from home_mjx.training.checkpoint import (
     AGENT,
     CHECKPOINT,
+    DIVERGED,
     check_same,
+    is_finite,
     load_checkpoint,
     load_net,
     load_policy,
@@ -30,7 +32,7 @@ from home_mjx.training.checkpoint import (
 )
 from home_mjx.training.cloning import Advised, Cloning
 from home_mjx.training.config import RunConfig
-from home_mjx.training.evaluation import evaluate, random_policy, summary
+from home_mjx.training.evaluation import check_episodes, evaluate, random_policy, summary
 from home_mjx.training.ppo import PPO, TrainState
 from home_mjx.training.progress import Clock, Sums, progress_bar
 from home_mjx.training.records import Records
@@ -64,26 +66,40 @@ def train(
 
     Raises:
         ConfigError: The folder holds a run and `resume` is False, or a run of another configuration.
-        DatasetError: The network of `config.start` is for other observations, actions or sizes.
+        DatasetError: The network of `config.start` is for other observations, actions or sizes; or a file of the run is
+            broken. Nothing has been written then.
+        ConfigError: Files cannot be written, such as on a full disk, or the training has diverged; what was written
+            before stays.
     """
-    path = out / CHECKPOINT
-    if path.exists() and not resume:
-        hint = "Add --resume to go on with it, or choose another folder by --out."
-        raise ConfigError("the folder holds a training run", file=path, hint=hint)
-    if path.exists():
-        check_same(read_config(path), config, path)
-    env, size = made(config.env, progress), config.ppo.batch_size
-    done = read_updates(path) if path.exists() else 0
-    with Records(out, done * size) as records:
-        clock = Clock(records.lines[-1] if records.lines else {})
-        stages = _stages(config, env, done, path)
-        with turn or nullcontext(), progress_bar(done * size, stages[-1].last * size, progress) as bar:
-            clock.start(done * size)
-            run, net = _Run(config, path, records, bar, clock), None
-            for stage in stages:
-                net = run.learn(stage, net)
+    path, size = out / CHECKPOINT, config.ppo.batch_size
+    done = _updates_done(path, config, resume)
+    records = Records(out, done * size)
+    clock = Clock(records.lines[-1] if records.lines else {})
+    stages = _stages(config, made(config.env, progress), done, path)
+    with records, turn or nullcontext(), progress_bar(done * size, stages[-1].last * size, progress) as bar:
+        clock.start(done * size)
+        run, net = _Run(config, path, records, bar, clock), None
+        for stage in stages:
+            net = run.learn(stage, net)
     save_net(out / AGENT, net, config)
     return stages[-1].ppo
+
+
+def _updates_done(path: Path, config: RunConfig, resume: bool) -> int:
+    """What an earlier part of the run has done; refuses a run that could not begin, before any house is made."""
+    if not path.exists():
+        if config.start is not None:
+            read_config(config.start)
+        return 0
+    if not resume:
+        hint = "Add --resume to go on with it, or choose another folder by --out."
+        raise ConfigError("the folder holds a training run", file=path, hint=hint)
+    check_same(read_config(path), config, path)
+    done, whole = read_updates(path), sum(options.num_updates for _, options in config.stages)
+    if done > whole:
+        hint = "The file was changed, or another version made it; train into another folder by --out."
+        raise DatasetError(f"checkpoint is after {done} updates of {whole}", file=path, hint=hint)
+    return done
 
 
 @dataclass
@@ -146,7 +162,7 @@ class _Run:
         per_line = max(1, num // NUM_LINES)
         saved = -REST
         state = stage.state if net is None else stage.ppo.place(stage.state.replace(net=net))
-        over = self.is_over()
+        over = bool(state.updates) and self.is_over()  # a run makes one update at least
         for i in range(int(state.updates) + 1, stage.last + 1):
             if over:
                 break
@@ -160,10 +176,16 @@ class _Run:
                 self.records.add(line)
                 self.bar.set_postfix({name: f"{line[name]:.2f}" for name in SHOWN if name in line})
             if ends or self.clock.now() >= saved + REST:
+                self._check(state.net, i * size)
                 save_checkpoint(self.path, state, self.config)
                 self.records.draw()
                 saved = self.clock.now()
         return state.net
+
+    def _check(self, net: Any, steps: int) -> None:
+        if not is_finite(net):
+            hint = f"{DIVERGED} The last checkpoint, if there is one, is from before."
+            raise ConfigError(f"after {steps} steps the network has numbers that are not finite", hint=hint)
 
     def is_over(self) -> bool:
         """Whether the run has used its seconds."""
@@ -188,6 +210,7 @@ def evaluate_checkpoint(
     Returns:
         `trained` and `random`, each a `summary`, and what was asked for.
     """
+    check_episodes(num_episodes)
     spec = read_config(path).env
     spec = spec if split is None else dataclasses.replace(spec, split=split, num_houses=num_houses)
     env = made(spec, progress)
