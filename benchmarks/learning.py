@@ -103,6 +103,7 @@ def main() -> None:
     parser.add_argument("--env", action="append", default=[], metavar="NAME=VALUE", help="an option of the environment")
     parser.add_argument("--ppo", action="append", default=[], metavar="NAME=VALUE", help="an option of PPOConfig")
     parser.add_argument("--turn", type=Path, help="a file: of all runs that name it, one trains at a time")
+    parser.add_argument("--random", type=int, default=1, help="0: without agents that act at random")
     parser.add_argument("--greedy", action="store_true", help="evaluate the likeliest actions, too")
     args = parser.parse_args()
     run, out = run_of(args), args.out or Path("runs") / f"learning-{args.case}-{args.seed}"
@@ -113,7 +114,9 @@ def main() -> None:
     for name, options in {"held out": {}, **CASES[args.case].judged}.items():
         env, taken = held_out(run, args, options), CASES[args.case].taken
         trained, net = load_policy(out / CHECKPOINT, env.core)
-        policies = {"trained": (trained, net), "random": (random_policy(env.core), None)}
+        policies = {"trained": (trained, net)}
+        if args.random:
+            policies["random"] = (random_policy(env.core), None)
         if taken:
             low = float(np.min(env.core.observation_spec[taken].low))
             policies[f"without {taken}"] = (without(trained, taken, low), net)
