@@ -56,17 +56,12 @@ class Advised(PPO):
         weight = self.config.advice_cost * jnp.clip(left, 0, 1)
 
         def loss(net: Any, batch: Batch) -> tuple[Array, dict[str, Array]]:
-            own, parts = self.loss(net, batch)
-            advice, told = self.advice_loss(net, batch)
+            params, value = self.read(net, batch)
+            own, parts = self.clipped_loss(params, value, batch)
+            advice, told = told_apart(self.agent.distribution, params, batch.steps.obs[EXPERT])
             return own + weight * advice, parts | told
 
         return loss
-
-    def advice_loss(self, net: Any, batch: Batch) -> tuple[Array, dict[str, Array]]:
-        """How unlikely the network finds the expert's actions."""
-        steps = batch.steps
-        _, params, _ = self.agent.read(net, batch.memory, steps.obs, steps.begins)
-        return told_apart(self.agent.distribution, params, steps.obs[EXPERT])
 
 
 def told_apart(choose: Distribution, params: Array, advice: Array) -> tuple[Array, dict[str, Array]]:
@@ -117,8 +112,7 @@ class Cloning(Advised):
 
     def loss(self, net: Any, batch: Batch) -> tuple[Array, dict[str, Array]]:
         """How unlikely the network finds the expert's actions, and the value's error."""
-        steps = batch.steps
-        _, params, value = self.agent.read(net, batch.memory, steps.obs, steps.begins)
-        clone_loss, parts = told_apart(self.agent.distribution, params, steps.obs[EXPERT])
+        params, value = self.read(net, batch)
+        clone_loss, parts = told_apart(self.agent.distribution, params, batch.steps.obs[EXPERT])
         value_loss = 0.5 * jnp.mean((value - batch.target) ** 2)
         return clone_loss + self.config.value_cost * value_loss, parts | {"value": value_loss}

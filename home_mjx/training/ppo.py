@@ -177,9 +177,16 @@ class PPO:
         return self.loss
 
     def loss(self, net: Any, batch: Batch) -> tuple[Array, dict[str, Array]]:
-        """PPO's clipped loss, the value's error and the entropy bonus; the whole sequence is run again."""
+        """PPO's loss; the whole sequence is run again."""
+        return self.clipped_loss(*self.read(net, batch), batch)
+
+    def read(self, net: Any, batch: Batch) -> tuple[Float[Array, "t r p"], Float[Array, "t r"]]:
+        """What the network now makes of a batch: parameters of the distribution, and values."""
+        return self.agent.read(net, batch.memory, batch.steps.obs, batch.steps.begins)[1:]
+
+    def clipped_loss(self, params: Array, value: Array, batch: Batch) -> tuple[Array, dict[str, Array]]:
+        """The clipped loss, the value's error and the entropy bonus."""
         config, steps = self.config, batch.steps
-        _, params, value = self.agent.read(net, batch.memory, steps.obs, steps.begins)
         change = self.agent.distribution.log_prob(params, steps.action) - steps.outputs["log_prob"]
         ratio, clipped = jnp.exp(change), jnp.clip(jnp.exp(change), 1 - config.clip_range, 1 + config.clip_range)
         mean = jax.lax.pmean(jnp.mean(batch.advantage), AXIS)

@@ -2,6 +2,7 @@
 
 import dataclasses
 from pathlib import Path
+from types import SimpleNamespace
 
 import jax
 import jax.numpy as jnp
@@ -86,7 +87,7 @@ def test_the_loss_is_how_unlikely_the_advice_is(cloning: Cloning, rng: np.random
     assert float(loss) == pytest.approx(parts["clone"] + 0.5 * 0.5 * np.mean((np.asarray(value) - 1) ** 2), abs=1e-5)
 
 
-def test_advice_beside_rewards_falls_to_nothing(generated_bank):
+def test_advice_beside_rewards_falls_to_nothing(generated_bank, monkeypatch: pytest.MonkeyPatch):
     """The gradient is that of PPO's loss plus the advice's times a weight that falls from the start."""
     env = home_mjx.make("PointNav-v0", generated_bank, sensors=("goal",), impl="kinematic", actions="discrete")
     advised = Advised(env.core, dataclasses.replace(SMALL, advice_cost=0.25), ONE)
@@ -94,13 +95,14 @@ def test_advice_beside_rewards_falls_to_nothing(generated_bank):
     assert "expert" in state.actor.env.obs
     _, metrics = advised.update(env.params, state)
     assert {"loss/clone", "loss/agreement", "loss/policy", "loss/entropy"} <= set(metrics)
-    nothing = Batch.unchecked(steps=None, memory=None, advantage=None, target=None)
-    calls = {"ppo": (jnp.float32(2.0), {}), "advice": (jnp.float32(3.0), {})}
-    advised.loss = lambda net, batch: calls["ppo"]
-    advised.advice_loss = lambda net, batch: calls["advice"]
+    monkeypatch.setattr(advised, "read", lambda net, batch: (None, None))
+    monkeypatch.setattr(advised, "clipped_loss", lambda *read: (jnp.float32(2.0), {}))
+    monkeypatch.setattr(home_mjx.training.cloning, "told_apart", lambda *read: (jnp.float32(3.0), {}))
+    steps = SimpleNamespace(obs={"expert": None})
+    told = Batch.unchecked(steps=steps, memory=None, advantage=None, target=None)
     for updates, weight in ((0, 0.25), (3.5, 0.125), (7, 0.0), (10, 0.0)):
         state = state.replace(updates=jnp.float32(updates))
-        assert float(advised.loss_now(state)(None, nothing)[0]) == pytest.approx(2 + 3 * weight, abs=1e-6)
+        assert float(advised.loss_now(state)(None, told)[0]) == pytest.approx(2 + 3 * weight, abs=1e-6)
 
 
 def test_advice_can_come_first():

@@ -11,7 +11,8 @@ pytest.importorskip("flax", reason="needs the extra `train`")
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.specs import ArraySpec
 from home_mjx.training.networks import Categorical, Gaussian, NetworkConfig, RecurrentAgent, distribution_of
-from home_mjx.training.networks.encoders import Encoder, SpectraEncoder, id_codes, kind_of, squash
+from home_mjx.training.networks.encoders import Encoder, SpectraEncoder, WordEncoder, id_codes, kind_of, squash
+from home_mjx.training.networks.images import Search
 
 SPECS = {
     "pixels/head_rgb": ArraySpec((16, 16, 3), "uint8", 0, 255),
@@ -55,6 +56,30 @@ def test_ears_are_told_apart_however_loud_it_is(rng: np.random.Generator):
     moved = [encoder.apply(net, level + louder) - encoder.apply(net, level + quiet) for level in (0.0, 40.0)]
     assert min(float(jnp.linalg.norm(x)) for x in moved) > 0.1
     assert not np.array_equal(encoder.apply(net, quiet[:, ::-1]), encoder.apply(net, quiet))
+
+
+def test_blanks_do_not_drown_words():
+    """One other word of four changes the features as much, however many blanks follow."""
+    encoder, words = WordEncoder(blank=0), jnp.zeros((2, 32), jnp.int32)
+    words = words.at[:, :4].set(jnp.asarray([[5, 6, 7, 8], [5, 6, 7, 9]]))
+    net = encoder.init(jax.random.key(0), words)
+    net["params"]["places"] = jnp.zeros_like(net["params"]["places"])
+    read = encoder.apply(net, words)
+    np.testing.assert_allclose(read, encoder.apply(net, jnp.roll(words, 9, axis=-1)), atol=1e-5)
+    assert float(jnp.linalg.norm(read[0] - read[1]) / jnp.linalg.norm(read[0])) > 0.3
+    assert np.all(np.isfinite(encoder.apply(net, words * 0)))
+
+
+def test_a_search_multiplies_each_place_by_a_query(rng: np.random.Generator):
+    image, asked = (
+        jnp.asarray(rng.normal(size=(2, 4, 5, 6)), jnp.float32),
+        jnp.asarray(rng.normal(size=(2, 3)), jnp.float32),
+    )
+    found, net = Search(num=2).init_with_output(jax.random.key(0), image, asked)
+    layer = net["params"]["Dense_0"]
+    query = (asked @ layer["kernel"] + layer["bias"]).reshape(2, 6, 2)
+    for place in np.ndindex(2, 4, 5):
+        np.testing.assert_allclose(found[place], image[place] @ query[place[0]] / 6**0.5, rtol=1e-4, atol=1e-5)
 
 
 def test_codes_of_ids_are_all_different():

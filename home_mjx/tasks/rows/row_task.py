@@ -26,6 +26,7 @@ from home_mjx.tasks.speech.talk import NONE, Talk, as_observed, is_told, of_othe
 
 FARTHEST = 1000.0  # [m]: no house is larger
 LEAP = 2.0  # [m]: what comes from another storey, or from nowhere, has made no progress of more than that
+COSTS = ("step_cost", "contact_cost", "question_cost", "failure_cost")
 HEARD = {
     "reply": "token of what an oracle has replied to the last word",
     "heard_words": "token of what another agent has said last, unless words are sounds",
@@ -68,6 +69,8 @@ class RowTask(Task):
         step_cost: Taken every step.
         contact_cost: Taken while touching anything but the floor.
         question_cost: Taken for each question that an oracle answers.
+        failure_cost: Taken where an episode ends by a mistake, such as a wrong `stop` or answer; running out of time is
+            none. Without it, agents that are not yet good at going on learn to stop at once.
         keep_looks: States keep what conditions have looked at, so that experts need not look again: `with_expert`
             wants it.
     """
@@ -80,12 +83,14 @@ class RowTask(Task):
     step_cost: float = 0.01
     contact_cost: float = 0.01
     question_cost: float = 0.05
+    failure_cost: float = 0.0
     keep_looks: bool = False
 
     def __post_init__(self) -> None:
         check_number("num_tasks", self.num_tasks, 1, whole=True)
+        check_number("task_seed", self.task_seed, 0, whole=True)
         check_flag("keep_looks", self.keep_looks)
-        for name in ("min_length", "max_length", "progress_reward", "step_cost", "contact_cost", "question_cost"):
+        for name in ("min_length", "max_length", "progress_reward", *COSTS):
             check_number(name, getattr(self, name), 0)
 
     @property
@@ -209,6 +214,8 @@ class RowTask(Task):
         progress = jnp.where(guide < 0, 0.0, jnp.clip(progress, -LEAP, LEAP))
         costs = jnp.float32(self.step_cost) + jnp.float32(self.contact_cost) * snapshot.contact.astype(jnp.float32)
         costs = costs + jnp.float32(self.question_cost) * (state.reply >= 0)
+        failed = self.terminated(snapshot, state) & (state.stage != SUCCESS)
+        costs = costs + jnp.float32(self.failure_cost) * failed
         return jnp.float32(self.progress_reward) * progress + state.gained - costs
 
     def terminated(self, snapshot: Snapshot, state: RowState) -> Bool[Array, ""]:

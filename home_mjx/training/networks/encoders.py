@@ -98,17 +98,24 @@ class SpectraEncoder(nn.Module):
 
 
 class WordEncoder(nn.Module):
-    """Features of a short row of words: each is looked up by place and word, then all are averaged."""
+    """Features of a short row of words: each is looked up by place and word, then those that are there are averaged.
 
+    Attributes:
+        blank: What stands where there is no word. Counted like words, the many blanks would drown the few.
+        features: Size of the result.
+    """
+
+    blank: int = -1
     features: int = 64
 
     @nn.compact
     def __call__(self, words: Int[Array, "*b n"]) -> Float[Array, "*b f"]:
         """Order counts through the table of places."""
         places = self.param("places", nn.initializers.normal(0.02), (words.shape[-1], self.features))
-        looked_up = nn.Embed(NUM_IDS, self.features)(_row(words)) + places
+        looked_up = nn.relu(nn.Dense(self.features)(nn.Embed(NUM_IDS, self.features)(_row(words)) + places))
+        there = (words != self.blank).astype(jnp.float32)[..., None]
         # Of size 1: short embeddings would leave all gates half open for long.
-        return nn.LayerNorm()(jnp.mean(nn.relu(nn.Dense(self.features)(looked_up)), axis=-2))
+        return nn.LayerNorm()(jnp.sum(looked_up * there, axis=-2) / jnp.maximum(jnp.sum(there, axis=-2), 1))
 
 
 @functools.cache
@@ -159,7 +166,7 @@ class Encoder(nn.Module):
             elif kind == "spectra":
                 parts.append(SpectraEncoder(self.features)(x))
             elif kind == "words":
-                asked.append(WordEncoder()(x))
+                asked.append(WordEncoder(int(np.min(spec.low)))(x))
             elif kind == "vector":
                 lead = x.shape[: x.ndim - len(spec.shape)]
                 vectors.append(squash(x.astype(jnp.float32)).reshape(*lead, -1))
