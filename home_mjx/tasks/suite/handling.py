@@ -39,7 +39,7 @@ class Handling(Navigation):
     """
 
     max_mass: float = Body().lift
-    max_size: float = 0.7
+    max_size: float = 0.5
 
     def __post_init__(self) -> None:
         super().__post_init__()
