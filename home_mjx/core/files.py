@@ -59,8 +59,9 @@ def read_json_lines(path: Path, what: str, parse: Callable[[Any], Row], most: in
         try:
             yield parse(json.loads(line))
         except DatasetError as error:
-            raise type(error)(error.message, file=path, element=f"line {number}", hint=error.hint) from None
-        except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+            place = f"line {number}, {error.element}" if error.element else f"line {number}"
+            raise type(error)(error.message, file=path, element=place, hint=error.hint) from None
+        except (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
             reason = f"`{error.args[0]}` is missing" if type(error) is KeyError else str(error)
             raise DatasetError(f"no {what}: {reason}", file=path, element=f"line {number}") from None
 

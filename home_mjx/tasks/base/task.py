@@ -64,6 +64,11 @@ class Task:
         return 1
 
     @property
+    def most_agents(self) -> int | None:
+        """How many agents it can have; None: any number."""
+        return None
+
+    @property
     def num_acting(self) -> int | None:
         """How many agents act for the caller, the first ones; None: all that there are.
 

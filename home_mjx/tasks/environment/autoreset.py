@@ -86,7 +86,7 @@ class AutoReset:
         # A branch on the whole batch: on steps in which nobody is done, nothing is drawn.
         begun = jax.lax.cond(jnp.any(done), lambda s: self._begin_anew(params, s, done), lambda s: s, stepped)
         seen = self._perceive(params, begun)
-        new = seen.replace(status=jnp.where(done, stepped.status, seen.status))
+        new = seen.replace(status=jnp.where(done, begun.status, seen.status))
         return self._with_final(new, self._final(params, stepped, new.obs, done))
 
     def observe(self, params: EnvParams, state: State) -> State:
@@ -104,7 +104,8 @@ class AutoReset:
             episode = state.world.episode + num if in_order(params.tasks) else None
             new = self.core.begin(params, fold(state.world.key, RENEW), None, episode)
             world = new.world.replace(faults=state.world.faults)
-            new = state.replace(physics=new.physics, world=world, task=new.task)
+            status = state.status | new.status
+            new = state.replace(physics=new.physics, world=world, task=new.task, status=status)
             return jax.tree.map(lambda a, b: jnp.where(done, a, b), new, state)
 
         return jax.vmap(one)(state, done)

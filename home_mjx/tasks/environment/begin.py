@@ -21,6 +21,7 @@ from home_mjx.tasks.base.keys import ARRANGEMENT, DOORS, VARIATION, fold, split,
 from home_mjx.tasks.base.pose import AgentPose
 from home_mjx.tasks.base.snapshot import Snapshot, Touch
 from home_mjx.tasks.base.state import EnvParams, Episodes, World
+from home_mjx.tasks.base.status import flags
 from home_mjx.tasks.environment.moves import SILENT, action_names
 from home_mjx.tasks.environment.usable import check_arrangements
 from home_mjx.tasks.rows.task_bank import TaskBank
@@ -120,6 +121,13 @@ def _template(config: physics.PhysicsConfig, spec: BankSpec) -> physics.Template
     # Built once per capacity; inside a trace it must hold no tracers.
     with jax.ensure_compile_time_eval():
         return physics.Template(config, spec)
+
+
+def lost_weights(tasks: Episodes | TaskBank | None, episode: Index) -> Int[Array, ""]:
+    """The flag `WEIGHTS`, if a row was drawn by weights that none can be drawn by."""
+    if isinstance(tasks, TaskBank) and tasks.weights is not None and episode is None:
+        return flags(WEIGHTS=~tasks.has_weight())
+    return jnp.zeros((), jnp.int32)
 
 
 def in_order(tasks: Episodes | TaskBank | None) -> bool:

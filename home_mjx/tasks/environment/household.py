@@ -18,7 +18,7 @@ from home_mjx.tasks.base.specs import Specs
 from home_mjx.tasks.base.state import EnvParams, State, World
 from home_mjx.tasks.base.status import flags
 from home_mjx.tasks.base.task import Task
-from home_mjx.tasks.environment.begin import first_instant, snapshot_of, template_of
+from home_mjx.tasks.environment.begin import first_instant, lost_weights, snapshot_of, template_of
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.handling import hand_commands
 from home_mjx.tasks.environment.moves import (
@@ -214,7 +214,7 @@ class HouseholdEnv:
             terminated=no,
             truncated=no,
             metrics=checked_metrics(self.task, self.task.metrics(snapshot, task)),
-            status=jnp.zeros((), jnp.int32),
+            status=lost_weights(params.tasks, episode),
             info={},
         )
 

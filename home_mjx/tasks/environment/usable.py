@@ -86,6 +86,9 @@ def check_fit(config: EnvConfig, task: Task) -> None:
     if config.num_agents < task.least_agents:
         message = f"{name} is for {task.least_agents} agents or more, got {config.num_agents}"
         raise ConfigError(message, hint=f"Give num_agents={task.least_agents}.")
+    if task.most_agents is not None and config.num_agents > task.most_agents:
+        message = f"{name} is for {task.most_agents} agents, got {config.num_agents}"
+        raise ConfigError(message, hint=f"Give num_agents={task.most_agents}.")
     if task.num_acting is not None:
         check_number(f"num_acting of {name}", task.num_acting, 1, config.num_agents, whole=True)
 

@@ -10,7 +10,6 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.transforms import wrap_angle
-from home_mjx.errors import ConfigError
 from home_mjx.navigation.grid import cell_of, row_of_cell, stored_distance
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import Specs
@@ -128,6 +127,11 @@ class PiedPiper(Navigation):
         return 2 + self.others
 
     @property
+    def most_agents(self) -> int:
+        """No more than it needs: whoever else there is would stand still and be in nobody's row."""
+        return self.least_agents
+
+    @property
     def num_sources(self) -> int:
         """Everybody's but the follower's."""
         return 1 + self.others
@@ -157,11 +161,6 @@ class PiedPiper(Navigation):
     def init(self, snapshot: Snapshot, key: Array, columns: dict[str, Array] | None) -> PiedPiperState:
         """Everybody sets out to the first place."""
         agents = snapshot.pose.yaw.shape[0]
-        if agents != 2 + self.others:
-            raise ConfigError(
-                f"PiedPiper with others={self.others} is for {2 + self.others} agents, got {agents}",
-                hint=f"Give num_agents={2 + self.others}.",
-            )
         base, zero = super().init(snapshot, key, columns), jnp.zeros(agents, jnp.int32)
         own = {option.name: getattr(base, option.name) for option in fields(RowState)}
         return PiedPiperState(**own, heading=zero + ROUTE, blocked=zero, near=zero[0])

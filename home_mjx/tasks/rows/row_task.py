@@ -88,6 +88,7 @@ class RowTask(Task):
 
     def __post_init__(self) -> None:
         check_number("num_tasks", self.num_tasks, 1, whole=True)
+        check_number("task_seed", self.task_seed, 0, whole=True)
         check_flag("keep_looks", self.keep_looks)
         for name in ("min_length", "max_length", "progress_reward", *COSTS):
             check_number(name, getattr(self, name), 0)

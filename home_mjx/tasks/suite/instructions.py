@@ -4,18 +4,17 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Bool, Int
 
-from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_known, check_number
 from home_mjx.schema.categories import COARSE
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.language.phrases import phrase, telling
-from home_mjx.tasks.language.splits import new_combinations
+from home_mjx.tasks.language.splits import has_new_combination
 from home_mjx.tasks.language.vocabulary import tokenize
 from home_mjx.tasks.rows.build import Row
 from home_mjx.tasks.rows.house_view import HouseView
 from home_mjx.tasks.rows.program import Go, Meant, Stage, When
-from home_mjx.tasks.rows.task_bank import TaskBank
 from home_mjx.tasks.rows.words import Feature, Word
 from home_mjx.tasks.suite.navigation import NO_GOALS, Navigation, arrive
 
@@ -48,13 +47,12 @@ class InstructionFollowing(Navigation):
         check_number("num_parts", self.num_parts, 1, 3, whole=True)
         check_number("success_distance", self.success_distance, 0)
 
-    def task_bank(self, bank: HouseBank) -> TaskBank:
-        """Rows for these houses, of `combinations`."""
-        tasks = super().task_bank(bank)
+    def keeps(self, descriptors: Int[np.ndarray, "t d words"]) -> Bool[np.ndarray, " t"]:
+        """The rows of `combinations`."""
         if self.combinations == "all":
-            return tasks
-        is_new = new_combinations(tasks, self.unseen_part)
-        return tasks.where(is_new if self.combinations == "new" else ~is_new)
+            return np.ones(len(descriptors), bool)
+        is_new = has_new_combination(descriptors, self.unseen_part)
+        return is_new if self.combinations == "new" else ~is_new
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
         """Sentences drawn at random; the things in one are different."""

@@ -1,6 +1,7 @@
 """What may vary from episode to episode, and by how much: parameters of what is jitted."""
 
 import math
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import jax.numpy as jnp
@@ -169,7 +170,11 @@ def _range(name: str, value: Any) -> tuple[float, float]:
 
 
 def _weights(value: Any) -> list[float]:
-    weights = dict(value) if hasattr(value, "keys") else dict.fromkeys([value] if isinstance(value, str) else value, 1)
+    names = [value] if isinstance(value, str) else value
+    if not isinstance(names, Iterable) or not all(isinstance(name, str) for name in names):
+        hint = 'Write clips=("radio", "bell"), or {"radio": 1, "bell": 3}.'
+        raise ConfigError(f"`clips` must be names of sounds, got {value!r}", element="Variation.clips", hint=hint)
+    weights = dict(value) if isinstance(value, Mapping) else dict.fromkeys(names, 1)
     check_known("clip", weights, CLIPS)
     for name, weight in weights.items():
         check_number(f"clips.{name}", weight, 0)

@@ -23,7 +23,9 @@ def drawn(tasks: TaskBank):
     return jax.vmap(tasks.draw)(jax.random.split(jax.random.key(3), NUM))
 
 
-@pytest.mark.parametrize("weights", [(1, 2, 3, 4), (0.001, 0, 0.003, 0.1), (0, 0, 5, 0), (1e-20, 3e-20, 0, 0)])
+@pytest.mark.parametrize(
+    "weights", [(1, 2, 3, 4), (0.001, 0, 0.003, 0.1), (0, 0, 5, 0), (1e-20, 3e-20, 0, 0), (1e29, 2e29, 0, 1e29)]
+)
 def test_rows_are_drawn_by_weight_and_those_of_weight_0_never(weights):
     numbers = np.bincount(drawn(bank_of(4).weighted(weights)), minlength=4)
     share = np.array(weights) / sum(weights)
@@ -76,6 +78,7 @@ def test_weights_can_be_made_inside_a_program():
         ((1, float("nan"), 0, 0), "task 1"),
         ((1, 1, 1), "expected 4 weights"),
         (1.0, "expected 4 weights"),
+        ((1e-45, 0, 0, 0), "weights of all 4 tasks are 0"),
     ],
 )
 def test_weights_that_cannot_be_drawn_by_are_refused(weights, said):

@@ -224,9 +224,7 @@ def test_sentences_are_split_by_combinations(generated_bank):
 
 
 def test_what_cannot_be_mixed_is_refused():
-    """A mix dropped the choice of combinations without a word, so that what was held out was trained with."""
     for task, words in (
-        (InstructionFollowing(combinations="seen"), "all combinations"),
         (PiedPiper(), "leads agents itself"),
         (RoomNav, "tasks that write rows"),
     ):

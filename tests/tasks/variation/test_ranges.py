@@ -134,6 +134,9 @@ def test_ranges_go_to_names_and_back():
         ({"mass": (1, float("nan"))}, "`mass`"),
         ({"clips": ("radoi",)}, "radio"),
         ({"clips": ()}, "`clips` has no sound"),
+        ({"clips": 5}, "`clips` must be names of sounds, got 5"),
+        ({"clips": (1, 2)}, "`clips` must be names of sounds"),
+        ({"clips": {"radio": "loud"}}, "clips.radio"),
         ({"clips": {"radio": -1}}, "clips.radio"),
     ],
 )
