@@ -19,18 +19,16 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 
 from home_mjx.bench.timing import device_name
-from home_mjx.cli.learning.train import assignments
+from home_mjx.cli.learning.named import assignments
 from home_mjx.registry import find_spec
 from home_mjx.tasks import chance, prior_accuracy
 from home_mjx.tasks.base.options import override
-from home_mjx.training import PPO, Policy, PPOConfig, RunConfig, evaluate, load_net, random_policy, summary, train
+from home_mjx.training import Policy, PPOConfig, RunConfig, evaluate, load_policy, random_policy, summary, train
 from home_mjx.training.checkpoint import CHECKPOINT
-from home_mjx.training.progress import Clock
 from home_mjx.training.records import read_lines
 
 EYES = ("depth", "coarse", "prev_action")
@@ -110,20 +108,20 @@ def main() -> None:
     args = parser.parse_args()
     run, out = run_of(args), args.out or Path("runs") / f"learning-{args.case}-{args.seed}"
     out.mkdir(parents=True, exist_ok=True)
-    with in_turn(args.turn):
-        ppo = train(run, out)
+    train(run, out, turn=in_turn(args.turn))
     common = {"case": f"learning/{args.case}", "seed": args.seed, "device": device_name()}
     print(json.dumps(common | last_line(out) | {"houses": run.env.num_houses, "run": plain(run)}), flush=True)
-    net = load_net(out / CHECKPOINT, ppo.agent.init_net(jax.random.key(0)))
     for name, options in {"held out": {}, **CASES[args.case].judged}.items():
-        env = held_out(run, args, options)
-        policies = {"trained": (ppo.policy, net)}
+        env, taken = held_out(run, args, options), CASES[args.case].taken
+        trained, net = load_policy(out / CHECKPOINT, env.core)
+        policies = {"trained": (trained, net)}
         if args.random:
             policies["random"] = (random_policy(env.core), None)
-        if CASES[args.case].taken:
-            policies[f"without {CASES[args.case].taken}"] = (without(ppo, CASES[args.case].taken), net)
+        if taken:
+            low = float(np.min(env.core.observation_spec[taken].low))
+            policies[f"without {taken}"] = (without(trained, taken, low), net)
         if args.greedy:
-            policies["greedy"] = (lambda net: ppo.policy(net, greedy=True), net)
+            policies["greedy"] = load_policy(out / CHECKPOINT, env.core, greedy=True)
         for agent, (policy, own) in policies.items():
             begun = time.perf_counter()
             found = summary(evaluate(env, policy, own, args.episodes, seed=1))
@@ -140,16 +138,9 @@ def in_turn(path: Path | None) -> Iterator[None]:
     if path is None:
         yield
         return
-    begin = Clock.start
     with path.open("w") as file:
-
-        def start(clock: Clock, steps: int) -> None:
-            fcntl.flock(file, fcntl.LOCK_EX)
-            begin(clock, steps)
-
-        Clock.start = start
+        fcntl.flock(file, fcntl.LOCK_EX)
         yield
-        Clock.start = begin
 
 
 def run_of(args: argparse.Namespace) -> RunConfig:
@@ -173,12 +164,11 @@ def held_out(run: RunConfig, args: argparse.Namespace, options: dict[str, Any]) 
     return dataclasses.replace(run.env, options=changed, split="val", num_houses=args.held_out).make()
 
 
-def without(ppo: PPO, name: str) -> Callable[[Any], Policy]:
+def without(trained: Callable[[Any], Policy], name: str, low: float) -> Callable[[Any], Policy]:
     """The same agent, which gets the least value of one observation instead."""
-    low = float(np.min(ppo.core.observation_spec[name].low))
 
     def policy_of(net: Any) -> Policy:
-        policy = ppo.policy(net)
+        policy = trained(net)
         return policy._replace(
             act=lambda memory, obs, *rest: policy.act(memory, obs | {name: jnp.full_like(obs[name], low)}, *rest)
         )

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeGuard
 
 import gymnasium
 
-from home_mjx.core.checks import check_number
+from home_mjx.core.checks import check_flag, check_number, check_type
 from home_mjx.core.jsonable import from_json, to_json
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 
@@ -44,6 +44,9 @@ class EnvSpec:
         where: A filter of houses; None: any.
         in_memory: It was made with a bank or dataset in memory, which no file can name.
 
+    Raises:
+        ConfigError: A value is of another type.
+
     Example:
         >>> spec = EnvSpec("PointNav-v0", "home_mjx.tasks:PointNav", {"width": 32})
         >>> EnvSpec.from_json(spec.to_json()) == spec
@@ -58,6 +61,20 @@ class EnvSpec:
     split: str | None = None
     where: "HouseFilter | None" = None
     in_memory: bool = False
+
+    def __post_init__(self) -> None:
+        check_type("id", self.id, str)
+        check_type("entry_point", self.entry_point, str)
+        check_type("options", self.options, Mapping)
+        check_number("num_houses", self.num_houses, 1, whole=True)
+        check_flag("in_memory", self.in_memory)
+        for name in ("houses", "split"):
+            if getattr(self, name) is not None:
+                check_type(name, getattr(self, name), str)
+        if self.where is not None:
+            from home_mjx.scene_compile.cache.selection import HouseFilter
+
+            check_type("where", self.where, HouseFilter)
 
     def to_json(self) -> str:
         """The spec as text.
@@ -80,7 +97,18 @@ class EnvSpec:
         spec = from_json(text)
         if not isinstance(spec, cls):
             raise ConfigError(f"expected the JSON of an EnvSpec, got {type(spec).__name__}")
-        return check_registered(spec)
+        return spec
+
+    def check_trusted(self) -> None:
+        """What a spec from a file runs must be what is registered under its id: `from_json` asks.
+
+        Raises:
+            ConfigError: It is not.
+        """
+        known = _REGISTRY.get(self.id)
+        if known is None or known.entry_point != self.entry_point:
+            hint = "If you trust it, import the module that registers it first; on the command line, `--import MODULE`."
+            raise ConfigError(f"no environment `{self.id}` of `{self.entry_point}` is registered", hint=hint)
 
     def memory_estimate(self, num_envs: int, progress: bool | None = None) -> "MemoryEstimate":
         """What `num_envs` of this environment take of a device; its houses are packed on the host to tell."""
@@ -155,19 +183,6 @@ def find_spec(env_id: str) -> EnvSpec:
     if env_id not in _REGISTRY:
         raise UnknownNameError(f"unknown environment `{env_id}`", hint=did_you_mean(env_id, _REGISTRY))
     return _REGISTRY[env_id]
-
-
-def check_registered(spec: EnvSpec, file: Path | None = None) -> EnvSpec:
-    """The spec, if what it runs is what is registered under its id: for specs from files, which must not choose that.
-
-    Raises:
-        ConfigError: It is not.
-    """
-    known = _REGISTRY.get(str(spec.id))
-    if known is None or known.entry_point != spec.entry_point:
-        hint = "If you trust it, import the module that registers it first."
-        raise ConfigError(f"no environment `{spec.id}` of `{spec.entry_point}` is registered", file=file, hint=hint)
-    return spec
 
 
 def make(

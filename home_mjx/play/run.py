@@ -24,7 +24,7 @@ from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.household import HouseholdEnv
 from home_mjx.tasks.experts.teacher import with_expert
 from home_mjx.tasks.sensors.choose import keepers
-from home_mjx.training.evaluation import with_episodes
+from home_mjx.training.evaluation import check_episodes, with_episodes
 
 AGENTS = (*POLICIES, "human")
 HEARD = "audio"  # what keeps the sound that was heard, whether it is observed as waves or as spectra
@@ -81,6 +81,7 @@ def run_play(options: PlayOptions, tell: Callable[[str], Any] = tqdm.write, keys
         ConfigError: A checkpoint is missing, or given for another agent or task; or no expert is known for the task.
     """
     check_agent(options.agent, options.checkpoint, AGENTS)
+    check_episodes(options.episodes)
     env = with_episodes(options.env.make(), options.episodes, options.seed)
     env = with_expert(env) if options.agent == "expert" else env
     reporter = _Reporter(env, options)

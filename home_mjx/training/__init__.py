@@ -13,6 +13,7 @@ if TYPE_CHECKING:
         CHECKPOINT,
         load_checkpoint,
         load_net,
+        load_policy,
         read_config,
         save_checkpoint,
         save_net,
@@ -42,6 +43,7 @@ __all__ = [
     "expert_policy",
     "load_checkpoint",
     "load_net",
+    "load_policy",
     "random_policy",
     "read_config",
     "save_checkpoint",
@@ -51,7 +53,15 @@ __all__ = [
 ]
 
 _MODULES = {
-    "checkpoint": ("CHECKPOINT", "load_checkpoint", "load_net", "read_config", "save_checkpoint", "save_net"),
+    "checkpoint": (
+        "CHECKPOINT",
+        "load_checkpoint",
+        "load_net",
+        "load_policy",
+        "read_config",
+        "save_checkpoint",
+        "save_net",
+    ),
     "cloning": ("Advised", "Cloning"),
     "config": ("CPU_CONFIG", "PPOConfig", "RunConfig"),
     "evaluation": ("evaluate", "expert_policy", "random_policy", "summary"),

@@ -11,6 +11,8 @@ ALGORITHMS = ("ppo", "advised", "clone")
 OPTIMIZERS = ("adam", "lamb")
 FINAL_OBS = ("cheap", "all")
 WHOLE = ("num_envs", "num_timesteps", "unroll_length", "num_minibatches", "num_epochs")
+MOST_STEPS = 2**31 - 1  # they are counted in 32 bits
+LEAST_SECONDS = 1e-3
 PARTS = ("discount", "gae_lambda", "final_rate")
 
 
@@ -85,6 +87,10 @@ class PPOConfig:
                 check_number(option.name, value, 0, 1)
             elif isinstance(option.default, float):
                 check_number(option.name, value, 0)
+        steps = self.num_updates * self.num_epochs * self.num_minibatches
+        if steps > MOST_STEPS:
+            message = f"`num_timesteps` of {self.num_timesteps} make {steps} gradient steps, at most {MOST_STEPS}"
+            raise ConfigError(message, hint="Take fewer, or larger batches: `num_envs`, `unroll_length`.")
 
     @property
     def batch_size(self) -> int:
@@ -136,8 +142,11 @@ class RunConfig:
         algorithm: "ppo"; "clone": an expert's advice alone, see `Cloning`; "advised": both, see `Advised`.
         start: Checkpoint whose network is where training begins; None: a fresh one.
         clone_timesteps: So many environment steps of an expert's advice come before PPO's own.
-        max_seconds: Training ends after so many seconds, if it has not by then; compiling does not count. None: no
-            limit. Learning rates fall as if there were none.
+        max_seconds: Training ends after so many seconds, if it has not by then, but not before its first update;
+            compiling does not count. None: no limit. Learning rates fall as if there were none.
+
+    Raises:
+        ConfigError: A value cannot be used.
     """
 
     env: EnvSpec
@@ -155,9 +164,12 @@ class RunConfig:
         check_number("seed", self.seed, 0, 2**32 - 1, whole=True)
         check_number("clone_timesteps", self.clone_timesteps, 0, whole=True)
         if self.max_seconds is not None:
-            check_number("max_seconds", self.max_seconds, 0)
+            check_number("max_seconds", self.max_seconds, LEAST_SECONDS)
+        if self.start is not None:
+            check_type("start", self.start, str)
         if self.clone_timesteps and self.algorithm == "clone":
             raise ConfigError("`clone_timesteps` come before PPO; `algorithm` is clone", hint="Leave one of them out.")
+        self.stages  # noqa: B018 - refuses options of any
 
     @property
     def stages(self) -> tuple[tuple[str, PPOConfig], ...]:

@@ -18,6 +18,7 @@ from home_mjx.tasks.environment.household import HouseholdEnv
 from home_mjx.tasks.experts.teacher import EXPERT
 from home_mjx.training.rollout import Policy, split_keys, to_envs, to_rows
 
+MAX_EPISODES = 1_000_000  # of one evaluation: their rows are drawn beforehand, all at once
 MAX_BATCH = 256  # episodes that are played at once
 
 Results = dict[str, np.ndarray]  # by name, one number per episode
@@ -49,7 +50,7 @@ def evaluate(
         env: Houses and task; held-out ones, `split="val"`, to tell what was learned.
         policy_of: From parameters to a policy, such as `PPO.policy` or `random_policy(core)`.
         net: The parameters.
-        num_episodes: How many.
+        num_episodes: How many, at most `MAX_EPISODES`.
         seed: Of episodes and actions.
 
     Returns:
@@ -61,7 +62,7 @@ def evaluate(
         >>> results = evaluate(held_out, ppo.policy, state.net)  # doctest: +SKIP
         >>> results["success"].mean()  # doctest: +SKIP
     """
-    check_number("num_episodes", num_episodes, 1, whole=True)
+    check_episodes(num_episodes)
     env = with_episodes(env, num_episodes, seed)
     batch = min(num_episodes, MAX_BATCH)
     keys = jax.random.key_data(jax.random.split(jax.random.key(seed), num_episodes + batch))
@@ -71,6 +72,15 @@ def evaluate(
         numbers = jnp.arange(start, start + batch, dtype=jnp.int32)
         parts.append(jax.device_get(play(env.params, net, keys[start : start + batch], numbers)))
     return {name: np.concatenate([part[name] for part in parts])[:num_episodes] for name in parts[0]}
+
+
+def check_episodes(num: object) -> None:
+    """Refuses a number of episodes that cannot be played, before any house is made.
+
+    Raises:
+        ConfigError: It is no whole number from 1 to `MAX_EPISODES`.
+    """
+    check_number("num_episodes", num, 1, MAX_EPISODES, whole=True)
 
 
 def with_episodes(env: BoundEnv[HouseholdEnv], num: int, seed: int = 0) -> BoundEnv[HouseholdEnv]:

@@ -3,6 +3,7 @@
 import dataclasses
 import time
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,16 +12,19 @@ import jax
 import jax.numpy as jnp
 from tqdm import tqdm
 
-from home_mjx.errors import ConfigError
+from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.registry import EnvSpec
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.household import HouseholdEnv
 from home_mjx.training.checkpoint import (
     AGENT,
     CHECKPOINT,
+    DIVERGED,
     check_same,
+    is_finite,
     load_checkpoint,
     load_net,
+    load_policy,
     read_config,
     read_updates,
     save_checkpoint,
@@ -28,7 +32,7 @@ from home_mjx.training.checkpoint import (
 )
 from home_mjx.training.cloning import Advised, Cloning
 from home_mjx.training.config import RunConfig
-from home_mjx.training.evaluation import evaluate, random_policy, summary
+from home_mjx.training.evaluation import check_episodes, evaluate, random_policy, summary
 from home_mjx.training.ppo import PPO, TrainState
 from home_mjx.training.progress import Clock, Sums, progress_bar
 from home_mjx.training.records import Records
@@ -39,7 +43,10 @@ REST = 20.0  # [s] between checkpoints
 SHOWN = ("success", "return")  # beside the progress bar
 
 
-def train(config: RunConfig, out: Path, resume: bool = False, progress: bool | None = None) -> PPO:
+def train(
+    config: RunConfig, out: Path, resume: bool = False, progress: bool | None = None,
+    turn: AbstractContextManager[Any] | None = None,
+) -> PPO:  # fmt: skip
     """Trains, and writes to a folder.
 
     All programs are compiled first. `metrics.jsonl` has one line for every two-hundredth of each stage,
@@ -51,32 +58,48 @@ def train(config: RunConfig, out: Path, resume: bool = False, progress: bool | N
         out: The folder, which exists.
         resume: Go on from its checkpoint if it has one; a run that was killed then gives what it would have given.
         progress: Show a progress bar; None: in a terminal.
+        turn: Entered once all is compiled, left when the run is over: such as a lock of the device, so that the time of
+            training is its own while others compile.
 
     Returns:
         The trainer; its parameters are in the checkpoint.
 
     Raises:
         ConfigError: The folder holds a run and `resume` is False, or a run of another configuration.
-        DatasetError: The network of `config.start` is for other observations, actions or sizes.
+        DatasetError: The network of `config.start` is for other observations, actions or sizes; or a file of the run is
+            broken. Nothing has been written then.
+        ConfigError: Files cannot be written, such as on a full disk, or the training has diverged; what was written
+            before stays.
     """
-    path = out / CHECKPOINT
-    if path.exists() and not resume:
-        hint = "Add --resume to go on with it, or choose another folder by --out."
-        raise ConfigError("the folder holds a training run", file=path, hint=hint)
-    if path.exists():
-        check_same(read_config(path), config, path)
-    env, size = made(config.env, progress), config.ppo.batch_size
-    done = read_updates(path) if path.exists() else 0
-    with Records(out, done * size) as records:
-        clock = Clock(records.lines[-1] if records.lines else {})
-        stages = _stages(config, env, done, path)
+    path, size = out / CHECKPOINT, config.ppo.batch_size
+    done = _updates_done(path, config, resume)
+    records = Records(out, done * size)
+    clock = Clock(records.lines[-1] if records.lines else {})
+    stages = _stages(config, made(config.env, progress), done, path)
+    with records, turn or nullcontext(), progress_bar(done * size, stages[-1].last * size, progress) as bar:
         clock.start(done * size)
-        with progress_bar(done * size, stages[-1].last * size, progress) as bar:
-            run, net = _Run(config, path, records, bar, clock), None
-            for stage in stages:
-                net = run.learn(stage, net)
+        run, net = _Run(config, path, records, bar, clock), None
+        for stage in stages:
+            net = run.learn(stage, net)
     save_net(out / AGENT, net, config)
     return stages[-1].ppo
+
+
+def _updates_done(path: Path, config: RunConfig, resume: bool) -> int:
+    """What an earlier part of the run has done; refuses a run that could not begin, before any house is made."""
+    if not path.exists():
+        if config.start is not None:
+            read_config(config.start)
+        return 0
+    if not resume:
+        hint = "Add --resume to go on with it, or choose another folder by --out."
+        raise ConfigError("the folder holds a training run", file=path, hint=hint)
+    check_same(read_config(path), config, path)
+    done, whole = read_updates(path), sum(options.num_updates for _, options in config.stages)
+    if done > whole:
+        hint = "The file was changed, or another version made it; train into another folder by --out."
+        raise DatasetError(f"checkpoint is after {done} updates of {whole}", file=path, hint=hint)
+    return done
 
 
 @dataclass
@@ -139,7 +162,7 @@ class _Run:
         per_line = max(1, num // NUM_LINES)
         saved = -REST
         state = stage.state if net is None else stage.ppo.place(stage.state.replace(net=net))
-        over = self.is_over()
+        over = bool(state.updates) and self.is_over()  # a run makes one update at least
         for i in range(int(state.updates) + 1, stage.last + 1):
             if over:
                 break
@@ -153,10 +176,16 @@ class _Run:
                 self.records.add(line)
                 self.bar.set_postfix({name: f"{line[name]:.2f}" for name in SHOWN if name in line})
             if ends or self.clock.now() >= saved + REST:
+                self._check(state.net, i * size)
                 save_checkpoint(self.path, state, self.config)
                 self.records.draw()
                 saved = self.clock.now()
         return state.net
+
+    def _check(self, net: Any, steps: int) -> None:
+        if not is_finite(net):
+            hint = f"{DIVERGED} The last checkpoint, if there is one, is from before."
+            raise ConfigError(f"after {steps} steps the network has numbers that are not finite", hint=hint)
 
     def is_over(self) -> bool:
         """Whether the run has used its seconds."""
@@ -181,13 +210,13 @@ def evaluate_checkpoint(
     Returns:
         `trained` and `random`, each a `summary`, and what was asked for.
     """
-    config = read_config(path)
-    spec = config.env if split is None else dataclasses.replace(config.env, split=split, num_houses=num_houses)
+    check_episodes(num_episodes)
+    spec = read_config(path).env
+    spec = spec if split is None else dataclasses.replace(spec, split=split, num_houses=num_houses)
     env = made(spec, progress)
-    ppo = PPO(env.core, config.ppo, jax.devices()[:1])
-    net = load_net(path, jax.eval_shape(ppo.agent.init_net, jax.random.key(0)))
+    policy = load_policy(path, env.core, greedy)
     begun = time.perf_counter()
-    trained = evaluate(env, lambda net: ppo.policy(net, greedy), net, num_episodes, seed)
+    trained = evaluate(env, *policy, num_episodes, seed)
     chance = evaluate(env, random_policy(env.core), None, num_episodes, seed)
     return {
         "trained": summary(trained),
