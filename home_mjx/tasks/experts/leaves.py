@@ -6,9 +6,10 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.physics.base.doors import Leaf
 from home_mjx.tasks.base.snapshot import Snapshot
-from home_mjx.tasks.experts.carrying import carried_radius, has_hands, meets
+from home_mjx.tasks.experts.carrying import has_hands, meets
 from home_mjx.tasks.rows.fields import BRUSHES, MARGIN, PUSHES, STOREY
 
+MEETS = 1.5  # where what is carried meets something: little, as fields of rows do not know of it
 AHEAD = 0.4  # [m]: who meets a leaf that is shut so far ahead opens it, if it has hands
 
 
@@ -51,7 +52,7 @@ def slowness(snapshot: Snapshot, place: Float[Array, "n 3"], agent: Int[Array, "
     """
     radius, margin = jnp.float32(snapshot.bank.spec.agent_radius), jnp.float32(MARGIN)
     hands = agent is not None and has_hands(snapshot)
-    gap = leaf_gaps(snapshot, place) - (jnp.maximum(carried_radius(snapshot, agent) - radius, 0.0) if hands else 0.0)
+    gap = leaf_gaps(snapshot, place)
     if agent is not None and snapshot.config.num_agents > 1:
         others = snapshot.pose.pos
         away = place[:, None] - others[None]
@@ -61,7 +62,7 @@ def slowness(snapshot: Snapshot, place: Float[Array, "n 3"], agent: Int[Array, "
     slow = jnp.where(gap < radius, PUSHES, jnp.where(gap < radius + margin, BRUSHES, 1.0))
     if not hands:
         return slow
-    return jnp.maximum(slow, jnp.where(meets(snapshot, agent, place), BRUSHES, 1.0))
+    return jnp.maximum(slow, jnp.where(meets(snapshot, agent, place), MEETS, 1.0))
 
 
 def faces_shut_leaf(snapshot: Snapshot, way: Float[Array, " a"]) -> Bool[Array, " a"]:

@@ -13,7 +13,7 @@ from home_mjx.navigation.grid import stored_distance
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.environment.moves import action_names
-from home_mjx.tasks.experts.carrying import has_hands
+from home_mjx.tasks.experts.carrying import clear_turns, has_hands
 from home_mjx.tasks.experts.descent import descend
 from home_mjx.tasks.experts.grips import elsewhere, find_grip, is_aimed, open_doors, use_hands
 from home_mjx.tasks.experts.leaves import faces_shut_leaf
@@ -80,7 +80,7 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
     tilt, near = jnp.where(stands, grip.tilt, tilt), jnp.where(works, stands, near)
     waits = should_wait(state, values)
     error, near = jnp.where(waits, ON_THE_SPOT, error), near | waits
-    actions = to_actions(config, error, tilt, near, stop)
+    actions = to_actions(config, clear_turns(snapshot, error), tilt, near, stop)
     actions = use_hands(config, actions, grip, stands & is_aimed(config, grip))
     opens = ~stands & ~stop & faces_shut_leaf(snapshot, snapshot.pose.yaw) & (snapshot.step % OPENS == 0)
     actions = open_doors(config, actions, opens)

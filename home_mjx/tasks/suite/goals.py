@@ -17,6 +17,7 @@ from home_mjx.tasks.base.state import Episodes
 SAME_PLACE = 0.01  # [m]: a goal of the bank is the goal of a file if it is as near
 OTHER_BANK = "Use a bank of the houses that the episodes were drawn in, compiled alike."
 ON_FLOOR = 0.3  # [m]: starts are no farther from a floor
+ASIDE = 0.025  # [m], from the middle of a cell, half of the clearance with which houses are compiled
 ATTEMPTS = 64  # draws per episode
 
 
@@ -40,8 +41,7 @@ def sample_goal(
         Start, yaw, and the columns `goal` and `length`; the length is inf if none of `ATTEMPTS` starts had such a goal.
     """
     place, turn, choose = jax.random.split(key, 3)
-    known = bank.navigation.start[bank.known_house(house)]
-    starts = known[jax.random.randint(place, (ATTEMPTS,), 0, known.shape[0])]
+    starts = jax.vmap(lambda k: _random_start(bank, house, k))(jax.random.split(place, ATTEMPTS))
     lengths = jax.vmap(lambda p: geodesic_distance(bank, house, None, p))(starts)
     fits = (lengths >= min_length) & (lengths <= max_length) & jnp.isfinite(lengths)
     attempt = jnp.argmax(jnp.any(fits, axis=1)).astype(jnp.int32)  # the first that can be used
@@ -49,6 +49,15 @@ def sample_goal(
     goal = jax.random.categorical(choose, jnp.where(jnp.any(fits[attempt]), weight, 0.0)).astype(jnp.int32)
     length = jnp.where(fits[attempt, goal], lengths[attempt, goal], jnp.float32(jnp.inf))
     return starts[attempt], random_yaw(turn), {"goal": goal, "length": length}
+
+
+def _random_start(bank: HouseBank, house: Int[Array, ""], key: Array) -> Float[Array, "3"]:
+    """Anywhere beside the middle of the cell that one of the house's starts is in [m]."""
+    which, shift = jax.random.split(key)
+    known = bank.navigation.start[bank.known_house(house)]
+    point = known[jax.random.randint(which, (), 0, known.shape[0])]
+    middle = place_position(bank, house, cell_of(bank, house, point))
+    return jnp.append(middle[:2] + jax.random.uniform(shift, (2,), jnp.float32, -ASIDE, ASIDE), point[2])
 
 
 def possible(bank: HouseBank, episode: Episodes) -> Bool[Array, ""]:
