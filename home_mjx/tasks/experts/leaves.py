@@ -51,7 +51,6 @@ def slowness(snapshot: Snapshot, place: Float[Array, "n 3"], agent: Int[Array, "
         agent: Who goes there: the others are in its way, and furniture is in that of what it carries. None: neither.
     """
     radius, margin = jnp.float32(snapshot.bank.spec.agent_radius), jnp.float32(MARGIN)
-    hands = agent is not None and has_hands(snapshot)
     gap = leaf_gaps(snapshot, place)
     if agent is not None and snapshot.config.num_agents > 1:
         others = snapshot.pose.pos
@@ -60,7 +59,7 @@ def slowness(snapshot: Snapshot, place: Float[Array, "n 3"], agent: Int[Array, "
         between = jnp.hypot(away[..., 0], away[..., 1]) - radius
         gap = jnp.minimum(gap, jnp.min(jnp.where(here, between, jnp.inf), axis=1))
     slow = jnp.where(gap < radius, PUSHES, jnp.where(gap < radius + margin, BRUSHES, 1.0))
-    if not hands:
+    if agent is None or not has_hands(snapshot):
         return slow
     return jnp.maximum(slow, jnp.where(meets(snapshot, agent, place), MEETS, 1.0))
 
