@@ -17,8 +17,9 @@ from scenes import HEAD, scene_of
 from home_mjx.audio_jax.auralization.response import ear_gains
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
+from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
-from home_mjx.audio_jax.propagation.paths import air_energy, early_paths
+from home_mjx.audio_jax.propagation.paths import air_energy
 from home_mjx.audio_jax.propagation.tracing import trace
 from home_mjx.bank.bank import HouseBank
 from home_mjx.raycast_render.scene.scene import make_scene

@@ -1,0 +1,120 @@
+"""Reflections of several orders: image sources in walls and faces of boxes, validated by rays."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float
+
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.endpoints import Listener, Source
+from home_mjx.audio_jax.propagation.diffraction import house_boxes
+from home_mjx.audio_jax.propagation.images import Images, Mirrors, find_images, nearest_mirrors
+from home_mjx.audio_jax.propagation.paths import NEAREST, SKIN, Paths, air_energy, no_paths
+from home_mjx.audio_jax.propagation.surfaces import surface_at
+from home_mjx.raycast_render.casting.cast import cast, occluded
+from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.schema.compiled import Ray
+
+MOST_MIRRORS = {1: 64, 2: 16, 3: 12}  # by order: of which sequences are made
+DEPTH = 0.06  # [m], within which a surface counts as lying in a mirror's plane, as in `scene_compile`
+SAME = 1e-3  # paths whose lengths [m] and directions differ by less are one
+
+
+def house_mirrors(scene: Scene, source: Source, listener: Listener) -> Mirrors:
+    """The mirror planes of a house, and all faces of things that are not the source's or the listener's own."""
+    planes, house, boxes = scene.bank.acoustics, scene.house, house_boxes(scene)
+    own = (boxes.object_id == jnp.int32(source.body)) | (boxes.object_id == jnp.int32(listener.body))
+    order = np.array([[(a + i) % 3 for i in range(3)] for a in range(3) for _ in (0, 1)])
+    side = jnp.asarray(np.tile([-1.0, 1.0], 3), jnp.float32)[None, :, None]
+    halves = boxes.axis * boxes.half[:, :, None]
+    normal, (out, u, v) = boxes.axis[:, order[:, 0]] * side, (halves[:, order[:, i]] for i in range(3))
+    faces = boxes.center[:, None] + out * side, normal, u, v
+    thing = jnp.broadcast_to(((boxes.object_id >= 0) & ~own)[:, None], out.shape[:2])
+    flat = planes.plane_center, planes.plane_normal, planes.plane_u, planes.plane_v
+    joined = (jnp.concatenate([x[house], y.reshape(-1, 3)]) for x, y in zip(flat, faces, strict=True))
+    return Mirrors(*joined, jnp.concatenate([planes.plane_valid[house], thing.reshape(-1)]))
+
+
+def mirrored_paths(scene: Scene, source: Source, listener: Listener, config: AudioConfig) -> Paths:
+    """Image sources up to `config.reflection_order`, the shortest first, in walls and in faces of furniture.
+
+    Sequences are made of the mirrors nearest to the two. A path sounds where each of its legs really meets a surface
+    in the plane of its mirror, whose material then counts, and the last one reaches the source.
+
+    Args:
+        scene: The environment.
+        source: Who sounds.
+        listener: Who hears.
+        config: Options.
+
+    Returns:
+        `config.num_reflections` paths, or one per sequence if there are fewer, silent ones included.
+    """
+    if config.num_reflections == 0:
+        return no_paths()
+    order = config.reflection_order
+    mirrors = nearest_mirrors(house_mirrors(scene, source, listener), source.pos, listener.pos, MOST_MIRRORS[order])
+    found = find_images(mirrors, source.pos, listener.pos, order)
+    _, shortest = jax.lax.top_k(-found.length, min(config.num_reflections, found.length.size))
+    found = jax.tree.map(lambda x: x[shortest], found)
+    away = found.point[:, 0] - listener.pos[None]
+    direction = away / jnp.maximum(jnp.linalg.norm(away, axis=1), NEAREST)[:, None]
+    energy = _reflected(scene, source, listener, found)
+    possible = jnp.isfinite(found.length) & ~_repeated(found.length, direction)
+    length = jnp.where(possible, found.length, 1.0)
+    energy = energy * jnp.exp(-length[:, None] * air_energy(config)[None])
+    gain = jnp.sqrt(jnp.maximum(energy, 0.0)) / jnp.maximum(length, NEAREST)[:, None]
+    return Paths(length, jnp.where(possible[:, None], gain, 0.0), direction)
+
+
+def _reflected(scene: Scene, source: Source, listener: Listener, found: Images) -> Float[Array, "p bands"]:
+    """Energy that the surfaces reflect which the legs of paths meet; 0 where a leg meets something else."""
+    count, order = found.point.shape[:2]
+    ends = jnp.broadcast_to(listener.pos, (count, 1, 3)), jnp.broadcast_to(source.pos, (count, 1, 3))
+    corner = jnp.concatenate([ends[0], found.point, ends[1]], axis=1)
+    way = corner[:, 1:] - corner[:, :-1]
+    length = jnp.linalg.norm(way, axis=2)
+    direction = way / jnp.maximum(length, SKIN)[:, :, None]
+    number = jnp.arange(order + 1, dtype=jnp.int32)[None]
+    used = jnp.isfinite(found.length)[:, None] & (number < found.order[:, None])
+    start = jnp.broadcast_to(jnp.where(number == 0, 0.0, DEPTH), used.shape)
+    own = jnp.broadcast_to(jnp.where(number == 0, jnp.int32(listener.body), -1), used.shape)
+    rays = (
+        x[:, :order].reshape(count * order, *x.shape[2:]) for x in (corner[:, :-1], direction, length, start, own, used)
+    )
+    origin, toward, reach, begin, body, alive = rays
+    hit = cast(
+        scene,
+        origin,
+        toward,
+        t_min=begin,
+        t_max=jnp.where(alive, reach + DEPTH, -1.0),
+        exclude=body,
+        mask=int(Ray.SOUND),
+    )
+    met = surface_at(scene, toward, hit)
+    there = (hit.instance >= 0) & (jnp.abs(hit.t - reach) < DEPTH)
+    share = jnp.where(there[:, None], (1 - met.absorption) * (1 - met.scattering), 0.0)
+    share = jnp.where(alive[:, None], share, 1.0).reshape(count, order, -1)
+    hidden = _hidden(scene, source, found, corner, used)
+    return jnp.where(hidden[:, None], 0.0, jnp.prod(share, axis=1))
+
+
+def _hidden(
+    scene: Scene, source: Source, found: Images, corner: Float[Array, "p k 3"], used: Bool[Array, "p legs"]
+) -> Bool[Array, " p"]:
+    """Whether something stands between the source and the reflection nearest to it."""
+    last = jnp.take_along_axis(corner, found.order[:, None, None], axis=1)[:, 0]
+    way = last - source.pos[None]
+    length = jnp.linalg.norm(way, axis=1)
+    reach = jnp.where(used[:, 0], length - DEPTH, -1.0)
+    direction = way / jnp.maximum(length, SKIN)[:, None]
+    return occluded(scene, source.pos, direction, t_max=reach, exclude=source.body, mask=int(Ray.SOUND))
+
+
+def _repeated(length: Float[Array, " p"], direction: Float[Array, "p 3"]) -> Bool[Array, " p"]:
+    """Paths that an earlier one equals, as where the faces of two boxes lie in one plane."""
+    near = jnp.abs(length[:, None] - length[None]) < SAME
+    near &= jnp.max(jnp.abs(direction[:, None] - direction[None]), axis=-1) < SAME
+    earlier = jnp.tril(jnp.ones((length.size, length.size), bool), -1)
+    return jnp.any(near & earlier, axis=1)
