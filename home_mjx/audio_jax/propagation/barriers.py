@@ -28,12 +28,15 @@ class Strings(Pytree):
     """Taut strings over one edge, or two that are parallel."""
 
     bend: Bend
-    detour: Float[Array, " e"]  # [m], how much longer than the straight line; inf where there is no such string
+    detour: Float[Array, " e"]  # [m], how much longer than the straight line, were the edge endless
+    reach: Float[Array, " e"]  # [m], the same over what there is of the edge; inf where there is no such string
+    blocked: Bool[Array, " e"]  # the straight line meets the box
     first: Float[Array, "e 3"]  # [m], world, the edge as the source sees it, a little away from the box
     last: Float[Array, "e 3"]  # [m], as the listener sees it
+    apex: Float[Array, "e 3"]  # [m], world, where an endless edge would be crossed
     beyond: Float[Array, "e 2"]  # [m] along the edge, from where an endless one would be crossed to both its ends
     turn: Float[Array, " e"]  # [rad], at the second edge
-    reach: Float[Array, " e"]  # [m], of the second edge, see `second_edge`
+    depth: Float[Array, " e"]  # [m], what `second_edge` calls `reach`
     object_id: Int[Array, " e"]
 
 
@@ -82,24 +85,39 @@ def strings(boxes: Boxes, source: Float[Array, "3"], listener: Float[Array, "3"]
     (su, sv, sz), (lu, lv, lz) = (jnp.moveaxis(x, -1, 0) for x in (frame.source, frame.listener))
     near, far = jnp.hypot(course.first - su, sv), jnp.hypot(lu - course.last, lv)
     between, deep = course.last - course.first, frame.half[..., 2]
-    rising = (lz - sz) / jnp.maximum(near + between + far, LEAST)
+    whole = near + between + far
+    rising = (lz - sz) / jnp.maximum(whole, LEAST)
     z_first, z_last = sz + rising * near, lz - rising * far
+    crossing = z_first
     beyond = jnp.stack([-deep, deep], axis=-1) - ((z_first + z_last) / 2)[..., None]
     z_first, z_last = jnp.clip(z_first, -deep, deep), jnp.clip(z_last, -deep, deep)
     length = jnp.hypot(near, z_first - sz) + jnp.hypot(between, z_last - z_first) + jnp.hypot(far, lz - z_last)
+    straight = jnp.linalg.norm(source - listener)
     edges = frame.exposed[..., 0], frame.exposed[..., 1]
     exposed = jnp.where(course.twice, edges[0] & edges[1], jnp.where(course.on_first, *edges))
-    detour = jnp.where(course.possible & exposed, length - jnp.linalg.norm(source - listener), jnp.inf)
-    bend, turn, reach = _bend(frame, course, near, far, 1 / jnp.sqrt(1 + rising**2))
+    reach = jnp.where(course.possible & exposed, length - straight, jnp.inf)
+    bend, turn, depth = _bend(frame, course, near, far, 1 / jnp.sqrt(1 + rising**2))
 
     def place(u: Array, z: Array) -> Array:
         local = jnp.stack([u + LEAST * jnp.sign(u), jnp.full_like(u, LEAST), z], axis=-1)
         return frame.middle + jnp.sum(frame.axes * local[..., None], axis=-2)
 
-    owner = jnp.broadcast_to(boxes.object_id[:, None], detour.shape)
-    places = place(course.first, z_first), place(course.last, z_last)
-    found = bend, detour, *places, beyond, turn, reach, owner
+    met, owner = (jnp.broadcast_to(x[:, None], reach.shape) for x in (_meets(frame), boxes.object_id))
+    places = place(course.first, z_first), place(course.last, z_last), place(course.first, crossing)
+    found = bend, jnp.hypot(whole, lz - sz) - straight, reach, met, *places, beyond, turn, depth, owner
     return Strings(*jax.tree.map(lambda x: x.reshape(-1, *x.shape[2:]), found))
+
+
+def _meets(frame: _Frame) -> Bool[Array, " n"]:
+    """Whether the straight line meets each box."""
+    half = frame.half[:, 0]
+    lift = jnp.stack([jnp.zeros_like(half[:, 1]), half[:, 1], jnp.zeros_like(half[:, 1])], axis=1)  # from the middle
+    start, end = frame.source[:, 0] + lift, frame.listener[:, 0] + lift
+    way = end - start
+    way = jnp.where(jnp.abs(way) < 1e-6, 1e-6, way)
+    low, high = (-half - start) / way, (half - start) / way
+    enter, leave = jnp.max(jnp.minimum(low, high), axis=1), jnp.min(jnp.maximum(low, high), axis=1)
+    return jnp.maximum(enter, 0.0) < jnp.minimum(leave, 1.0)
 
 
 def _course(frame: _Frame) -> _Course:

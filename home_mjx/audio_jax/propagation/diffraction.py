@@ -20,14 +20,18 @@ from home_mjx.schema.edges import EDGES
 
 SPREAD = (-1 / 3, 0.0, 1 / 3)  # [octaves] re the centre, where each octave is evaluated
 FREE = -1e-3  # [rad], turn past an edge of what is seen
+ONE_EDGE = 0.02  # [m], strings that touch so near to each other run over pieces of one edge
+SAME = 1e-3  # [m]
+LOUDEST = 1.7  # energy re the free field, next to edges
+LITTLE = 0.1  # share of an edge that counts as none
 
 
 class _Field(NamedTuple):
-    """What strings bring, per octave and frequency in it."""
+    """What strings bring at frequencies of all octaves, re the free field of the straight path."""
 
-    amplitude: Complex[Array, "k f"]  # re the free field of the straight path; its phase re that path
-    share: Float[Array, "k f"]  # of energy that this piece of an endless edge has
-    shadow: Bool[Array, " k"]  # the string bends around its box
+    straight: Float[Array, " f"]  # energy of the straight path together with edges that it passes
+    bent: Float[Array, "k f"]  # energy of each string where there is no straight path
+    around: Bool[Array, ""]  # some string leads around what is in the way
 
 
 def house_boxes(scene: Scene) -> Boxes:
@@ -80,23 +84,16 @@ def assembled_paths(
 
     Args:
         straight: What the straight line meets.
-        found: Strings, of finite detour where there are any.
+        found: Strings.
         heard: Those whose ends source and listener see.
         ears: Where the listener is [m].
         config: Options.
     """
-    field = _field(found, straight.distance, straight.clear, config)
-    around = jnp.any(heard & field.shadow & (jnp.max(field.share, axis=1) > 0.5))
-    free = straight.clear | (~around & straight.within)
-    share = jnp.where(heard[:, None], field.share, 0.0)
-    near = _octaves(_near_edges(field.amplitude, share))
-    hidden = straight.partitions * jnp.where(around & straight.within, 0.0, straight.objects)
-    energy = jnp.concatenate(
-        [
-            jnp.where(free, near * straight.objects, hidden)[None],
-            jnp.where(free, 0.0, _octaves(share * jnp.abs(field.amplitude) ** 2)),
-        ]
-    )
+    field = _field(straight, found, heard & ~_repeated(found, heard), config)
+    free = straight.clear | (~field.around & straight.within)
+    hidden = straight.partitions * jnp.where(field.around & straight.within, 0.0, straight.objects)
+    direct = jnp.where(free, _octaves(field.straight) * straight.objects, hidden)
+    energy = jnp.concatenate([direct[None], jnp.where(free, 0.0, _octaves(field.bent))])
     length = straight.distance + jnp.where(heard, found.detour, 0.0)
     length = jnp.concatenate([straight.distance[None], length])
     gain = jnp.sqrt(energy * jnp.exp(-air_energy(config)[None] * length[:, None])) / straight.distance
@@ -110,37 +107,68 @@ def _nearest(scene: Scene, source: Source, listener: Listener, count: int) -> St
     found = strings(house_boxes(scene), source.pos, listener.pos)
     body = found.object_id
     own = (body >= 0) & ((body == jnp.int32(source.body)) | (body == jnp.int32(listener.body)))
-    detour = jnp.where(own, jnp.inf, found.detour)
-    _, nearest = jax.lax.top_k(-detour, min(count, detour.size))
-    return jax.tree.map(lambda x: x[nearest], found.replace(detour=detour))
+    reach = jnp.where(own, jnp.inf, found.reach)
+    _, nearest = jax.lax.top_k(-reach, min(count, reach.size))
+    return jax.tree.map(lambda x: x[nearest], found.replace(reach=reach))
 
 
-def _field(found: Strings, distance: Float[Array, ""], clear: Bool[Array, ""], config: AudioConfig) -> _Field:
+def _field(straight: Straight, found: Strings, heard: Bool[Array, " k"], config: AudioConfig) -> _Field:
+    """Fields of all strings, added as waves to the one that comes first as far as they arrive together with it.
+
+    Both with and without the straight path: so the sum is the same on both sides of a shadow boundary.
+    """
     frequency = np.array(BANDS)[:, None] * 2.0 ** np.array(SPREAD)
     wavenumber = jnp.asarray(2 * np.pi * frequency.ravel() / config.speed_of_sound, jnp.float32)
-    shadow = found.bend.turn > 0
+    amplitude, share = _amplitudes(straight, found, heard, wavenumber)
+    detour = jnp.where(heard, found.detour, jnp.inf)
+    first = jnp.argmin(jnp.where(jnp.max(share, axis=1) > LITTLE, detour, jnp.inf))
+    power = jnp.abs(amplitude) ** 2
+
+    def added(start: Float[Array, " f"], late: Float[Array, " k"], most: float) -> tuple[Array, Array]:
+        """Energy of what arrives together, and the rest of each string."""
+        phase = wavenumber[None] * jnp.where(heard, late, 0.0)[:, None]
+        together = jnp.exp(-((phase / jnp.pi) ** 2))
+        whole = jnp.sum(amplitude * together.astype(jnp.complex64), axis=0) + start.astype(jnp.complex64)
+        return jnp.minimum(jnp.abs(whole) ** 2, most), power * (1 - together**2)
+
+    near, rest = added(jnp.ones_like(wavenumber), found.detour, LOUDEST)
+    joined, alone = added(_past_ends(straight, found, share), found.detour - found.detour[first], 1.0)
+    shadow = heard & (found.bend.turn > 0) & found.blocked & (jnp.max(share, axis=1) > 0.5)
+    there = (jnp.arange(heard.size, dtype=jnp.int32) == first)[:, None]
+    return _Field(near + jnp.sum(rest, axis=0), alone + jnp.where(there, joined[None], 0.0), jnp.any(shadow))
+
+
+def _past_ends(straight: Straight, found: Strings, share: Float[Array, "k f"]) -> Float[Array, " f"]:
+    """What passes things that are smaller than the waves: what lies beyond the ends of all edges around them."""
+    apart = jnp.max(jnp.abs(found.apex[:, None] - found.apex[None]), axis=-1)
+    one_edge = ((apart < ONE_EDGE) & (found.bend.turn > 0)[None]).astype(jnp.float32)
+    covered = jnp.max(jnp.einsum("ef,fb->eb", one_edge, share, precision="highest"), axis=0)
+    return jnp.where(straight.within, jnp.clip(1 - covered, 0.0, 1.0), 0.0)
+
+
+def _amplitudes(
+    straight: Straight, found: Strings, heard: Bool[Array, " k"], wavenumber: Float[Array, " f"]
+) -> tuple[Complex[Array, "k f"], Float[Array, "k f"]]:
+    """Field of each string re that of the straight path, and the share in it that its piece of the edge has."""
     # What rays see is not in a shadow, whatever the boxes say that stand for meshes.
-    bend = found.bend._replace(turn=jnp.where(clear, jnp.minimum(found.bend.turn, FREE), found.bend.turn))
-    detour = jnp.where(jnp.isfinite(found.detour), found.detour, 0.0)
-    angle = -detour[:, None] * wavenumber[None]
-    loss = second_edge(found.turn, found.reach, wavenumber) * (distance / (distance + detour))[:, None]
-    amplitude = diffracted(bend, wavenumber) * jax.lax.complex(loss * jnp.cos(angle), loss * jnp.sin(angle))
+    seen = straight.clear & found.blocked
+    bend = found.bend._replace(turn=jnp.where(seen, jnp.minimum(found.bend.turn, FREE), found.bend.turn))
     harmonic = bend.near * bend.far / (bend.near + bend.far)
     zone = jnp.sqrt((jnp.pi / 2 * harmonic / bend.slope**3)[:, None] / wavenumber[None])
-    low, high = (found.beyond[:, i, None] / zone for i in range(2))
-    return _Field(amplitude, jax.scipy.stats.norm.cdf(high) - jax.scipy.stats.norm.cdf(low), shadow)
+    low, high = (jax.scipy.stats.norm.cdf(found.beyond[:, i, None] / zone) for i in range(2))
+    share = jnp.where(heard[:, None], high - low, 0.0)
+    spread = (straight.distance / (straight.distance + found.detour))[:, None]
+    size = share * second_edge(found.turn, found.depth, wavenumber) * spread
+    angle = -found.detour[:, None] * wavenumber[None]
+    turned = jax.lax.complex(size * jnp.cos(angle), size * jnp.sin(angle))
+    return jnp.where(heard[:, None], diffracted(bend, wavenumber) * turned, 0), share
 
 
-def _near_edges(amplitude: Complex[Array, "k f"], share: Float[Array, "k f"]) -> Float[Array, " f"]:
-    """Energy of the straight path together with edges that it passes, re the free field.
-
-    Each edge adds its energy; only those as strong as the strongest interfere with the straight path, so that the sum
-    at a shadow boundary is what is heard behind it.
-    """
-    power = jnp.abs(amplitude) ** 2
-    strongest = jnp.max(power * jnp.minimum(4 * share, 1.0), axis=0)
-    weight = jnp.minimum(power / jnp.maximum(strongest, 1e-12)[None], 1.0) ** 2
-    return jnp.maximum(1 + jnp.sum(share * (power + 2 * weight * jnp.real(amplitude)), axis=0), 0.0)
+def _repeated(found: Strings, heard: Bool[Array, " k"]) -> Bool[Array, " k"]:
+    """Strings that touch the same edge as an earlier one, as where both its faces lead from one side to the other."""
+    place = jnp.concatenate([found.apex, found.last, found.beyond], axis=1)
+    same = jnp.max(jnp.abs(place[:, None] - place[None]), axis=-1) < SAME
+    return jnp.any(same & heard[None] & jnp.tril(jnp.ones(same.shape, bool), -1), axis=1)
 
 
 def _octaves(power: Float[Array, "*k f"]) -> Float[Array, "*k bands"]:
@@ -150,7 +178,7 @@ def _octaves(power: Float[Array, "*k f"]) -> Float[Array, "*k bands"]:
 
 def _heard(scene: Scene, source: Source, listener: Listener, found: Strings) -> Bool[Array, " k"]:
     """Whether the source sees where a string leaves its side, and the listener where it arrives."""
-    there = jnp.isfinite(found.detour)
+    there = jnp.isfinite(found.reach)
 
     def hidden(start: Float[Array, "3"], end: Float[Array, "k 3"], body: Int[Array, ""] | int) -> Bool[Array, " k"]:
         way = end - start[None]

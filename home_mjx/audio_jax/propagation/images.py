@@ -11,6 +11,7 @@ from jaxtyping import Array, Bool, Float, Int
 from home_mjx.core.pytree import Pytree
 
 NOWHERE = 1e-6  # [m], distances from planes that count as none
+TOUCH = 1e-4  # [m], within which a path into a corner meets both of its sides, one way and the other
 
 
 class Mirrors(Pytree):
@@ -28,6 +29,7 @@ class Images(Pytree):
 
     length: Float[Array, " i"]  # [m]; inf where the mirrors give no path
     point: Float[Array, "i k 3"]  # [m], reflections in the order from the listener; further ones are at the source
+    normal: Float[Array, "i k 3"]  # of the mirrors there
     order: Int[Array, " i"]  # number of reflections
 
 
@@ -82,13 +84,15 @@ def _of_order(
         before, after = _height(mirror, at), _height(mirror, behind)
         share = before / jnp.maximum(before - after, NOWHERE)
         at = at + share[:, None] * (behind - at)
-        valid = valid & (before > NOWHERE) & (after < -NOWHERE) & _within(mirror, at)
+        valid = valid & (before > -TOUCH) & (after < -NOWHERE) & _within(mirror, at)
         points.append(at)
     rest = jnp.broadcast_to(source, (count, highest - order, 3))
+    normals = jnp.stack([mirror.normal for mirror in met[::-1]], axis=1)
     length = jnp.linalg.norm(image[-1] - listener[None], axis=1)
     return Images(
         jnp.where(valid, length, jnp.inf),
         jnp.concatenate([jnp.stack(points, axis=1), rest], axis=1),
+        jnp.concatenate([normals, jnp.zeros_like(rest)], axis=1),
         jnp.full(count, order, jnp.int32),
     )
 
@@ -120,7 +124,8 @@ def _height(mirror: Mirrors, point: Float[Array, "#i 3"]) -> Float[Array, " i"]:
 
 
 def _within(mirror: Mirrors, point: Float[Array, "i 3"]) -> Bool[Array, " i"]:
-    sides = (
-        jnp.abs(jnp.sum((point - mirror.center) * h, axis=1)) <= jnp.sum(h * h, axis=1) for h in (mirror.u, mirror.v)
-    )
-    return functools.reduce(jnp.logical_and, sides)
+    def along(half: Float[Array, "i 3"]) -> Bool[Array, " i"]:
+        size = jnp.linalg.norm(half, axis=1)
+        return jnp.abs(jnp.sum((point - mirror.center) * half, axis=1)) <= size * (size + TOUCH)
+
+    return along(mirror.u) & along(mirror.v)

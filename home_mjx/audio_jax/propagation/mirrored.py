@@ -17,6 +17,7 @@ from home_mjx.schema.compiled import Ray
 
 MOST_MIRRORS = {1: 64, 2: 16, 3: 12}  # by order: of which sequences are made
 DEPTH = 0.06  # [m], within which a surface counts as lying in a mirror's plane, as in `scene_compile`
+SHORTEST = 1e-3  # [m], legs that have a direction
 SAME = 1e-3  # paths whose lengths [m] and directions differ by less are one
 
 
@@ -72,16 +73,18 @@ def _reflected(scene: Scene, source: Source, listener: Listener, found: Images) 
     count, order = found.point.shape[:2]
     ends = jnp.broadcast_to(listener.pos, (count, 1, 3)), jnp.broadcast_to(source.pos, (count, 1, 3))
     corner = jnp.concatenate([ends[0], found.point, ends[1]], axis=1)
-    way = corner[:, 1:] - corner[:, :-1]
+    origin, way = corner[:, :-2], corner[:, 1:-1] - corner[:, :-2]
     length = jnp.linalg.norm(way, axis=2)
-    direction = way / jnp.maximum(length, SKIN)[:, :, None]
-    number = jnp.arange(order + 1, dtype=jnp.int32)[None]
+    # Two reflections in one corner have no leg between them: the second surface is looked at from the front.
+    none = length < SHORTEST
+    toward = jnp.where(none[:, :, None], -found.normal, way / jnp.maximum(length, SHORTEST)[:, :, None])
+    origin = origin - jnp.where(none, DEPTH, 0.0)[:, :, None] * toward
+    length = jnp.where(none, DEPTH, length)
+    number = jnp.arange(order, dtype=jnp.int32)[None]
     used = jnp.isfinite(found.length)[:, None] & (number < found.order[:, None])
-    start = jnp.broadcast_to(jnp.where(number == 0, 0.0, DEPTH), used.shape)
+    start = jnp.where((number == 0) | none, 0.0, jnp.minimum(DEPTH, length / 2))
     own = jnp.broadcast_to(jnp.where(number == 0, jnp.int32(listener.body), -1), used.shape)
-    rays = (
-        x[:, :order].reshape(count * order, *x.shape[2:]) for x in (corner[:, :-1], direction, length, start, own, used)
-    )
+    rays = (x.reshape(count * order, *x.shape[2:]) for x in (origin, toward, length, start, own, used))
     origin, toward, reach, begin, body, alive = rays
     hit = cast(
         scene,

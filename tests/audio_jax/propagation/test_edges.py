@@ -9,15 +9,16 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.propagation.barriers import Boxes, strings
 from home_mjx.audio_jax.propagation.diffraction import assembled_paths
 from home_mjx.audio_jax.propagation.paths import Straight, air_energy
+from home_mjx.scene_compile.geometry.box_edges import exposed_edges
 from home_mjx.schema.compiled import BANDS
-from home_mjx.schema.edges import EDGES
 
 CONFIG = AudioConfig(receiver="omni")
 AIR = air_energy(CONFIG)
+SPACE = np.array([[-50.0, 50.0]])  # [m], from floor to ceiling
 
 
 def boxes(*low_high, yaw=0.0) -> Boxes:
-    """Boxes given by their corners, turned about the origin."""
+    """Boxes given by their corners, turned about the origin; of their edges those that stand out."""
     low, high = (np.array(x, float) for x in zip(*low_high, strict=True))
     turn = np.array([[np.cos(yaw), np.sin(yaw), 0], [-np.sin(yaw), np.cos(yaw), 0], [0, 0, 1]])
     count = len(low)
@@ -25,7 +26,7 @@ def boxes(*low_high, yaw=0.0) -> Boxes:
         jnp.asarray((low + high) / 2 @ turn, jnp.float32),
         jnp.asarray(np.tile(turn, (count, 1, 1)), jnp.float32),
         jnp.asarray((high - low) / 2, jnp.float32),
-        jnp.ones((count, EDGES), bool),
+        jnp.asarray(exposed_edges(low / 2 + high / 2, np.tile(np.eye(3), (count, 1, 1)), (high - low) / 2, SPACE)),
         jnp.full(count, -1),
     )
 
@@ -55,11 +56,11 @@ def render(straight, found, heard, ears):
 find = jax.jit(strings)
 
 
-def level(obstacles: Boxes, source, listener) -> np.ndarray:
-    """Energy per octave re the free field [dB], air left out."""
+def level(obstacles: Boxes, source, listener, within=False) -> np.ndarray:
+    """Energy per octave re the free field [dB], air left out; `within`: by furniture, no partition."""
     source, listener = np.asarray(source, float), np.asarray(listener, float)
     found = find(obstacles, jnp.float32(source), jnp.float32(listener))
-    there = np.isfinite(found.detour)
+    there = np.isfinite(found.reach)
     heard = there & ~blocked(obstacles, source, found.first) & ~blocked(obstacles, listener, found.last)
     clear = ~blocked(obstacles, source, listener)
     distance = np.linalg.norm(source - listener)
@@ -69,7 +70,7 @@ def level(obstacles: Boxes, source, listener) -> np.ndarray:
         jnp.float32((source - listener) / distance),
         nothing,
         jnp.ones(len(BANDS)),
-        jnp.asarray(clear),
+        jnp.asarray(clear | within),
         jnp.asarray(clear),
         jnp.asarray(False),
     )
@@ -103,3 +104,41 @@ def test_a_walk_across_the_shadow_boundary(thickness):
     change = np.abs(levels[2:] - levels[:-2]).max(axis=0)
     assert np.all(change[:6] < 1.5)
     assert change[6] < 1.7  # the exact solution's own
+
+
+def steps(obstacles: Boxes, source, listeners, within=False) -> np.ndarray:
+    """Largest change per octave from each place to the next [dB]."""
+    levels = np.array([level(obstacles, source, place, within) for place in listeners])
+    return np.abs(np.diff(levels, axis=0)).max(axis=0)
+
+
+@pytest.mark.parametrize(("source", "distance"), [((-1.5, 0.5, 0), 2.5), ((-0.6, 2.0, 0), 1.0)])
+def test_a_walk_past_a_doorway(source, distance):
+    """Along a wall behind a door of 0.9 m, jambs and lintel 0.1 m thick, in steps of 5 cm."""
+    t, half, top = 0.05, 0.45, 0.65
+    wall = [([-t, -30, -30], [t, -half, 30]), ([-t, half, -30], [t, 30, 30]), ([-t, -half, top], [t, half, 30])]
+    walk = [(distance, y, 0.1) for y in np.arange(-3, 3.01, 0.05)]
+    assert np.all(steps(boxes(*wall), source, walk) < 1.5)
+
+
+def test_obstacles_of_any_size():
+    """A wardrobe takes much at high octaves and little at low ones; a table's leg takes hardly anything."""
+    wardrobe = boxes(([-0.3, -0.5, -1.2], [0.3, 0.5, 0.6]))
+    behind = level(wardrobe, (-1.5, 0.1, 0), (1.5, -0.2, 0.1), within=True)
+    assert -2 < behind[0] < 0.1
+    assert -25 < behind[6] < -12
+    leg = boxes(([-0.03, -0.03, -0.8], [0.03, 0.03, -0.1]))
+    assert np.all(abs(level(leg, (-1.5, 0, -0.5), (1, 0, -0.5), within=True)[:5]) < 1)
+    walk = [(1.5, y, 0.1) for y in np.arange(-2, 2.01, 0.05)]
+    assert np.all(steps(wardrobe, (-1.5, 0.1, 0), walk, within=True)[:3] < 1.5)
+
+
+def test_boxes_that_meet_are_one():
+    """A screen in two pieces, one upon the other, sounds as one; so does a turned one."""
+    places = on_circle(60), on_circle(250, height=0.2)
+    whole = level(screen(0.1), *places)
+    pieces = boxes(([-0.05, -30, -30], [0.05, 0, 0.05]), ([-0.05, -30, 0.05], [0.05, 0, 30]))
+    np.testing.assert_allclose(level(pieces, *places), whole, atol=0.2)
+    turned = boxes(([-0.05, -30, -30], [0.05, 0, 30]), yaw=0.7)
+    spin = np.array([[np.cos(0.7), np.sin(0.7), 0], [-np.sin(0.7), np.cos(0.7), 0], [0, 0, 1]])
+    np.testing.assert_allclose(level(turned, *(p @ spin for p in places)), whole, atol=0.05)
