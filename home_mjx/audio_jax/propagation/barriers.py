@@ -56,6 +56,37 @@ _OVER = np.array([(u, d, v, s) for v in range(3) for s in (-1, 1) for u in range
 _SIDES = np.array([[edge_number(u, side * d, v, s) for side in (-1, 1)] for u, d, v, s in _OVER.tolist()])
 
 
+def nearest_boxes(boxes: Boxes, source: Float[Array, "3"], listener: Float[Array, "3"], count: int) -> Boxes:
+    """The boxes with exposed edges over which the way from source to listener is shortest.
+
+    Args:
+        boxes: n of them.
+        source: [m].
+        listener: [m].
+        count: How many.
+
+    Returns:
+        `count` boxes, or n if there are fewer.
+    """
+    way = listener - source
+
+    def local(point: Float[Array, "#n 3"]) -> Float[Array, "n 3"]:
+        return jnp.sum(boxes.axis * (point - boxes.center)[:, None], axis=2)
+
+    def closer(place: Float[Array, "n 3"], _: None) -> tuple[Float[Array, "n 3"], None]:
+        """From points of the boxes to the line, and back to the boxes."""
+        share = jnp.sum((place - source[None]) * way[None], axis=1) / jnp.maximum(jnp.sum(way * way), LEAST**2)
+        on_line = source[None] + jnp.clip(share, 0.0, 1.0)[:, None] * way[None]
+        inside = jnp.clip(local(on_line), -boxes.half, boxes.half)
+        return boxes.center + jnp.sum(boxes.axis * inside[:, :, None], axis=1), None
+
+    place, _ = jax.lax.scan(closer, boxes.center, None, length=3)
+    longer = jnp.linalg.norm(place - source[None], axis=1) + jnp.linalg.norm(place - listener[None], axis=1)
+    longer = jnp.where(jnp.any(boxes.exposed, axis=1), longer, jnp.inf)
+    _, nearest = jax.lax.top_k(-longer, min(count, longer.size))
+    return jax.tree.map(lambda x: x[nearest], boxes)
+
+
 class _Course(NamedTuple):
     """A string seen along the edges that it touches."""
 

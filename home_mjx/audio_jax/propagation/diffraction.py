@@ -9,7 +9,7 @@ from jaxtyping import Array, Bool, Complex, Float, Int
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
-from home_mjx.audio_jax.propagation.barriers import Boxes, Strings, strings
+from home_mjx.audio_jax.propagation.barriers import Boxes, Strings, nearest_boxes, strings
 from home_mjx.audio_jax.propagation.paths import NEAREST, SKIN, Paths, Straight, air_energy, cross
 from home_mjx.audio_jax.propagation.wedge import diffracted, second_edge
 from home_mjx.core.transforms import quat_matrix
@@ -19,6 +19,7 @@ from home_mjx.schema.compiled import BANDS, Ray
 from home_mjx.schema.edges import EDGES
 
 SPREAD = (-1 / 3, 0.0, 1 / 3)  # [octaves] re the centre, where each octave is evaluated
+BOXES = 3  # that are looked at, per edge that is kept
 FREE = -1e-3  # [rad], turn past an edge of what is seen
 ONE_EDGE = 0.02  # [m], strings that touch so near to each other run over pieces of one edge
 SAME = 1e-3  # [m]
@@ -104,12 +105,13 @@ def assembled_paths(
 
 def _nearest(scene: Scene, source: Source, listener: Listener, count: int) -> Strings:
     """The strings of the least detour."""
-    found = strings(house_boxes(scene), source.pos, listener.pos)
-    body = found.object_id
+    boxes = house_boxes(scene)
+    body = boxes.object_id
     own = (body >= 0) & ((body == jnp.int32(source.body)) | (body == jnp.int32(listener.body)))
-    reach = jnp.where(own, jnp.inf, found.reach)
-    _, nearest = jax.lax.top_k(-reach, min(count, reach.size))
-    return jax.tree.map(lambda x: x[nearest], found.replace(reach=reach))
+    boxes = boxes.replace(exposed=boxes.exposed & ~own[:, None])
+    found = strings(nearest_boxes(boxes, source.pos, listener.pos, BOXES * count), source.pos, listener.pos)
+    _, nearest = jax.lax.top_k(-found.reach, min(count, found.reach.size))
+    return jax.tree.map(lambda x: x[nearest], found)
 
 
 def _field(straight: Straight, found: Strings, heard: Bool[Array, " k"], config: AudioConfig) -> _Field:

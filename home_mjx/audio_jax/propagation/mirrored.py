@@ -15,25 +15,29 @@ from home_mjx.raycast_render.casting.cast import cast, occluded
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import Ray
 
-MOST_MIRRORS = {1: 64, 2: 16, 3: 12}  # by order: of which sequences are made
+MOST_MIRRORS = {1: (32, 32), 2: (12, 8), 3: (8, 4)}  # walls and faces of things of which sequences are made, by order
 DEPTH = 0.06  # [m], within which a surface counts as lying in a mirror's plane, as in `scene_compile`
 SHORTEST = 1e-3  # [m], legs that have a direction
 SAME = 1e-3  # paths whose lengths [m] and directions differ by less are one
 
 
-def house_mirrors(scene: Scene, source: Source, listener: Listener) -> Mirrors:
-    """The mirror planes of a house, and all faces of things that are not the source's or the listener's own."""
-    planes, house, boxes = scene.bank.acoustics, scene.house, house_boxes(scene)
+def house_mirrors(scene: Scene) -> Mirrors:
+    """The mirror planes of a house: its walls, floors and ceilings."""
+    planes = scene.bank.acoustics
+    flat = planes.plane_center, planes.plane_normal, planes.plane_u, planes.plane_v, planes.plane_valid
+    return Mirrors(*(x[scene.house] for x in flat))
+
+
+def thing_mirrors(scene: Scene, source: Source, listener: Listener) -> Mirrors:
+    """All faces of the boxes that stand for things, doors and bodies, but for the source's and the listener's own."""
+    boxes = house_boxes(scene)
     own = (boxes.object_id == jnp.int32(source.body)) | (boxes.object_id == jnp.int32(listener.body))
     order = np.array([[(a + i) % 3 for i in range(3)] for a in range(3) for _ in (0, 1)])
     side = jnp.asarray(np.tile([-1.0, 1.0], 3), jnp.float32)[None, :, None]
-    halves = boxes.axis * boxes.half[:, :, None]
-    normal, (out, u, v) = boxes.axis[:, order[:, 0]] * side, (halves[:, order[:, i]] for i in range(3))
-    faces = boxes.center[:, None] + out * side, normal, u, v
+    out, u, v = (boxes.axis[:, order[:, i]] * boxes.half[:, order[:, i], None] for i in range(3))
+    faces = boxes.center[:, None] + out * side, boxes.axis[:, order[:, 0]] * side, u, v
     thing = jnp.broadcast_to(((boxes.object_id >= 0) & ~own)[:, None], out.shape[:2])
-    flat = planes.plane_center, planes.plane_normal, planes.plane_u, planes.plane_v
-    joined = (jnp.concatenate([x[house], y.reshape(-1, 3)]) for x, y in zip(flat, faces, strict=True))
-    return Mirrors(*joined, jnp.concatenate([planes.plane_valid[house], thing.reshape(-1)]))
+    return Mirrors(*(x.reshape(-1, 3) for x in faces), thing.reshape(-1))
 
 
 def mirrored_paths(scene: Scene, source: Source, listener: Listener, config: AudioConfig) -> Paths:
@@ -54,7 +58,12 @@ def mirrored_paths(scene: Scene, source: Source, listener: Listener, config: Aud
     if config.num_reflections == 0:
         return no_paths()
     order = config.reflection_order
-    mirrors = nearest_mirrors(house_mirrors(scene, source, listener), source.pos, listener.pos, MOST_MIRRORS[order])
+    kinds = house_mirrors(scene), thing_mirrors(scene, source, listener)
+    kept = [
+        nearest_mirrors(kind, source.pos, listener.pos, count)
+        for kind, count in zip(kinds, MOST_MIRRORS[order], strict=True)
+    ]
+    mirrors = jax.tree.map(lambda *x: jnp.concatenate(x), *kept)
     found = find_images(mirrors, source.pos, listener.pos, order)
     _, shortest = jax.lax.top_k(-found.length, min(config.num_reflections, found.length.size))
     found = jax.tree.map(lambda x: x[shortest], found)

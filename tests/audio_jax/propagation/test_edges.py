@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.propagation.barriers import Boxes, strings
+from home_mjx.audio_jax.propagation.barriers import Boxes, nearest_boxes, strings
 from home_mjx.audio_jax.propagation.diffraction import assembled_paths
 from home_mjx.audio_jax.propagation.paths import Straight, air_energy
 from home_mjx.scene_compile.geometry.box_edges import exposed_edges
@@ -142,3 +142,19 @@ def test_boxes_that_meet_are_one():
     turned = boxes(([-0.05, -30, -30], [0.05, 0, 30]), yaw=0.7)
     spin = np.array([[np.cos(0.7), np.sin(0.7), 0], [-np.sin(0.7), np.cos(0.7), 0], [0, 0, 1]])
     np.testing.assert_allclose(level(turned, *(p @ spin for p in places)), whole, atol=0.05)
+
+
+def test_the_nearest_boxes_are_those_of_the_shortest_ways(rng):
+    """Against ways over the nearest of many points in each box; those without edges are left out."""
+    low = rng.uniform(-4, 4, (30, 3))
+    many = boxes(*zip(low, low + rng.uniform(0.1, 1.5, (30, 3)), strict=True), yaw=0.4)
+    many = many.replace(exposed=jnp.ones_like(many.exposed).at[7].set(False))
+    source, listener = rng.uniform(-4, 4, (2, 3))
+    inside = rng.uniform(-1, 1, (4000, 1, 3)) * np.asarray(many.half)
+    points = np.asarray(many.center) + np.einsum("pba,baw->pbw", inside, np.asarray(many.axis))
+    way = (np.linalg.norm(points - source, axis=-1) + np.linalg.norm(points - listener, axis=-1)).min(axis=0)
+    way[7] = np.inf
+    kept = nearest_boxes(many, jnp.float32(source), jnp.float32(listener), 8)
+    chosen = [int(np.argmin(np.linalg.norm(np.asarray(many.center) - c, axis=1))) for c in np.asarray(kept.center)]
+    assert 7 not in chosen
+    assert way[chosen].max() < np.sort(way)[7] + 0.15
