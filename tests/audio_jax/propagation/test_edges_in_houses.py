@@ -13,6 +13,8 @@ from home_mjx.audio_jax.propagation.diffraction import bent_paths
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.mirrored import mirrored_paths
 from home_mjx.audio_jax.propagation.paths import air_energy, direct_path
+from home_mjx.raycast_render.scene.scene import make_scene
+from home_mjx.scene_compile.materials.acoustic import transmission_loss_table
 
 BENDING = AudioConfig(receiver="omni", num_edges=8)
 MIRRORING = AudioConfig(receiver="omni", reflection_order=3, num_reflections=80)
@@ -130,3 +132,34 @@ def test_options_choose_producers(scenes):
     np.testing.assert_array_equal(
         default.gain[:1], direct_path(scenes["wardrobe"], *ends, AudioConfig(receiver="omni")).gain
     )
+
+
+def test_a_closed_door_lets_through_what_its_table_says_and_an_open_one_everything(generated_bank):
+    """Half a metre before and behind a leaf: nothing leads around it while it is shut."""
+    doors, house = generated_bank.physics, 0
+    hinged = np.asarray(doors.door_valid[house]) & ~np.any(np.asarray(doors.door_slide[house]), axis=1)
+    row = int(np.flatnonzero(hinged)[0])
+    shut, wide, pivot = (
+        float(doors.door_closed[house, row]),
+        float(doors.door_wide[house, row]),
+        np.asarray(doors.door_pivot[house, row]),
+    )
+    turn = np.array([[np.cos(shut), -np.sin(shut)], [np.sin(shut), np.cos(shut)]])
+    middle = np.append(turn @ (np.asarray(doors.door_pos[house, row, :2]) - pivot) + pivot, 1.3)
+    quat, size = np.asarray(doors.door_quat[house, row]), np.asarray(doors.door_size[house, row])
+    yaw = 2 * np.arctan2(quat[3], quat[0]) + shut + (np.pi / 2 if size[1] < size[0] else 0)
+    away = 0.5 * np.array([np.cos(yaw), np.sin(yaw), 0])
+
+    @jax.jit
+    def hear(angle):
+        angles = jnp.zeros(generated_bank.spec.num_doors).at[row].set(angle)
+        bodies = doors.body_pos[house], doors.body_quat[house]
+        nobody = jnp.zeros((0, 3)), jnp.zeros((0, 4))
+        scene = make_scene(generated_bank, jnp.int32(house), *bodies, *nobody, door_angle=angles)
+        return bent_paths(
+            scene, Source(jnp.float32(middle + away)), Listener(jnp.float32(middle - away), HEAD), BENDING
+        )
+
+    loss = transmission_loss_table()["hollow_wood_door"]
+    np.testing.assert_allclose(level(hear(shut)), -loss, atol=0.5)
+    assert np.all(abs(level(hear(wide))) < 4)
