@@ -92,8 +92,9 @@ def assembled_paths(
     """
     field = _field(straight, found, heard & ~_repeated(found, heard), config)
     free = straight.clear | (~field.around & straight.within)
+    passed = jnp.where(straight.clear, _octaves(field.straight), straight.objects)
     hidden = straight.partitions * jnp.where(field.around & straight.within, 0.0, straight.objects)
-    direct = jnp.where(free, _octaves(field.straight) * straight.objects, hidden)
+    direct = jnp.where(free, passed, hidden)
     energy = jnp.concatenate([direct[None], jnp.where(free, 0.0, _octaves(field.bent))])
     length = straight.distance + jnp.where(heard, found.detour, 0.0)
     length = jnp.concatenate([straight.distance[None], length])
