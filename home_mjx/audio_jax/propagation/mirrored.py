@@ -35,9 +35,10 @@ def thing_mirrors(scene: Scene, source: Source, listener: Listener) -> Mirrors:
     order = np.array([[(a + i) % 3 for i in range(3)] for a in range(3) for _ in (0, 1)])
     side = jnp.asarray(np.tile([-1.0, 1.0], 3), jnp.float32)[None, :, None]
     out, u, v = (boxes.axis[:, order[:, i]] * boxes.half[:, order[:, i], None] for i in range(3))
-    faces = boxes.center[:, None] + out * side, boxes.axis[:, order[:, 0]] * side, u, v
+    center, normal = boxes.center[:, None] + out * side, boxes.axis[:, order[:, 0]] * side
     thing = jnp.broadcast_to(((boxes.object_id >= 0) & ~own)[:, None], out.shape[:2])
-    return Mirrors(*(x.reshape(-1, 3) for x in faces), thing.reshape(-1))
+    faces = Mirrors.unchecked(center=center, normal=normal, u=u, v=v, valid=thing)
+    return jax.tree.map(lambda x: x.reshape(-1, *x.shape[2:]), faces)
 
 
 def mirrored_paths(scene: Scene, source: Source, listener: Listener, config: AudioConfig) -> Paths:
