@@ -20,10 +20,10 @@ from home_mjx.schema.edges import EDGES
 
 SPREAD = (-1 / 3, 0.0, 1 / 3)  # [octaves] re the centre, where each octave is evaluated
 BOXES = 3  # that are looked at, per edge that is kept
-FREE = -1e-3  # [rad], turn past an edge of what is seen
 ONE_EDGE = 0.02  # [m], strings that touch so near to each other run over pieces of one edge
 SAME = 1e-3  # [m]
 LOUDEST = 1.7  # energy re the free field, next to edges
+GRAZING = 1e-3  # [rad], from a shadow boundary, within which rays decide on which side of it a listener is
 LITTLE = 0.1  # share of an edge that counts as none
 
 
@@ -136,7 +136,8 @@ def _field(straight: Straight, found: Strings, heard: Bool[Array, " k"], config:
 
     near, rest = added(jnp.ones_like(wavenumber), found.detour, LOUDEST)
     joined, alone = added(_past_ends(straight, found, share), found.detour - found.detour[first], 1.0)
-    shadow = heard & (found.bend.turn > 0) & found.blocked & (jnp.max(share, axis=1) > 0.5)
+    behind = (found.blocked & (found.bend.turn > 0)) | (jnp.abs(found.bend.turn) < GRAZING)
+    shadow = heard & behind & (jnp.max(share, axis=1) > 0.5)
     there = (jnp.arange(heard.size, dtype=jnp.int32) == first)[:, None]
     return _Field(near + jnp.sum(rest, axis=0), alone + jnp.where(there, joined[None], 0.0), jnp.any(shadow))
 
@@ -155,7 +156,9 @@ def _amplitudes(
     """Field of each string re that of the straight path, and the share in it that its piece of the edge has."""
     # What rays see is not in a shadow, whatever the boxes say that stand for meshes.
     seen = straight.clear & found.blocked
-    bend = found.bend._replace(turn=jnp.where(seen, jnp.minimum(found.bend.turn, FREE), found.bend.turn))
+    turn = jnp.where(seen, jnp.minimum(found.bend.turn, -GRAZING), found.bend.turn)
+    grazing = ~straight.clear & (jnp.abs(turn) < GRAZING)
+    bend = found.bend._replace(turn=jnp.where(grazing, GRAZING, turn))
     harmonic = bend.near * bend.far / (bend.near + bend.far)
     zone = jnp.sqrt((jnp.pi / 2 * harmonic / bend.slope**3)[:, None] / wavenumber[None])
     low, high = (jax.scipy.stats.norm.cdf(found.beyond[:, i, None] / zone) for i in range(2))
