@@ -14,8 +14,11 @@ from home_mjx.audio_jax.measures.octaves import octave_responses
 from home_mjx.audio_jax.measures.spatial import iacc, lateral_fraction
 from home_mjx.audio_jax.measures.survey import Survey, survey_room
 from home_mjx.audio_jax.measures.table import RoomMeasures, measure_energy, measure_response
+from home_mjx.audio_jax.propagation.diffraction import bent_paths
+from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
-from home_mjx.audio_jax.propagation.paths import PathProducer, Paths, direct_path, early_paths, reflected_paths
+from home_mjx.audio_jax.propagation.mirrored import mirrored_paths
+from home_mjx.audio_jax.propagation.paths import PathProducer, Paths, direct_path, reflected_paths
 from home_mjx.audio_jax.propagation.tracing import Trace, trace
 
 __all__ = [
@@ -31,6 +34,7 @@ __all__ = [
     "Survey",
     "Trace",
     "band_level",
+    "bent_paths",
     "c50",
     "c80",
     "centre_time",
@@ -57,6 +61,7 @@ __all__ = [
     "loudness",
     "measure_energy",
     "measure_response",
+    "mirrored_paths",
     "octave_responses",
     "reflected_paths",
     "sound_frame",
