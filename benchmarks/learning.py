@@ -1,58 +1,89 @@
-"""How fast agents learn, and how well: trains in some houses, plays whole episodes in others, beside random agents.
+"""How well agents learn: trains in some houses, plays whole episodes in others, beside random agents.
 
-    python benchmarks/learning.py CASE [--houses ROOT] [--frames 30e6] [--seconds 60] [--seed 0] [--out FOLDER]
+    python benchmarks/learning.py CASE [--houses ROOT] [--frames 30e6] [--clone 0] [--seconds 60] [--out FOLDER]
 
-`range` and `depth` are PointNav as Habitat has it: moves of 0.25 m and 10 degrees, success within 0.2 m and with
-`stop`; `blind` is the same without eyes. The learning rate falls until `--frames`; training ends at `--seconds` if that
-comes first, without the time of compiling. One JSON object a line: the run, then each evaluation.
+PointNav is as Habitat has it: moves of 0.25 m and 10 degrees, success within 0.2 m and with `stop`. The other tasks are
+as their ids have them. `--clone` steps of an expert's advice come first, then `--frames` of PPO, whose learning rate
+falls until then; all ends at `--seconds` if that comes first, without the time of compiling. One JSON object a line:
+the run, then each evaluation. The folder is one of `home-mjx train`: its checkpoint can be played and evaluated.
 """
 
 import argparse
+import contextlib
 import dataclasses
+import fcntl
 import json
 import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import jax
+import jax.numpy as jnp
+import numpy as np
 
-import home_mjx
 from home_mjx.bench.timing import device_name
-from home_mjx.cli.learning.train import assignments
+from home_mjx.cli.learning.named import assignments
+from home_mjx.registry import find_spec
+from home_mjx.tasks import chance, prior_accuracy
 from home_mjx.tasks.base.options import override
-from home_mjx.training import (
-    PPO,
-    PPOConfig,
-    evaluate,
-    random_policy,
-    summary,
-)
-from home_mjx.training.progress import Clock, Sums
-from home_mjx.training.records import Records
+from home_mjx.training import Policy, PPOConfig, RunConfig, evaluate, judged, load_policy, random_policy, summary, train
+from home_mjx.training.checkpoint import CHECKPOINT
+from home_mjx.training.records import read_lines
 
-POINT_NAV = {"actions": "discrete", "impl": "kinematic", "stop": True, "success_radius": 0.2}
-LOOKS = ("depth", "coarse", "color")
-CASES: dict[str, tuple[str, dict[str, Any]]] = {
-    "range": ("PointNav-v0", POINT_NAV | {"sensors": ("lidar", "goal")}),
-    "depth": ("PointNav-v0", POINT_NAV | {"sensors": ("depth", "goal")}),
-    "blind": ("PointNav-v0", POINT_NAV | {"sensors": ("goal",)}),
-    "room": ("RoomNav-v0", {"impl": "kinematic", "sensors": ("depth", "room", "goal_words")}),
-    "object": ("ObjectNav-v0", {"impl": "kinematic", "sensors": ("depth", "coarse", "goal_words")}),
-    "sentence": ("InstructionFollowing-v0", {"impl": "kinematic", "sensors": (*LOOKS, "instruction")}),
-    "unread": ("InstructionFollowing-v0", {"impl": "kinematic", "sensors": LOOKS}),
-}  # fmt: skip
-SHOWN = (
-    "success",
-    "spl",
-    "return",
-    "length",
-    "steps_per_second",
-    "loss/entropy",
-    "loss/kl",
-    "loss/clipped",
-    "grad_norm",
-)
-NUM_LINES = 60
+EYES = ("depth", "coarse", "prev_action")
+COLOURS = (*EYES, "color")
+
+
+@dataclass(frozen=True)
+class Case:
+    """What is learned, and how it is judged.
+
+    Attributes:
+        env: Id of the environment.
+        options: Of the training.
+        judged: Options of further evaluations by name, such as sounds never heard.
+        taken: An observation that the same agent goes without in one more evaluation: its least value instead.
+    """
+
+    env: str
+    options: dict[str, Any]
+    judged: dict[str, dict[str, Any]] = field(default_factory=dict)
+    taken: str | None = None
+
+
+def point(*sensors: str) -> Case:
+    """PointNav."""
+    options = {"actions": "discrete", "impl": "kinematic", "stop": True, "success_radius": 0.2, "sensors": sensors}
+    return Case("PointNav-v0", options)
+
+
+def task(
+    name: str, *sensors: str, judged: dict[str, dict[str, Any]] | None = None, taken: str | None = None, **options: Any
+) -> Case:
+    """A task of rows."""
+    return Case(f"{name}-v0", {"impl": "kinematic", "sensors": sensors, **options}, judged or {}, taken)
+
+
+UNHEARD = {"unheard": {"clip_split": "unheard"}}
+SEEN = {"combinations": "seen"}
+NEW = {"new": {"combinations": "new"}}
+CASES = {
+    "range": point("lidar", "state", "goal"),
+    "depth": point("depth", "goal"),
+    "blind": point("goal"),
+    "sound": task("AudioNav", "depth", "log_mel", "prev_action", judged=UNHEARD, taken="log_mel"),
+    "deaf": task("AudioNav", "depth", "prev_action"),
+    "room": task("RoomNav", *EYES, "room", "goal_words"),
+    "object": task("ObjectNav", *EYES, "goal_words"),
+    "sentence": task(
+        "InstructionFollowing", *COLOURS, "instruction", judged=NEW, taken="instruction", combinations="seen"
+    ),
+    "unread": task("InstructionFollowing", *COLOURS, judged=NEW, combinations="seen"),
+    "piper": task("PiedPiper", *EYES, "log_mel", judged=UNHEARD, taken="log_mel"),
+    "question": task("HouseQA", *COLOURS, "instruction"),
+    "unseen": task("HouseQA", "prev_action", "instruction"),
+}
 
 
 def main() -> None:
@@ -64,64 +95,104 @@ def main() -> None:
     parser.add_argument("--held-out", type=int, default=100, help="houses to be evaluated in")
     parser.add_argument("--episodes", type=int, default=1000)
     parser.add_argument("--frames", type=float, default=30e6)
+    parser.add_argument("--algorithm", default="ppo", help="as of home-mjx train")
+    parser.add_argument("--clone", type=float, default=0, help="steps of an expert's advice before PPO's")
+    parser.add_argument("--start", help="checkpoint or agent.npz whose network is where training begins")
     parser.add_argument("--seconds", type=float, default=60.0)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--out", type=Path, help="folder for `metrics.jsonl` and `curves.png`")
+    parser.add_argument("--out", type=Path, help="folder of the run")
+    parser.add_argument("--env", action="append", default=[], metavar="NAME=VALUE", help="an option of the environment")
     parser.add_argument("--ppo", action="append", default=[], metavar="NAME=VALUE", help="an option of PPOConfig")
+    parser.add_argument("--turn", type=Path, help="a file: of all runs that name it, one trains at a time")
+    parser.add_argument("--random", type=int, default=1, help="0: without agents that act at random")
     parser.add_argument("--greedy", action="store_true", help="evaluate the likeliest actions, too")
     args = parser.parse_args()
-    env_id, options = CASES[args.case]
-    env = home_mjx.make(env_id, args.houses, split="train", num_houses=args.num_houses, **options)
-    held_out = home_mjx.make(env_id, args.houses, split="val", num_houses=args.held_out, **options)
-    ppo = PPO(env.core, config_of(args))
-    state, run = learn(ppo, env.params, args)
-    common = {"case": f"learning/{args.case}", "seed": args.seed, "device": device_name()}
-    print(json.dumps(common | run | {"houses": env.bank.num_houses, "ppo": plain(ppo.config)}), flush=True)
-    policies = {"trained": (ppo.policy, state.net), "random": (random_policy(env.core), None)}
-    if args.greedy:
-        policies["greedy"] = (lambda net: ppo.policy(net, greedy=True), state.net)
-    for name, (policy, net) in policies.items():
-        begun = time.perf_counter()
-        found = summary(evaluate(held_out, policy, net, args.episodes, seed=1))
-        record = {"agent": name, "held_out": held_out.bank.num_houses, "episodes": args.episodes, **found}
-        print(json.dumps(common | record | {"seconds": round(time.perf_counter() - begun, 1)}), flush=True)
-
-
-def config_of(args: argparse.Namespace) -> PPOConfig:
-    """Options of the training."""
-    options = {"num_timesteps": int(args.frames)} | assignments(args.ppo)
-    return override({"": PPOConfig()}, options)[""]
-
-
-def learn(ppo: PPO, params: Any, args: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
-    """Updates until frames or seconds are over."""
-    out = args.out or Path("runs") / f"learning-{args.case}-{args.seed}"
+    run, out = run_of(args), args.out or Path("runs") / f"learning-{args.case}-{args.seed}"
     out.mkdir(parents=True, exist_ok=True)
-    clock, sums, size, num = Clock({}), Sums(), ppo.config.batch_size, ppo.config.num_updates
-    params = jax.device_put(params, ppo.whole)
-    state = ppo.init(params, jax.random.key(args.seed))
-    update = ppo.update.lower(params, state).compile()
-    line: dict[str, Any] = {}
-    with Records(out, 0) as records:
-        clock.start(0)
-        for i in range(1, num + 1):
-            state, metrics = update(params, state)
-            sums.add(metrics)
-            over = clock.seconds + time.perf_counter() - clock.time > args.seconds
-            if i % max(1, num // NUM_LINES) == 0 or i == num or over:
-                line = {"steps": i * size, **clock.lap(i * size), **sums.means()}
-                records.add(line)
-                print({name: round(line[name], 4) for name in ("steps", *SHOWN) if name in line}, flush=True)
-            if over:
-                break
-        records.draw()
-    names = ("steps", "seconds", "compile_seconds", *SHOWN)
-    return state, {name: line[name] for name in names if name in line}
+    train(run, out, turn=in_turn(args.turn))
+    common = {"case": f"learning/{args.case}", "seed": args.seed, "device": device_name()}
+    print(json.dumps(common | last_line(out) | {"houses": run.env.num_houses, "run": plain(run)}), flush=True)
+    for name, options in {"held out": {}, **CASES[args.case].judged}.items():
+        env, taken = held_out(run, args, options), CASES[args.case].taken
+        trained, net = load_policy(out / CHECKPOINT, env.core)
+        policies = {"trained": (trained, net)}
+        if args.random:
+            policies["random"] = (random_policy(env.core), None)
+        if taken:
+            low = float(np.min(env.core.observation_spec[taken].low))
+            policies[f"without {taken}"] = (without(trained, taken, low), net)
+        if args.greedy:
+            policies["greedy"] = load_policy(out / CHECKPOINT, env.core, greedy=True)
+        for agent, (policy, own) in policies.items():
+            begun = time.perf_counter()
+            found = summary(evaluate(env, policy, own, args.episodes, seed=1))
+            record = {"agent": agent, "judged": name, "held_out": env.bank.num_houses, "episodes": args.episodes}
+            print(json.dumps(common | record | found | {"seconds": round(time.perf_counter() - begun, 1)}), flush=True)
+        if env.spec and env.spec.id == "HouseQA-v0":
+            asked = run.env.make().params.tasks, env.params.tasks
+            print(json.dumps(common | {"prior": prior_accuracy(*asked), "chance": chance(asked[1])}), flush=True)
 
 
-def plain(config: PPOConfig) -> dict[str, Any]:
-    """The options as JSON has them."""
-    return dataclasses.asdict(config)
+@contextlib.contextmanager
+def in_turn(path: Path | None) -> Iterator[None]:
+    """While one run trains, others can compile or be evaluated: the time of training is its own."""
+    if path is None:
+        yield
+        return
+    with path.open("w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+
+
+def run_of(args: argparse.Namespace) -> RunConfig:
+    """What `home-mjx train` would be asked for."""
+    case = CASES[args.case]
+    known = find_spec(case.env)
+    env = dataclasses.replace(
+        known,
+        options={**known.options, **case.options, **assignments(args.env)},
+        houses=args.houses,
+        num_houses=args.num_houses,
+        split="train",
+    )
+    ppo = override({"": PPOConfig()}, {"num_timesteps": int(args.frames)} | assignments(args.ppo))[""]
+    return RunConfig(env, ppo, args.seed, args.algorithm, args.start, int(args.clone), args.seconds)
+
+
+def held_out(run: RunConfig, args: argparse.Namespace, options: dict[str, Any]) -> Any:
+    """The environment in houses never trained in."""
+    env = judged(run.env, "val", args.held_out)
+    return dataclasses.replace(env, options={**env.options, **options}).make()
+
+
+def without(trained: Callable[[Any], Policy], name: str, low: float) -> Callable[[Any], Policy]:
+    """The same agent, which gets the least value of one observation instead."""
+
+    def policy_of(net: Any) -> Policy:
+        policy = trained(net)
+        return policy._replace(
+            act=lambda memory, obs, *rest: policy.act(memory, obs | {name: jnp.full_like(obs[name], low)}, *rest)
+        )
+
+    return policy_of
+
+
+def last_line(out: Path) -> dict[str, Any]:
+    """How the training ended."""
+    return read_lines(out / "metrics.jsonl")[-1]
+
+
+def plain(run: RunConfig) -> dict[str, Any]:
+    """The run as JSON has it."""
+    options = {name: value for name, value in run.env.options.items() if isinstance(value, str | int | float | tuple)}
+    ppo = dataclasses.asdict(run.ppo)
+    return {
+        "env": run.env.id,
+        "options": options,
+        "ppo": ppo,
+        "algorithm": run.algorithm,
+        "clone_timesteps": run.clone_timesteps,
+    }
 
 
 if __name__ == "__main__":

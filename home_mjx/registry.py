@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeGuard
 
 import gymnasium
 
-from home_mjx.core.checks import check_number
+from home_mjx.core.checks import check_flag, check_number, check_type
 from home_mjx.core.jsonable import from_json, to_json
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 
@@ -37,12 +37,15 @@ class EnvSpec:
         id: `Name-vN`; N is raised whenever learning results could change.
         entry_point: `module:name` of a `Task` subclass, or of a function `(get_bank, **options)` that returns an
             environment, where `get_bank(compile_options)` makes the houses.
-        options: As for `make`, by name.
+        options: As for `make`, by name; with `variation`, ranges of domain randomisation by name.
         houses: Folder of a dataset; None: generated houses, or `SUNCG_DATA_DIR`.
         num_houses: How many.
         split: `train`, `val` or `test`; None: any.
         where: A filter of houses; None: any.
         in_memory: It was made with a bank or dataset in memory, which no file can name.
+
+    Raises:
+        ConfigError: A value is of another type.
 
     Example:
         >>> spec = EnvSpec("PointNav-v0", "home_mjx.tasks:PointNav", {"width": 32})
@@ -58,6 +61,20 @@ class EnvSpec:
     split: str | None = None
     where: "HouseFilter | None" = None
     in_memory: bool = False
+
+    def __post_init__(self) -> None:
+        check_type("id", self.id, str)
+        check_type("entry_point", self.entry_point, str)
+        check_type("options", self.options, Mapping)
+        check_number("num_houses", self.num_houses, 1, whole=True)
+        check_flag("in_memory", self.in_memory)
+        for name in ("houses", "split"):
+            if getattr(self, name) is not None:
+                check_type(name, getattr(self, name), str)
+        if self.where is not None:
+            from home_mjx.scene_compile.cache.selection import HouseFilter
+
+            check_type("where", self.where, HouseFilter)
 
     def to_json(self) -> str:
         """The spec as text.
@@ -75,12 +92,23 @@ class EnvSpec:
         """The spec that `to_json` wrote.
 
         Raises:
-            ConfigError: The text is no such spec.
+            ConfigError: The text is no such spec, or its environment is not registered here.
         """
         spec = from_json(text)
         if not isinstance(spec, cls):
             raise ConfigError(f"expected the JSON of an EnvSpec, got {type(spec).__name__}")
         return spec
+
+    def check_trusted(self) -> None:
+        """What a spec from a file runs must be what is registered under its id: `from_json` asks.
+
+        Raises:
+            ConfigError: It is not.
+        """
+        known = _REGISTRY.get(self.id)
+        if known is None or known.entry_point != self.entry_point:
+            hint = "If you trust it, import the module that registers it first; on the command line, `--import MODULE`."
+            raise ConfigError(f"no environment `{self.id}` of `{self.entry_point}` is registered", hint=hint)
 
     def memory_estimate(self, num_envs: int, progress: bool | None = None) -> "MemoryEstimate":
         """What `num_envs` of this environment take of a device; its houses are packed on the host to tell."""
@@ -165,6 +193,7 @@ def make(
     split: str | None = None,
     where: "HouseFilter | None" = None,
     progress: bool | None = None,
+    variation: Any = None,
     **options: Any,
 ) -> "BoundEnv[HouseholdEnv]":
     """An environment by id.
@@ -178,6 +207,8 @@ def make(
         split: Only houses of `train`, `val` or `test`.
         where: A `HouseFilter`: only houses of a dataset that have all this.
         progress: Show a progress bar while houses are made and compiled; None: in a terminal.
+        variation: What differs from episode to episode: a `tasks.Variation`, or its ranges by name such as
+            `{"lamps": 0.5, "colors": (0, 0.3)}`; None: nothing.
         **options: Fields of `EnvConfig` and of the records in it, of the task (`task.*`) and of `CompileOptions`
             (`compile.*`): flat (`width=32`, `friction=0.5`, `success_radius=0.2`), dotted
             (`**{"physics.friction": 0.5}`) or as whole records (`physics=PhysicsConfig(...)`).
@@ -200,7 +231,7 @@ def make(
                 raise ConfigError(f"`{name}` chooses houses of a dataset, not of {type(houses).__name__}")
     spec = dataclasses.replace(
         known,
-        options={**known.options, **options},
+        options={**known.options, **options, **_ranges(variation)},
         houses=str(houses) if isinstance(houses, str | Path) else None,
         num_houses=NUM_HOUSES if num_houses is None else num_houses,
         split=split,
@@ -211,7 +242,8 @@ def make(
 
 
 def _made(spec: EnvSpec, houses: Any, progress: bool | None) -> "BoundEnv[HouseholdEnv]":
-    entry_point = _load(spec.entry_point)
+    entry_point, options = _load(spec.entry_point), dict(spec.options)
+    variation = _ranges(options.pop("variation", None))
     shown = sys.stderr.isatty() if progress is None else progress
 
     def get_bank(compile_options: "CompileOptions | None" = None, num_arrangements: int = 0) -> "HouseBank":
@@ -219,11 +251,21 @@ def _made(spec: EnvSpec, houses: Any, progress: bool | None) -> "BoundEnv[Househ
         return _arranged(bank, num_arrangements, shown) if num_arrangements and bank is not houses else bank
 
     if _is_task(entry_point):
-        env = _with_task(entry_point, get_bank, spec.options)
+        env = _with_task(entry_point, get_bank, options)
     else:
-        env = entry_point(get_bank, **spec.options)
+        env = entry_point(get_bank, **options)
+    env = env.with_variation(variation["variation"]) if variation else env
     env.spec = spec
     return env
+
+
+def _ranges(variation: Any) -> dict[str, Any]:
+    """The option as plain numbers by name, checked before any house is made; nothing if nothing varies."""
+    if variation is None:
+        return {}
+    from home_mjx.tasks.variation.ranges import named
+
+    return {"variation": named(variation)}
 
 
 def _is_task(entry_point: Callable[..., Any]) -> TypeGuard[type]:

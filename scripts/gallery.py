@@ -16,13 +16,15 @@ from PIL import Image
 
 from home_mjx.arrangements import settled_poses
 from home_mjx.bank.bank import HouseBank
-from home_mjx.core.transforms import camera_quat
+from home_mjx.core.transforms import camera_quat, quat_matrix
 from home_mjx.datasets.procedural.dataset import generate_dataset
 from home_mjx.raycast_render.cameras.camera import Camera, Lens
 from home_mjx.raycast_render.cameras.noise import kinect_depth
 from home_mjx.raycast_render.images.render import render
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.shading.preset import Lit
+from home_mjx.tasks.variation.draw import Mount, draw
+from home_mjx.tasks.variation.ranges import Variation
 from home_mjx.viz import pictures
 
 SEEDS = (3, 11, 20, 42)
@@ -30,6 +32,7 @@ EYE = 1.5  # [m]
 SIZE = (320, 240)
 FINE = Lit(corners=0.8, bounces=3)
 FAR = 8.0  # [m], depth drawn darkest
+PICTURES = ("presets", "kinds", "cameras", "moved", "rooms", "arrangements", "variation")
 
 
 class Studio:
@@ -46,9 +49,10 @@ class Studio:
         nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
         return make_scene(self.bank, self.house, jnp.asarray(self.bodies), jnp.asarray(self.turns), *nobody)
 
-    def draw(self, camera, lens, kinds=("rgb",), preset="fast", depth_max=None):
-        """Images on the host."""
-        images = look(lens, kinds, preset, depth_max)(self.scene(), camera)
+    def draw(self, camera, lens, kinds=("rgb",), preset="fast", depth_max=None, drawn=None):
+        """Images on the host; `drawn`: as in such an episode."""
+        scene = self.scene() if drawn is None else self.scene().replace(look=drawn.look)
+        images = look(lens, kinds, preset, depth_max)(scene, camera)
         return {kind: np.asarray(image) for kind, image in images.items()}
 
     def views(self, count, tries=40):
@@ -193,6 +197,33 @@ def moved(studio, samples):
     )
 
 
+def varied(studio, samples):
+    """One view as its house has it, under one range each, and in four episodes of all ranges."""
+    view, lens = studio.views(1)[0], Lens(*SIZE, samples=samples)
+    alone = {
+        "lamps of other rooms": {"lamps": 0.4, "daylight": 0.0},
+        "daylight": {"daylight": (0.0, 0.4)},
+        "colors": {"colors": 0.5},
+        "textures": {"textures": 1.0},
+        "camera": {"camera_height": (-0.6, -0.3), "camera_pitch": (5.0, 15.0), "camera_fovy": (-20.0, 20.0)},
+    }
+    whole = {"lamps": 0.7, "lamp_gain": (0.5, 2.0), "daylight": (0.0, 1.5), "sun_azimuth": (0.0, 360.0)}
+    whole |= {"colors": (0.0, 0.5), "textures": 0.3, "camera_height": (-0.4, 0.2), "camera_pitch": (-10.0, 10.0)}
+    episodes = [(name, ranges, seed) for seed, (name, ranges) in enumerate(alone.items(), 1)]
+    episodes += [(f"all, episode {seed}", whole, seed) for seed in range(3)]
+    num_rooms = studio.bank.lights.ambient.shape[1]
+    shown = [("as the house has it", studio.draw(view, lens, preset=FINE)["rgb"])]
+    for name, ranges, seed in episodes:
+        drawn = draw(Variation.of(**ranges), jax.random.key(seed), num_rooms)
+        mount = drawn.mount or Mount()
+        rise, tilt, wider = (0.0 if x is None else float(x) for x in (mount.height, mount.pitch, mount.fovy))
+        turn = np.array(quat_matrix(view.quat))
+        yaw, pitch = np.arctan2(-turn[1, 2], -turn[0, 2]), np.arcsin(-turn[2, 2])
+        own = camera(np.asarray(view.pos) + np.array([0, 0, rise]), yaw, pitch + tilt, float(view.fovy) + wider)
+        shown.append((name, studio.draw(own, lens, preset=FINE, drawn=drawn)["rgb"]))
+    return panels(shown[:3], shown[3:6], shown[6:])
+
+
 def rooms(studios, samples):
     """Rooms of different houses."""
     lens = Lens(*SIZE, samples=samples)
@@ -209,7 +240,7 @@ def main():
     parser.add_argument("--dataset", type=Path, help="dataset root (default: generated houses)")
     parser.add_argument("--out", type=Path, default=Path("docs/images"))
     parser.add_argument("--samples", type=int, default=9, help="rays per pixel of lit pictures")
-    parser.add_argument("--only", nargs="*", default=["presets", "kinds", "cameras", "moved", "rooms", "arrangements"])
+    parser.add_argument("--only", nargs="*", default=list(PICTURES))
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         root = args.dataset or folder
@@ -223,6 +254,7 @@ def main():
         "moved": lambda: moved(studios[0], args.samples),
         "rooms": lambda: rooms(studios, args.samples),
         "arrangements": lambda: arrangements(studios, args.samples),
+        "variation": lambda: varied(studios[0], args.samples),
     }
     args.out.mkdir(parents=True, exist_ok=True)
     for name in args.only:

@@ -16,6 +16,7 @@ NEEDS = {
     "stable_baselines3_ppo": "stable_baselines3",
     "brax_ppo": "brax",
     "ppo_from_pixels": "flax",
+    "curriculum": "flax",
 }
 
 

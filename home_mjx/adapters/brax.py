@@ -156,5 +156,5 @@ def wrap_for_training(
     if action_repeat != 1:
         raise ConfigError(f"action_repeat must be 1, got {action_repeat}", hint="Make `ctrl_dt` longer instead")
     if randomization_fn is not None:
-        raise ConfigError("randomization_fn is not supported", hint="Put different houses in the bank instead")
+        raise ConfigError("randomization_fn is not supported", hint="Give `make` a `variation`, or more houses.")
     return TrainingWrapper(env, episode_length)

@@ -16,6 +16,7 @@ from home_mjx.core.checks import check_number
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.state import Episodes, State
 from home_mjx.tasks.environment.autoreset import AutoReset, where_envs
+from home_mjx.tasks.environment.begin import in_order
 
 
 class GymEnv(gymnasium.Env, EzPickle):
@@ -68,7 +69,7 @@ class GymEnv(gymnasium.Env, EzPickle):
         tools.check_options(options, ("house", "episode") if count else ("house",))
         house = tools.chosen(options, "house", self.env.bank.num_houses)
         episode = tools.chosen(options, "episode", count) if count else None
-        if count and episode is None:
+        if in_order(self.env.params.tasks) and episode is None:
             episode = np.int32(0 if seed is not None else self._next_episode)
         self._next_episode = 0 if episode is None else int(episode) + 1
         self._state = self._reset(self.env.params, tools.key_of(self.np_random), house, episode)

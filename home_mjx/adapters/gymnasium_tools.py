@@ -133,7 +133,7 @@ class Picture:
 
         def draw(params: Any, state: State) -> Any:
             snapshot = env.core.snapshot(params, state)
-            camera = jax.tree.map(lambda x: x[0], place_cameras(env.config, view, snapshot.pose))
+            camera = jax.tree.map(lambda x: x[0], place_cameras(env.config, view, snapshot.pose, snapshot.mount))
             own = agent_ids(snapshot.bank, 1)[0]
             preset = env.config.rgb_preset
             return render(snapshot.scene, camera, view.lens, kinds=("rgb",), preset=preset, exclude=own)["rgb"]

@@ -1,5 +1,6 @@
 """Sound: impulse responses by the ray caster, and what two ears hear through them."""
 
+from home_mjx.audio_jax.auralization.envelope import Envelope, band_level, clip_power, energy_response
 from home_mjx.audio_jax.auralization.response import ear_gains, early_response, impulse_response, late_response
 from home_mjx.audio_jax.auralization.schedule import loudness
 from home_mjx.audio_jax.auralization.sources import CLIPS, clip_samples
@@ -13,13 +14,17 @@ from home_mjx.audio_jax.measures.octaves import octave_responses
 from home_mjx.audio_jax.measures.spatial import iacc, lateral_fraction
 from home_mjx.audio_jax.measures.survey import Survey, survey_room
 from home_mjx.audio_jax.measures.table import RoomMeasures, measure_energy, measure_response
+from home_mjx.audio_jax.propagation.diffraction import bent_paths
+from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
-from home_mjx.audio_jax.propagation.paths import PathProducer, Paths, direct_path, early_paths, reflected_paths
+from home_mjx.audio_jax.propagation.mirrored import mirrored_paths
+from home_mjx.audio_jax.propagation.paths import PathProducer, Paths, direct_path, reflected_paths
 from home_mjx.audio_jax.propagation.tracing import Trace, trace
 
 __all__ = [
     "CLIPS",
     "AudioConfig",
+    "Envelope",
     "Listener",
     "PathProducer",
     "Paths",
@@ -28,9 +33,12 @@ __all__ = [
     "Source",
     "Survey",
     "Trace",
+    "band_level",
+    "bent_paths",
     "c50",
     "c80",
     "centre_time",
+    "clip_power",
     "clip_samples",
     "d50",
     "decay_curve",
@@ -42,6 +50,7 @@ __all__ = [
     "early_response",
     "edt",
     "energy_histogram",
+    "energy_response",
     "faded_frame",
     "given_off",
     "iacc",
@@ -52,6 +61,7 @@ __all__ = [
     "loudness",
     "measure_energy",
     "measure_response",
+    "mirrored_paths",
     "octave_responses",
     "reflected_paths",
     "sound_frame",

@@ -65,6 +65,20 @@ def main(argv: Sequence[str] | None = None) -> int:
             raise
         sys.stderr.write(f"home-mjx: error: {error}\n")
         return BAD_INPUT
+    except Exception as error:
+        if "--debug" in argv or not _is_out_of_memory(error):
+            raise
+        reason = str(error).strip().partition("\n")[0].rstrip(".")
+        hint = "Take fewer environments, houses, episodes or pixels."
+        sys.stderr.write(f"home-mjx: error: not enough memory: {reason}. {hint}\n")
+        return BAD_INPUT
+
+
+def _is_out_of_memory(error: Exception) -> bool:
+    """Whether NumPy, Python or a device has no memory left; JAX may not have been imported."""
+    return isinstance(error, MemoryError) or (
+        type(error).__name__ == "JaxRuntimeError" and "RESOURCE_EXHAUSTED" in str(error)
+    )
 
 
 def _dispatch(argv: list[str]) -> int:

@@ -7,6 +7,8 @@ from typing import Any, NoReturn
 
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 
+MAX_DIGITS = 40  # of a number
+
 
 class Parser(argparse.ArgumentParser):
     """`argparse.ArgumentParser` that raises `ConfigError` and suggests the option that was meant."""
@@ -75,13 +77,26 @@ def number(low: float = -1e6, high: float = 1e6) -> Callable[[str], float]:
 
 def seed(text: str) -> int:
     """A whole number of 32 bits: random keys hold no more."""
-    if not text.isdecimal() or int(text) >= 2**32:
-        raise argparse.ArgumentTypeError(f"expected a whole number from 0 to {2**32 - 1}, got `{text}`")
+    if not text.isdecimal() or len(text) > MAX_DIGITS or int(text) >= 2**32:
+        raise argparse.ArgumentTypeError(f"expected a whole number from 0 to {2**32 - 1}, got `{text:.{MAX_DIGITS}}`")
     return int(text)
 
 
-def positive_int(text: str) -> int:
-    """A whole number above zero."""
-    if not text.isdecimal() or int(text) == 0:
-        raise argparse.ArgumentTypeError(f"expected a whole number above 0, got `{text}`")
-    return int(text)
+def whole(most: int) -> Callable[[str], int]:
+    """A type of whole numbers above zero, up to `most`.
+
+    Example:
+        >>> whole(100)("25")
+        25
+    """
+
+    def parse(text: str) -> int:
+        if not text.isdecimal() or len(text) > MAX_DIGITS or not 0 < int(text) <= most:
+            limit = f" and at most {most}" if text.isdecimal() and text.strip("0") else ""
+            raise argparse.ArgumentTypeError(f"expected a whole number above 0{limit}, got `{text:.{MAX_DIGITS}}`")
+        return int(text)
+
+    return parse
+
+
+positive_int = whole(2**31 - 1)

@@ -3,8 +3,12 @@
 import math
 import numbers
 from collections.abc import Iterable
+from typing import TypeGuard
 
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
+
+MOST_WHOLE = 2.0**63  # those of 64 bits are less
+MAX_SHOWN = 200  # characters of a value in a message
 
 
 def check_known(kind: str, names: Iterable[str], known: Iterable[str]) -> None:
@@ -31,7 +35,7 @@ def check_flag(name: str, value: object) -> None:
 def check_type(name: str, value: object, kind: type) -> None:
     """Raises `ConfigError` unless an option is an instance of `kind`."""
     if not isinstance(value, kind):
-        raise ConfigError(f"`{name}` must be of type {kind.__name__}, got {value!r}")
+        raise ConfigError(f"`{name}` must be of type {kind.__name__}, got {shown(value)}")
 
 
 def check_number(
@@ -53,17 +57,36 @@ def check_number(
         ...
         home_mjx.errors.ConfigError: `width` must be a whole number of at least 1, got 3.5
     """
-    kind = numbers.Integral if whole else numbers.Real
-    if (
-        isinstance(value, kind)
-        and not isinstance(value, bool)
-        and math.isfinite(value)
-        and least <= float(value) <= most
-    ):
+    if _is_number(value, whole) and least <= float(value) <= most:
         return
     above = f" of at least {least:g}" if math.isfinite(least) else ""
     below = f"{' and' if above else ' of'} at most {most:g}" if math.isfinite(most) else ""
-    raise ConfigError(f"`{name}` must be a {'whole ' if whole else 'finite '}number{above}{below}, got {value!r}")
+    raise ConfigError(f"`{name}` must be a {'whole ' if whole else 'finite '}number{above}{below}, got {shown(value)}")
+
+
+def _is_number(value: object, whole: bool) -> TypeGuard[float]:
+    """Whether it is a finite number that computers calculate with; Python's whole numbers have any length."""
+    if isinstance(value, bool) or not isinstance(value, numbers.Integral if whole else numbers.Real):
+        return False
+    try:
+        finite = math.isfinite(value)
+    except OverflowError:
+        return False
+    return finite and (not whole or abs(float(value)) < MOST_WHOLE)
+
+
+def shown(value: object) -> str:
+    """A value in a message, cut off where it is long.
+
+    Example:
+        >>> shown(10**400)
+        '1000000000000000000000000000000000000000… (401 characters)'
+    """
+    try:
+        text = repr(value)
+    except ValueError:  # Python does not write whole numbers of thousands of digits
+        return "a number of thousands of digits"
+    return text if len(text) <= MAX_SHOWN else f"{text[:40]}… ({len(text)} characters)"
 
 
 def check_shape(name: str, shape: tuple[int, ...], expected: tuple[int, ...]) -> None:

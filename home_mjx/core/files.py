@@ -6,12 +6,14 @@ import shutil
 import stat
 import tempfile
 import uuid
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO, Any, TypeVar
 
-from home_mjx.errors import DatasetError, MissingFileError
+import numpy as np
+
+from home_mjx.errors import ConfigError, DatasetError, MissingFileError
 
 Row = TypeVar("Row")
 
@@ -57,10 +59,12 @@ def read_json_lines(path: Path, what: str, parse: Callable[[Any], Row], most: in
         try:
             yield parse(json.loads(line))
         except DatasetError as error:
-            raise type(error)(error.message, file=path, element=f"line {number}", hint=error.hint) from None
-        except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+            place = f"line {number}, {error.element}" if error.element else f"line {number}"
+            raise type(error)(error.message, file=path, element=place, hint=error.hint) from None
+        except (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
             reason = f"`{error.args[0]}` is missing" if type(error) is KeyError else str(error)
-            raise DatasetError(f"no {what}: {reason}", file=path, element=f"line {number}") from None
+            hint = "Each line must be one JSON object, as the package writes them."
+            raise DatasetError(f"no {what}: {reason}", file=path, element=f"line {number}", hint=hint) from None
 
 
 def read_bytes(path: Path, hint: str | None = None, most: int | None = None) -> bytes:
@@ -75,6 +79,30 @@ def read_bytes(path: Path, hint: str | None = None, most: int | None = None) -> 
     except (OSError, ValueError) as error:  # ValueError: a name with a null byte
         reason = f"file cannot be read: {getattr(error, 'strerror', error)}"
         raise DatasetError(reason, file=path, hint="Check its name and who may read it.") from None
+
+
+def read_arrays(path: Path, names: Sequence[str], what: str, hint: str) -> list[np.ndarray]:
+    """Arrays of an `.npz` file by name; nothing in it is run.
+
+    Args:
+        path: The file.
+        names: Of the arrays.
+        what: What the file is, for messages.
+        hint: What to do if it is none.
+
+    Raises:
+        MissingFileError: The file is missing.
+        DatasetError: It is broken, or lacks a name.
+    """
+    try:
+        with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
+            return [file[name] for name in names]
+    except FileNotFoundError:
+        raise MissingFileError(f"there is no {what}", file=path, hint=hint) from None
+    except KeyError as error:
+        raise DatasetError(f"file lacks {error.args[0]}", file=path, hint="Another version made it.") from None
+    except Exception as error:  # a made-up file can make NumPy and zipfile raise nearly anything, MemoryError too
+        raise DatasetError(f"file is no {what}: {error}", file=path, hint=hint) from None
 
 
 def is_file(path: Path) -> bool:
@@ -145,6 +173,50 @@ def write_whole(path: Path) -> Iterator[IO[bytes]]:
     except BaseException:
         Path(temporary).unlink(missing_ok=True)
         raise
+
+
+@contextmanager
+def write_durably(path: Path, what: str, hint: str | None = None) -> Iterator[IO[bytes]]:
+    """As `write_whole`, and on the disk when the block ends; the file has the permissions of any new one.
+
+    What a killed process leaves beside `path` is overwritten the next time.
+
+    Args:
+        path: The file; its folder exists.
+        what: What is written, for messages.
+        hint: What to do if it cannot be.
+
+    Raises:
+        ConfigError: It cannot be written, such as on a full disk; nothing of it is left.
+
+    Example:
+        >>> with write_durably(Path("notes.json"), "notes") as file:  # doctest: +SKIP
+        ...     file.write(b"{}")
+    """
+    beside = path.with_name(f".{path.name}.new")
+    try:
+        with beside.open("wb") as file:
+            yield file
+            file.flush()
+            os.fsync(file.fileno())
+        beside.replace(path)
+    except BaseException as error:
+        with suppress(OSError):
+            beside.unlink(missing_ok=True)
+        if isinstance(error, OSError):
+            raise unwritable(what, path, error, hint) from error
+        raise
+
+
+def unwritable(what: str, path: Path, error: OSError, hint: str | None = None) -> ConfigError:
+    """What to raise where the system refuses to write.
+
+    Example:
+        >>> print(unwritable("film", Path("out.mp4"), OSError(28, "No space left on device")))
+        film cannot be written: No space left on device (in out.mp4). Free some space, or name another folder.
+    """
+    hint = hint or "Free some space, or name another folder."
+    return ConfigError(f"{what} cannot be written: {error.strerror or error}", file=path, hint=hint)
 
 
 def replace_folder(target: Path, files: Mapping[str, bytes]) -> None:

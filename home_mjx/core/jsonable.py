@@ -3,12 +3,25 @@
 import dataclasses
 import importlib
 import json
+import sys
 from collections.abc import Mapping
-from typing import Any
+from pathlib import Path
+from typing import Any, Protocol, runtime_checkable
 
 from home_mjx.errors import ConfigError
 
+PACKAGE = __name__.split(".")[0]
 TYPE, TUPLE = "__type__", "__tuple__"
+HINT = "Another version of home_mjx wrote it, or it was changed by hand."
+
+
+@runtime_checkable
+class Trusting(Protocol):
+    """Options that name what is run: `from_json` asks them before it hands them on, as a file must not choose that."""
+
+    def check_trusted(self) -> None:
+        """Raises `ConfigError` if what they name is not known here."""
+        ...
 
 
 def to_json(value: Any) -> str:
@@ -24,18 +37,23 @@ def to_json(value: Any) -> str:
     return json.dumps(_plain(value, "value"))
 
 
-def from_json(text: str) -> Any:
+def from_json(text: str, file: Path | None = None) -> Any:
     """What `to_json` was given.
 
+    Args:
+        text: What it gave.
+        file: Where the text is from, for errors.
+
     Raises:
-        ConfigError: The text is broken, or names something that is no dataclass.
+        ConfigError: The text is broken, or names something that is no dataclass, or one of a module that neither is of
+            this package nor has been imported; or `check_trusted` of a part refuses.
     """
     try:
         return _rebuilt(json.loads(text))
-    except ConfigError:  # it is a ValueError as well
-        raise
-    except (ValueError, TypeError, KeyError, RecursionError) as error:
-        raise ConfigError(f"cannot be read as options: {error}") from error
+    except ConfigError as error:  # it is a ValueError as well
+        raise type(error)(error.message, file=file or error.file, element=error.element, hint=error.hint) from error
+    except (ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError) as error:
+        raise ConfigError(f"cannot be read as options: {error}", file=file, hint=HINT) from error
 
 
 def _plain(value: Any, where: str) -> Any:
@@ -61,11 +79,19 @@ def _rebuilt(value: Any) -> Any:
     if TUPLE in value:
         return tuple(_rebuilt(x) for x in value[TUPLE])
     fields = {name: _rebuilt(x) for name, x in value.items() if name != TYPE}
-    return _dataclass(value[TYPE])(**fields) if TYPE in value else fields
+    if TYPE not in value:
+        return fields
+    made = _dataclass(value[TYPE])(**fields)
+    if isinstance(made, Trusting):
+        made.check_trusted()
+    return made
 
 
 def _dataclass(name: str) -> type:
     module, _, qualname = name.partition(":")
+    if module.split(".")[0] != PACKAGE and module not in sys.modules:  # a file must not choose what is run
+        hint = f"If you trust it, import {module} first."
+        raise ConfigError(f"`{name}` is of a module that has not been imported", hint=hint)
     try:
         found: Any = importlib.import_module(module)
         for part in qualname.split("."):

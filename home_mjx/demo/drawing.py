@@ -1,4 +1,4 @@
-"""The walk as pictures, film and sound."""
+"""The walk as pictures."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -23,10 +23,6 @@ class Walk:
     positions: list[np.ndarray] = field(default_factory=list)
     sources: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
 
-    def sound(self, view: int) -> np.ndarray:
-        """The whole walk's stereo sound (2, n)."""
-        return np.concatenate([obs["audio"][view] for obs in self.obs], axis=-1)
-
     def richest(self, view: int) -> dict[str, np.ndarray]:
         """The observation that shows most different things.
 
@@ -38,7 +34,7 @@ class Walk:
 
 
 def draw(env: BoundEnv[HouseholdEnv], states: State, walk: Walk, folder: Path, progress: tqdm) -> None:
-    """Writes the contact sheet, the film and the sound."""
+    """Writes the contact sheet."""
     houses = np.asarray(states.world.house)
     tops = [TopView(env.bank, _scene(env, states, i)) for i in range(len(houses))]
     paths = np.stack(walk.positions)
@@ -48,12 +44,6 @@ def draw(env: BoundEnv[HouseholdEnv], states: State, walk: Walk, folder: Path, p
         caption = f"house {houses[i]}: path, end (green), radio (red)"
         rows.append([pictures.captioned(image, caption), *_views(env, walk.richest(i), i, 256)])
     media.write_png(folder / "contact_sheet.png", pictures.sheet(rows))
-    progress.update()
-    sound = walk.sound(0)
-    rate = env.config.audio.sample_rate
-    media.write_wav(folder / "walk.wav", sound, rate)
-    frames = np.stack([_film_frame(env, walk, tops[0], paths[: t + 1, 0], t) for t in range(len(walk.obs))])
-    media.write_mp4(folder / "walk.mp4", frames, 1 / env.dt, folder / "walk.wav")
     progress.update()
 
 
@@ -70,11 +60,3 @@ def _views(env: BoundEnv[HouseholdEnv], obs: dict[str, np.ndarray], view: int, s
         "instance": pictures.id_colours(obs["ids/head_instance"][view]),
     }
     return [pictures.captioned(pictures.enlarge(image, size), name) for name, image in panels.items()]
-
-
-def _film_frame(env: BoundEnv[HouseholdEnv], walk: Walk, top: TopView, path: np.ndarray, t: int) -> np.ndarray:
-    peak = max(float(np.abs(obs["audio"][0]).max()) for obs in walk.obs)
-    row = [pictures.captioned(top.with_path(path, walk.sources[0], 192), "top view"), *_views(env, walk.obs[t], 0, 192)]
-    width = sum(panel.shape[1] for panel in row) + 6 * (len(row) - 1)
-    wave = pictures.waveform(walk.obs[t]["audio"][0], width, 96, peak)
-    return pictures.sheet([row, [pictures.captioned(wave, "left ear (above), right ear (below), last 0.1 s")]])

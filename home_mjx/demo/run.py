@@ -1,5 +1,6 @@
-"""The demo from houses to files: compile, walk, draw, measure, and only then move everything into place."""
+"""The demo from houses to files: compile, walk, draw, measure, search, and only then move everything into place."""
 
+import dataclasses
 import functools
 import json
 import time
@@ -15,6 +16,8 @@ from tqdm import tqdm
 from home_mjx.bench import timing
 from home_mjx.demo.drawing import Walk, draw
 from home_mjx.demo.output import moved_when_done
+from home_mjx.demo.search import film_search
+from home_mjx.errors import ConfigError
 from home_mjx.navigation.path_follower import Walker, make_walker
 from home_mjx.registry import make
 from home_mjx.tasks.base.state import State
@@ -40,7 +43,7 @@ class DemoOptions:
         num_houses: Houses in the bank.
         num_envs: Environments in the batch.
         num_steps: Steps of the walk.
-        num_views: Environments that are drawn.
+        num_views: Environments that are drawn, and searches that are filmed.
         seed: Seed of everything.
     """
 
@@ -94,11 +97,22 @@ def _run(options: DemoOptions, steps: tqdm) -> dict[str, Any]:
     }
     with moved_when_done(options.out) as folder:
         draw(env, views, walk, folder, steps)
+        steps.set_description("searching")
+        report["search"] = searched(folder, options)
+        steps.update()
         report["peak_memory_bytes"] = timing.peak_memory_bytes()
         report["wall_seconds"] = time.perf_counter() - started
         (folder / "report.json").write_text(json.dumps(report, indent=2) + "\n")
     steps.update()
     return report
+
+
+def searched(folder: Path, options: DemoOptions) -> list[dict[str, Any]] | str:
+    """How each search of the trained agent has ended, filmed; or why there is none."""
+    try:
+        return [dataclasses.asdict(one) for one in film_search(folder, options.suncg, options.num_views, options.seed)]
+    except ConfigError as error:  # whoever installs the package alone gets all but the film
+        return str(error)
 
 
 def _compiled_begin(env: BoundEnv[HouseholdEnv], options: DemoOptions) -> tuple[Any, float]:

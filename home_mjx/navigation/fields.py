@@ -7,7 +7,12 @@ from jaxtyping import Array, Bool, Float, Int
 from home_mjx.bank.bank import HouseBank
 
 
-def distance_field(free: Bool[Array, "ny nx"], source: Bool[Array, "ny nx"], cell: float) -> Float[Array, "ny nx"]:
+def distance_field(
+    free: Bool[Array, "ny nx"],
+    source: Bool[Array, "ny nx"],
+    cell: float,
+    slow: Float[Array, "ny nx"] | float = 1.0,
+) -> Float[Array, "ny nx"]:
     """Length of the shortest 8-connected path over free cells to the nearest source; no corner is cut.
 
     Sweeps down and up over the rows until nothing changes (Zhao, "A fast sweeping method for Eikonal equations", 2005),
@@ -18,6 +23,7 @@ def distance_field(free: Bool[Array, "ny nx"], source: Bool[Array, "ny nx"], cel
         free: Cells that a path may cross.
         source: Cells with distance 0; cells that are not free are ignored.
         cell: Edge of a cell [m].
+        slow: So many times as long counts a step out of a cell; positive.
 
     Returns:
         [m]; inf where there is no path. Equals `scene_compile.navigation.geodesic.distance_fields` up to rounding.
@@ -27,14 +33,15 @@ def distance_field(free: Bool[Array, "ny nx"], source: Bool[Array, "ny nx"], cel
     """
     far = jnp.float32(jnp.inf)
     start = jnp.where(free & source, jnp.float32(0), far)
+    step = jnp.broadcast_to(jnp.float32(cell) * slow, free.shape)
 
     def changed(carry: tuple[Array, Array]) -> Array:
         return jnp.any(carry[0] < carry[1])
 
     def rounds(carry: tuple[Array, Array]) -> tuple[Array, Array]:
         distance, _ = carry
-        down = _sweep(free, distance, jnp.float32(cell))
-        return _sweep(free[::-1], down[::-1], jnp.float32(cell))[::-1], distance
+        down = _sweep(free, distance, step)
+        return _sweep(free[::-1], down[::-1], step[::-1])[::-1], distance
 
     first = jnp.where(jnp.isfinite(start), start, far)
     distance, _ = jax.lax.while_loop(changed, rounds, rounds((first, first)))
@@ -42,25 +49,25 @@ def distance_field(free: Bool[Array, "ny nx"], source: Bool[Array, "ny nx"], cel
 
 
 def _sweep(
-    free: Bool[Array, "ny nx"], distance: Float[Array, "ny nx"], cell: Float[Array, ""]
+    free: Bool[Array, "ny nx"], distance: Float[Array, "ny nx"], step: Float[Array, "ny nx"]
 ) -> Float[Array, "ny nx"]:
     """Distances relaxed row by row, each from the one above and then along itself."""
 
     def row(
-        above: tuple[Bool[Array, " nx"], Float[Array, " nx"]], here: tuple[Bool[Array, " nx"], Float[Array, " nx"]]
+        above: tuple[Bool[Array, " nx"], Float[Array, " nx"]], here: tuple[Array, Array, Array]
     ) -> tuple[tuple[Array, Array], Array]:
         free_above, there = above
-        open_, known = here
-        best = jnp.minimum(known, there + cell)
-        diagonal = cell * jnp.float32(2**0.5)
-        for step in (1, -1):
-            beside = _shift(open_, step, False) & free_above & _shift(free_above, step, False)
-            best = jnp.minimum(best, jnp.where(beside, _shift(there, step, jnp.inf) + diagonal, jnp.inf))
-        best = _along(open_, jnp.where(open_, best, jnp.inf), cell)
+        open_, known, length = here
+        best = jnp.minimum(known, there + length)
+        diagonal = length * jnp.float32(2**0.5)
+        for side in (1, -1):
+            beside = _shift(open_, side, False) & free_above & _shift(free_above, side, False)
+            best = jnp.minimum(best, jnp.where(beside, _shift(there, side, jnp.inf) + diagonal, jnp.inf))
+        best = _along(open_, jnp.where(open_, best, jnp.inf), length)
         return (open_, best), best
 
     nothing = jnp.zeros(free.shape[1], bool), jnp.full(free.shape[1], jnp.inf, jnp.float32)
-    return jax.lax.scan(row, nothing, (free, distance))[1]
+    return jax.lax.scan(row, nothing, (free, distance, step))[1]
 
 
 def _shift(values: Array, step: int, fill: float | bool) -> Array:
@@ -69,14 +76,16 @@ def _shift(values: Array, step: int, fill: float | bool) -> Array:
     return moved.at[0 if step > 0 else -1].set(fill)
 
 
-def _along(open_: Bool[Array, " nx"], distance: Float[Array, " nx"], cell: Float[Array, ""]) -> Float[Array, " nx"]:
+def _along(
+    open_: Bool[Array, " nx"], distance: Float[Array, " nx"], length: Float[Array, " nx"]
+) -> Float[Array, " nx"]:
     """Least distance along a row in both directions, without crossing a blocked cell."""
 
     def join(a: tuple[Array, Array], b: tuple[Array, Array]) -> tuple[Array, Array]:
         # (length of the stretch or inf if it is cut, least distance at its end)
         return a[0] + b[0], jnp.minimum(b[1], a[1] + b[0])
 
-    step = jnp.where(open_, cell, jnp.float32(jnp.inf))
+    step = jnp.where(open_, length, jnp.float32(jnp.inf))
     right = jax.lax.associative_scan(join, (step, distance))[1]
     left = jax.lax.associative_scan(join, (step, distance), reverse=True)[1]
     return jnp.minimum(right, left)

@@ -8,7 +8,7 @@ Usable alone:
 """
 
 from home_mjx.physics.base.config import PhysicsConfig
-from home_mjx.physics.base.state import PhysicsState
+from home_mjx.physics.base.state import PhysicsState, Scale
 from home_mjx.physics.dynamics import (
     agent_contact,
     agent_pose,
@@ -37,6 +37,7 @@ __all__ = [
     "ModelInC",
     "PhysicsConfig",
     "PhysicsState",
+    "Scale",
     "Template",
     "agent_contact",
     "agent_pose",

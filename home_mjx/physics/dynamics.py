@@ -9,7 +9,7 @@ from home_mjx.core.checks import check_shape
 from home_mjx.physics.base.control import FORWARD_SPEED, TURN_RATE
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.base.servo import FREE, GRAVITY
-from home_mjx.physics.base.state import AWAKE, PhysicsState
+from home_mjx.physics.base.state import AWAKE, PhysicsState, Scale
 from home_mjx.physics.base.touch import NOTHING
 from home_mjx.physics.fused import step_fused
 from home_mjx.physics.kinematic.step import step_kinematic
@@ -31,6 +31,7 @@ def reset(
     agent_yaw: Float[Array, " a"],
     door_angle: Float[Array, " h"] | None = None,
     arrangement: Int[Array, ""] | int | None = None,
+    scale: Scale | None = None,
 ) -> PhysicsState:
     """Agents, movable bodies and doors at rest at their starting poses, hands empty.
 
@@ -43,6 +44,7 @@ def reset(
         door_angle: [rad], about +z from as placed, or [m] of what slides; None: as placed.
         arrangement: Which of the house's settled poses bodies have, see `arrangements.settled_poses`; -1 or None: they
             are where the house has them.
+        scale: Of friction and mass of bodies in this episode; None: as the house has them.
 
     Raises:
         ConfigError: Positions or angles are not one per agent or door.
@@ -73,6 +75,7 @@ def reset(
         impulse=jnp.zeros(layout.num_mobiles, jnp.float32),
         place=jnp.zeros((layout.num_mobiles, 3), jnp.float32),
         other=jnp.full(layout.num_mobiles, NOTHING, jnp.int32),
+        scale=scale,
     )
 
 

@@ -18,7 +18,7 @@ from home_mjx.core.native.varying import varying_as
 from home_mjx.physics.base.batched import Step, batched, without_gradient
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.base.doors import Leaf, door_table
-from home_mjx.physics.base.state import PhysicsState
+from home_mjx.physics.base.state import PhysicsState, Scale
 from home_mjx.physics.base.surfaces import body_surfaces
 from home_mjx.physics.cpu import cpu_available, step_cpu
 from home_mjx.physics.cuda.launch import cuda_available, step_cuda
@@ -58,7 +58,8 @@ def _step_native(
     platform: str, template: Template, physics: Physics, house: Array, state: PhysicsState, action: Array
 ) -> tuple[PhysicsState, Lost]:
     numbers = jnp.asarray(numbers_of(template.config), jnp.float32)
-    own = (house, state.qpos, state.qvel, state.qacc, action, state.held, state.grip, state.goal)
+    scale = (state.scale or Scale()).factors
+    own = (house, state.qpos, state.qvel, state.qacc, action, state.held, state.grip, state.goal, scale)
     shared = (*_house_arrays(template.config, physics), jnp.asarray(template.agents, jnp.float32), numbers)
     batch = jax.tree.map(lambda x: x[None], own)
     results = _batched(platform)(*shared, *batch)
@@ -111,7 +112,7 @@ def _batched(platform: str) -> Step:
 def _run(step: Callable[..., Sequence[Array]], *operands: Array) -> tuple[Array, ...]:
     """Environments (e ...) by compiled code, in the types that it takes; an empty batch never reaches it."""
     given = [x.astype(jnp.int32 if jnp.issubdtype(x.dtype, jnp.integer) else jnp.float32) for x in operands]
-    _, qpos, qvel, qacc, action, _, _, goal = given[NUM_SHARED:]
+    _, qpos, qvel, qacc, action, _, _, goal, _ = given[NUM_SHARED:]
     envs, agents = action.shape[:2]
     mobiles = agents + given[BODY_VALID].shape[1] + goal.shape[1]
     results = [jax.ShapeDtypeStruct(x.shape, jnp.float32) for x in (qpos, qvel, qacc)]

@@ -61,7 +61,7 @@ def obey(
     A body is taken by an empty hand within its agent's `reach` if it weighs no more than `lift` and nobody holds it.
     Surfaces and doors must be within reach, too. Whether anything is in the line of sight is for the caller to see.
     """
-    bodies = movable_bodies(bank.physics, house)
+    bodies = movable_bodies(bank.physics, house, state.scale)
     for a in range(template.layout.num_agents):
         if template.layout.num_bodies:
             state = _release(template, bodies, state, a, commands)
@@ -75,7 +75,7 @@ def obey(
 def settle(template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState) -> PhysicsState:
     """Hands and doors after a control step: what has arrived is let go, what was torn away as well."""
     if template.layout.num_bodies:
-        bodies = movable_bodies(bank.physics, house)
+        bodies = movable_bodies(bank.physics, house, state.scale)
         for a in range(template.layout.num_agents):
             state = _settle_hand(template, bodies, state, a)
     leaves = house_doors(bank.physics, house)

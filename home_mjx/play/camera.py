@@ -54,7 +54,7 @@ class FilmCamera:
     def _seen(self, params: EnvParams, state: State) -> tuple[Array, Array, Array, Array]:
         core = self.env.core
         snapshot = core.snapshot(params, state)
-        camera = jax.tree.map(lambda x: x[0], place_cameras(core.config, self._camera, snapshot.pose))
+        camera = jax.tree.map(lambda x: x[0], place_cameras(core.config, self._camera, snapshot.pose, snapshot.mount))
         own = agent_ids(snapshot.bank, core.num_agents)[0]
         images: dict[str, Any] = render(
             snapshot.scene, camera, self._camera.lens, kinds=("rgb",), preset="lit", exclude=own

@@ -71,7 +71,7 @@ class KeyboardPlayer:
     """A person drives the first agent; others do nothing.
 
     Args:
-        config: Options of the environment.
+        config: Options of the environment, of the agents that act (`HouseholdEnv.own_config`).
         show: Called with the state before each action, to show it.
         source: Where keys come from: a terminal gives them one by one, anything else line by line.
 

@@ -3,13 +3,14 @@
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.tasks.base.state import Episodes, State
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.household import HouseholdEnv
 from home_mjx.tasks.language.asked import asked
+from home_mjx.tasks.language.vocabulary import detokenize
 from home_mjx.tasks.rows.row_task import RowState
 from home_mjx.tasks.suite.point_nav import PointNavState
 
@@ -81,3 +82,26 @@ def goals_of(bank: HouseBank, state: State, boxes: Float[np.ndarray, "i 2 3"]) -
     points = boxes[np.asarray(state.task.means.instance[guide])].mean(axis=1)
     places = place[None] if np.isfinite(place).all() else points
     return Goals(places, np.asarray(state.task.means.room[guide]))
+
+
+def words_of(state: State) -> tuple[str, ...]:
+    """What was said in the last step; nothing of tasks that are no rows. See `as_words`."""
+    if not isinstance(state.task, RowState):
+        return ()
+    return as_words(np.asarray(state.world.said), np.asarray(state.task.reply))
+
+
+def as_words(said: Int[np.ndarray, " a"], replies: Int[np.ndarray, " a"]) -> tuple[str, ...]:
+    """What agents have said, each with what an oracle has replied.
+
+    Args:
+        said: Token of each agent; -1 nothing.
+        replies: Token of the reply to each; -1 none.
+
+    Example:
+        >>> from home_mjx.tasks.language.vocabulary import tokenize
+        >>> as_words(np.array([*tokenize("colour"), -1]), np.array([*tokenize("red"), -1]))
+        ('colour: red',)
+    """
+    pairs = zip(said.tolist(), replies.tolist(), strict=True)
+    return tuple(": ".join(detokenize([token]) for token in pair if token >= 0) for pair in pairs if pair[0] >= 0)

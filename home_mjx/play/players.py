@@ -46,10 +46,10 @@ def policy_of(env: BoundEnv[HouseholdEnv], agent: str, checkpoint: Path | None =
     check_agent(agent, checkpoint)
     if checkpoint is None:
         return expert_policy() if agent == "expert" else random_policy(env.core)(None)
-    from home_mjx.training import PPO, load_net, read_config  # needs the extra `train`
+    from home_mjx.training import load_policy  # needs the extra `train`
 
-    ppo = PPO(env.core, read_config(checkpoint).ppo, jax.devices()[:1])
-    return ppo.policy(load_net(checkpoint, jax.eval_shape(ppo.agent.init_net, jax.random.key(0))), greedy)
+    trained, net = load_policy(checkpoint, env.core, greedy)
+    return trained(net)
 
 
 @runtime_checkable

@@ -16,16 +16,18 @@ from home_mjx.play.camera import FilmCamera, Sight, without_agents
 from home_mjx.play.episode import Game, Outcome, Step, said
 from home_mjx.play.film import Film, frame
 from home_mjx.play.keyboard import KeyboardPlayer, as_text, key_help
-from home_mjx.play.meant import asked_of, goals_of
+from home_mjx.play.meant import asked_of, goals_of, words_of
 from home_mjx.play.plan import Plan
 from home_mjx.play.players import POLICIES, Player, PolicyPlayer, check_agent, policy_of
 from home_mjx.registry import EnvSpec
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.household import HouseholdEnv
 from home_mjx.tasks.experts.teacher import with_expert
-from home_mjx.training.evaluation import with_episodes
+from home_mjx.tasks.sensors.choose import keepers
+from home_mjx.training.evaluation import check_episodes, with_episodes
 
 AGENTS = (*POLICIES, "human")
+HEARD = "audio"  # what keeps the sound that was heard, whether it is observed as waves or as spectra
 WIDTH, HEIGHT = 480, 360  # [px], of the agent's view
 
 
@@ -79,6 +81,7 @@ def run_play(options: PlayOptions, tell: Callable[[str], Any] = tqdm.write, keys
         ConfigError: A checkpoint is missing, or given for another agent or task; or no expert is known for the task.
     """
     check_agent(options.agent, options.checkpoint, AGENTS)
+    check_episodes(options.episodes)
     env = with_episodes(options.env.make(), options.episodes, options.seed)
     env = with_expert(env) if options.agent == "expert" else env
     reporter = _Reporter(env, options)
@@ -118,9 +121,9 @@ def film_checkpoint(
     Returns:
         How each episode has ended; nothing is printed.
     """
-    from home_mjx.training import read_config  # needs the extra `train`
+    from home_mjx.training import judged, read_config  # needs the extra `train`
 
-    env = dataclasses.replace(read_config(checkpoint).env, split=split, num_houses=num_houses)
+    env = judged(read_config(checkpoint).env, split, num_houses)
     return run_play(PlayOptions(env, "trained", checkpoint, episodes, seed, greedy, out), lambda line: None)
 
 
@@ -134,7 +137,7 @@ def _rows(env: BoundEnv[HouseholdEnv], options: PlayOptions) -> list[int | None]
 
 def _player(env: BoundEnv[HouseholdEnv], options: PlayOptions, reporter: "_Reporter", keys: Any) -> Player:
     if options.agent == "human":
-        return KeyboardPlayer(env.config, reporter.show, keys)
+        return KeyboardPlayer(env.core.own_config, reporter.show, keys)
     return PolicyPlayer(env.core, policy_of(env, options.agent, options.checkpoint, options.greedy), options.seed)
 
 
@@ -146,27 +149,28 @@ class _Reporter:
         self.in_terminal = options.agent == "human" and sys.stdout.isatty()
         self.is_seen = options.out is not None or self.in_terminal
         self.camera = FilmCamera(env, options.width, options.height, options.samples)
-        self.heard = "audio" in env.observation_spec
+        self.heard = HEARD in {sensor.name for sensor in keepers(env.core.sensors)}
         self.film = Film(env.dt, env.config.audio.sample_rate if self.heard else None)
         self.sights: list[Sight] = []
+        self.words: dict[str, None] = {}  # that were said, each once, in their order
 
     def add(self, step: Step) -> None:
         """A step was taken."""
         self.step = step
         is_first = step.action is None
         if is_first:
-            self.asked, self.sights = asked_of(self.env, step.state), []
+            self.asked, self.sights, self.words = asked_of(self.env, step.state), [], {}
             self.plan = Plan(self.env.bank, int(step.state.world.house))
+        self.words |= dict.fromkeys(words_of(step.state))
         if not self.is_seen:
             return
         self.sights.append(self.camera.shot(step.state))
         if self.options.out is not None:
             moves = is_first or self.env.config.hands
-            self.top = self.plan.drawn(
-                without_agents(self.env, step.state) if moves else None,
-                self.sights,
-                goals_of(self.env.bank, step.state, self.sights[-1].boxes),
-            )
+            if is_first or not step.state.terminated:  # whoever has arrived has no goal any more
+                self.goals = goals_of(self.env.bank, step.state, self.sights[-1].boxes)
+            scene = without_agents(self.env, step.state) if moves else None
+            self.top = self.plan.drawn(scene, self.sights, self.goals)
             self.film.add(self._frame(said(self.env, step, self.options.agent)), self._sound(step))
 
     def end(self, outcome: Outcome) -> None:
@@ -174,7 +178,8 @@ class _Reporter:
         if self.options.out is not None:
             spl = "" if np.isnan(outcome.spl) else f"   SPL {outcome.spl:.2f}"
             how = "success" if outcome.success else "failure"
-            text = f"{self.options.agent}   {how}{spl}   {outcome.steps} steps   return {outcome.gained:+.2f}"
+            words = f"   said {', '.join(self.words)}" if self.words else ""
+            text = f"{self.options.agent}   {how}{spl}   {outcome.steps} steps   return {outcome.gained:+.2f}{words}"
             self.film.end(self._frame(text, outcome.success > 0))
 
     def show(self, state: Any) -> None:
@@ -198,7 +203,4 @@ class _Reporter:
         return frame(self.sights[-1].view, self.top, self.asked.text, status, success)
 
     def _sound(self, step: Step) -> np.ndarray | None:
-        if not self.heard:
-            return None
-        sound = np.asarray(step.state.obs["audio"])
-        return sound if self.env.num_agents == 1 else sound[0]
+        return np.asarray(step.state.world.sensors[HEARD].frame)[0] if self.heard else None

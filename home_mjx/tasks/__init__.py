@@ -24,6 +24,7 @@ from home_mjx.tasks.guided.exploration import Exploration, ExplorationState
 from home_mjx.tasks.guided.pied_piper import PiedPiper, PiedPiperState
 from home_mjx.tasks.language.splits import mentions, new_combinations
 from home_mjx.tasks.language.vocabulary import detokenize, tokenize
+from home_mjx.tasks.measures.top_down import Ground, MapMemory, TopDownMap, remember_map, top_down_map
 from home_mjx.tasks.questions.balance import chance, prior_accuracy
 from home_mjx.tasks.questions.communication import Communication
 from home_mjx.tasks.questions.dialogue import Dialogue
@@ -42,6 +43,8 @@ from home_mjx.tasks.suite.instructions import InstructionFollowing
 from home_mjx.tasks.suite.navigation import HouseTasks, Navigation, ObjectNav, PointGoals, RoomNav
 from home_mjx.tasks.suite.point_nav import PointNav, PointNavState
 from home_mjx.tasks.suite.task_lines import load_tasks, save_tasks
+from home_mjx.tasks.variation.draw import Drawn
+from home_mjx.tasks.variation.ranges import Variation
 
 __all__ = [
     "DEFAULT_SENSORS",
@@ -58,6 +61,7 @@ __all__ = [
     "Communication",
     "Dialogue",
     "DiscreteActions",
+    "Drawn",
     "EnvConfig",
     "EnvParams",
     "Episodes",
@@ -66,11 +70,13 @@ __all__ = [
     "Feature",
     "Fetch",
     "Go",
+    "Ground",
     "HouseQA",
     "HouseTasks",
     "HouseView",
     "HouseholdEnv",
     "InstructionFollowing",
+    "MapMemory",
     "Meant",
     "MemoryEstimate",
     "Navigation",
@@ -95,8 +101,10 @@ __all__ = [
     "Task",
     "TaskBank",
     "Thing",
+    "TopDownMap",
     "Touch",
     "TouchMeaning",
+    "Variation",
     "When",
     "WithExpert",
     "World",
@@ -116,11 +124,13 @@ __all__ = [
     "new_combinations",
     "prior_accuracy",
     "register_sensor",
+    "remember_map",
     "sample_episodes",
     "save_episodes",
     "save_states",
     "save_tasks",
     "tokenize",
+    "top_down_map",
     "touch_meaning",
     "with_expert",
 ]

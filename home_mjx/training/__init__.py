@@ -9,18 +9,28 @@ from typing import TYPE_CHECKING, Any
 from home_mjx.errors import ConfigError, install_hint
 
 if TYPE_CHECKING:
-    from home_mjx.training.checkpoint import load_checkpoint, load_net, read_config, save_checkpoint
-    from home_mjx.training.cloning import Cloning
+    from home_mjx.training.checkpoint import (
+        CHECKPOINT,
+        load_checkpoint,
+        load_net,
+        load_policy,
+        read_config,
+        save_checkpoint,
+        save_net,
+    )
+    from home_mjx.training.cloning import Advised, Cloning
     from home_mjx.training.config import CPU_CONFIG, PPOConfig, RunConfig
-    from home_mjx.training.evaluation import evaluate, expert_policy, random_policy, summary
+    from home_mjx.training.evaluation import evaluate, expert_policy, judged, random_policy, summary
     from home_mjx.training.networks import NetworkConfig, RecurrentAgent
     from home_mjx.training.ppo import PPO, TrainState
     from home_mjx.training.rollout import Policy
     from home_mjx.training.run import evaluate_checkpoint, train
 
 __all__ = [
+    "CHECKPOINT",
     "CPU_CONFIG",
     "PPO",
+    "Advised",
     "Cloning",
     "NetworkConfig",
     "PPOConfig",
@@ -31,20 +41,31 @@ __all__ = [
     "evaluate",
     "evaluate_checkpoint",
     "expert_policy",
+    "judged",
     "load_checkpoint",
     "load_net",
+    "load_policy",
     "random_policy",
     "read_config",
     "save_checkpoint",
+    "save_net",
     "summary",
     "train",
 ]
 
 _MODULES = {
-    "checkpoint": ("load_checkpoint", "load_net", "read_config", "save_checkpoint"),
-    "cloning": ("Cloning",),
+    "checkpoint": (
+        "CHECKPOINT",
+        "load_checkpoint",
+        "load_net",
+        "load_policy",
+        "read_config",
+        "save_checkpoint",
+        "save_net",
+    ),
+    "cloning": ("Advised", "Cloning"),
     "config": ("CPU_CONFIG", "PPOConfig", "RunConfig"),
-    "evaluation": ("evaluate", "expert_policy", "random_policy", "summary"),
+    "evaluation": ("evaluate", "expert_policy", "judged", "random_policy", "summary"),
     "networks": ("NetworkConfig", "RecurrentAgent"),
     "ppo": ("PPO", "TrainState"),
     "rollout": ("Policy",),

@@ -1,22 +1,29 @@
 """Training on disk: one file per checkpoint, complete or not there at all, with its configuration inside."""
 
 import json
-import os
-import zipfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import jax
 import numpy as np
 
+from home_mjx.core.files import read_arrays, write_durably
 from home_mjx.core.jsonable import from_json, to_json
-from home_mjx.errors import ConfigError, DatasetError, MissingFileError
+from home_mjx.errors import ConfigError, DatasetError
+from home_mjx.tasks.environment.household import HouseholdEnv
 from home_mjx.training.config import RunConfig
+from home_mjx.training.ppo import PPO
+from home_mjx.training.rollout import Policy
 
 CHECKPOINT = "checkpoint.npz"  # in the folder of a run
+AGENT = "agent.npz"  # beside it, once the run is over: the network alone
 CONFIG = "config"  # name of the configuration in a file; names of arrays begin with a dot
+NET = ".net"  # of a `TrainState`
 MAX_SHOWN = 5  # differences that an error names
+FREE_SPACE = "Free some space, then go on with --resume; or name another folder by --out."
+DIVERGED = "Training has diverged; try a lower learning rate, such as --ppo learning_rate=0.0001."
+NAME_ONE = "Name the folder of a run of `home-mjx train`, its checkpoint.npz or its agent.npz."
 
 
 def save_checkpoint(path: str | Path, state: Any, config: RunConfig) -> None:
@@ -30,17 +37,32 @@ def save_checkpoint(path: str | Path, state: Any, config: RunConfig) -> None:
     Raises:
         ConfigError: The file cannot be written, or the configuration is not made of numbers, text and dataclasses.
     """
-    path = Path(path)
-    arrays = {jax.tree_util.keystr(place): np.asarray(x) for place, x in jax.tree_util.tree_leaves_with_path(state)}
-    beside = path.with_name(f".{path.name}.new")
-    try:
-        with beside.open("wb") as file:
-            np.savez(file, **{CONFIG: np.array(to_json(config))}, **arrays)  # pyright: ignore[reportArgumentType]
-            file.flush()
-            os.fsync(file.fileno())
-        beside.replace(path)
-    except OSError as error:
-        raise ConfigError(f"checkpoint cannot be written: {error.strerror}", file=path) from None
+    _save(Path(path), _named(state), config)
+
+
+def save_net(path: str | Path, net: Any, config: RunConfig) -> None:
+    """Writes the parameters alone, in half precision: what `load_net` and `read_config` need, a tenth of a checkpoint.
+
+    Args:
+        path: The file.
+        net: Parameters, such as `TrainState.net`.
+        config: What they belong to.
+
+    Raises:
+        ConfigError: As of `save_checkpoint`.
+    """
+    half = jax.tree.map(lambda x: np.asarray(x).astype(np.float16), net)
+    _save(Path(path), {NET + name: x for name, x in _named(half).items()}, config)
+
+
+def _named(tree: Any) -> dict[str, np.ndarray]:
+    return {jax.tree_util.keystr(place): np.asarray(x) for place, x in jax.tree_util.tree_leaves_with_path(tree)}
+
+
+def _save(path: Path, arrays: dict[str, np.ndarray], config: RunConfig) -> None:
+    text = np.array(to_json(config))
+    with write_durably(path, "checkpoint", FREE_SPACE) as file:
+        np.savez(file, **{CONFIG: text}, **arrays)  # pyright: ignore[reportArgumentType]
 
 
 def load_checkpoint(path: str | Path, like: Any, config: RunConfig) -> Any:
@@ -61,8 +83,40 @@ def load_checkpoint(path: str | Path, like: Any, config: RunConfig) -> Any:
 
 
 def load_net(path: str | Path, like: Any) -> Any:
-    """The parameters alone, whatever else the checkpoint holds; errors as of `load_checkpoint`."""
-    return _load(path, like, ".net")
+    """The parameters alone, of a checkpoint or of `save_net`'s file; errors as of `load_checkpoint`."""
+    return _load(path, like, NET)
+
+
+def load_policy(path: str | Path, core: HouseholdEnv, greedy: bool = False) -> tuple[Callable[[Any], Policy], Any]:
+    """A trained agent, to be played in an environment with the observations and actions of its training.
+
+    Args:
+        path: A checkpoint, or `save_net`'s file.
+        core: The environment's functions.
+        greedy: It does what is likeliest, instead of drawing its actions.
+
+    Returns:
+        From parameters to a policy, and the parameters: what `evaluate` wants.
+
+    Raises:
+        ConfigError: As of `read_config`.
+        DatasetError: As of `load_net`: such as for other observations or actions.
+
+    Example:
+        >>> results = evaluate(held_out, *load_policy("runs/PointNav-v0/agent.npz", held_out.core))  # doctest: +SKIP
+    """
+    ppo = PPO(core, read_config(path).ppo, jax.devices()[:1])
+    net = load_net(path, jax.eval_shape(ppo.agent.init_net, jax.random.key(0)))
+    return lambda net: ppo.policy(net, greedy), net
+
+
+def read_updates(path: str | Path) -> int:
+    """Updates that a checkpoint's run had made; errors as of `read_config`."""
+    (updates,) = _read(path, [".updates"])
+    if updates.shape or updates.dtype.kind != "i" or updates < 0:
+        message = f"expected a whole number of at least 0, got {updates.dtype} {updates!s:.40}"
+        raise DatasetError(message, file=path, element=".updates", hint=NAME_ONE)
+    return int(updates)
 
 
 def read_config(path: str | Path) -> RunConfig:
@@ -71,12 +125,12 @@ def read_config(path: str | Path) -> RunConfig:
     Raises:
         MissingFileError: There is no such file.
         DatasetError: The file is no checkpoint.
-        ConfigError: Its configuration cannot be read by this version.
+        ConfigError: Its configuration cannot be read by this version, or its environment is not registered here.
     """
     (text,) = _read(path, [CONFIG])
-    config = from_json(str(text))
+    config = from_json(str(text), Path(path))
     if not isinstance(config, RunConfig):
-        raise DatasetError("file is no checkpoint of training", file=path)
+        raise DatasetError("file is no checkpoint of training", file=path, hint=NAME_ONE)
     return config
 
 
@@ -104,25 +158,31 @@ def _flat(value: Any, name: str) -> Iterator[tuple[str, Any]]:
         yield from _flat(x, f"{name}.{key}".removeprefix("."))
 
 
+def is_finite(net: Any) -> bool:
+    """Whether all parameters are finite numbers; those of a training that has diverged are not.
+
+    Example:
+        >>> is_finite({"bias": np.zeros(3), "scale": np.array(np.nan)})
+        False
+    """
+    return all(bool(np.isfinite(np.asarray(x)).all()) for x in jax.tree.leaves(net))
+
+
 def _load(path: str | Path, like: Any, below: str) -> Any:
     leaves, structure = jax.tree_util.tree_flatten_with_path(like)
     names = [below + jax.tree_util.keystr(place) for place, _ in leaves]
     arrays = _read(path, names)
     for name, (_, leaf), array in zip(names, leaves, arrays, strict=True):
-        if array.shape != leaf.shape or array.dtype != leaf.dtype:
+        kinds = (leaf.dtype, np.dtype(np.float16)) if leaf.dtype == np.float32 else (leaf.dtype,)
+        if array.shape != leaf.shape or array.dtype not in kinds:
             message = f"expected {leaf.dtype} {leaf.shape}, got {array.dtype} {array.shape}"
             hint = "Houses of another capacity, or another version of the package, made it."
             raise DatasetError(message, file=path, element=name, hint=hint)
-    return jax.tree.unflatten(structure, arrays)
+        if name.startswith(NET) and not is_finite(array):
+            raise DatasetError("network has numbers that are not finite", file=path, element=name, hint=DIVERGED)
+    whole = [array.astype(leaf.dtype, copy=False) for array, (_, leaf) in zip(arrays, leaves, strict=True)]
+    return jax.tree.unflatten(structure, whole)
 
 
 def _read(path: str | Path, names: list[str]) -> list[np.ndarray]:
-    try:
-        with Path(path).open("rb") as opened, np.load(opened, allow_pickle=False) as file:
-            return [file[name] for name in names]
-    except FileNotFoundError:
-        raise MissingFileError("there is no checkpoint", file=path) from None
-    except KeyError as error:
-        raise DatasetError(f"file lacks {error.args[0]}", file=path, hint="Another version made it.") from None
-    except (OSError, ValueError, AttributeError, zipfile.BadZipFile) as error:
-        raise DatasetError(f"file is no checkpoint: {error}", file=path) from None
+    return read_arrays(Path(path), names, "checkpoint", NAME_ONE)

@@ -1,16 +1,18 @@
 """Options of training."""
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 
 from home_mjx.core.checks import check_flag, check_known, check_number, check_type
 from home_mjx.errors import ConfigError
 from home_mjx.registry import EnvSpec
 from home_mjx.training.networks.agent import NetworkConfig
 
-ALGORITHMS = ("ppo", "clone")
+ALGORITHMS = ("ppo", "advised", "clone")
 OPTIMIZERS = ("adam", "lamb")
 FINAL_OBS = ("cheap", "all")
 WHOLE = ("num_envs", "num_timesteps", "unroll_length", "num_minibatches", "num_epochs")
+MOST_STEPS = 2**31 - 1  # they are counted in 32 bits
+LEAST_SECONDS = 1e-3
 PARTS = ("discount", "gae_lambda", "final_rate")
 
 
@@ -37,6 +39,7 @@ class PPOConfig:
         clip_range: How far the ratio of probabilities counts, from 1.
         entropy_cost: Weight of the entropy bonus.
         value_cost: Weight of the value's loss.
+        advice_cost: Of algorithm "advised": weight of an expert's advice at the start, see `Advised`.
         stagger: Environments begin somewhere in the time of their first episode, so that they do not end all at once.
         final_obs: What an episode that runs out of time is continued by in the returns. "cheap": the value of the last
             observation if it needs no rays, else the value of the step before. "all": the value of the last
@@ -66,6 +69,7 @@ class PPOConfig:
     clip_range: float = 0.2
     entropy_cost: float = 0.01
     value_cost: float = 0.5
+    advice_cost: float = 0.5
     stagger: bool = True
     final_obs: str = "cheap"
     network: NetworkConfig = field(default_factory=lambda: NetworkConfig(dtype="bfloat16"))
@@ -83,6 +87,10 @@ class PPOConfig:
                 check_number(option.name, value, 0, 1)
             elif isinstance(option.default, float):
                 check_number(option.name, value, 0)
+        steps = self.num_updates * self.num_epochs * self.num_minibatches
+        if steps > MOST_STEPS:
+            message = f"`num_timesteps` of {self.num_timesteps} make {steps} gradient steps, at most {MOST_STEPS}"
+            raise ConfigError(message, hint="Take fewer, or larger batches: `num_envs`, `unroll_length`.")
 
     @property
     def batch_size(self) -> int:
@@ -101,7 +109,8 @@ class PPOConfig:
             ConfigError: Environments cannot be dealt out evenly to devices, or their agents to minibatches.
         """
         if self.num_envs % num_devices:
-            raise ConfigError(f"`num_envs` must be a multiple of the {num_devices} devices, got {self.num_envs}")
+            message = f"`num_envs` must be a multiple of the {num_devices} devices, got {self.num_envs}"
+            raise ConfigError(message, hint="Or train on fewer: PPO(..., devices=jax.devices()[:1]).")
         rows = self.num_envs // num_devices * num_agents
         if rows % self.num_minibatches:
             hint = f"`num_envs` per device times agents is {rows}."
@@ -131,8 +140,14 @@ class RunConfig:
         env: What `make` was asked for: task, houses, sensors.
         ppo: Options of the training.
         seed: Of everything random.
-        algorithm: "ppo", or "clone": an expert's advice, see `Cloning`.
+        algorithm: "ppo"; "clone": an expert's advice alone, see `Cloning`; "advised": both, see `Advised`.
         start: Checkpoint whose network is where training begins; None: a fresh one.
+        clone_timesteps: So many environment steps of an expert's advice come before PPO's own.
+        max_seconds: Training ends after so many seconds, if it has not by then, but not before its first update;
+            compiling does not count. None: no limit. Learning rates fall as if there were none.
+
+    Raises:
+        ConfigError: A value cannot be used.
     """
 
     env: EnvSpec
@@ -140,9 +155,33 @@ class RunConfig:
     seed: int = 0
     algorithm: str = "ppo"
     start: str | None = None
+    clone_timesteps: int = 0
+    max_seconds: float | None = None
 
     def __post_init__(self) -> None:
         check_known("algorithm", [self.algorithm], ALGORITHMS)
         check_type("env", self.env, EnvSpec)
         check_type("ppo", self.ppo, PPOConfig)
         check_number("seed", self.seed, 0, 2**32 - 1, whole=True)
+        check_number("clone_timesteps", self.clone_timesteps, 0, whole=True)
+        if self.max_seconds is not None:
+            check_number("max_seconds", self.max_seconds, LEAST_SECONDS)
+        if self.start is not None:
+            check_type("start", self.start, str)
+        if self.clone_timesteps and self.algorithm == "clone":
+            raise ConfigError("`clone_timesteps` come before PPO; `algorithm` is clone", hint="Leave one of them out.")
+        self.stages  # noqa: B018 - refuses options of any
+
+    @property
+    def stages(self) -> tuple[tuple[str, PPOConfig], ...]:
+        """Algorithms and their options, one after the other.
+
+        Example:
+            >>> run = RunConfig(spec, PPOConfig(num_envs=64), clone_timesteps=10_000)  # doctest: +SKIP
+            >>> [algorithm for algorithm, _ in run.stages]  # doctest: +SKIP
+            ['clone', 'ppo']
+        """
+        own = ((self.algorithm, self.ppo),)
+        if not self.clone_timesteps:
+            return own
+        return (("clone", replace(self.ppo, num_timesteps=self.clone_timesteps)), *own)

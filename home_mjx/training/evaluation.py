@@ -1,5 +1,6 @@
 """How good a policy is: whole episodes, each house as often as any other, beside an agent that acts at random."""
 
+import dataclasses
 from collections.abc import Callable
 from typing import Any
 
@@ -10,6 +11,7 @@ from jaxtyping import Array, Float, Int, UInt32
 
 from home_mjx.core.checks import check_number
 from home_mjx.core.pytree import Pytree
+from home_mjx.registry import EnvSpec
 from home_mjx.tasks.base.state import EnvParams, State
 from home_mjx.tasks.environment.autoreset import where_envs
 from home_mjx.tasks.environment.bound import BoundEnv
@@ -18,9 +20,30 @@ from home_mjx.tasks.environment.household import HouseholdEnv
 from home_mjx.tasks.experts.teacher import EXPERT
 from home_mjx.training.rollout import Policy, split_keys, to_envs, to_rows
 
+MAX_EPISODES = 1_000_000  # of one evaluation: their rows are drawn beforehand, all at once
 MAX_BATCH = 256  # episodes that are played at once
 
 Results = dict[str, np.ndarray]  # by name, one number per episode
+
+
+FOR_TRAINING = ("mistakes_end",)  # options that make a task easier to learn, and are not part of it
+
+
+def judged(spec: EnvSpec, split: str | None = "val", num_houses: int = 16) -> EnvSpec:
+    """What an agent of an environment is judged by: other houses, and none of the options that are for training only.
+
+    Args:
+        spec: What it has trained in.
+        split: Part of the dataset.
+        num_houses: How many.
+
+    Example:
+        >>> spec = EnvSpec("ObjectNav-v0", "home_mjx.tasks:ObjectNav", {"stop": True, "mistakes_end": False})
+        >>> judged(spec).options, judged(spec).split
+        ({'stop': True}, 'val')
+    """
+    options = {name: value for name, value in spec.options.items() if name not in FOR_TRAINING}
+    return dataclasses.replace(spec, options=options, split=split, num_houses=num_houses)
 
 
 class Play(Pytree):
@@ -49,7 +72,7 @@ def evaluate(
         env: Houses and task; held-out ones, `split="val"`, to tell what was learned.
         policy_of: From parameters to a policy, such as `PPO.policy` or `random_policy(core)`.
         net: The parameters.
-        num_episodes: How many.
+        num_episodes: How many, at most `MAX_EPISODES`.
         seed: Of episodes and actions.
 
     Returns:
@@ -61,7 +84,7 @@ def evaluate(
         >>> results = evaluate(held_out, ppo.policy, state.net)  # doctest: +SKIP
         >>> results["success"].mean()  # doctest: +SKIP
     """
-    check_number("num_episodes", num_episodes, 1, whole=True)
+    check_episodes(num_episodes)
     env = with_episodes(env, num_episodes, seed)
     batch = min(num_episodes, MAX_BATCH)
     keys = jax.random.key_data(jax.random.split(jax.random.key(seed), num_episodes + batch))
@@ -71,6 +94,15 @@ def evaluate(
         numbers = jnp.arange(start, start + batch, dtype=jnp.int32)
         parts.append(jax.device_get(play(env.params, net, keys[start : start + batch], numbers)))
     return {name: np.concatenate([part[name] for part in parts])[:num_episodes] for name in parts[0]}
+
+
+def check_episodes(num: object) -> None:
+    """Refuses a number of episodes that cannot be played, before any house is made.
+
+    Raises:
+        ConfigError: It is no whole number from 1 to `MAX_EPISODES`.
+    """
+    check_number("num_episodes", num, 1, MAX_EPISODES, whole=True)
 
 
 def with_episodes(env: BoundEnv[HouseholdEnv], num: int, seed: int = 0) -> BoundEnv[HouseholdEnv]:

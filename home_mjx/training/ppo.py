@@ -24,6 +24,7 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.tasks.base.keys import to_raw
 from home_mjx.tasks.base.state import EnvParams
 from home_mjx.tasks.environment.autoreset import AutoReset
+from home_mjx.tasks.environment.begin import in_order
 from home_mjx.tasks.environment.household import HouseholdEnv
 from home_mjx.training.config import PPOConfig
 from home_mjx.training.networks.agent import RecurrentAgent
@@ -40,7 +41,7 @@ class TrainState(Pytree):
     opt: Any  # the optimizer's state
     actor: Actor
     key: UInt32[Array, "2"]
-    updates: Int[Array, ""]  # done so far
+    updates: Int[Array, ""]  # of the run, done so far
 
 
 class Batch(Pytree):
@@ -90,14 +91,17 @@ class PPO:
         whole, split = PartitionSpec(), PartitionSpec(AXIS)
         self.whole = NamedSharding(self.mesh, whole)
         self._places = TrainState.unchecked(net=whole, opt=whole, actor=split, key=whole, updates=whole)
+        self._put = jax.tree.map(lambda spec: NamedSharding(self.mesh, spec), self._places)
         # Without `check_vma=False` JAX asks for annotations that the environment's loops do not have.
         self._begin = jax.jit(jax.shard_map(
             self._begin_local, mesh=self.mesh, in_specs=(whole, split), out_specs=split, check_vma=False
         ))  # fmt: skip
-        self.update = jax.jit(jax.shard_map(
+        update = jax.shard_map(
             self._update_local, mesh=self.mesh, in_specs=(whole, self._places),
             out_specs=(self._places, whole), check_vma=False,
-        ))  # fmt: skip
+        )  # fmt: skip
+        # Said once more: else arrays without elements come out placed otherwise than they went in.
+        self.update = jax.jit(update, out_shardings=(self._put, self.whole))
 
     def init(self, params: EnvParams, key: Array) -> TrainState:
         """A fresh network, and environments at the start of an episode."""
@@ -110,20 +114,19 @@ class PPO:
 
     def place(self, state: TrainState) -> TrainState:
         """The state, such as one from a file, where `update` wants it."""
-        put = jax.tree.map(lambda spec: NamedSharding(self.mesh, spec), self._places)
-        return jax.device_put(state, put)
+        return jax.device_put(state, self._put)
 
     def _begin_local(self, params: EnvParams, keys: UInt32[Array, "n 2"]) -> Actor:
         """First states of this device's environments."""
         num, config = keys.shape[0], self.core.config
         env_keys, time_keys, row_keys = jnp.unstack(jax.vmap(lambda key: jax.random.split(key, 3))(keys), axis=1)
         first = jax.lax.axis_index(AXIS) * num  # each device begins with rows of its own
-        episodes = None if params.tasks is None else first + jnp.arange(num, dtype=jnp.int32)
+        episodes = first + jnp.arange(num, dtype=jnp.int32) if in_order(params.tasks) else None
         env = self.batch.reset(params, env_keys, None, episodes)
         if self.config.stagger:
             step = jax.vmap(lambda key: jax.random.randint(key, (), 0, config.episode_length))(time_keys)
             env = env.replace(world=env.world.replace(step=step.astype(jnp.int32)))
-        rows = jax.vmap(lambda key: jax.random.split(key, config.num_agents))(row_keys).reshape(-1, 2)
+        rows = jax.vmap(lambda key: jax.random.split(key, self.core.num_agents))(row_keys).reshape(-1, 2)
         zero = jnp.zeros(num, jnp.float32)
         return Actor.unchecked(
             env=env.replace(info={}),
@@ -145,7 +148,7 @@ class PPO:
             steps=steps, memory=memory, advantage=advantage, target=advantage + steps.outputs["value"]
         )
         key, order = jax.random.split(state.key)
-        net, opt, metrics = self.fit(self.loss, state.net, state.opt, batch, order)
+        net, opt, metrics = self.fit(self.loss_now(state), state.net, state.opt, batch, order)
         new = TrainState.unchecked(net=net, opt=opt, actor=actor, key=key, updates=state.updates + 1)
         return new, metrics | {f"episode/{name}": jax.lax.psum(x, AXIS) for name, x in episodes.items()}
 
@@ -169,10 +172,21 @@ class PPO:
 
         return Policy(act, value, choose.clip, self.agent.first_memory)
 
+    def loss_now(self, state: TrainState) -> Loss:
+        """What is descended in an update from this state."""
+        return self.loss
+
     def loss(self, net: Any, batch: Batch) -> tuple[Array, dict[str, Array]]:
-        """PPO's clipped loss, the value's error and the entropy bonus; the whole sequence is run again."""
+        """PPO's loss; the whole sequence is run again."""
+        return self.clipped_loss(*self.read(net, batch), batch)
+
+    def read(self, net: Any, batch: Batch) -> tuple[Float[Array, "t r p"], Float[Array, "t r"]]:
+        """What the network now makes of a batch: parameters of the distribution, and values."""
+        return self.agent.read(net, batch.memory, batch.steps.obs, batch.steps.begins)[1:]
+
+    def clipped_loss(self, params: Array, value: Array, batch: Batch) -> tuple[Array, dict[str, Array]]:
+        """The clipped loss, the value's error and the entropy bonus."""
         config, steps = self.config, batch.steps
-        _, params, value = self.agent.read(net, batch.memory, steps.obs, steps.begins)
         change = self.agent.distribution.log_prob(params, steps.action) - steps.outputs["log_prob"]
         ratio, clipped = jnp.exp(change), jnp.clip(jnp.exp(change), 1 - config.clip_range, 1 + config.clip_range)
         mean = jax.lax.pmean(jnp.mean(batch.advantage), AXIS)

@@ -18,6 +18,10 @@ class Clock:
         self.steps, self.time = steps, time.perf_counter()
         self.compile_seconds += self.time - self.begun
 
+    def now(self) -> float:
+        """Seconds since the first step of the run."""
+        return self.seconds + time.perf_counter() - self.time
+
     def lap(self, steps: int) -> dict[str, float]:
         """Times since the first step of the run, and the rate since the last lap."""
         now = time.perf_counter()

@@ -2,11 +2,17 @@
 
 import json
 import math
+import socket
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from home_mjx.errors import ConfigError, install_hint
+from home_mjx.core.files import read_text, unwritable, write_durably
+from home_mjx.errors import ConfigError, DatasetError, install_hint
 
 CURVES = (
     "success",
@@ -21,16 +27,24 @@ CURVES = (
 )
 
 SMOOTH = 20  # points of a curve that are told apart
+FREE_SPACE = "Free some space, then go on with --resume."
 
 Line = dict[str, Any]
 
 
 class Records:
-    """The records of one run, added to line by line.
+    """The records of one run, added to line by line. Nothing is written before they are entered.
 
     Args:
         folder: Where `metrics.jsonl`, `tensorboard/` and `curves.png` are.
         steps: Lines after so many steps are dropped: a resumed run goes on from there.
+
+    Attributes:
+        lines: All there are.
+
+    Raises:
+        ConfigError: A package is missing. When entered and later: they cannot be written, such as on a full disk.
+        DatasetError: The lines of an earlier run are broken.
 
     Example:
         >>> with Records(Path("runs/one")) as records:  # doctest: +SKIP
@@ -38,32 +52,30 @@ class Records:
     """
 
     def __init__(self, folder: Path, steps: int = 0) -> None:
-        tensorboard = _tensorboard()
-        self.path, self.folder = folder / "metrics.jsonl", folder
+        _events_package()
+        self.path, self.folder, self.steps = folder / "metrics.jsonl", folder, steps
         self.lines = [line for line in read_lines(self.path) if line["steps"] <= steps]
-        self.path.write_text("".join(f"{json.dumps(line)}\n" for line in self.lines), encoding="utf-8")
-        # The suffix: two files that are begun within one second would have the same name.
-        self._events = tensorboard.SummaryWriter(
-            str(folder / "tensorboard"), purge_step=steps + 1, filename_suffix=f".{steps}"
-        )
 
     def __enter__(self) -> "Records":
+        with write_durably(self.path, "metrics", FREE_SPACE) as file:
+            file.write("".join(f"{json.dumps(line)}\n" for line in self.lines).encode())
+        self._events = Events(self.folder / "tensorboard", self.steps).__enter__()
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._events.close()
+        self._events.__exit__(kind, error, trace)
 
     def add(self, line: Line) -> None:
         """Writes a line; what is not a number is left out of it."""
         line = {name: x for name, x in line.items() if not isinstance(x, float) or math.isfinite(x)}
         self.lines.append(line)
-        with self.path.open("a", encoding="utf-8") as file:
+        with _writing("metrics", self.path), self.path.open("a", encoding="utf-8") as file:
             file.write(json.dumps(line) + "\n")
         for name, x in line.items():
             if isinstance(x, float):
-                self._events.add_scalar(name if "/" in name else f"episode/{name}", x, line["steps"])
+                self._events.add(name if "/" in name else f"episode/{name}", x, line["steps"])
 
     def draw(self) -> None:
         """Writes `curves.png`."""
@@ -71,24 +83,99 @@ class Records:
         draw_curves(self.folder / "curves.png", self.lines)
 
 
+class Events:
+    """Scalars for TensorBoard, written as they come.
+
+    tensorboardX's `SummaryWriter` hands them to a thread: when that dies of a full disk, the run waits for it for ever.
+
+    Args:
+        folder: Where the file is begun; made if need be.
+        steps: Scalars of earlier files after so many steps count no more.
+
+    Raises:
+        ConfigError: When entered and later: they cannot be written.
+    """
+
+    def __init__(self, folder: Path, steps: int) -> None:
+        # The number of steps: two files that are begun within one second would have the same name.
+        name = f"events.out.tfevents.{int(time.time())}.{socket.gethostname()}.{steps}"
+        self.path, self.steps = folder / name, steps
+        self._proto, self._writer_of = _events_package()
+
+    def __enter__(self) -> "Events":
+        with self._writing():
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            self._writer = self._writer_of(str(self.path))
+        self._write(file_version="brain.Event:2")
+        begun = self._proto.SessionLog(status=self._proto.SessionLog.START)
+        self._write(step=self.steps + 1, session_log=begun)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        with suppress(ConfigError) if kind else nullcontext(), self._writing():
+            self._writer.close()
+
+    def add(self, name: str, value: float, steps: int) -> None:
+        """Adds a scalar."""
+        self._write(step=steps, summary={"value": [{"tag": name, "simple_value": value}]})
+
+    def flush(self) -> None:
+        """All that was added is on the disk when this returns."""
+        with self._writing():
+            self._writer.flush()
+
+    def _write(self, **event: Any) -> None:
+        with self._writing():
+            self._writer.write(self._proto.Event(wall_time=time.time(), **event).SerializeToString())
+
+    def _writing(self) -> AbstractContextManager[None]:
+        return _writing("events of TensorBoard", self.path)
+
+
+@contextmanager
+def _writing(what: str, path: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise unwritable(what, path, error, FREE_SPACE) from error
+
+
 def read_lines(path: Path) -> list[Line]:
-    """The lines of a `metrics.jsonl`; one that a killed process left unfinished is left out."""
+    """The lines of a `metrics.jsonl`; one at the end that a killed process left unfinished is left out.
+
+    Raises:
+        DatasetError: The file cannot be read, or a line is no record of numbers; says which.
+    """
     if not path.exists():
         return []
-    lines = []
-    for text in path.read_text(encoding="utf-8").splitlines():
-        try:
-            lines.append(json.loads(text))
-        except ValueError:
-            break
-    return lines
+    *whole, _ = read_text(path).split("\n")
+    return [_line(text, path, number) for number, text in enumerate(whole, 1)]
+
+
+def _line(text: str, path: Path, number: int) -> Line:
+    try:
+        line = json.loads(text)
+        if isinstance(line, dict) and type(line.get("steps")) is int and all(_is_number(x) for x in line.values()):
+            return line
+        reason = f"expected names, `steps` among them, and finite numbers, got `{text:.40}`"
+    except (ValueError, RecursionError) as error:
+        reason = str(error)
+    message = f"line is no record of a training run: {reason}"
+    hint = "Delete the line, or the file: only curves are lost by that."
+    raise DatasetError(message, file=path, element=f"line {number}", hint=hint)
+
+
+def _is_number(x: Any) -> bool:
+    return isinstance(x, int | float) and not isinstance(x, bool) and abs(x) <= sys.float_info.max
 
 
 def draw_curves(path: Path, lines: list[Line]) -> None:
     """Draws the figures of `CURVES` that there are, over steps.
 
     Raises:
-        ConfigError: Matplotlib is not installed.
+        ConfigError: Matplotlib is not installed, or the file cannot be written.
     """
     names = [name for name in CURVES if any(name in line for line in lines)]
     if not names:
@@ -105,7 +192,8 @@ def draw_curves(path: Path, lines: list[Line]) -> None:
             axis.set_ylim(0, 1)
         axis.set_xlabel("environment steps", fontsize=8)
         axis.tick_params(labelsize=8)
-    axes[0].figure.savefig(path, dpi=120)
+    with write_durably(path, "curves", FREE_SPACE) as file:
+        axes[0].figure.savefig(file, format="png", dpi=120)
 
 
 def smoothed(values: list[float]) -> list[float]:
@@ -135,9 +223,11 @@ def _panels(num: int) -> list[Any]:
     return axes
 
 
-def _tensorboard() -> Any:
+def _events_package() -> tuple[Any, Any]:
+    """Kinds of events, and what writes them."""
     try:
-        import tensorboardX
+        from tensorboardX.proto import event_pb2
+        from tensorboardX.record_writer import RecordWriter
     except ModuleNotFoundError as error:
         raise ConfigError("training needs the package `tensorboardX`", hint=install_hint("train")) from error
-    return tensorboardX
+    return event_pb2, RecordWriter

@@ -1,87 +1,194 @@
 """A training run from options to files: checkpoints, records, and an evaluation in houses never trained in."""
 
-import dataclasses
 import time
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import jax
+import jax.numpy as jnp
+from tqdm import tqdm
 
-from home_mjx.errors import ConfigError
+from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.registry import EnvSpec
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.household import HouseholdEnv
-from home_mjx.training.checkpoint import CHECKPOINT, check_same, load_checkpoint, load_net, read_config, save_checkpoint
-from home_mjx.training.cloning import Cloning
+from home_mjx.training.checkpoint import (
+    AGENT,
+    CHECKPOINT,
+    DIVERGED,
+    check_same,
+    is_finite,
+    load_checkpoint,
+    load_net,
+    load_policy,
+    read_config,
+    read_updates,
+    save_checkpoint,
+    save_net,
+)
+from home_mjx.training.cloning import Advised, Cloning
 from home_mjx.training.config import RunConfig
-from home_mjx.training.evaluation import evaluate, random_policy, summary
+from home_mjx.training.evaluation import check_episodes, evaluate, judged, random_policy, summary
 from home_mjx.training.ppo import PPO, TrainState
 from home_mjx.training.progress import Clock, Sums, progress_bar
 from home_mjx.training.records import Records
 
-LEARNERS: dict[str, type[PPO]] = {"ppo": PPO, "clone": Cloning}
-NUM_LINES, NUM_CHECKPOINTS = 200, 20  # of a run
+LEARNERS: dict[str, type[PPO]] = {"ppo": PPO, "advised": Advised, "clone": Cloning}
+NUM_LINES = 200  # of a stage
+REST = 20.0  # [s] between checkpoints
 SHOWN = ("success", "return")  # beside the progress bar
 
 
-def train(config: RunConfig, out: Path, resume: bool = False, progress: bool | None = None) -> PPO:
+def train(
+    config: RunConfig, out: Path, resume: bool = False, progress: bool | None = None,
+    turn: AbstractContextManager[Any] | None = None,
+) -> PPO:  # fmt: skip
     """Trains, and writes to a folder.
 
-    `metrics.jsonl` has one line for every two-hundredth of the run, `checkpoint.npz` the latest of twenty checkpoints,
-    `curves.png` the figures over steps, `tensorboard/` the same for TensorBoard.
+    All programs are compiled first. `metrics.jsonl` has one line for every two-hundredth of each stage,
+    `checkpoint.npz` the latest checkpoint, `curves.png` the figures over steps, `tensorboard/` the same for
+    TensorBoard. `agent.npz` is the network alone, once the run is over.
 
     Args:
         config: Options.
         out: The folder, which exists.
         resume: Go on from its checkpoint if it has one; a run that was killed then gives what it would have given.
         progress: Show a progress bar; None: in a terminal.
+        turn: Entered once all is compiled, left when the run is over: such as a lock of the device, so that the time of
+            training is its own while others compile.
 
     Returns:
         The trainer; its parameters are in the checkpoint.
 
     Raises:
         ConfigError: The folder holds a run and `resume` is False, or a run of another configuration.
-        DatasetError: The network of `config.start` is for other observations, actions or sizes.
+        DatasetError: The network of `config.start` is for other observations, actions or sizes; or a file of the run is
+            broken. Nothing has been written then.
+        ConfigError: Files cannot be written, such as on a full disk, or the training has diverged; what was written
+            before stays.
     """
-    path = out / CHECKPOINT
-    if path.exists() and not resume:
+    path, size = out / CHECKPOINT, config.ppo.batch_size
+    done = _updates_done(path, config, resume)
+    records = Records(out, done * size)
+    clock = Clock(records.lines[-1] if records.lines else {})
+    stages = _stages(config, made(config.env, progress), done, path)
+    with records, turn or nullcontext(), progress_bar(done * size, stages[-1].last * size, progress) as bar:
+        clock.start(done * size)
+        run, net = _Run(config, path, records, bar, clock), None
+        for stage in stages:
+            net = run.learn(stage, net)
+    save_net(out / AGENT, net, config)
+    return stages[-1].ppo
+
+
+def _updates_done(path: Path, config: RunConfig, resume: bool) -> int:
+    """What an earlier part of the run has done; refuses a run that could not begin, before any house is made."""
+    if not path.exists():
+        if config.start is not None:
+            read_config(config.start)
+        return 0
+    if not resume:
         hint = "Add --resume to go on with it, or choose another folder by --out."
         raise ConfigError("the folder holds a training run", file=path, hint=hint)
-    if path.exists():
-        check_same(read_config(path), config, path)
-    env = made(config.env, progress)
-    ppo, key = LEARNERS[config.algorithm](env.core, config.ppo), jax.random.key(config.seed)
-    params = jax.device_put(env.params, ppo.whole)
-    state = ppo.init(params, key)
-    if config.start is not None:
-        state = ppo.place(state.replace(net=load_net(config.start, state.net)))
-    if path.exists():
-        state = ppo.place(load_checkpoint(path, state, config))
-    _learn(ppo, params, state, config, out, progress)
-    return ppo
+    check_same(read_config(path), config, path)
+    done, whole = read_updates(path), sum(options.num_updates for _, options in config.stages)
+    if done > whole:
+        hint = "The file was changed, or another version made it; train into another folder by --out."
+        raise DatasetError(f"checkpoint is after {done} updates of {whole}", file=path, hint=hint)
+    return done
 
 
-def _learn(ppo: PPO, params: Any, state: TrainState, config: RunConfig, out: Path, progress: bool | None) -> None:
-    """Updates until the last."""
-    size, num = config.ppo.batch_size, config.ppo.num_updates
-    per_line = max(1, num // NUM_LINES)
-    per_checkpoint = per_line * max(1, num // NUM_CHECKPOINTS // per_line)
-    done = int(state.updates)
-    with Records(out, done * size) as records, progress_bar(done * size, num * size, progress) as bar:
-        clock, sums = Clock(records.lines[-1] if records.lines else {}), Sums()
-        update = ppo.update.lower(params, state).compile()
-        clock.start(done * size)
-        for i in range(done + 1, num + 1):
-            state, metrics = update(params, state)
+@dataclass
+class _Stage:
+    """Some updates of one algorithm, ready to be made.
+
+    Attributes:
+        ppo: The learner.
+        params: Houses and tasks, where it wants them.
+        state: Where it begins.
+        update: The compiled update.
+        first: Updates of the run before this stage.
+        last: Updates of the run after it.
+    """
+
+    ppo: PPO
+    params: Any
+    state: TrainState
+    update: Any
+    first: int
+    last: int
+
+
+def _stages(config: RunConfig, env: BoundEnv[HouseholdEnv], done: int, path: Path) -> list[_Stage]:
+    """Those that are not over after `done` updates, all compiled, at the same time, before the first one begins."""
+    found, last = [], 0
+    with ThreadPoolExecutor() as pool:
+        for number, (algorithm, options) in enumerate(config.stages):
+            first, last = last, last + options.num_updates
+            if done >= last and number < len(config.stages) - 1:
+                continue
+            ppo, key = LEARNERS[algorithm](env.core, options), jax.random.key(config.seed)
+            params = jax.device_put(env.params, ppo.whole)
+            state = ppo.init(params, jax.random.fold_in(key, number) if number else key)
+            before = config.start if number == 0 else path if done == first else None
+            if before is not None:
+                state = state.replace(net=load_net(before, state.net))
+            state = load_checkpoint(path, state, config) if done > first else state.replace(updates=jnp.int32(first))
+            state = ppo.place(state)
+            update = pool.submit(ppo.update.lower(params, state).compile)
+            found.append(_Stage(ppo, params, state, update, first, last))
+    for stage in found:
+        stage.update = stage.update.result()
+    return found
+
+
+@dataclass
+class _Run:
+    """A run's files and clocks."""
+
+    config: RunConfig
+    path: Path
+    records: Records
+    bar: tqdm
+    clock: Clock
+
+    def learn(self, stage: _Stage, net: Any) -> Any:
+        """Makes a stage's updates until the last one, or until time is over; from a net of the stage before to one."""
+        size, num, sums = stage.ppo.config.batch_size, stage.last - stage.first, Sums()
+        per_line = max(1, num // NUM_LINES)
+        saved = -REST
+        state = stage.state if net is None else stage.ppo.place(stage.state.replace(net=net))
+        over = bool(state.updates) and self.is_over()  # a run makes one update at least
+        for i in range(int(state.updates) + 1, stage.last + 1):
+            if over:
+                break
+            state, metrics = stage.update(stage.params, state)
             sums.add(metrics)
-            bar.update(size)
-            if i % per_line == 0 or i == num:
-                line = {"steps": i * size, **clock.lap(i * size), **sums.means()}
-                records.add(line)
-                bar.set_postfix({name: f"{line[name]:.2f}" for name in SHOWN if name in line})
-            if i % per_checkpoint == 0 or i == num:
-                save_checkpoint(out / CHECKPOINT, state, config)
-                records.draw()
+            self.bar.update(size)
+            over = self.is_over()
+            ends = i == stage.last or over
+            if (i - stage.first) % per_line == 0 or ends:
+                line = {"steps": i * size, **self.clock.lap(i * size), **sums.means()}
+                self.records.add(line)
+                self.bar.set_postfix({name: f"{line[name]:.2f}" for name in SHOWN if name in line})
+            if ends or self.clock.now() >= saved + REST:
+                self._check(state.net, i * size)
+                save_checkpoint(self.path, state, self.config)
+                self.records.draw()
+                saved = self.clock.now()
+        return state.net
+
+    def _check(self, net: Any, steps: int) -> None:
+        if not is_finite(net):
+            hint = f"{DIVERGED} The last checkpoint, if there is one, is from before."
+            raise ConfigError(f"after {steps} steps the network has numbers that are not finite", hint=hint)
+
+    def is_over(self) -> bool:
+        """Whether the run has used its seconds."""
+        return self.config.max_seconds is not None and self.clock.now() >= self.config.max_seconds
 
 
 def evaluate_checkpoint(
@@ -102,13 +209,13 @@ def evaluate_checkpoint(
     Returns:
         `trained` and `random`, each a `summary`, and what was asked for.
     """
-    config = read_config(path)
-    spec = config.env if split is None else dataclasses.replace(config.env, split=split, num_houses=num_houses)
+    check_episodes(num_episodes)
+    spec = read_config(path).env
+    spec = spec if split is None else judged(spec, split, num_houses)
     env = made(spec, progress)
-    ppo = PPO(env.core, config.ppo, jax.devices()[:1])
-    net = load_net(path, jax.eval_shape(ppo.agent.init_net, jax.random.key(0)))
+    policy = load_policy(path, env.core, greedy)
     begun = time.perf_counter()
-    trained = evaluate(env, lambda net: ppo.policy(net, greedy), net, num_episodes, seed)
+    trained = evaluate(env, *policy, num_episodes, seed)
     chance = evaluate(env, random_policy(env.core), None, num_episodes, seed)
     return {
         "trained": summary(trained),

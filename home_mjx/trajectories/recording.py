@@ -12,6 +12,7 @@ from tqdm import tqdm
 from home_mjx.core.checks import check_number
 from home_mjx.tasks.base.state import EnvParams, State
 from home_mjx.tasks.environment.autoreset import AutoReset
+from home_mjx.tasks.environment.begin import in_order
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.household import HouseholdEnv
 from home_mjx.tasks.experts.teacher import EXPERT, WithExpert
@@ -95,7 +96,7 @@ class _Batch:
         self.env, self.policy, self.agents = env, policy, env.num_agents
         self.batch = AutoReset(env.core, final_obs="all")
         keys = jax.random.split(jax.random.fold_in(jax.random.key(seed), first), num)
-        episodes = None if env.params.tasks is None else first + jnp.arange(num, dtype=jnp.int32)
+        episodes = first + jnp.arange(num, dtype=jnp.int32) if in_order(env.params.tasks) else None
         state = jax.jit(self.batch.reset)(env.params, jax.random.key_data(keys), None, episodes)
         rows = jax.random.key_data(jax.vmap(lambda key: jax.random.split(key, self.agents))(keys)).reshape(-1, 2)
         self.carry = state, policy.memory(num * self.agents), rows, jnp.ones(num * self.agents, bool)

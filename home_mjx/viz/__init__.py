@@ -1,5 +1,6 @@
 """Pictures, videos and sound files to look at and listen to."""
 
+from home_mjx.viz.floor_map import map_picture
 from home_mjx.viz.media import write_mp4, write_png, write_wav
 from home_mjx.viz.pictures import captioned, depth_colours, enlarge, id_colours, sheet, waveform
 from home_mjx.viz.top_view import Mark, TopView
@@ -11,6 +12,7 @@ __all__ = [
     "depth_colours",
     "enlarge",
     "id_colours",
+    "map_picture",
     "sheet",
     "waveform",
     "write_mp4",

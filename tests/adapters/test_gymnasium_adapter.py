@@ -25,6 +25,17 @@ def test_check_env(generated_bank):
     assert env.render().shape == (256, 256, 3)
 
 
+def test_check_env_where_the_task_leads_the_other_agents(generated_bank):
+    """There is one agent for whoever learns: no axis of agents, no reward per agent."""
+    options = {"impl": "kinematic", "num_tasks": 2, "sensors": ("state",), "episode_length": 5}
+    env = GymEnv("PiedPiper-v0", houses=generated_bank, **options)
+    assert env.action_space == gymnasium.spaces.Discrete(6)
+    assert env.observation_space["state"].shape == (10,)
+    check_env(env, skip_render_check=True)
+    env.reset(seed=0)
+    assert "agent_reward" not in env.step(1)[4]
+
+
 def test_the_house_can_be_chosen(generated_bank):
     env = GymEnv(houses=generated_bank, sensors=("state",))
     assert [env.reset(options={"house": i})[1]["house"] for i in (1, 0)] == [1, 0]

@@ -5,62 +5,17 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from adapted import assert_equal, cases, cheap, row
+from checkers import NUM_ENVS, check_gymnax
+from checkers import gymnax_rollout as rollout
 
 from home_mjx.adapters.gymnax import GymnaxEnv
 from home_mjx.errors import ConfigError
 from home_mjx.tasks import sample_episodes
 
-NUM_ENVS, NUM_STEPS = 3, 7
-
-
-def rollout(env: GymnaxEnv):
-    """As purejaxrl collects experience, with the states."""
-    space = env.action_space(env.default_params)
-
-    @jax.jit
-    def run(params, key):
-        obs, state = jax.vmap(env.reset, in_axes=(0, None))(jax.random.split(key, NUM_ENVS), params)
-
-        def step(carry, key):
-            obs, state = carry
-            act, move = jax.random.split(key)
-            action = jax.vmap(space.sample)(jax.random.split(act, NUM_ENVS))
-            keys = jax.random.split(move, NUM_ENVS)
-            new_obs, new, reward, terminated, truncated, info = jax.vmap(env.step, in_axes=(0, 0, 0, None))(
-                keys, state, action, params
-            )
-            return (new_obs, new), (obs, state, action, new_obs, new, reward, terminated, truncated, info)
-
-        return jax.lax.scan(step, (obs, state), jax.random.split(key, NUM_STEPS))[1]
-
-    return run
-
 
 @pytest.mark.parametrize(("env_id", "actions"), cases(("discrete",), ("continuous",)))
 def test_a_loop_like_that_of_purejaxrl(env_id, actions, generated_bank):
-    env = GymnaxEnv(cheap(env_id, generated_bank, actions=actions))
-    params = env.default_params
-    obs, state, action, new_obs, new, reward, terminated, truncated, info = rollout(env)(params, jax.random.key(0))
-
-    contains = jax.vmap(jax.vmap(env.observation_space(params).contains))
-    assert contains(obs).all()
-    assert contains(info["final_observation"]).all()
-    assert jax.vmap(jax.vmap(env.action_space(params).contains))(action).all()
-
-    # The core, which resets nothing, takes the same state to the same transition.
-    core = jax.jit(jax.vmap(jax.vmap(env.env.core.step, (None, 0, 0)), (None, 0, 0)))(params, state, action)
-    assert_equal(core.terminated, terminated)
-    assert_equal(core.truncated, truncated)
-    assert_equal((info["terminated"], info["truncated"]), (terminated, truncated))
-    np.testing.assert_allclose(core.reward, reward, atol=1e-6)
-    jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, atol=1e-5), core.obs, info["final_observation"])
-
-    done = np.asarray(terminated | truncated)
-    assert done.any(axis=0).all()
-    assert_equal(np.asarray(truncated & (state.world.step != 4)), np.zeros_like(done))
-    np.testing.assert_array_equal(new.world.step, np.where(done, 0, np.asarray(state.world.step) + 1))
-    changed = (np.asarray(new_obs["state"]) != np.asarray(info["final_observation"]["state"])).any(axis=-1)
-    np.testing.assert_array_equal(changed, done)
+    check_gymnax(env_id, generated_bank, actions=actions, impl="fused")
 
 
 @pytest.fixture(scope="module")

@@ -8,65 +8,19 @@ import pytest
 pytest.importorskip("jaxmarl", reason="needs the extra `multiagent`")
 
 from adapted import CHEAP, assert_equal, cases, cheap
+from checkers import NUM_ENVS, check_jaxmarl
 from jaxmarl.environments import spaces
-from jaxmarl.environments.multi_agent_env import MultiAgentEnv
 from jaxmarl.wrappers.baselines import CTRolloutManager, LogWrapper
 
 from home_mjx.adapters.jaxmarl import JaxMarlEnv
 from home_mjx.errors import ConfigError
-
-NUM_ENVS, NUM_STEPS = 3, 7
-
-
-def rollout(env):
-    """As JaxMARL's trainers collect experience, with the states."""
-
-    @jax.jit
-    def run(key):
-        obs, state = jax.vmap(env.reset)(jax.random.split(key, NUM_ENVS))
-
-        def step(carry, key):
-            obs, state = carry
-            act, move = jax.random.split(key)
-            keys = jax.random.split(act, (len(env.agents), NUM_ENVS))
-            actions = {a: jax.vmap(env.action_space(a).sample)(keys[i]) for i, a in enumerate(env.agents)}
-            new_obs, new, *rest = jax.vmap(env.step)(jax.random.split(move, NUM_ENVS), state, actions)
-            return (new_obs, new), (obs, state, actions, new_obs, new, *rest)
-
-        return jax.lax.scan(step, (obs, state), jax.random.split(key, NUM_STEPS))[1]
-
-    return run
-
 
 TEAMS = [(2, "discrete"), (1, "continuous"), (3, "continuous")]
 
 
 @pytest.mark.parametrize(("env_id", "num_agents", "actions"), cases(*TEAMS))
 def test_a_loop_like_those_of_jaxmarl(env_id, num_agents, actions, generated_bank):
-    env = JaxMarlEnv(cheap(env_id, generated_bank, num_agents=num_agents, actions=actions), vector=False)
-    assert isinstance(env, MultiAgentEnv)
-    assert env.agents == [f"agent_{i}" for i in range(num_agents)]
-    assert (env.num_agents, env.name) == (num_agents, env_id)
-    obs, state, taken, new_obs, new, rewards, dones, infos = rollout(env)(jax.random.key(0))
-
-    action = jnp.stack([taken[agent] for agent in env.agents], axis=2)
-    action = action[:, :, 0] if num_agents == 1 else action
-    core = jax.jit(jax.vmap(jax.vmap(env.env.core.step, (None, 0, 0)), (None, 0, 0)))(env.env.params, state, action)
-    done = np.asarray(core.done)
-    assert set(dones) == {*env.agents, "__all__"}
-    assert set(rewards) == set(obs) == set(env.agents)
-    for i, agent in enumerate(env.agents):
-        assert jax.vmap(jax.vmap(env.observation_space(agent).contains))(obs[agent]).all()
-        assert jax.vmap(jax.vmap(env.action_space(agent).contains))(taken[agent]).all()
-        own = core.reward if num_agents == 1 else core.reward[:, :, i]
-        np.testing.assert_allclose(rewards[agent], own, atol=1e-6)
-        seen = core.obs["state"] if num_agents == 1 else core.obs["state"][:, :, i]
-        np.testing.assert_allclose(new_obs[agent]["state"][~done], seen[~done], atol=1e-5)
-    assert all((np.asarray(x) == done).all() for x in dones.values())
-    assert done.any(axis=0).all()
-    np.testing.assert_array_equal(new.world.step, np.where(done, 0, np.asarray(state.world.step) + 1))
-    assert {np.shape(x) for x in infos.values()} == {(NUM_STEPS, NUM_ENVS, num_agents)}
-    np.testing.assert_array_equal(infos["terminated"] | infos["truncated"], np.repeat(done[..., None], num_agents, -1))
+    check_jaxmarl(env_id, generated_bank, num_agents=num_agents, actions=actions, impl="fused")
 
 
 @pytest.fixture(scope="module")

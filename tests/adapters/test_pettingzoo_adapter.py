@@ -1,6 +1,5 @@
 """PettingZoo's own checkers judge the adapter."""
 
-import functools
 import pickle
 
 import gymnasium
@@ -10,7 +9,7 @@ import pytest
 pytest.importorskip("pettingzoo", reason="needs the extra `multiagent`")
 
 from adapted import CHEAP, cases
-from pettingzoo.test import parallel_api_test, parallel_seed_test
+from checkers import check_pettingzoo
 
 from home_mjx.adapters.gymnasium import GymEnv
 from home_mjx.adapters.pettingzoo import PettingZooEnv
@@ -21,11 +20,7 @@ TEAMS = [(2, "discrete"), (1, "continuous"), (3, "discrete"), (1, "discrete"), (
 
 @pytest.mark.parametrize(("env_id", "num_agents", "actions"), cases(*TEAMS, fast=2))
 def test_pettingzoo_accepts(env_id, num_agents, actions, generated_bank):
-    make = functools.partial(
-        PettingZooEnv, env_id, houses=generated_bank, num_agents=num_agents, actions=actions, **CHEAP
-    )
-    parallel_api_test(make(), num_cycles=20)
-    parallel_seed_test(make, num_cycles=20)
+    check_pettingzoo(env_id, generated_bank, num_agents=num_agents, actions=actions, impl="fused")
 
 
 @pytest.fixture(scope="module")

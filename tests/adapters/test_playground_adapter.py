@@ -9,8 +9,9 @@ import pytest
 
 pytest.importorskip("mujoco_playground", reason="needs the extra `playground`")
 
-from adapted import CHEAP, assert_equal, cases
-from mujoco_playground import MjxEnv, registry
+from adapted import CHEAP, assert_equal
+from checkers import check_playground
+from mujoco_playground import registry
 from mujoco_playground import wrapper as playground_wrapper
 
 import home_mjx
@@ -28,21 +29,8 @@ def test_every_id_is_in_the_registry():
     assert registry.get_default_config("PointNav-v0").ctrl_dt == 0.1
 
 
-@pytest.mark.parametrize("env_id", cases(()))
-def test_playgrounds_wrapper_steps_every_id(env_id, generated_bank):
-    env = registry.load(env_id, config_overrides={**CHEAP, "houses": generated_bank})
-    assert isinstance(env, MjxEnv)
-    wrapped = playground_wrapper.wrap_for_brax_training(env, episode_length=2)
-    state = jax.jit(wrapped.reset)(jax.random.split(jax.random.PRNGKey(0), 3))
-    first, step = state.obs, jax.jit(wrapped.step)
-    assert {name: x.shape[1:] for name, x in first.items()} == env.observation_size
-    for number in (1, 2):
-        tree = jax.tree.structure(state)
-        state = step(state, jnp.ones((3, env.action_size)))
-        assert jax.tree.structure(state) == tree
-        np.testing.assert_array_equal(state.done, float(number == 2))
-    np.testing.assert_array_equal(state.info["truncation"], 1.0)
-    assert_equal(state.obs, first)  # Playground's wrapper begins with the first state again
+def test_playgrounds_wrapper_steps_it(generated_bank):
+    check_playground("PointNav-v0", generated_bank)
 
 
 @pytest.fixture(scope="module")

@@ -120,6 +120,20 @@ def test_positive_int_refuses_what_is_not():
     parser = Parser(prog="p")
     parser.add_argument("--n", type=positive_int)
     assert parser.parse_args(["--n", "12"]).n == 12
-    for text in ("0", "-1", "1.5", "x"):
+    for text in ("0", "-1", "1.5", "x", "2147483648", "1" + "0" * 5000):
         with pytest.raises(ConfigError, match="whole number above 0"):
             parser.parse_args(["--n", text])
+
+
+@pytest.mark.parametrize("error", [MemoryError("Unable to allocate 3 TiB"), "RESOURCE_EXHAUSTED: Out of memory.\nAt"])
+def test_too_little_memory_is_one_message(error, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture):
+    """JAX's own kind of error is told by its name: JAX may not have been imported."""
+    raised = type("JaxRuntimeError", (RuntimeError,), {})(error) if isinstance(error, str) else error
+
+    def run(args: object) -> None:
+        raise raised
+
+    monkeypatch.setattr("home_mjx.cli.commands.generate.run", run)
+    assert_refused(capsys, ["generate", "x", "--seeds", "0"], "not enough memory", "Take fewer environments")
+    with pytest.raises(type(raised)):
+        main(["generate", "x", "--seeds", "0", "--debug"])

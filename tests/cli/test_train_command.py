@@ -16,7 +16,8 @@ pytest.importorskip("tensorboardX", reason="needs the extra `train`")
 from processes import wait_for
 
 from home_mjx.cli import main
-from home_mjx.cli.learning.train import add_arguments, assignments, newest, run_config
+from home_mjx.cli.learning.named import assignments, newest
+from home_mjx.cli.learning.train import add_arguments, run_config
 from home_mjx.datasets import generate_dataset
 from home_mjx.datasets.splits import split_of
 from home_mjx.training.checkpoint import read_config
@@ -57,10 +58,28 @@ def test_mistakes_are_refused_before_any_house_is_made(tmp_path: Path, capsys: p
         (["train", "PointNaw"], "Did you mean `PointNav-v0`?"),
         (["train", "PointNav", "--ppo", "num_env=3"], "Did you mean `num_envs`?"),
         (["train", "PointNav", "--ppo", "discount=2"], "`discount` must be"),
+        (["train", "PointNav", "--steps", "1000000000000000"], "gradient steps, at most 2147483647"),
+        (["train", "PointNav", "--clone-steps", "1000000000000000"], "gradient steps, at most 2147483647"),
+        (["train", "PointNav", "--steps", "1" + "0" * 400], "expected a whole number above 0 and at most 10"),
+        (["train", "PointNav", "--ppo", "num_timesteps=1" + "0" * 400], "`num_timesteps` must be a whole number"),
+        (["train", "PointNav", "--ppo", "discount=1" + "0" * 400], "`discount` must be"),
+        (["train", "PointNav", "--env", "width=" + "[" * 100_000], "`width` has too many brackets"),
+        (["train", "PointNav", "--env", "width"], "expected NAME=VALUE, got `width`"),
+        (["train", "PointNav", "--seconds", "0"], "`max_seconds` must be a finite number of at least 0.001"),
+        (["train", "PointNav", "--seconds", "nan"], "`max_seconds` must be"),
+        (["train", "PointNav", "--episodes", "2000000"], "`num_episodes` must be"),
+        (["train", "PointNav", "--start", str(tmp_path / "none")], "there is no checkpoint"),
+        (["evaluate", "demo", "--episodes", "10000000000000"], "at most 2147483647"),
+        (["evaluate", "demo", "--episodes", "2000000"], "`num_episodes` must be"),
+        (["play", "PointNav", "--no-film", "--episodes", "2000000"], "`num_episodes` must be"),
+        (["evaluate", str(tmp_path)], "Name the folder of a run"),
         (["evaluate", str(tmp_path)], "there is no checkpoint"),
     ):
         assert main([*args, *(["--out", str(tmp_path / "out")] if args[0] == "train" else [])]) == 2
-        assert words in capsys.readouterr().err
+        message = capsys.readouterr().err
+        assert words in message
+        assert len(message) < 500
+        assert not [path for path in tmp_path.rglob("*") if path.is_file()]
 
 
 @pytest.mark.slow
@@ -74,7 +93,7 @@ def test_a_killed_run_goes_on_as_if_it_had_not_been(houses: Path, tmp_path: Path
     assert {"success", "spl", "soft_spl", "return", "length"} <= set(report["trained"])
     assert read_config(whole / "checkpoint.npz").env.split == "train"
     assert {path.name for path in whole.iterdir()} == {
-        "checkpoint.npz", "curves.png", "evaluation.json", "metrics.jsonl", "tensorboard",
+        "agent.npz", "checkpoint.npz", "curves.png", "evaluation.json", "metrics.jsonl", "tensorboard",
     }  # fmt: skip
 
     program = [sys.executable, "-m", "home_mjx.cli", *command(houses, killed)]
@@ -144,3 +163,7 @@ def test_a_run_has_all_options():
     assert (config.env.num_houses, config.env.split, config.seed) == (2, "train", 5)
     assert config.env.options == {"sensors": ("state", "goal"), "episode_length": 8}
     assert (config.ppo.num_envs, config.ppo.num_timesteps, config.ppo.network.memory) == (8, 2560, 16)
+    assert (config.clone_timesteps, config.max_seconds) == (0, None)
+    more = command(houses, Path("out"), "--clone-steps", "640", "--seconds", "7.5", "--algorithm", "advised")
+    config = run_config(parser.parse_args(more[1:]))
+    assert (config.clone_timesteps, config.max_seconds, config.algorithm) == (640, 7.5, "advised")

@@ -1,26 +1,19 @@
-"""Environments that compile fast, for tests of adapters; every registered id."""
+"""Environments that compile fast, for tests of adapters."""
 
 import jax
 import numpy as np
 import pytest
 
 import home_mjx
-from home_mjx.registry import find_spec
 
 CHEAP = {"sensors": ("state",), "episode_length": 5}
 
 
 def cases(*combinations, fast=1):
-    """Parameters: every id for one agent with every combination; all are slow but the first ones of PointNav.
-
-    Ids that are made with discrete actions need these: they wait for `stop`, or for words.
-    """
+    """Parameters: PointNav with every combination, all but the first ones slow. Other ids: `test_checkers.py`."""
     return [
-        pytest.param(env_id, *values, marks=[pytest.mark.slow] * (env_id != "PointNav-v0" or number >= fast))
-        for env_id, options in ((env_id, find_spec(env_id).options) for env_id in home_mjx.list_envs())
+        pytest.param("PointNav-v0", *values, marks=[pytest.mark.slow] * (number >= fast))
         for number, values in enumerate(combinations)
-        if options.get("num_agents", 1) == 1
-        if not (options.get("actions") == "discrete" and "continuous" in values)
     ]
 
 

@@ -52,6 +52,28 @@ def test_the_nearest_of_several_sources_counts(rng):
     np.testing.assert_allclose(together, on_device(free, single(free, goals)).min(axis=0), rtol=1e-6)
 
 
+def relaxed(free: np.ndarray, source: np.ndarray, slow: np.ndarray) -> np.ndarray:
+    """By edges that are relaxed one after the other until nothing changes (Bellman and Ford), in cells."""
+    far, moves = np.where(source & free, 0.0, np.inf), [(y, x) for y in (-1, 0, 1) for x in (-1, 0, 1) if y or x]
+    cells, before = np.argwhere(free).tolist(), None
+    inside = lambda y, x: 0 <= y < free.shape[0] and 0 <= x < free.shape[1] and free[y, x]  # noqa: E731
+    while before is None or (before != far).any():
+        before = far.copy()
+        for y, x in cells:
+            for dy, dx in moves:
+                if inside(y + dy, x + dx) and inside(y + dy, x) and inside(y, x + dx):
+                    far[y, x] = min(far[y, x], far[y + dy, x + dx] + slow[y, x] * np.hypot(dy, dx))
+    return far
+
+
+def test_ways_are_led_around_what_is_slow(rng):
+    free, slow = rng.random((16, 20)) < 0.85, rng.choice([1.0, 4.0, 16.0], (16, 20))
+    source = single(free, rng.permutation(np.argwhere(free))[:1])[0]
+    with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
+        found = np.asarray(jax.jit(distance_field, static_argnums=2)(free, source, 1.0, slow.astype(np.float32)))
+    np.testing.assert_allclose(found, relaxed(free, source, slow), rtol=1e-5)
+
+
 def test_sources_that_are_not_free_lead_nowhere():
     free = np.ones((40, 50), bool)
     free[3, 4] = False

@@ -2,6 +2,7 @@
 
 import dataclasses
 from pathlib import Path
+from types import SimpleNamespace
 
 import jax
 import jax.numpy as jnp
@@ -13,9 +14,22 @@ pytest.importorskip("flax", reason="needs the extra `train`")
 import home_mjx
 from home_mjx.datasets import RoomOutline, outline_house, write_house, write_library
 from home_mjx.errors import ConfigError
-from home_mjx.registry import EnvSpec
-from home_mjx.training import CPU_CONFIG, Cloning, NetworkConfig, PPOConfig, RunConfig, evaluate, random_policy
+from home_mjx.registry import EnvSpec, find_spec
+from home_mjx.training import (
+    CPU_CONFIG,
+    Advised,
+    Cloning,
+    NetworkConfig,
+    PPOConfig,
+    RunConfig,
+    evaluate,
+    random_policy,
+    train,
+)
+from home_mjx.training import run as run_module
+from home_mjx.training.checkpoint import AGENT, CHECKPOINT, read_updates
 from home_mjx.training.ppo import Batch, TrainState
+from home_mjx.training.records import read_lines
 from home_mjx.training.rollout import Steps
 
 ONE = jax.devices()[:1]
@@ -52,7 +66,8 @@ def test_the_expert_leads_less_and_less(cloning: Cloning):
 
     assert led(0) == 1.0
     assert led(2) == pytest.approx(0.6, abs=0.04)
-    assert led(5) == led(9) == pytest.approx(0.3, abs=0.04)
+    assert led(5) == led(7) == pytest.approx(0.3, abs=0.04)
+    assert led(8) == led(9) == 0.0
 
 
 def test_the_loss_is_how_unlikely_the_advice_is(cloning: Cloning, rng: np.random.Generator):
@@ -70,6 +85,55 @@ def test_the_loss_is_how_unlikely_the_advice_is(cloning: Cloning, rng: np.random
     assert parts["clone"] == pytest.approx(-np.log(chosen).mean(), abs=1e-5)
     assert parts["agreement"] == pytest.approx(np.mean(odds.argmax(-1) == np.asarray(obs["expert"])))
     assert float(loss) == pytest.approx(parts["clone"] + 0.5 * 0.5 * np.mean((np.asarray(value) - 1) ** 2), abs=1e-5)
+
+
+def test_advice_beside_rewards_falls_to_nothing(generated_bank, monkeypatch: pytest.MonkeyPatch):
+    """The gradient is that of PPO's loss plus the advice's times a weight that falls from the start."""
+    env = home_mjx.make("PointNav-v0", generated_bank, sensors=("goal",), impl="kinematic", actions="discrete")
+    advised = Advised(env.core, dataclasses.replace(SMALL, advice_cost=0.25), ONE)
+    state = advised.init(env.params, jax.random.key(0))
+    assert "expert" in state.actor.env.obs
+    _, metrics = advised.update(env.params, state)
+    assert {"loss/clone", "loss/agreement", "loss/policy", "loss/entropy"} <= set(metrics)
+    monkeypatch.setattr(advised, "read", lambda net, batch: (None, None))
+    monkeypatch.setattr(advised, "clipped_loss", lambda *read: (jnp.float32(2.0), {}))
+    monkeypatch.setattr(home_mjx.training.cloning, "told_apart", lambda *read: (jnp.float32(3.0), {}))
+    steps = SimpleNamespace(obs={"expert": None})
+    told = Batch.unchecked(steps=steps, memory=None, advantage=None, target=None)
+    for updates, weight in ((0, 0.25), (3.5, 0.125), (7, 0.0), (10, 0.0)):
+        state = state.replace(updates=jnp.float32(updates))
+        assert float(advised.loss_now(state)(None, told)[0]) == pytest.approx(2 + 3 * weight, abs=1e-6)
+
+
+def test_advice_can_come_first():
+    spec = EnvSpec("PointNav-v0", "home_mjx.tasks:PointNav")
+    run = RunConfig(spec, SMALL, clone_timesteps=96)
+    assert [(name, ppo.num_updates) for name, ppo in run.stages] == [("clone", 3), ("ppo", 10)]
+    assert RunConfig(spec, SMALL, algorithm="clone").stages == (("clone", SMALL),)
+    with pytest.raises(ConfigError, match="come before PPO"):
+        RunConfig(spec, SMALL, algorithm="clone", clone_timesteps=96)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("killed_after", [2, 3, 5])
+def test_a_run_of_two_stages_goes_on_from_either(hall: Path, tmp_path: Path, killed_after: int, monkeypatch):
+    """Bit by bit, also from the very end of the first one."""
+    options = {"sensors": ("goal",), "impl": "kinematic", "episode_length": 8, "actions": "discrete"}
+    spec = dataclasses.replace(find_spec("PointNav-v0"), options=options, houses=str(hall), num_houses=1)
+    config = RunConfig(spec, dataclasses.replace(SMALL, num_timesteps=32 * 4), clone_timesteps=32 * 3)
+    whole, killed = tmp_path / "whole", tmp_path / "killed"
+    whole.mkdir(), killed.mkdir()
+    train(config, whole)
+    with monkeypatch.context() as patch:
+        patch.setattr(run_module._Run, "is_over", lambda run: len(run.records.lines) + 1 >= killed_after)
+        train(config, killed)
+    assert read_updates(killed / CHECKPOINT) == killed_after
+    train(config, killed, resume=True)
+    one, other = (dict(np.load(out / CHECKPOINT)) for out in (whole, killed))
+    assert int(one[".updates"]) == 7
+    assert [name for name in one if not np.array_equal(one[name], other[name])] == []
+    assert (whole / AGENT).read_bytes() == (killed / AGENT).read_bytes()
+    assert [line["steps"] for line in read_lines(killed / "metrics.jsonl")] == [32 * i for i in range(1, 8)]
 
 
 def test_runs_say_how_they_learn():

@@ -11,7 +11,8 @@ pytest.importorskip("flax", reason="needs the extra `train`")
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.specs import ArraySpec
 from home_mjx.training.networks import Categorical, Gaussian, NetworkConfig, RecurrentAgent, distribution_of
-from home_mjx.training.networks.encoders import kind_of, squash
+from home_mjx.training.networks.encoders import Encoder, SpectraEncoder, WordEncoder, id_codes, kind_of, squash
+from home_mjx.training.networks.images import Search
 
 SPECS = {
     "pixels/head_rgb": ArraySpec((16, 16, 3), "uint8", 0, 255),
@@ -40,9 +41,51 @@ def observations(rng: np.random.Generator, steps: int, rows: int, specs: dict[st
 
 def test_kinds_of_observations():
     kinds = [kind_of(name, spec) for name, spec in SPECS.items()]
-    assert kinds == ["image", "image", "ids", "image", "image", "sound", "vector", "words"]
+    assert kinds == ["image", "image", "ids", "image", "spectra", "sound", "vector", "words"]
     assert kind_of("camera/head_pose", ArraySpec((4, 4))) == "none"
     assert kind_of("previous_reward", ArraySpec(())) == "vector"
+    assert kind_of("log_mel", ArraySpec((2, 8, 40))) == "spectra"
+
+
+def test_ears_are_told_apart_however_loud_it_is(rng: np.random.Generator):
+    """3 dB between the ears move the features at any level."""
+    encoder = SpectraEncoder(16)
+    quiet = jnp.asarray(rng.uniform(-60, -50, (1, 2, 8, 40)), jnp.float32)
+    net = encoder.init(jax.random.key(0), quiet)
+    louder = quiet.at[:, 0].add(3.0)
+    moved = [encoder.apply(net, level + louder) - encoder.apply(net, level + quiet) for level in (0.0, 40.0)]
+    assert min(float(jnp.linalg.norm(x)) for x in moved) > 0.1
+    assert not np.array_equal(encoder.apply(net, quiet[:, ::-1]), encoder.apply(net, quiet))
+
+
+def test_blanks_do_not_drown_words():
+    """One other word of four changes the features as much, however many blanks follow."""
+    encoder, words = WordEncoder(blank=0), jnp.zeros((2, 32), jnp.int32)
+    words = words.at[:, :4].set(jnp.asarray([[5, 6, 7, 8], [5, 6, 7, 9]]))
+    net = encoder.init(jax.random.key(0), words)
+    net["params"]["places"] = jnp.zeros_like(net["params"]["places"])
+    read = encoder.apply(net, words)
+    np.testing.assert_allclose(read, encoder.apply(net, jnp.roll(words, 9, axis=-1)), atol=1e-5)
+    assert float(jnp.linalg.norm(read[0] - read[1]) / jnp.linalg.norm(read[0])) > 0.3
+    assert np.all(np.isfinite(encoder.apply(net, words * 0)))
+
+
+def test_a_search_multiplies_each_place_by_a_query(rng: np.random.Generator):
+    image, asked = (
+        jnp.asarray(rng.normal(size=(2, 4, 5, 6)), jnp.float32),
+        jnp.asarray(rng.normal(size=(2, 3)), jnp.float32),
+    )
+    found, net = Search(num=2).init_with_output(jax.random.key(0), image, asked)
+    layer = net["params"]["Dense_0"]
+    query = (asked @ layer["kernel"] + layer["bias"]).reshape(2, 6, 2)
+    for place in np.ndindex(2, 4, 5):
+        np.testing.assert_allclose(found[place], image[place] @ query[place[0]] / 6**0.5, rtol=1e-4, atol=1e-5)
+
+
+def test_codes_of_ids_are_all_different():
+    codes = id_codes()
+    assert len(np.unique(codes[:200], axis=0)) == pytest.approx(200, abs=10)  # of 4096 possible ones
+    assert np.array_equal(codes, id_codes())
 
 
 def test_squash_is_odd_and_grows_with_the_logarithm():
@@ -127,6 +170,23 @@ def test_every_observation_is_read(rng: np.random.Generator):
         changed = read(net, memory, obs | {name: other}, begins)[2]
         assert abs(changed - value)[0, 0] > 1e-5, name
         assert changed[0, 1] == value[0, 1], name
+
+
+def test_words_tell_images_what_to_look_for(rng: np.random.Generator):
+    """What the words change in the features is not the same whatever the image: their two effects do not just add."""
+    specs = {name: SPECS[name] for name in ("pixels/head_depth", "instruction")}
+    encoder = Encoder(tuple(specs.items()), 16, (4, 8))
+    one, other = (observations(np.random.default_rng(seed), 1, 1, specs) for seed in (0, 1))
+    net = encoder.init(jax.random.key(0), one)
+
+    def seen(image: dict, words: dict) -> np.ndarray:
+        obs = {"pixels/head_depth": image["pixels/head_depth"], "instruction": words["instruction"]}
+        return np.asarray(
+            encoder.apply(net, obs, capture_intermediates=True)[1]["intermediates"]["ImageEncoder_0"]["__call__"][0]
+        )
+
+    assert np.abs(seen(one, one) - seen(one, other)).max() > 1e-3
+    assert np.abs(seen(one, one) - seen(one, other) - seen(other, one) + seen(other, other)).max() > 1e-4
 
 
 def test_bfloat16_is_only_inside(rng: np.random.Generator):

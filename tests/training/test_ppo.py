@@ -149,6 +149,21 @@ def test_any_environment_can_be_learned_in(generated_bank, options: dict, final_
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("final_obs", ["cheap", "all"])
+def test_agents_that_the_task_leads_are_no_rows_to_learn_from(generated_bank, final_obs: str):
+    options = {"sensors": ("state", "depth"), "width": 16, "height": 16, "impl": "kinematic", "num_tasks": 2}
+    env = home_mjx.make("PiedPiper-v0", generated_bank, episode_length=4, **options)
+    ppo = PPO(env.core, dataclasses.replace(SMALL, final_obs=final_obs), ONE)
+    state = ppo.init(env.params, jax.random.key(0))
+    new, metrics = ppo.update(env.params, state)
+    assert all(np.isfinite(x) for x in metrics.values())
+    assert new.actor.memory.shape == (8, 16)
+    assert new.actor.env.world.reward.shape == (8, 3)
+    assert metrics["episode/episodes"] == 8
+    assert not leaves_equal(state.net, new.net)
+
+
+@pytest.mark.slow
 def test_it_learns_in_one_small_house():
     """60,000 steps of short episodes: success of the last ones is far above chance."""
     env = home_mjx.make("PointNav-v0", num_houses=1, sensors=("goal",), ctrl_dt=0.3, episode_length=40)

@@ -12,8 +12,9 @@ from home_mjx.audio_jax.auralization.hrtf import EarTable, ear_angles, ear_energ
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.base.filters import high_pass, octave_gains
+from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
-from home_mjx.audio_jax.propagation.paths import Paths, early_paths
+from home_mjx.audio_jax.propagation.paths import Paths
 from home_mjx.audio_jax.propagation.tracing import Trace, trace
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS

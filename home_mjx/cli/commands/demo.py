@@ -1,8 +1,9 @@
-"""Walk agents through houses; write pictures, a film with stereo sound and a report."""
+"""Walk through houses, film a trained agent that finds a radio by ear and eye; write pictures and a report."""
 
 import argparse
 import sys
 from pathlib import Path
+from typing import Any
 
 from home_mjx.cli.houses import add_dataset_option
 from home_mjx.cli.output import make_folder
@@ -38,9 +39,16 @@ def run(args: argparse.Namespace) -> int:
         f"{rates['all']:.0f} environment steps/s with all sensors "
         f"({report['num_envs']} environments, {report['num_houses']} houses, {report['device']})",
         f"Look at {args.out / 'contact_sheet.png'}",
-        f"Watch   {args.out / 'walk.mp4'} (with the agent's stereo sound)",
-        f"Listen  {args.out / 'walk.wav'}",
+        _watch(args.out, report["search"]),
         f"Figures {args.out / 'report.json'}",
     ]
     sys.stdout.write("\n".join(lines) + "\n")
     return 0
+
+
+def _watch(out: Path, search: list[dict[str, Any]] | str) -> str:
+    """Where the film is, or why there is none."""
+    if isinstance(search, str):
+        return f"No film: {search}"
+    found = sum(one["success"] > 0 for one in search)
+    return f"Watch   {out / 'radio.mp4'} (a trained agent finds {found} of {len(search)} radios; with what it hears)"

@@ -7,7 +7,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from home_mjx.cli.houses import add_dataset_option
-from home_mjx.cli.learning.train import assignments, checkpoint_of, newest
+from home_mjx.cli.learning.named import (
+    CHECKPOINT_HELP,
+    TASK_HELP,
+    add_import_option,
+    assignments,
+    checkpoint_of,
+    checkpoint_path,
+    import_modules,
+    task_spec,
+)
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import positive_int, seed
 from home_mjx.errors import ConfigError
@@ -21,13 +30,13 @@ NOTHING_MORE = ("state",)  # sensors of who does not look
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the options of `home-mjx play`."""
-    parser.add_argument("task", nargs="?", metavar="TASK", help="id of an environment (default: the checkpoint's)")
+    parser.add_argument("task", nargs="?", metavar="TASK", help=f"{TASK_HELP} (default: the checkpoint's)")
     parser.add_argument(
         "--agent",
         choices=(EXPERT, "random", TRAINED, "human"),
         help="who plays (default: expert, or trained with --checkpoint)",
     )
-    parser.add_argument("--checkpoint", type=Path, help="a checkpoint, or the folder of a run")
+    parser.add_argument("--checkpoint", type=checkpoint_path, help=CHECKPOINT_HELP)
     parser.add_argument("--greedy", action="store_true", help="a trained agent does what is likeliest")
     parser.add_argument("--episodes", type=positive_int, default=3, help="how many (default: 3)")
     parser.add_argument("--out", type=Path, default=Path("play"), help="folder for the film (default: play)")
@@ -43,6 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--split", choices=("train", "val", "test"), default="val", help="part of the dataset (default: val)"
     )
     add_dataset_option(parser)
+    add_import_option(parser)
     parser.add_argument(
         "--env", action="append", default=[], metavar="NAME=VALUE", help="an option of the environment, as of make"
     )
@@ -53,6 +63,7 @@ def run(args: argparse.Namespace) -> int:
     from home_mjx.play.players import check_agent
     from home_mjx.play.run import AGENTS, PlayOptions, run_play
 
+    import_modules(args.modules)
     path = args.checkpoint and checkpoint_of(args.checkpoint)
     width, height = args.size
     options = PlayOptions(
@@ -81,17 +92,16 @@ def env_spec(args: argparse.Namespace, checkpoint: Path | None, sensors: tuple[s
     Raises:
         ConfigError: None was named, or another one than the checkpoint's.
     """
-    from home_mjx.registry import find_spec
-
     if args.task is None and checkpoint is None:
         raise ConfigError("name a task", hint="home-mjx play RoomNav; home_mjx.list_envs() names them.")
-    spec = find_spec(newest(args.task)) if args.task is not None else None
+    spec = task_spec(args.task) if args.task is not None else None
     if checkpoint is not None:
         from home_mjx.training import read_config
 
         theirs = read_config(checkpoint).env
         if spec is not None and spec.id != theirs.id:
-            raise ConfigError(f"the checkpoint is of {theirs.id}, not of {spec.id}", file=checkpoint)
+            message = f"the checkpoint is of {theirs.id}, not of {spec.id}"
+            raise ConfigError(message, file=checkpoint, hint="Leave the task out, or name another checkpoint.")
         spec = theirs
     assert spec is not None
     houses = spec.houses if args.dataset is None else str(args.dataset)

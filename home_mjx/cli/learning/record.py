@@ -5,17 +5,24 @@ import sys
 from pathlib import Path
 
 from home_mjx.cli.houses import add_dataset_option
+from home_mjx.cli.learning.named import (
+    CHECKPOINT_HELP,
+    TASK_HELP,
+    add_import_option,
+    checkpoint_of,
+    checkpoint_path,
+    import_modules,
+)
 from home_mjx.cli.learning.play import EXPERT, TRAINED, env_spec
-from home_mjx.cli.learning.train import checkpoint_of
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import positive_int, seed
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the options of `home-mjx record`."""
-    parser.add_argument("task", nargs="?", metavar="TASK", help="id of an environment (default: the checkpoint's)")
+    parser.add_argument("task", nargs="?", metavar="TASK", help=f"{TASK_HELP} (default: the checkpoint's)")
     parser.add_argument("--agent", choices=(EXPERT, "random", TRAINED), default=EXPERT, help="default: expert")
-    parser.add_argument("--checkpoint", type=Path, help="of the agent `trained`: a checkpoint, or the folder of a run")
+    parser.add_argument("--checkpoint", type=checkpoint_path, help=f"of the agent `trained`: {CHECKPOINT_HELP}")
     parser.add_argument("--greedy", action="store_true", help="a trained agent does what is likeliest")
     parser.add_argument("--sensors", metavar="A,B", help="what is kept (default: rgb,state,instruction)")
     parser.add_argument("--frames", type=positive_int, default=10_000, help="at least so many steps (default: 10000)")
@@ -29,6 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--split", choices=("train", "val", "test"), default="train", help="part of the dataset (default: train)"
     )
     add_dataset_option(parser)
+    add_import_option(parser)
     parser.add_argument(
         "--env", action="append", default=[], metavar="NAME=VALUE", help="an option of the environment, as of make"
     )
@@ -40,6 +48,7 @@ def run(args: argparse.Namespace) -> int:
     from home_mjx.tasks import with_expert
     from home_mjx.trajectories import Trajectories, record
 
+    import_modules(args.modules)
     path = args.checkpoint and checkpoint_of(args.checkpoint)
     check_agent(args.agent, path)
     sensors = tuple((args.sensors or "rgb,state,instruction").split(","))

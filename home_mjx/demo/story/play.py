@@ -14,7 +14,7 @@ from home_mjx.demo.story.places import Places
 from home_mjx.demo.story.script import CARRIER, WATCHER, Script, Stage
 from home_mjx.errors import HomeMjxError
 from home_mjx.registry import make
-from home_mjx.tasks.base.state import State
+from home_mjx.tasks.base.state import EnvParams, State
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.household import HouseholdEnv
 
@@ -60,8 +60,7 @@ def play(env: BoundEnv[HouseholdEnv], told: Callable[[Step], None] = lambda step
     core, params = env.core, env.params
     places = Places.of(env.bank)
     script = Script(core.config, places)
-    state = jax.jit(core.begin)(params, suitable_start(env, places))
-    state = state.replace(world=state.world.with_source(jnp.asarray(places.sound, jnp.float32)))
+    state = jax.jit(lambda params, key: opening(core, params, key, places))(params, suitable_start(env, places))
     look = jax.jit(lambda params, state: moment_of(core, params, state))
     step = jax.jit(core.step)
     moment = to_host(look(params, state))
@@ -76,6 +75,12 @@ def play(env: BoundEnv[HouseholdEnv], told: Callable[[Step], None] = lambda step
         else:
             raise _too_late(stage, moment)
     return moment
+
+
+def opening(core: HouseholdEnv, params: EnvParams, key: jax.Array, places: Places) -> State:
+    """The first state that a key gives, in which the loudspeaker plays; pure JAX."""
+    state = core.begin(params, key)
+    return state.replace(world=state.world.with_source(jnp.asarray(places.sound, jnp.float32)))
 
 
 def suitable_start(env: BoundEnv[HouseholdEnv], places: Places) -> jax.Array:

@@ -1,10 +1,24 @@
 """What there is to know of bodies between two steps."""
 
+import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from home_mjx.core.pytree import Pytree
 
 AWAKE = 1e-6  # [m/s^2], [rad/s^2]: least acceleration of what does not sleep
+
+
+class Scale(Pytree):
+    """Factors of an environment's movable bodies against what the house says; None: 1."""
+
+    friction: Float[Array, "*batch"] | None = None
+    mass: Float[Array, "*batch"] | None = None  # and of their inertia: they keep their size
+
+    @property
+    def factors(self) -> Float[Array, "2"]:
+        """Of friction and mass."""
+        one = jnp.ones((), jnp.float32)
+        return jnp.stack([one if x is None else x for x in (self.friction, self.mass)])
 
 
 class PhysicsState(Pytree):
@@ -27,3 +41,4 @@ class PhysicsState(Pytree):
     impulse: Float[Array, "*batch m"]  # [N s], of all contacts of each mobile in the last control step
     place: Float[Array, "*batch m 3"]  # [m], of the strongest of them
     other: Int[Array, "*batch m"]  # what that was with: a mobile; -1 nothing, -2 the floor, -3 - c static box c
+    scale: Scale | None = None  # of friction and mass, for the whole episode

@@ -27,6 +27,7 @@ struct Env {
   int *used, *num_near, *island, *members, *rows, *end, *offset, *order, *counts;
   real *near, *near_from, *small, *large;  // memory for Newton's method: small is shared
   const float *agent, *door, *surface;  // tables: of the agents, of the house's doors, of its bodies
+  real rougher;                         // factor of the friction of bodies
   Contact* contacts;
   Numbers numbers;
 };
@@ -84,7 +85,7 @@ INLINE Surface surface_of(const Env& e, int first, int second) {
   if (first >= e.free) other = first, first = SLEEPER - second;  // a door that meets a sleeping body
   const float* own = e.surface + SURFACE_COLUMNS * (first - e.agents);
   const float* its = other < 0 || other >= e.free ? own : e.surface + SURFACE_COLUMNS * (other - e.agents);
-  return {fmax(real(own[0]), real(its[0])), fmax(real(own[1]), real(its[1])), fmax(real(own[2]), real(its[2])),
+  return {fmax(real(own[0]), real(its[0])) * e.rougher, fmax(real(own[1]), real(its[1])), fmax(real(own[2]), real(its[2])),
           (real(own[3]) + its[3]) / 2, (real(own[4]) + its[4]) / 2};
 }
 

@@ -5,7 +5,7 @@
 
 // Takes the poses and speeds of agents, bodies and doors.
 INLINE void load(const Env& e, int m, const float* qpos, const float* qvel, const float* qacc, const int* body_valid,
-                 const float* body_size, const float* body_mass, const float* body_inertia) {
+                 const float* body_size, const float* body_mass, const float* body_inertia, real heavier) {
   const int b = m - e.agents, h = m - e.free, bodies = e.free - e.agents;
   real *pos = e.pos + 3 * m, *quat = e.quat + 4 * m, *half = e.half + 3 * m, *mass = e.mass + 6 * m;
   real *vel = e.vel + 6 * m, *acc = e.acc + 6 * m;
@@ -25,13 +25,13 @@ INLINE void load(const Env& e, int m, const float* qpos, const float* qvel, cons
   real square = 0, length = 0;
   if (m < e.free) {
     const int q = 4 * e.agents + 7 * b, v = 4 * e.agents + 6 * b;
-    e.there[m] = body_valid[b] != 0, e.inverse[m] = 1 / real(body_mass[b]);
+    e.there[m] = body_valid[b] != 0, e.inverse[m] = 1 / (body_mass[b] * heavier);
     for (int k = 0; k < 4; ++k) length += real(qpos[q + 3 + k]) * qpos[q + 3 + k];
     for (int k = 0; k < 4; ++k) quat[k] = qpos[q + 3 + k] / sqrt(length);
     for (int k = 0; k < 6; ++k) vel[k] = qvel[v + k], acc[k] = qacc[v + k];
     for (int k = 0; k < 3; ++k) {
       pos[k] = qpos[q + k], half[k] = body_size[3 * b + k];
-      mass[k] = body_mass[b], mass[3 + k] = body_inertia[3 * b + k];
+      mass[k] = body_mass[b] * heavier, mass[3 + k] = body_inertia[3 * b + k] * heavier;
     }
   } else {
     const float* door = e.door + DOOR_COLUMNS * h;
@@ -104,7 +104,7 @@ extern "C" __global__ void __launch_bounds__(WARP_SIZE, BLOCKS) step_physics(
     const float* body_size, const float* body_mass, const float* body_inertia, const float* body_surface,
     const float* doors, const float* ramps, const float* floors, const float* agents, const float* numbers,
     const int* houses, const float* qpos, const float* qvel, const float* qacc, const float* action, const int* held,
-    const float* grip, const float* goal, const int* sizes, float* new_qpos, float* new_qvel, float* new_qacc,
+    const float* grip, const float* goal, const float* scale, const int* sizes, float* new_qpos, float* new_qvel, float* new_qacc,
     int* touched, int* lost, float* push, int* other, char* scratch) {
   const int env = blockIdx.x, num_houses = sizes[1], bodies = sizes[3], num_doors = sizes[5], num_ramps = sizes[6];
   Env e;
@@ -127,6 +127,7 @@ extern "C" __global__ void __launch_bounds__(WARP_SIZE, BLOCKS) step_physics(
   const int house = houses[env] < 0 ? 0 : houses[env] < num_houses ? houses[env] : num_houses - 1;
   const House boxes = {collider_pos + size_t(house) * e.statics * 3, collider_quat + size_t(house) * e.statics * 4,
                        collider_half + size_t(house) * e.statics * 3};
+  e.rougher = scale[2 * env];
   e.agent = agents, e.surface = body_surface + size_t(house) * bodies * SURFACE_COLUMNS;
   e.door = doors + size_t(house) * num_doors * DOOR_COLUMNS;
   ramps += size_t(house) * num_ramps * RAMP_COLUMNS;
@@ -139,7 +140,8 @@ extern "C" __global__ void __launch_bounds__(WARP_SIZE, BLOCKS) step_physics(
   if (LANE == 0) e.counts[LOST_STATIC] = e.counts[LOST_POINTS] = 0;
   for (int m = LANE; m < M; m += WARP_SIZE) {
     const int row = house * bodies;
-    load(e, m, qpos, qvel, qacc, body_valid + row, body_size + 3 * row, body_mass + row, body_inertia + 3 * row);
+    load(e, m, qpos, qvel, qacc, body_valid + row, body_size + 3 * row, body_mass + row, body_inertia + 3 * row,
+         scale[2 * env + 1]);
     if (m < e.agents) touched[m] = 0;
     other[m] = LIMIT;
     for (int k = 0; k < 4; ++k) push[4 * m + k] = 0;

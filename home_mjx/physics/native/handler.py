@@ -43,11 +43,12 @@ from home_mjx.physics.native.data.operands import (
     QPOS,
     QVEL,
     RAMP,
+    SCALE,
     TOUCHED,
 )
 from home_mjx.physics.native.data.work import free_work, make_work
 from home_mjx.physics.native.shapes import box_box, capsule
-from home_mjx.physics.native.step import load_agents, load_house, step_env
+from home_mjx.physics.native.step import load_agents, load_house, scale_bodies, step_env
 
 CHUNK = 16  # environments that a thread takes at once
 TASK = "home_mjx_step_task"
@@ -143,6 +144,10 @@ def _step_chunk(frame, chunk):
         if own != loaded:
             _load_house(frame, work, own)
             loaded = own
+        scale_bodies(
+            work, _floats(frame, BODY_MASS, own), _floats(frame, BODY_INERTIA, own), _floats(frame, BODY_SURFACE, own),
+            _floats(frame, SCALE, env),
+        )  # fmt: skip
         before = _floats(frame, QPOS, env), _floats(frame, QVEL, env), _floats(frame, QACC, env)
         after = _results(frame, NEW_QPOS, env), _results(frame, NEW_QVEL, env), _results(frame, NEW_QACC, env)
         report = (

@@ -65,6 +65,19 @@ def load_house(work, static, bodies, door):
 
 @compiled
 @no_type_check
+def scale_bodies(work, mass, inertia, surface, scale):
+    """Takes an environment's factors of the friction and the mass of its house's bodies, see `load_house`."""
+    for m in range(work.num_agents, work.num_free):
+        b = m - work.num_agents
+        for k in range(3):
+            work.mass[6 * m + k] = mass[b] * scale[1]
+            work.mass[6 * m + 3 + k] = inertia[3 * b + k] * scale[1]
+        work.inverse[m] = 1 / work.mass[6 * m]
+        work.surface[SURFACE_COLUMNS * m] = surface[SURFACE_COLUMNS * b] * scale[0]
+
+
+@compiled
+@no_type_check
 def _load_door(work, m, door):
     """A door's leaf; see `doors.door_table`."""
     work.there[m] = 1 if door[6] >= 0 else 0

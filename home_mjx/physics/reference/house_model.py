@@ -13,7 +13,8 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.base.doors import Leaf
 from home_mjx.physics.base.layout import Layout
-from home_mjx.physics.base.surfaces import LOW, body_surfaces, usual_surface
+from home_mjx.physics.base.state import Scale
+from home_mjx.physics.base.surfaces import FRICTION, LOW, body_surfaces, usual_surface
 from home_mjx.physics.reference.slots import Boxes
 from home_mjx.physics.reference.template_mjcf import (
     CORNER_RADIUS,
@@ -39,8 +40,16 @@ class MovableBodies(Pytree):
     inertia: Float[Array, "k 3"]  # [kg m^2], principal
 
 
-def movable_bodies(physics: Physics, house: Int[Array, ""]) -> MovableBodies:
-    """The movable bodies of a house at their starting poses."""
+def movable_bodies(physics: Physics, house: Int[Array, ""], scale: Scale | None = None) -> MovableBodies:
+    """The movable bodies of a house at their starting poses, as heavy as they are in an episode."""
+    bodies = _movable_bodies(physics, house)
+    if scale is None or scale.mass is None:
+        return bodies
+    factor = jnp.where(bodies.valid, scale.mass, 1.0)
+    return bodies.replace(mass=bodies.mass * factor, inertia=bodies.inertia * factor[:, None])
+
+
+def _movable_bodies(physics: Physics, house: Int[Array, ""]) -> MovableBodies:
     valid = physics.body_valid[house]
     num = valid.shape[0]
     row = jnp.arange(num, dtype=jnp.float32)
@@ -110,10 +119,15 @@ def _with_body_geoms(model: mjx.Model, layout: Layout, size: Float[Array, "k 3"]
     )
 
 
-def house_surfaces(config: PhysicsConfig, physics: Physics, house: Int[Array, ""]) -> Float[Array, "k 5"]:
-    """Of the bodies of a house, see `base.surfaces`; of unused ones as the template has them."""
+def house_surfaces(
+    config: PhysicsConfig, physics: Physics, house: Int[Array, ""], scale: Scale | None = None
+) -> Float[Array, "k 5"]:
+    """Of the bodies of a house, see `base.surfaces`, in an episode; of unused ones as the template has them."""
     usual = jnp.asarray(usual_surface(config), jnp.float32)
-    return jnp.where(physics.body_valid[house][:, None], body_surfaces(config, physics)[house], usual[None])
+    own = body_surfaces(config, physics)[house]
+    if scale is not None and scale.friction is not None:
+        own = own.at[:, FRICTION].multiply(scale.friction)
+    return jnp.where(physics.body_valid[house][:, None], own, usual[None])
 
 
 def with_surfaces(

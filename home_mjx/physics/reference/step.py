@@ -33,12 +33,12 @@ def step_mjx(
     template: Template, physics: Physics, house: Int[Array, ""], state: PhysicsState, action: Float[Array, "a 3"]
 ) -> tuple[PhysicsState, Lost]:
     """One control step; see `dynamics.step_checked`."""
-    bodies, leaves = movable_bodies(physics, house), house_doors(physics, house)
+    bodies, leaves = movable_bodies(physics, house, state.scale), house_doors(physics, house)
     static = static_boxes(template, physics, house)
     parts = bodies, leaves, physics.ramp[house]
     model = house_model(template.model, template.layout, bodies, physics.floor[house])
     model = with_doors(model, template.layout, leaves)
-    surfaces = house_surfaces(template.config, physics, house)
+    surfaces = house_surfaces(template.config, physics, house, state.scale)
     model = with_surfaces(model, template.layout, template.pair_mobiles, surfaces)
 
     def substep(carry: tuple[mjx.Data, Sizes], _: None) -> tuple[tuple[mjx.Data, Sizes], tuple[Array, Pushes, Array]]:

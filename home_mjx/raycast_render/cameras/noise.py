@@ -17,6 +17,7 @@ def kinect_depth(
     depth: Float[Array, "h w 1"],
     near: float = 0.5,
     far: float = 8.0,
+    strength: Float[Array, ""] | float = 1.0,
 ) -> Float[Array, "h w 1"]:
     """Depth as a structured-light sensor reads it: torn edges, noisy and quantised disparities.
 
@@ -31,6 +32,7 @@ def kinect_depth(
         depth: [m], not clipped; made for 640 x 480, but any size will do.
         near: Below this distance there is no reading [m].
         far: Beyond this distance there is no reading [m].
+        strength: Factor of both Gaussians; disparities are rounded all the same.
 
     Returns:
         Depth [m]; inf where there is no reading.
@@ -42,17 +44,22 @@ def kinect_depth(
     """
     shift_key, jitter_key = jax.random.split(key)
     height, width, _ = depth.shape
-    shift = jnp.round(jax.random.normal(shift_key, (2, height, width), jnp.float32) * SHIFT).astype(jnp.int32)
+    shift = jnp.round(jax.random.normal(shift_key, (2, height, width), jnp.float32) * (SHIFT * strength)).astype(
+        jnp.int32
+    )
     rows, columns = jnp.meshgrid(jnp.arange(height), jnp.arange(width), indexing="ij")
     seen = depth[jnp.clip(rows + shift[0], 0, height - 1), jnp.clip(columns + shift[1], 0, width - 1)]
     inside = (seen >= near) & (seen <= far)
     disparity = BASELINE / jnp.where(inside, seen, 1.0)
-    disparity = jnp.round(disparity + JITTER * jax.random.normal(jitter_key, seen.shape, jnp.float32))
+    disparity = jnp.round(disparity + JITTER * strength * jax.random.normal(jitter_key, seen.shape, jnp.float32))
     return jnp.where(inside, BASELINE / jnp.maximum(disparity, 1.0), jnp.inf)
 
 
 def sensor_rgb(
-    key: Array, rgb: UInt8[Array, "h w 3"], shot: float = 0.002, read: float = 0.0001
+    key: Array,
+    rgb: UInt8[Array, "h w 3"],
+    shot: Float[Array, ""] | float = 0.002,
+    read: Float[Array, ""] | float = 0.0001,
 ) -> UInt8[Array, "h w 3"]:
     """Colours as an image sensor reads them: shot noise that grows with the light, and read noise.
 

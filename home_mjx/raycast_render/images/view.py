@@ -12,6 +12,7 @@ from home_mjx.raycast_render.cameras import sampling
 from home_mjx.raycast_render.cameras.camera import Camera, Lens, camera_rays, pixel_width
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.scene import surface
+from home_mjx.raycast_render.scene.look import exposed
 from home_mjx.raycast_render.scene.types import Hit, Scene
 from home_mjx.raycast_render.scene.vec import Vec
 from home_mjx.raycast_render.shading import lit, optics, shading
@@ -83,7 +84,8 @@ class View:
             albedo = shading.albedo(self.scene, rays.hit)
             direction = Vec.of(rays.direction)
             normal = surface.unit_normals(self.scene, direction, rays.hit)
-            return shading.head_light(albedo, normal, direction).map(lambda x: jnp.clip(x, 0, 1))
+            light = exposed(self.scene.look, shading.head_light(albedo, normal, direction))
+            return light.map(lambda x: jnp.clip(x, 0, 1))
         light = lit.radiance(
             self.scene,
             self.sight(rays),
@@ -92,7 +94,7 @@ class View:
             self.options,
             self.exclude,
         )
-        return lit.tone_map(light, self.options.exposure)
+        return lit.tone_map(exposed(self.scene.look, light), self.options.exposure)
 
     def sight(self, rays: CameraRays) -> optics.Sight:
         """Camera rays before they go on through glass or off mirrors."""

@@ -11,6 +11,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.packing.agent_model import HEIGHT, RADIUS
 from home_mjx.bank.records import Geometry
 from home_mjx.core.transforms import bounds, compose, invert, rigid
+from home_mjx.raycast_render.scene.look import Look
 from home_mjx.raycast_render.scene.types import Moving, Scene
 from home_mjx.schema.agent import Body
 
@@ -28,6 +29,7 @@ def make_scene(
     executor: str | None = None,
     door_angle: Float[Array, " h"] | None = None,
     agent_size: Float[Array, "a 2"] | None = None,
+    look: Look | None = None,
 ) -> Scene:
     """The scene of one environment.
 
@@ -41,6 +43,7 @@ def make_scene(
         executor: Of all rays in the scene, see `cast`.
         door_angle: Of every door's leaf, about +z from as placed [rad], of sliding ones the way [m]; None: as placed.
         agent_size: Radius and height of every agent [m]; None: those of a default `Body`.
+        look: What the episode changes of the house's looks; None: nothing.
 
     Returns:
         The scene; what moves are the bodies, then the doors, then the agents.
@@ -54,7 +57,7 @@ def make_scene(
     agents = _agents(bank.geometry, agent_pos, agent_quat, agent_size)
     doors = _doors(bank, house, jnp.zeros(bank.spec.num_doors, jnp.float32) if door_angle is None else door_angle)
     moving = jax.tree.map(lambda *x: jnp.concatenate(x), bodies, doors, agents)
-    return Scene(bank=bank, house=house, moving=moving, executor=executor)
+    return Scene(bank=bank, house=house, moving=moving, executor=executor, look=look)
 
 
 def agent_sizes(bodies: Sequence[Body]) -> Float[Array, "a 2"] | None:

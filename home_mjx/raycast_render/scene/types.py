@@ -9,6 +9,7 @@ from jaxtyping import Array, Bool, Float, Int
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records import Geometry
 from home_mjx.core.pytree import Pytree, static
+from home_mjx.raycast_render.scene.look import Look
 
 
 class Moving(Pytree):
@@ -36,6 +37,7 @@ class Scene(Pytree):
     house: Int[Array, ""]
     moving: Moving
     executor: str | None = static(default=None)  # of rays, see `cast`; None: the platform's best
+    look: Look | None = None  # what the episode changes of the house's looks; None: nothing
 
     @property
     def geometry(self) -> Geometry:
@@ -53,7 +55,7 @@ class Scene(Pytree):
             >>> moved = jax.vmap(place, out_axes=Scene.axes())(houses)  # doctest: +SKIP
             >>> hits = jax.vmap(cast, in_axes=(Scene.axes(), 0, 0))(moved, origins, directions)  # doctest: +SKIP
         """
-        return cls.unchecked(bank=None, house=0, moving=0, executor=executor)
+        return cls.unchecked(bank=None, house=0, moving=0, executor=executor, look=0)
 
 
 class Rays(Pytree):

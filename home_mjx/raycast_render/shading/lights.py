@@ -8,6 +8,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.casting.cast import occluded
+from home_mjx.raycast_render.scene.look import Look, dimmed, outdoors
 from home_mjx.raycast_render.scene.surface import by_instance
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.raycast_render.scene.vec import Vec, select, take
@@ -79,6 +80,7 @@ def place_lights(scene: Scene, options: Lit) -> PlacedLights:
     daylight = lights.daylight[house]
     intensity = Vec.of(lights.intensity[house])
     intensity = select(daylight, intensity * Vec(*DAYLIGHT) * options.sky, intensity)
+    intensity = dimmed(scene.look, intensity, daylight, lights.room[house])
     placed = PlacedLights(
         pos=turned(lights.pos[house]) + columns[3],
         axis_u=turned(lights.axis_u[house]),
@@ -164,12 +166,9 @@ def choose(lights: PlacedLights, point: Point, count: int) -> Int[Array, "k *ray
 
 def sun_light(scene: Scene, point: Point, spread: Spread, options: Lit) -> Received:
     """Light of the sun, where it is seen; its disc is a degree wide."""
-    azimuth, elevation = math.radians(options.sun_azimuth), math.radians(options.sun_elevation)
-    across = math.cos(elevation)
-    aim = Vec(math.cos(azimuth) * across, math.sin(azimuth) * across, math.sin(elevation))
+    aim, level = _sun(scene.look, options)
     way = aim.map(lambda x: jnp.full(point.instance.shape, x, jnp.float32))
     if spread is not None:
-        level = Vec(-math.sin(azimuth), math.cos(azimuth), 0.0)
         way = way + (level * spread[..., 0] + aim.cross(level) * spread[..., 1]) * 0.0087
     strength = jnp.where(point.instance < 0, 0.0, options.sun * _facing(point, aim))
     reach = jnp.where(strength > 0, jnp.inf, -1.0)
@@ -178,7 +177,20 @@ def sun_light(scene: Scene, point: Point, spread: Spread, options: Lit) -> Recei
     # The barrier keeps what is known before the cast from being computed again after it.
     start, reach, strength, gloss = jax.lax.optimization_barrier((start, reach, strength, gloss))
     blocked = occluded(scene, start.packed(), way.packed(), t_max=reach)
-    return Received(*(Vec(*SUNLIGHT) * jnp.where(blocked, 0.0, share) for share in (strength, gloss)))
+    light = outdoors(scene.look, Vec(*SUNLIGHT))
+    return Received(*(light * jnp.where(blocked, 0.0, share) for share in (strength, gloss)))
+
+
+def _sun(look: Look | None, options: Lit) -> tuple[Vec, Vec]:
+    """The unit direction to the sun, and one across it that is level."""
+    azimuth, elevation = math.radians(options.sun_azimuth), math.radians(options.sun_elevation)
+    given = (None, None) if look is None else (look.sun_azimuth, look.sun_elevation)
+    if given == (None, None):  # on the host, so that the program is the same as without looks
+        turn, rise = ((math.cos(angle), math.sin(angle)) for angle in (azimuth, elevation))
+    else:
+        azimuth, elevation = azimuth if given[0] is None else given[0], elevation if given[1] is None else given[1]
+        turn, rise = ((jnp.cos(angle), jnp.sin(angle)) for angle in (azimuth, elevation))
+    return Vec(turn[0] * rise[0], turn[1] * rise[0], rise[1]), Vec(-turn[1], turn[0], 0.0)
 
 
 def blinn_phong(point: Point, toward: Vec) -> Float[Array, "*rays"]:

@@ -11,6 +11,7 @@ from jaxtyping import Array, Float, Int
 
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.casting.cast import occluded
+from home_mjx.raycast_render.scene.look import dimmed, outdoors, swapped, tinted
 from home_mjx.raycast_render.scene.surface import (
     area_vectors,
     material_rows,
@@ -70,7 +71,8 @@ def radiance(
         got = jax.tree.map(jnp.add, got, sun)
     ambient = _ambient(scene, point, spread, options)
     light = color * (got.diffuse + ambient) * (1 / math.pi) + take_vec(scene.bank.finish.specular, row) * got.specular
-    return sight.tint * select(sight.hit.instance < 0, sky(sight.direction, options), light)
+    above = outdoors(scene.look, sky(sight.direction, options))
+    return sight.tint * select(sight.hit.instance < 0, above, light)
 
 
 def tone_map(light: Vec, exposure: float) -> Vec:
@@ -126,9 +128,9 @@ def _color(scene: Scene, sight: Sight, corner: Corner, row: Int[Array, "*rays"],
     width = sight.width + growth * jnp.where(hit.instance < 0, 0.0, hit.t)
     footprint = width * width / jnp.maximum(facing, 0.05)
     level = texture.mip_level(footprint * texels * jnp.minimum(inverse, 1e12))
-    layer = take(materials.texture, row)
+    layer = swapped(scene.look, take(materials.texture, row), row, materials.texture)
     texel = texture.trilinear(textures, jnp.maximum(layer, 0), *texture_coordinates(scene, hit), level)
-    color = take_vec(materials.albedo, row)
+    color = tinted(scene.look, take_vec(materials.albedo, row), row)
     return select(layer < 0, color, color * texel)
 
 
@@ -137,7 +139,10 @@ def _ambient(scene: Scene, point: lights.Point, spread: lights.Spread, options: 
     table = scene.bank.lights.ambient
     place = scene.house * table.shape[1] + jnp.clip(point.room + 1, 0, table.shape[1] - 1)
     lamps, daylight = (take_vec(table.reshape(-1, 2, 3), place, source) for source in range(2))
-    received = (lamps + daylight * Vec(*lights.DAYLIGHT) * options.sky) * options.ambient
+    daylight = daylight * Vec(*lights.DAYLIGHT) * options.sky
+    lamps = dimmed(scene.look, lamps, jnp.bool_(False), point.room)
+    daylight = dimmed(scene.look, daylight, jnp.bool_(True), point.room)
+    received = (lamps + daylight) * options.ambient
     if options.corners <= 0 or spread is None:
         return received
     near = occluded(

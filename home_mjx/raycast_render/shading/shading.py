@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float, UInt8
 
+from home_mjx.raycast_render.scene.look import swapped, tinted
 from home_mjx.raycast_render.scene.surface import material_rows, texture_coordinates
 from home_mjx.raycast_render.scene.types import Hit, Scene
 from home_mjx.raycast_render.scene.vec import Vec, select, take, take_vec
@@ -18,9 +19,9 @@ def albedo(scene: Scene, hit: Hit) -> Vec:
     """Diffuse reflectance in linear light: the material's colour times its texture; the sky's colour on a miss."""
     materials = scene.bank.materials
     row = jnp.maximum(material_rows(scene, hit), 0)
-    layer = take(materials.texture, row)
+    layer = swapped(scene.look, take(materials.texture, row), row, materials.texture)
     texel = texture.nearest(materials.textures, jnp.maximum(layer, 0), *texture_coordinates(scene, hit))
-    color = take_vec(materials.albedo, row)
+    color = tinted(scene.look, take_vec(materials.albedo, row), row)
     color = select(layer < 0, color, color * texture.linear(texel))
     return select(hit.instance < 0, Vec(*SKY), color)
 

@@ -231,6 +231,18 @@ class EnvConfig:
         """Agents per environment."""
         return self.physics.num_agents
 
+    def of_first(self, num_agents: int) -> "EnvConfig":
+        """The options of the first agents alone.
+
+        Example:
+            >>> EnvConfig(physics=PhysicsConfig(num_agents=3)).of_first(2).num_agents
+            2
+        """
+        if num_agents == self.num_agents:
+            return self
+        bodies = self.physics.bodies[:num_agents]
+        return self.replace(physics=dataclasses.replace(self.physics, num_agents=num_agents, bodies=bodies))
+
     @property
     def discrete(self) -> DiscreteActions | None:
         """The moves; None: actions are continuous."""

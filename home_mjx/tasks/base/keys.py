@@ -6,7 +6,7 @@ from jaxtyping import Array, UInt32
 
 from home_mjx.errors import ConfigError
 
-SOUND, RENEW, DOORS, ARRANGEMENT = 1, 2, 3, 4  # tags of `fold`
+SOUND, RENEW, DOORS, ARRANGEMENT, VARIATION = 1, 2, 3, 4, 5  # tags of `fold`
 
 
 def to_raw(key: Array) -> UInt32[Array, "2"]:

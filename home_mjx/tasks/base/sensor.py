@@ -13,7 +13,8 @@ from home_mjx.tasks.base.specs import Specs
 class Sensor:
     """Base of sensors: a name, what it promises, and how it observes.
 
-    All methods are for one environment with A agents and run inside `jit`.
+    All methods are for one environment with A agents and run inside `jit`. These are the agents that act, see
+    `Task.num_acting`: `config` and `snapshot` are of no others.
 
     Attributes:
         name: As given in `sensors=`.

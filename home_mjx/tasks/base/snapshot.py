@@ -10,11 +10,12 @@ from home_mjx.audio_jax.base.endpoints import Sounds
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.pytree import Pytree, static
 from home_mjx.navigation import room_of
-from home_mjx.physics import PhysicsState
+from home_mjx.physics import PhysicsState, Scale
 from home_mjx.physics.base.touch import FLOOR, STATIC
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.pose import AgentPose
+from home_mjx.tasks.variation.draw import Drawn, Mount
 
 UNDERFOOT = 0.15  # [m]: a box of the architecture that reaches no higher above the bottom of what touches it is a floor
 
@@ -46,6 +47,7 @@ class Snapshot(Pytree):
     scene: Scene  # the same as rays see it
     tasks: Any  # `EnvParams.tasks`
     config: EnvConfig = static()
+    drawn: Drawn | None = None  # of what varies from episode to episode
 
     @property
     def bank(self) -> HouseBank:
@@ -58,9 +60,34 @@ class Snapshot(Pytree):
         return self.scene.house
 
     @property
+    def bodies(self) -> Scale | None:
+        """Friction and mass of movable bodies in this episode against the house's; None: the same."""
+        return None if self.drawn is None else self.drawn.bodies
+
+    @property
+    def mount(self) -> Mount | None:
+        """How cameras are mounted in this episode; None: as their options say."""
+        return None if self.drawn is None else self.drawn.mount
+
+    @property
     def source(self) -> Float[Array, "3"]:
         """Where the first sound comes from [m]."""
         return self.sounds.pos[0]
+
+    def of_first(self, num_agents: int) -> "Snapshot":
+        """The same instant for the first agents alone; the others are things in it: in `scene`, `touch` and `sounds`.
+
+        Example:
+            >>> own = snapshot.of_first(core.num_agents)  # doctest: +SKIP
+        """
+        if num_agents == self.config.num_agents:
+            return self
+        per_agent = self.pose, self.velocity, self.stopped, self.said, self.contact, self.held, self.action, self.reward
+        pose, velocity, stopped, said, contact, held, action, reward = jax.tree.map(lambda x: x[:num_agents], per_agent)
+        return self.replace(
+            pose=pose, velocity=velocity, stopped=stopped, said=said, contact=contact, held=held, action=action,
+            reward=reward, config=self.config.of_first(num_agents),
+        )  # fmt: skip
 
 
 class TouchMeaning(Pytree):

@@ -9,6 +9,8 @@ from jaxtyping import Array, Bool, Float, Int, UInt32
 from home_mjx.audio_jax.base.endpoints import Sounds
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.pytree import Pytree
+from home_mjx.tasks.variation.draw import Drawn
+from home_mjx.tasks.variation.ranges import Variation
 
 
 class Episodes(Pytree):
@@ -44,7 +46,7 @@ class EnvParams(Pytree):
     Attributes:
         bank: The houses. Another bank of the same `BankSpec` and shapes runs the same program.
         tasks: Episodes, or a `TaskBank`, that resets take their rows from; None: every reset draws afresh.
-        variation: Parameters of domain randomisation; none yet.
+        variation: Ranges of domain randomisation, from which each reset draws; None: nothing varies.
 
     Example:
         >>> params = EnvParams(bank)  # doctest: +SKIP
@@ -53,7 +55,7 @@ class EnvParams(Pytree):
 
     bank: HouseBank
     tasks: Any = None
-    variation: dict[str, Array] | None = None
+    variation: Variation | None = None
 
 
 class World(Pytree):
@@ -71,6 +73,7 @@ class World(Pytree):
     reward: Float[Array, " a"]  # the last one; 0 at the start
     sensors: dict[str, Any]  # what sensors remember, by their names
     faults: Int[Array, ""]  # episodes of this environment that ended because a pose was not a number
+    drawn: Drawn | None = None  # from `EnvParams.variation`
 
     @property
     def source(self) -> Float[Array, "*n 3"]:
@@ -83,14 +86,14 @@ class World(Pytree):
 
 
 class State(Pytree):
-    """One environment between two steps; for one agent the agent axis of obs and reward is squeezed.
+    """One environment between two steps. obs and reward are of the agents that act; one of them has no agent axis.
 
     Attributes:
         physics: Poses and speeds, see `PhysicsState`.
         world: House, time, and what sensors remember.
         task: The task's own state, such as its goal.
         obs: Observations by name, see `Environment.observation_spec`.
-        reward: Of the last step, per agent.
+        reward: Of the last step, per agent that acts.
         terminated: The task has ended the episode.
         truncated: The time is up.
         metrics: Float scalars by name.

@@ -28,6 +28,8 @@ class Status(IntFlag):
 
     ACTION = 64  # a number of the action was NaN, which counted as 0, or out of range: clipped, or no discrete action
 
+    WEIGHTS = 128  # no task had a weight that is a number above 0: the reset drew as if all weighed alike
+
     @classmethod
     def names(cls, status: int | np.integer | Int[Array, ""]) -> list[str]:
         """Names of the flags that are set.

@@ -64,6 +64,25 @@ class Task:
         return 1
 
     @property
+    def most_agents(self) -> int | None:
+        """How many agents it can have; None: any number."""
+        return None
+
+    @property
+    def num_acting(self) -> int | None:
+        """How many agents act for the caller, the first ones; None: all that there are.
+
+        Outwardly the environment has these alone: its actions, observations and rewards are theirs. The others are the
+        task's, which leads them, see `lead`, or lets them stand. In a task's own methods A is always of all agents.
+        """
+        return None
+
+    @property
+    def stops_for_good(self) -> bool:
+        """Whether who has chosen the discrete action `stop` does nothing more; else it is as if it had stood still."""
+        return True
+
+    @property
     def columns(self) -> tuple[str, ...]:
         """Names of what an episode of this task needs besides house, start and yaw."""
         return ()
@@ -95,6 +114,8 @@ class Task:
     def lead(self, snapshot: Snapshot, state: Any) -> tuple[Bool[Array, " a"], Array] | None:
         """Which agents the task itself leads in the next step, whatever they are told to do, and what they do instead.
 
+        Agents that are never the caller's to lead are left out of `num_acting`.
+
         Returns:
             A mask, and actions of all agents as the environment takes them, of which those of the mask count; a
             discrete one that there is not does nothing. None: it leads nobody, whatever the state.
@@ -110,11 +131,11 @@ class Task:
         return state
 
     def observe(self, snapshot: Snapshot, state: Any) -> dict[str, Array]:
-        """What `observation_spec` promises, with a leading agent axis."""
+        """What `observation_spec` promises, with a leading axis of all agents."""
         return {}
 
     def reward(self, snapshot: Snapshot, before: Any, state: Any) -> Float[Array, " a"]:
-        """Reward of the last step, per agent.
+        """Reward of the last step, of all agents.
 
         Args:
             snapshot: The environment after the step.
@@ -124,8 +145,8 @@ class Task:
         return jnp.zeros_like(snapshot.pose.yaw)
 
     def terminated(self, snapshot: Snapshot, state: Any) -> Bool[Array, ""]:
-        """The task has ended the episode: here, when all agents have stopped (see `Snapshot.stopped`)."""
-        return jnp.all(snapshot.stopped)
+        """The task has ended the episode: here, when all agents that act have stopped (see `Snapshot.stopped`)."""
+        return jnp.all(snapshot.stopped[: self.num_acting])
 
     def metrics(self, snapshot: Snapshot, state: Any) -> dict[str, Float[Array, ""]]:
         """Figures that are no observations, such as success; the same names at every step."""

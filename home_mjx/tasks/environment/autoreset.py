@@ -13,6 +13,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.physics import Template
 from home_mjx.tasks.base.keys import RENEW, fold
 from home_mjx.tasks.base.state import EnvParams, State
+from home_mjx.tasks.environment.begin import in_order
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.household import HouseholdEnv
 
@@ -29,7 +30,7 @@ class AutoReset:
     as `obs`.
 
     With `EnvParams.tasks`, environment i of n takes the rows i, i + n, i + 2n, ... so that all rows are evaluated once
-    before any is repeated; `World.episode` counts on without end.
+    before any is repeated; `World.episode` counts on without end. Rows of a `TaskBank` with weights are drawn instead.
 
     Args:
         core: The environment.
@@ -48,7 +49,7 @@ class AutoReset:
             raise ConfigError("AutoReset takes a core", hint="Write AutoReset(env.core).bind(env.params).")
         check_known("choice of `final_obs`", [final_obs], FINAL_OBS)
         self.core, self.final_obs = core, final_obs
-        self.config, self.task = core.config, core.task
+        self.config, self.task, self.num_agents = core.config, core.task, core.num_agents
         self.action_spec, self.observation_spec = core.action_spec, core.observation_spec
 
     def bind(self, params: EnvParams | HouseBank) -> "BoundEnv[AutoReset]":
@@ -66,13 +67,13 @@ class AutoReset:
         house: Int[Array, " n"] | None = None,
         episode: Int[Array, " n"] | None = None,
     ) -> State:
-        """A new episode per key; with `params.tasks`, rows 0 to n - 1 unless told otherwise.
+        """A new episode per key; with `params.tasks`, rows 0 to n - 1 unless told otherwise, or rows drawn by weight.
 
         Raises:
             ConfigError: There is only one key.
         """
         num = _count(key)
-        if episode is None and params.tasks is not None:
+        if episode is None and in_order(params.tasks):
             episode = jnp.arange(num, dtype=jnp.int32)
         begin = jax.vmap(self.core.begin, (None, 0, None if house is None else 0, None if episode is None else 0))
         state = self._perceive(params, begin(params, key, house, episode))
@@ -85,7 +86,7 @@ class AutoReset:
         # A branch on the whole batch: on steps in which nobody is done, nothing is drawn.
         begun = jax.lax.cond(jnp.any(done), lambda s: self._begin_anew(params, s, done), lambda s: s, stepped)
         seen = self._perceive(params, begun)
-        new = seen.replace(status=jnp.where(done, stepped.status, seen.status))
+        new = seen.replace(status=jnp.where(done, begun.status, seen.status))
         return self._with_final(new, self._final(params, stepped, new.obs, done))
 
     def observe(self, params: EnvParams, state: State) -> State:
@@ -100,10 +101,11 @@ class AutoReset:
         num = done.shape[0]
 
         def one(state: State, done: Bool[Array, ""]) -> State:
-            episode = None if params.tasks is None else state.world.episode + num
+            episode = state.world.episode + num if in_order(params.tasks) else None
             new = self.core.begin(params, fold(state.world.key, RENEW), None, episode)
             world = new.world.replace(faults=state.world.faults)
-            new = state.replace(physics=new.physics, world=world, task=new.task)
+            status = state.status | new.status
+            new = state.replace(physics=new.physics, world=world, task=new.task, status=status)
             return jax.tree.map(lambda a, b: jnp.where(done, a, b), new, state)
 
         return jax.vmap(one)(state, done)

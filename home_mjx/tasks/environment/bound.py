@@ -12,11 +12,12 @@ from home_mjx.bank.usage import bank_bytes
 from home_mjx.physics import Template
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.specs import ArraySpec, Specs
-from home_mjx.tasks.base.state import EnvParams, Episodes, State
+from home_mjx.tasks.base.state import EnvParams, State
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.environment.moves import action_names
-from home_mjx.tasks.environment.usable import check_bank, check_sounds
-from home_mjx.tasks.rows.task_bank import TaskBank
+from home_mjx.tasks.environment.usable import check_bank, check_sounds, check_variation
+from home_mjx.tasks.limits.fit import check_tasks
+from home_mjx.tasks.variation.ranges import as_variation
 
 
 @runtime_checkable
@@ -31,6 +32,11 @@ class Core(Protocol):
     @property
     def task(self) -> Task:
         """What agents are to do."""
+        ...
+
+    @property
+    def num_agents(self) -> int:
+        """Agents that act."""
         ...
 
     @property
@@ -84,7 +90,9 @@ class BoundEnv(Generic[C]):
     def __init__(self, core: C, params: EnvParams, spec: Any = None) -> None:
         self.core, self.params, self.spec = core, params, spec
         check_bank(core.config, params.bank)
+        check_tasks(core.config, core.task, params.bank, params.tasks)
         check_sounds(core.config, params.tasks)
+        check_variation(core.config, params.variation)
         # Now, not in the first trace: arrays made inside `pmap` or `shard_map` belong to that mesh for ever.
         core.template(params.bank)
         self._is_large = bank_bytes(params.bank) > LARGE
@@ -103,9 +111,30 @@ class BoundEnv(Generic[C]):
         """The state with its observations computed anew."""
         return self.core.observe(self.params, state)
 
-    def with_tasks(self, episodes: Episodes | TaskBank | None) -> "BoundEnv[C]":
-        """The same environment whose resets take their rows from episodes drawn beforehand; None: draw afresh."""
+    def with_tasks(self, episodes: Any) -> "BoundEnv[C]":
+        """The same environment whose resets take their rows from episodes drawn beforehand; None: draw afresh.
+
+        Args:
+            episodes: `Episodes` or a `TaskBank` of its houses.
+
+        Raises:
+            ConfigError: They cannot be begun or done here, see `check_tasks`; names the row and the column.
+        """
         return BoundEnv(self.core, self.params.replace(tasks=episodes), self.spec)
+
+    def with_variation(self, variation: Any) -> "BoundEnv[C]":
+        """The same environment whose resets draw from other ranges; None: nothing varies.
+
+        Args:
+            variation: A `Variation`, or its ranges by name.
+
+        Raises:
+            ConfigError: A range cannot be used, or the environment has nothing that would show it.
+
+        Example:
+            >>> env = env.with_variation({"exposure": (0.5, 1.5)})  # doctest: +SKIP
+        """
+        return BoundEnv(self.core, self.params.replace(variation=as_variation(variation)), self.spec)
 
     def _warn_of_baking(self, argument: Any) -> None:
         """A traced argument means that a program is being made, whose constant the bank becomes."""
@@ -135,8 +164,8 @@ class BoundEnv(Generic[C]):
 
     @property
     def num_agents(self) -> int:
-        """Agents per environment."""
-        return self.config.num_agents
+        """Agents per environment that act, see `HouseholdEnv.num_agents`."""
+        return self.core.num_agents
 
     @property
     def dt(self) -> float:

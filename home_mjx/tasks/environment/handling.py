@@ -81,7 +81,9 @@ def _light(config: EnvConfig, snapshot: Snapshot, body: Int[Array, "a n"]) -> Bo
     if not snapshot.bank.spec.num_bodies:
         return body >= 0
     lift = jnp.array([body.lift for body in config.physics.agents], jnp.float32)
-    return snapshot.bank.physics.body_mass[snapshot.house, jnp.maximum(body, 0)] <= lift[:, None]
+    mass, bodies = snapshot.bank.physics.body_mass[snapshot.house, jnp.maximum(body, 0)], snapshot.bodies
+    mass = mass if bodies is None or bodies.mass is None else mass * bodies.mass
+    return mass <= lift[:, None]
 
 
 def _has_room(snapshot: Snapshot, point: Float[Array, "a n 3"]) -> Bool[Array, "a n"]:

@@ -1,35 +1,27 @@
 """The environment: houses, physics, sensors and a task in one jitted step."""
 
-import functools
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 from jax.typing import ArrayLike
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Int
 
 from home_mjx import physics
 from home_mjx.bank.bank import HouseBank
-from home_mjx.bank.records import BankSpec
-from home_mjx.core.transforms import body_quat
 from home_mjx.errors import ConfigError
-from home_mjx.navigation.doors import door_angles
-from home_mjx.navigation.spawn import random_arrangement, random_yaw, spread_starts
 from home_mjx.physics import PhysicsState
 from home_mjx.physics.hands import obey, settle
-from home_mjx.raycast_render.scene.scene import agent_sizes, make_scene
 from home_mjx.tasks.base.config import EnvConfig
-from home_mjx.tasks.base.keys import ARRANGEMENT, DOORS, fold, split, to_raw
-from home_mjx.tasks.base.pose import AgentPose
-from home_mjx.tasks.base.snapshot import Snapshot, Touch
+from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import Specs
-from home_mjx.tasks.base.state import EnvParams, Episodes, State, World
+from home_mjx.tasks.base.state import EnvParams, State, World
 from home_mjx.tasks.base.status import flags
 from home_mjx.tasks.base.task import Task
+from home_mjx.tasks.environment.begin import first_instant, lost_weights, snapshot_of, template_of
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.handling import hand_commands
 from home_mjx.tasks.environment.moves import (
-    SILENT,
     Moves,
     action_names,
     action_spec,
@@ -37,17 +29,15 @@ from home_mjx.tasks.environment.moves import (
     spoken_tokens,
     tilted,
     with_led,
+    with_noise,
 )
 from home_mjx.tasks.environment.usable import (
-    check_arrangements,
     check_fit,
     check_observations,
     check_task,
     checked_metrics,
 )
-from home_mjx.tasks.rows.task_bank import TaskBank
 from home_mjx.tasks.sensors.choose import choose_sensors, keepers, sensor_names
-from home_mjx.tasks.sounds.emit import house_sounds
 from home_mjx.tasks.suite.point_nav import PointNav
 
 
@@ -64,14 +54,15 @@ class HouseholdEnv:
     Attributes:
         config: The options, sensors named.
         task: The task.
+        own_config: The options of the agents that act alone, as sensors get them.
         sensors: The sensors, those of the task apart.
         action_spec: Forward, left, turn left, look up: each in [-1, 1] of its fastest rate. Discrete: the number of one
             of `action_names`.
-        observation_spec: What `State.obs` holds, by name; with a leading agent axis for several agents.
+        observation_spec: What `State.obs` holds, by name; with a leading agent axis for several agents that act.
 
     Raises:
         ConfigError: A sensor or a word is unknown, two observations have the same name, or the task cannot be done with
-            these actions or so few agents.
+            these actions or so many agents.
 
     Example:
         >>> core, params = HouseholdEnv(), EnvParams(bank)  # doctest: +SKIP
@@ -91,15 +82,19 @@ class HouseholdEnv:
             clips=tuple(dict.fromkeys((*config.clips, *self.task.clips))),
             speech=tuple(dict.fromkeys((*config.speech, *self.task.speech))),
         )
-        self.sensors = choose_sensors(self.config, self.task)
+        self.own_config = self.config.of_first(self.num_agents)
+        self.sensors = choose_sensors(self.own_config, self.task)
         spoken_tokens(self.config)  # refuses what cannot be said
-        self.action_spec = action_spec(self.config)
+        self.action_spec = action_spec(self.own_config)
         self.observation_spec = self._observation_spec()
 
     @property
     def num_agents(self) -> int:
-        """Agents per environment."""
-        return self.config.num_agents
+        """Agents per environment that act: of whom there are actions, observations and rewards.
+
+        All but those that the task keeps for itself, see `Task.num_acting`; `config.num_agents` counts these as well.
+        """
+        return self.task.num_acting or self.config.num_agents
 
     @property
     def dt(self) -> float:
@@ -138,7 +133,7 @@ class HouseholdEnv:
             key: Typed or raw uint32 key.
             house: Index of the house, the nearest one that there is if out of range; None draws one.
             episode: Row of `params.tasks`, counted around: house, start and columns come from it, the key draws the
-                rest. None draws a row if there are any.
+                rest. None draws a row if there are any, by their weights if they have some.
 
         Returns:
             A state with its first observation, zero reward, neither terminated nor truncated.
@@ -151,7 +146,7 @@ class HouseholdEnv:
         Args:
             params: Houses; may differ from the last call's as long as the bank's spec is the same.
             state: The state before.
-            action: (4,), or (A, 4) for several agents: forward, left, turn left, look up in [-1, 1]. Others
+            action: (4,), or (A, 4) for several agents that act: forward, left, turn left, look up in [-1, 1]. Others
                 are clipped and NaN counts as 0, so that one bad number of a policy does not spoil an environment for
                 good. Discrete: an integer, or (A,); a number that is no action does nothing. `status` tells of both.
 
@@ -169,23 +164,31 @@ class HouseholdEnv:
     def perceive(self, params: EnvParams, state: State) -> State:
         """The state after its sensors were updated, once after each `begin` or `advance`; then observed."""
         snapshot = self.snapshot(params, state)
+        snapshot, config = snapshot.of_first(self.num_agents), self.own_config
         kept, lost = dict(state.world.sensors), state.status
         for sensor in keepers(self.sensors):
-            kept[sensor.name] = sensor.update(self.config, snapshot, kept[sensor.name])
-            lost = lost | jnp.asarray(sensor.status(self.config, snapshot, kept[sensor.name]), jnp.int32)
+            kept[sensor.name] = sensor.update(config, snapshot, kept[sensor.name])
+            lost = lost | jnp.asarray(sensor.status(config, snapshot, kept[sensor.name]), jnp.int32)
         return self.observe(params, state.replace(world=state.world.replace(sensors=kept), status=lost))
 
     def sense(self, snapshot: Snapshot, state: State, costly: bool) -> dict[str, Array]:
-        """Observations of the sensors that cast rays, or of the others and the task."""
+        """Observations of the sensors that cast rays, or of the others and the task.
+
+        Args:
+            snapshot: Of all agents, see `snapshot`.
+            state: The state.
+            costly: Which of both.
+        """
         obs: dict[str, Array] = {}
+        own, config = snapshot.of_first(self.num_agents), self.own_config
         for sensor in self.sensors:
             if sensor.costly == costly:
-                seen = sensor.observe(self.config, snapshot, state.world.sensors[(sensor.keeper or sensor).name])
-                check_observations(sensor, sensor.spec(self.config), seen, self.num_agents)
+                seen = sensor.observe(config, own, state.world.sensors[(sensor.keeper or sensor).name])
+                check_observations(sensor, sensor.spec(config), seen, self.num_agents)
                 obs |= seen
         if not costly:
             seen = self.task.observe(snapshot, state.task)
-            check_observations(self.task, self.task.observation_spec, seen, self.num_agents)
+            check_observations(self.task, self.task.observation_spec, seen, self.config.num_agents)
             obs |= {name: value for name, value in seen.items() if name in self.observation_spec}
         return self._squeeze(obs)
 
@@ -197,36 +200,8 @@ class HouseholdEnv:
         episode: Int[Array, ""] | int | None = None,
     ) -> State:
         """`reset` without sensors: observations are zeros until `perceive`. For wrappers."""
-        bank, config = params.bank, self.config
-        keep, draw, start_key, yaw_key, goal_key, source_key = split(to_raw(key), 6)
-        number, row = self._row(params.tasks, episode, draw)
-        if row is not None:
-            house = row.house
-        elif house is None:
-            house = bank.draw[jax.random.randint(draw, (), 0, bank.num_houses)]
-        house = bank.known_house(jnp.asarray(house, jnp.int32))
-        agents = self.num_agents
-        _, pos = spread_starts(bank, house, agents, 4 * config.body.radius, start_key)
-        yaw = random_yaw(yaw_key, (agents,))
-        if row is not None:
-            pos, yaw = pos.at[0].set(row.start), yaw.at[0].set(row.yaw)
-        world = World(
-            key=to_raw(keep),
-            house=house,
-            episode=number,
-            step=jnp.zeros((), jnp.int32),
-            pitch=jnp.zeros(agents, jnp.float32),
-            stopped=jnp.zeros(agents, bool),
-            said=jnp.full(agents, SILENT, jnp.int32),
-            sounds=house_sounds(config, bank, house, source_key),
-            action=jnp.zeros((agents, self.action_size), jnp.float32),
-            reward=jnp.zeros(agents, jnp.float32),
-            sensors={sensor.name: sensor.init(config) for sensor in keepers(self.sensors)},
-            faults=jnp.zeros((), jnp.int32),
-        )
-        angle = door_angles(bank, house, config.doors, fold(to_raw(key), DOORS))
-        arrangement = self._arrangement(bank, house, pos, world.source, fold(to_raw(key), ARRANGEMENT))
-        data = physics.reset(self.template(bank), bank, house, pos, yaw, angle, arrangement)
+        memory = {sensor.name: sensor.init(self.own_config) for sensor in keepers(self.sensors)}
+        data, world, row, goal_key = first_instant(self.config, memory, params, key, house, episode)
         snapshot = self._snapshot(params, data, world)
         task = self.task.init(snapshot, goal_key, None if row is None else row.columns)
         no = jnp.zeros((), bool)
@@ -235,11 +210,11 @@ class HouseholdEnv:
             world=world.replace(sounds=self.task.sounds(snapshot, task)),
             task=task,
             obs={name: jnp.zeros(spec.shape, spec.dtype) for name, spec in self.observation_spec.items()},
-            reward=self._squeeze(jnp.zeros(agents, jnp.float32)),
+            reward=self._squeeze(jnp.zeros(self.num_agents, jnp.float32)),
             terminated=no,
             truncated=no,
             metrics=checked_metrics(self.task, self.task.metrics(snapshot, task)),
-            status=jnp.zeros((), jnp.int32),
+            status=lost_weights(params.tasks, episode),
             info={},
         )
 
@@ -250,7 +225,8 @@ class HouseholdEnv:
         and `World.faults` tell of it.
         """
         bank, template = params.bank, self.template(params.bank)
-        moves = self._led(params, state, moves_of(self.config, action, state.world.stopped))
+        moves = moves_of(self.config, action, self._stopped(state), self.num_agents)
+        moves = with_noise(self.config, self._led(params, state, moves), state.world)
         before = self._use_hands(params, self._set_off(params, state, moves), moves)
         data, lost = physics.step_checked(template, bank, state.world.house, before, moves.drive)
         if self.config.hands:
@@ -270,7 +246,7 @@ class HouseholdEnv:
         task = self.task.update(snapshot, state.task)
         reward, terminated = self.task.reward(snapshot, state.task, task), self.task.terminated(snapshot, task)
         metrics = checked_metrics(self.task, self.task.metrics(snapshot, task))
-        check_task(self.task, state.task, task, reward, terminated, self.num_agents)
+        check_task(self.task, state.task, task, reward, terminated, self.config.num_agents)
         reward, terminated = jnp.where(broken, 0.0, reward), terminated | broken
         return state.replace(
             physics=data,
@@ -291,46 +267,29 @@ class HouseholdEnv:
         )
 
     def snapshot(self, params: EnvParams, state: State) -> Snapshot:
-        """The environment as tasks and sensors read it; also for drawing."""
+        """The environment as tasks read it, with all agents; also for drawing."""
         return self._snapshot(params, state.physics, state.world)
 
     def _observation_spec(self) -> Specs:
-        own = {name: spec for sensor in self.sensors for name, spec in sensor.spec(self.config).items()}
+        own = {name: spec for sensor in self.sensors for name, spec in sensor.spec(self.own_config).items()}
         offered = self.task.observation_spec
         own |= {name: offered[name] for name in self.config.sensors or () if name in offered}
         return {name: spec.for_agents(self.num_agents) for name, spec in own.items()}
 
     def _snapshot(self, params: EnvParams, data: Any, world: World) -> Snapshot:
-        bank, template = params.bank, self.template(params.bank)
-        pos, yaw = physics.agent_pose(template, data)
-        bodies, turned = physics.body_pose(template, data), jax.vmap(body_quat)(yaw)
-        sizes = agent_sizes(self.config.physics.agents)
-        angle = physics.door_angle(template, data)
-        return Snapshot(
-            step=world.step,
-            key=world.key,
-            pose=AgentPose(pos=pos, yaw=yaw, pitch=world.pitch),
-            velocity=physics.agent_velocity(template, data),
-            stopped=world.stopped,
-            said=world.said,
-            contact=physics.agent_contact(template, data),
-            held=data.held,
-            door_angle=angle,
-            touch=Touch(impulse=data.impulse, place=data.place, other=data.other),
-            sounds=world.sounds,
-            action=world.action,
-            reward=world.reward,
-            tasks=params.tasks,
-            config=self.config,
-            scene=make_scene(bank, world.house, *bodies, pos, turned, self.config.executor, angle, sizes),
-        )
+        return snapshot_of(self.config, params, data, world)
 
     def _led(self, params: EnvParams, state: State, moves: Moves) -> Moves:
         """The moves, but of agents that the task leads."""
         if type(self.task).lead is Task.lead:
             return moves
         led = self.task.lead(self.snapshot(params, state), state.task)
-        return moves if led is None else with_led(self.config, moves, state.world.stopped, *led)
+        return moves if led is None else with_led(self.config, moves, self._stopped(state), *led)
+
+    def _stopped(self, state: State) -> Array:
+        """Agents that do nothing any more."""
+        stopped = state.world.stopped
+        return stopped if self.task.stops_for_good else jnp.zeros_like(stopped)
 
     def _set_off(self, params: EnvParams, state: State, moves: Moves) -> State:
         """Agents at the speed of their discrete action: it takes them exactly as far as it says."""
@@ -346,41 +305,12 @@ class HouseholdEnv:
         commands = hand_commands(self.config, snapshot, moves.hands)
         return obey(template, params.bank, state.world.house, state.physics, commands)
 
-    def _arrangement(
-        self, bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "a 3"], source: Float[Array, "3"], key: Array
-    ) -> Int[Array, ""] | None:
-        """Which arrangement the bodies have; neither agents nor the source are in any of them."""
-        if self.config.arrangement == "placed":
-            return None
-        check_arrangements(bank)
-        below = source.at[2].add(-jnp.float32(self.config.source_height))
-        return random_arrangement(bank, house, jnp.concatenate([pos, below[None]]), key)
-
     def template(self, bank: HouseBank) -> physics.Template:
         """The physics' model for banks of this capacity."""
-        return _template(self.config.physics, bank.spec)
-
-    def _row(
-        self, tasks: Episodes | TaskBank | None, episode: Int[Array, ""] | int | None, key: Array
-    ) -> tuple[Int[Array, ""], Episodes | None]:
-        """Number and content of the episode to begin; -1 and None: it is drawn afresh."""
-        if tasks is None:
-            if episode is not None:
-                hint = "Write env.with_tasks(episodes), or EnvParams(bank, tasks=episodes)."
-                raise ConfigError("an episode was asked for, but the environment has none", hint=hint)
-            return jnp.full((), -1, jnp.int32), None
-        if episode is None:
-            episode = jax.random.randint(key, (), 0, len(tasks))
-        number, rows = jnp.asarray(episode, jnp.int32), tasks.rows if isinstance(tasks, TaskBank) else tasks
-        return number, jax.tree.map(lambda row: row[number % len(tasks)], rows)
+        return template_of(self.config, bank.spec)
 
     def _squeeze(self, tree: Any) -> Any:
-        """The border: inside, the agent axis is always there; outside, one agent goes without."""
-        return jax.tree.map(lambda x: x[0], tree) if self.num_agents == 1 else tree
-
-
-@functools.lru_cache(maxsize=32)
-def _template(config: physics.PhysicsConfig, spec: BankSpec) -> physics.Template:
-    # Built once per capacity; inside a trace it must hold no tracers.
-    with jax.ensure_compile_time_eval():
-        return physics.Template(config, spec)
+        """The border: inside are all agents; outside those that act, of whom one goes without an agent axis."""
+        if self.num_agents == 1:
+            return jax.tree.map(lambda x: x[0], tree)
+        return tree if self.num_agents == self.config.num_agents else jax.tree.map(lambda x: x[: self.num_agents], tree)

@@ -17,8 +17,11 @@ from home_mjx.tasks.base.specs import (
     ArraySpec,
     DiscreteActions,
 )
+from home_mjx.tasks.base.state import World
 from home_mjx.tasks.environment.usable import usable_action, usable_choice
 from home_mjx.tasks.language.vocabulary import tokenize
+from home_mjx.tasks.variation.draw import MOVES
+from home_mjx.tasks.variation.noise import noisy_moves
 
 # Of each discrete action but `stop`: the number of a continuous one that it sets, and its sign.
 SETS = {
@@ -69,24 +72,27 @@ def action_spec(config: EnvConfig) -> ArraySpec:
     return ArraySpec((), "int32", 0, len(names) - 1, text).for_agents(config.num_agents)
 
 
-def moves_of(config: EnvConfig, action: Any, stopped: Any) -> Moves:
-    """What an action of all agents means.
+def moves_of(config: EnvConfig, action: Any, stopped: Any, num_told: int | None = None) -> Moves:
+    """What an action means for all agents.
 
     Args:
         config: Options.
         action: As `action_spec` says.
         stopped: (a,) bool, agents that have stopped before: they do nothing. Read after the action has been checked.
+        num_told: So many agents the action is of, the first ones; the others do nothing. None: all.
 
     Raises:
         ConfigError: The action has another shape or type.
     """
-    names = action_names(config)
+    names, told = action_names(config), num_told or config.num_agents
     if config.discrete is None:
-        numbers, unusable = usable_action(action, config.num_agents, len(names))
+        numbers, unusable = usable_action(action, told, len(names))
+        numbers = _of_all(config, numbers, 0)
         stop, said = jnp.zeros(config.num_agents, bool), jnp.full(config.num_agents, SILENT, jnp.int32)
         look, understood = numbers[:, 3] * jnp.float32(config.look_rate * config.timing.ctrl_dt), numbers
     else:
-        chosen, unusable = usable_choice(action, config.num_agents, len(names))
+        chosen, unusable = usable_choice(action, told, len(names))
+        chosen = _of_all(config, chosen, len(names))
         stop = stopped | (chosen == names.index("stop"))
         table = jnp.asarray(_move_table(config, config.discrete))
         chosen = jnp.where(stop, names.index("stop"), chosen)
@@ -104,6 +110,12 @@ def moves_of(config: EnvConfig, action: Any, stopped: Any) -> Moves:
     )
 
 
+def _of_all(config: EnvConfig, told: Array, nothing: int) -> Array:
+    """What the first agents are told, and nothing for the others."""
+    others = config.num_agents - told.shape[0]
+    return jnp.concatenate([told, jnp.full((others, *told.shape[1:]), nothing, told.dtype)]) if others else told
+
+
 def with_led(config: EnvConfig, moves: Moves, stopped: Any, mask: Bool[Array, " a"], action: Array) -> Moves:
     """The moves, but where a mask holds those that an action of all agents means."""
     own = moves_of(config, action, stopped).replace(unusable=moves.unusable)
@@ -112,6 +124,17 @@ def with_led(config: EnvConfig, moves: Moves, stopped: Any, mask: Bool[Array, " 
         return jnp.where(mask.reshape(-1, *[1] * (led.ndim - 1)), led, told) if led.ndim else told
 
     return jax.tree.map(pick, own, moves)
+
+
+def with_noise(config: EnvConfig, moves: Moves, world: World) -> Moves:
+    """The moves as agents make them: with the errors that the episode has drawn."""
+    drawn = world.drawn
+    if drawn is None or drawn.move_noise is None:
+        return moves
+    rates = [(body.forward_speed, body.strafe_speed, body.turn_rate) for body in config.physics.agents]
+    full = jnp.array(rates, jnp.float32) * config.timing.ctrl_dt
+    key = drawn.noise_key(world.step, MOVES)
+    return moves.replace(drive=noisy_moves(drawn.move_noise, key, moves.drive, full))
 
 
 def spoken_tokens(config: EnvConfig) -> Int[np.ndarray, " moves"]:

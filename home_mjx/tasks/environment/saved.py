@@ -1,6 +1,5 @@
 """States on disk: to look at what went wrong, and to go on from there."""
 
-import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +8,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax.typing import ArrayLike
 
-from home_mjx.errors import ConfigError, DatasetError, MissingFileError
+from home_mjx.core.files import read_arrays, write_durably
+from home_mjx.errors import DatasetError
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.base.status import Status
 from home_mjx.tasks.environment.bound import BoundEnv
@@ -123,18 +123,11 @@ def _by_place(states: State) -> dict[str, np.ndarray]:
 
 
 def _write(path: str | Path, arrays: dict[str, np.ndarray]) -> None:
-    try:
-        with Path(path).open("wb") as file:
-            np.savez_compressed(file, **arrays)  # pyright: ignore[reportArgumentType]
-    except OSError as error:
-        raise ConfigError(f"states cannot be written: {error.strerror}", file=path) from None
+    with write_durably(Path(path), "states") as file:
+        np.savez_compressed(file, **arrays)  # pyright: ignore[reportArgumentType]
 
 
 def _read(path: str | Path, names: list[str]) -> list[np.ndarray]:
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            return [file[name] for name in names]
-    except FileNotFoundError:
-        raise MissingFileError("there is no file of states", file=path) from None
-    except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
-        raise DatasetError(f"states cannot be read: {error}", file=path) from None
+    return read_arrays(
+        Path(path), names, "file of states", "Name one that `save_states` or `dump_flagged` has written."
+    )

@@ -7,14 +7,19 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from home_mjx.audio_jax.auralization.sources import CLIPS
 from home_mjx.bank.bank import HouseBank
+from home_mjx.core.checks import check_number
 from home_mjx.errors import ConfigError
+from home_mjx.raycast_render.shading.preset import resolve
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.specs import Specs
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.rows.task_bank import TaskBank
-from home_mjx.tasks.sounds.row import emission_of
+from home_mjx.tasks.sounds.row import VOICE, clip_name, emission_of
+from home_mjx.tasks.variation.ranges import Variation
+
+FLAT = 179.0  # [degrees]: greatest field of view
+LIGHTS = ("lamps", "lamp_gain", "daylight", "sun_azimuth", "sun_elevation")
 
 
 def usable_action(action: Any, num_agents: int, size: int) -> tuple[Float[Array, "a n"], Bool[Array, ""]]:
@@ -67,7 +72,7 @@ def check_fit(config: EnvConfig, task: Task) -> None:
 
     Raises:
         ConfigError: The task needs `stop` or words, and actions are continuous; or hands, and there are none; or more
-            agents.
+            agents; or there are not as many agents as it says that act.
     """
     name, discrete = type(task).__name__, config.discrete is not None
     if task.needs_hands and not config.hands:
@@ -81,6 +86,11 @@ def check_fit(config: EnvConfig, task: Task) -> None:
     if config.num_agents < task.least_agents:
         message = f"{name} is for {task.least_agents} agents or more, got {config.num_agents}"
         raise ConfigError(message, hint=f"Give num_agents={task.least_agents}.")
+    if task.most_agents is not None and config.num_agents > task.most_agents:
+        message = f"{name} is for {task.most_agents} agents, got {config.num_agents}"
+        raise ConfigError(message, hint=f"Give num_agents={task.most_agents}.")
+    if task.num_acting is not None:
+        check_number(f"num_acting of {name}", task.num_acting, 1, config.num_agents, whole=True)
 
 
 def check_bank(config: EnvConfig, bank: HouseBank) -> None:
@@ -113,16 +123,64 @@ def check_sounds(config: EnvConfig, tasks: Any) -> None:
         return
     emission = emission_of(tasks.rows.columns)
     used, clips = np.asarray(emission.emitter) >= 0, np.asarray(emission.clip)
-    most = int(used.sum(axis=1).max(initial=0))
+    count = used.sum(axis=1)
+    most = int(count.max(initial=0))
     if most > config.num_sources:
         raise ConfigError(
             f"tasks have up to {most} sounds at once, the environment plays {config.num_sources}",
+            element=f"task {np.argmax(count)}, sounds",
             hint=f"Give num_sources={most}.",
         )
-    lost = {CLIPS[i] for i in np.unique(clips[used]).tolist()} - {config.clip, *config.clips}
+    lost = {i: clip_name(i) for i in np.unique(clips[used]).tolist()}
+    lost = {i: name for i, name in lost.items() if name not in (config.clip, *config.clips, VOICE)}
     if lost:
-        names = ", ".join(sorted(lost))
-        raise ConfigError(f"tasks play {names}, which the environment has not", hint=f"Add to clips=(...): {names}.")
+        names, first = ", ".join(sorted(lost.values())), np.argmax((np.isin(clips, list(lost)) & used).any(axis=1))
+        message, hint = f"tasks play {names}, which the environment has not", f"Add to clips=(...): {names}."
+        raise ConfigError(message, element=f"task {first}, sounds", hint=hint)
+
+
+def check_variation(config: EnvConfig, variation: Variation | None) -> None:
+    """Refuses what varies without effect, and cameras that could not be.
+
+    Raises:
+        ConfigError: With the name of the range, and what to do.
+    """
+    if variation is None or any(isinstance(x, jax.core.Tracer) for x in jax.tree.leaves(variation)):  # pyright: ignore
+        return
+    lit, impl = resolve(config.rgb_preset) is not None, config.physics.impl
+    useless = {
+        **dict.fromkeys(LIGHTS, None if lit else 'The preset "fast" has no lights: give rgb_preset="lit".'),
+        "move_noise": None if config.discrete else 'It is of discrete moves: give actions="discrete".',
+        "friction": f'Nothing slides with impl="{impl}": give impl="fused".' if impl in ("kinematic", "c") else None,
+        "mass": 'With impl="c" each house has its own model: give impl="fused".' if impl == "c" else None,
+    }
+    for name, reason in useless.items():
+        if reason is not None and getattr(variation, name) is not None:
+            raise ConfigError(f"`{name}` cannot vary here", element=f"Variation.{name}", hint=reason)
+    _check_fovy(config, variation)
+    _check_clips(config, variation)
+
+
+def _check_fovy(config: EnvConfig, variation: Variation) -> None:
+    if variation.camera_fovy is None:
+        return
+    low, high = np.asarray(variation.camera_fovy).tolist()
+    for view in config.views:
+        if view.lens.model == "pinhole" and not 0 < view.fovy + low <= view.fovy + high < FLAT:
+            text = f"{view.fovy + low:g} to {view.fovy + high:g} degrees"
+            message = f"the field of view of camera `{view.name}` would be {text}"
+            hint = f"It must stay between 0 and {FLAT:g}."
+            raise ConfigError(message, element="Variation.camera_fovy", hint=hint)
+
+
+def _check_clips(config: EnvConfig, variation: Variation) -> None:
+    if variation.clips is None:
+        return
+    lost = {clip_name(int(i)) for i in np.flatnonzero(np.asarray(variation.clips))} - {config.clip, *config.clips}
+    if lost:
+        names = ", ".join(f'"{name}"' for name in sorted(lost))
+        message = f"the environment has not the sounds {names}"
+        raise ConfigError(message, element="Variation.clips", hint=f"Add them to clips=(...): {names}.")
 
 
 def check_arrangements(bank: HouseBank) -> None:

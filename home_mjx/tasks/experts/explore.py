@@ -5,14 +5,12 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from home_mjx.core.transforms import wrap_angle
 from home_mjx.navigation.fields import distance_field
-from home_mjx.navigation.grid import cell_of, is_home, row_of_cell
-from home_mjx.schema.compiled import FIELD_UNIT
+from home_mjx.navigation.grid import cell_of, is_home, row_of_cell, stored_distance
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.experts.descent import descend
-from home_mjx.tasks.experts.leaves import cells_at_leaves
-from home_mjx.tasks.experts.walk import to_actions
+from home_mjx.tasks.experts.leaves import slow_cells
+from home_mjx.tasks.experts.walk import to_actions, turn_towards
 
 AROUND = np.array([-1, 0, 1])  # cells
 
@@ -34,8 +32,8 @@ def ways_to(
 ) -> tuple[Float[Array, " n"], Bool[Array, " n"]]:
     """Turns of agents towards the nearest cell that is wanted [rad, to the left], and who has none to go to.
 
-    On its own storey that is by a field of distances made for the purpose, past the leaves of doors. If none can be had
-    so, an agent goes to the nearest of the house's goals that is left.
+    On its own storey that is by a field of distances made for the purpose, past the leaves of doors as they stand.
+    If none can be had so, an agent goes to the nearest of the house's goals that is left.
 
     Args:
         snapshot: The environment.
@@ -44,27 +42,25 @@ def ways_to(
         num: Of so many agents, the first ones; -1: of all.
     """
     bank, house = snapshot.bank, snapshot.house
-    chosen = slice(None) if num < 0 else slice(num)
-    pos, yaw, contact = snapshot.pose.pos[chosen], snapshot.pose.yaw[chosen], snapshot.contact[chosen]
+    agents = jnp.arange(snapshot.config.num_agents)[slice(None) if num < 0 else slice(num)]
     navigation, numbers = bank.navigation, bank.navigation.cell[house]
-    clear = is_home(bank, house, numbers) & ~cells_at_leaves(snapshot)
+    home, slow = is_home(bank, house, numbers), slow_cells(snapshot)
     goals = jax.vmap(lambda at: cell_of(bank, house, at))(navigation.goal[house])
     is_left = left[goals[:, 0], goals[:, 1], goals[:, 2]]
 
-    def one(pos: Float[Array, "3"], touches: Bool[Array, ""]) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
-        level, row, column = cell_of(bank, house, pos)
-        near = distance_field(clear[level], wanted[level], bank.spec.cell)
+    def one(agent: Int[Array, ""]) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
+        level, row, column = cell_of(bank, house, snapshot.pose.pos[agent])
+        near = distance_field(home[level], wanted[level], bank.spec.cell, slow[level])
         y, x = (jnp.clip(at + AROUND, 0, most - 1) for at, most in zip((row, column), near.shape, strict=True))
         is_near = jnp.any(jnp.isfinite(near[y[:, None], x[None]]))
         way = navigation.field[row_of_cell(numbers[level, row, column])]
         other = jnp.argmin(jnp.where(is_left, way.astype(jnp.float32), jnp.inf))
 
         def far(place: Int[Array, "n 3"], cell: Int[Array, " n"]) -> Float[Array, " n"]:
-            there = navigation.field[row_of_cell(cell), other].astype(jnp.float32) * jnp.float32(FIELD_UNIT)
+            there = stored_distance(navigation.field, cell, other)
             return jnp.where(is_near, near[place[:, 1], place[:, 2]], there)
 
-        return descend(bank, house, pos, touches, far)[0], ~is_near & ~jnp.any(is_left)
+        return descend(snapshot, agent, far)[0], ~is_near & ~jnp.any(is_left)
 
-    aim, done = jax.vmap(one)(pos, contact)
-    aim = aim - pos[:, :2]
-    return wrap_angle(jnp.arctan2(aim[:, 1], aim[:, 0]) - yaw), done
+    aim, done = jax.vmap(one)(agents)
+    return turn_towards(snapshot, aim, agents), done

@@ -19,7 +19,7 @@ def or_words(snapshot: Snapshot, state: RowState, values: Float[Array, "feature 
     Args:
         snapshot: The environment.
         state: Of its row task.
-        values: See `features.table`.
+        values: See `features.Looked`.
         actions: Of all agents.
     """
     config = snapshot.config

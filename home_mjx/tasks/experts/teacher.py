@@ -6,9 +6,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array
 
-from home_mjx.core.transforms import wrap_angle
 from home_mjx.errors import ConfigError
-from home_mjx.navigation.grid import row_of_cell
+from home_mjx.navigation.grid import stored_distance
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import Specs
 from home_mjx.tasks.base.state import State
@@ -16,8 +15,8 @@ from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.household import HouseholdEnv
 from home_mjx.tasks.experts.descent import descend
-from home_mjx.tasks.experts.walk import expert_action, to_actions
-from home_mjx.tasks.rows.row_task import RowState
+from home_mjx.tasks.experts.walk import expert_action, to_actions, turn_towards
+from home_mjx.tasks.rows.row_task import RowState, RowTask
 from home_mjx.tasks.suite.point_nav import PointNav, PointNavState
 
 EXPERT = "expert"  # name of the observation
@@ -42,7 +41,8 @@ class WithExpert(HouseholdEnv):
     """
 
     def __init__(self, core: HouseholdEnv) -> None:
-        super().__init__(core.config, core.task)
+        task = core.task
+        super().__init__(core.config, dataclasses.replace(task, keep_looks=True) if isinstance(task, RowTask) else task)
 
     def sense(self, snapshot: Snapshot, state: State, costly: bool) -> dict[str, Array]:
         """Observations, the expert's action among those that are not costly."""
@@ -69,15 +69,14 @@ def _action(task: Task, snapshot: Snapshot, state: object) -> Array:
 
 
 def _to_point(task: PointNav, snapshot: Snapshot, state: PointNavState) -> Array:
-    """Along the shortest path; `stop` well within the radius of success."""
-    field = snapshot.bank.navigation.field[:, state.goal]
+    """Along the shortest path past leaves of doors; `stop` well within the radius of success."""
+    field, pose = snapshot.bank.navigation.field, snapshot.pose
 
-    def ahead(pos: Array, touches: Array) -> tuple[Array, Array]:
-        return descend(snapshot.bank, snapshot.house, pos, touches, lambda _, cell: field[row_of_cell(cell)])
+    def ahead(agent: Array) -> tuple[Array, Array]:
+        far = lambda _, cell: stored_distance(field, cell, state.goal)  # noqa: E731
+        return descend(snapshot, agent, far, within=WELL_WITHIN * task.success_radius / 2)
 
-    aim, there = jax.vmap(ahead)(snapshot.pose.pos, snapshot.contact)
-    way = aim - snapshot.pose.pos[:, :2]
-    error = wrap_angle(jnp.arctan2(way[:, 1], way[:, 0]) - snapshot.pose.yaw)
+    aim, there = jax.vmap(ahead)(jnp.arange(snapshot.config.num_agents))
     stop = (state.distance <= jnp.float32(WELL_WITHIN * task.success_radius)) | there
     stop = stop & jnp.bool_(task.stop)
-    return to_actions(snapshot.config, error, -snapshot.pose.pitch, jnp.zeros_like(stop), stop)
+    return to_actions(snapshot.config, turn_towards(snapshot, aim), -pose.pitch, jnp.zeros_like(stop), stop)

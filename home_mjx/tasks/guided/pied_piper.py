@@ -9,14 +9,12 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.core.checks import check_known, check_number
-from home_mjx.core.transforms import wrap_angle
-from home_mjx.errors import ConfigError
-from home_mjx.navigation.grid import cell_of, row_of_cell
+from home_mjx.navigation.grid import cell_of, row_of_cell, stored_distance
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import Specs
 from home_mjx.tasks.experts.descent import descend
 from home_mjx.tasks.experts.explore import ways_to
-from home_mjx.tasks.experts.walk import to_actions
+from home_mjx.tasks.experts.walk import to_actions, turn_towards
 from home_mjx.tasks.language.vocabulary import tokenize
 from home_mjx.tasks.rows.build import Row
 from home_mjx.tasks.rows.house_view import HouseView
@@ -43,17 +41,41 @@ class PiedPiperState(RowState):
     near: Int[Array, ""]  # steps in which the follower was near
 
     def expert(self, snapshot: Snapshot) -> Array:
-        """Along the shortest way to where the piper is now; beside it, it turns on the spot."""
-        bank, house, pose = snapshot.bank, snapshot.house, snapshot.pose
-        numbers, rooms = bank.navigation.cell[house], bank.navigation.room[house]
-        at = cell_of(bank, house, pose.pos[PIPER])
-        cell = bank.navigation.place[row_of_cell(numbers[at[0], at[1], at[2]])].astype(jnp.int32)
-        wanted = jnp.zeros(numbers.shape, bool).at[cell[0], cell[1], cell[2]].set(True)
-        error, _ = ways_to(snapshot, wanted, rooms == rooms[cell[0], cell[1], cell[2]], num=1)
-        away = jnp.linalg.norm(pose.pos[PIPER] - pose.pos[FOLLOWER])
-        waits = jnp.broadcast_to(away < APART, pose.yaw.shape)
-        error = jnp.where(waits, 1.0, error[FOLLOWER])
-        return to_actions(snapshot.config, error, -pose.pitch, waits, jnp.zeros_like(waits))
+        """The follower's, along the shortest way to where the piper is now; beside it, it turns on the spot."""
+        return follow(snapshot, jnp.int32(PIPER))
+
+
+def follow(snapshot: Snapshot, whom: Int[Array, ""]) -> Array:
+    """The action that takes the first agent along the shortest way to where another one is now.
+
+    Beside it, the follower turns on the spot. `nearest_other` is whom somebody follows who does not listen.
+
+    Args:
+        snapshot: The environment.
+        whom: Number of the other agent.
+
+    Returns:
+        The action of the first agent, with a leading agent axis.
+
+    Example:
+        >>> action = follow(snapshot, nearest_other(snapshot))  # doctest: +SKIP
+    """
+    bank, house, pose = snapshot.bank, snapshot.house, snapshot.pose
+    numbers, rooms = bank.navigation.cell[house], bank.navigation.room[house]
+    at = cell_of(bank, house, pose.pos[whom])
+    cell = bank.navigation.place[row_of_cell(numbers[at[0], at[1], at[2]])].astype(jnp.int32)
+    wanted = jnp.zeros(numbers.shape, bool).at[cell[0], cell[1], cell[2]].set(True)
+    error, _ = ways_to(snapshot, wanted, rooms == rooms[cell[0], cell[1], cell[2]], num=1)
+    away = jnp.linalg.norm(pose.pos[whom] - pose.pos[FOLLOWER])
+    waits = jnp.broadcast_to(away < APART, pose.yaw.shape)
+    error = jnp.where(waits, 1.0, error[FOLLOWER])
+    return to_actions(snapshot.config, error, -pose.pitch, waits, jnp.zeros_like(waits))[: FOLLOWER + 1]
+
+
+def nearest_other(snapshot: Snapshot) -> Int[Array, ""]:
+    """Number of the agent that is nearest to the first one now, in a straight line; of two it is the earlier."""
+    away = jnp.linalg.norm(snapshot.pose.pos - snapshot.pose.pos[FOLLOWER], axis=-1)
+    return jnp.argmin(away.at[FOLLOWER].set(jnp.inf)).astype(jnp.int32)
 
 
 @dataclass(frozen=True)
@@ -61,8 +83,8 @@ class PiedPiper(Navigation):
     """Stay near the agent that plays. The task itself leads that one, and the others, which make other noises.
 
     The first agent is yours. The second, the piper, walks to and fro between two places of the house, at two thirds of
-    the speed. So do the others; whoever follows the nearest agent may follow the wrong one. Learning is for the first
-    agent: actions of the others are ignored, and their rewards are 0.
+    the speed. So do the others; whoever follows the nearest agent may follow the wrong one. Outwardly there is
+    your agent alone: its action, its observations, its reward.
 
     Attributes:
         others: So many agents beside the piper, 0 or 1.
@@ -94,6 +116,21 @@ class PiedPiper(Navigation):
         return {}
 
     @property
+    def num_acting(self) -> int:
+        """The follower."""
+        return FOLLOWER + 1
+
+    @property
+    def least_agents(self) -> int:
+        """The follower, the piper and the others."""
+        return 2 + self.others
+
+    @property
+    def most_agents(self) -> int:
+        """No more than it needs: whoever else there is would stand still and be in nobody's row."""
+        return self.least_agents
+
+    @property
     def num_sources(self) -> int:
         """Everybody's but the follower's."""
         return 1 + self.others
@@ -123,11 +160,6 @@ class PiedPiper(Navigation):
     def init(self, snapshot: Snapshot, key: Array, columns: dict[str, Array] | None) -> PiedPiperState:
         """Everybody sets out to the first place."""
         agents = snapshot.pose.yaw.shape[0]
-        if agents != 2 + self.others:
-            raise ConfigError(
-                f"PiedPiper with others={self.others} is for {2 + self.others} agents, got {agents}",
-                hint=f"Give num_agents={2 + self.others}.",
-            )
         base, zero = super().init(snapshot, key, columns), jnp.zeros(agents, jnp.int32)
         own = {option.name: getattr(base, option.name) for option in fields(RowState)}
         return PiedPiperState(**own, heading=zero + ROUTE, blocked=zero, near=zero[0])
@@ -136,7 +168,7 @@ class PiedPiper(Navigation):
         """The piper and the others, down the distances to where they are going, but for every third step."""
         pose, config = snapshot.pose, snapshot.config
         everybody = jnp.ones_like(snapshot.stopped)
-        error = _turn(_aims(snapshot, state, state.heading) - pose.pos[:, :2], pose.yaw)
+        error = turn_towards(snapshot, _aims(snapshot, state, state.heading))
         actions = to_actions(config, error, -pose.pitch, ~everybody, ~everybody)
         rests = snapshot.step % PACE == 0
         nothing = (
@@ -168,10 +200,6 @@ class PiedPiper(Navigation):
         reward = super().reward(snapshot, before, state)
         return jnp.where(jnp.arange(len(reward)) == FOLLOWER, reward, 0.0)
 
-    def terminated(self, snapshot: Snapshot, state: PiedPiperState) -> Bool[Array, ""]:
-        """It has followed for long enough, or has stopped."""
-        return (state.stage < 0) | snapshot.stopped[FOLLOWER]
-
     def metrics(self, snapshot: Snapshot, state: PiedPiperState) -> dict[str, Float[Array, ""]]:
         """Success, distance from the follower to the piper [m], part of the steps near it, collisions, stage."""
         steps = jnp.maximum(snapshot.step, 1).astype(jnp.float32)
@@ -186,17 +214,9 @@ class PiedPiper(Navigation):
 
 def _aims(snapshot: Snapshot, state: PiedPiperState, place: Int[Array, " a"]) -> Float[Array, "a 2"]:
     """Where each agent walks straight on its way to a place of the route [m]."""
-    bank, house = snapshot.bank, snapshot.house
-    column = jnp.maximum(state.program.field, 0).astype(jnp.int32)
+    column = jnp.maximum(state.program.field, 0).astype(jnp.int32)[place]
 
-    def one(pos: Array, touches: Array, place: Array) -> Array:
-        return descend(
-            bank, house, pos, touches, lambda _, cell: snapshot.tasks.field[row_of_cell(cell), column[place]]
-        )[0]
+    def one(agent: Array) -> Array:
+        return descend(snapshot, agent, lambda _, cell: stored_distance(snapshot.tasks.field, cell, column[agent]))[0]
 
-    return jax.vmap(one)(snapshot.pose.pos, snapshot.contact, place)
-
-
-def _turn(aim: Float[Array, "a 2"], yaw: Float[Array, " a"]) -> Float[Array, " a"]:
-    """Angle from where agents look to where they are going, positive to the left [rad]."""
-    return wrap_angle(jnp.arctan2(aim[:, 1], aim[:, 0]) - yaw)
+    return jax.vmap(one)(jnp.arange(len(place)))

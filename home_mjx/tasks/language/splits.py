@@ -5,19 +5,22 @@ An agent that has learned `red`, `chair` and `lamp` should know what `red lamp` 
 
 import hashlib
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
-from jaxtyping import Bool
+from jaxtyping import Bool, Int
 
 from home_mjx.core.checks import check_number
+from home_mjx.errors import ConfigError
 from home_mjx.tasks.language.vocabulary import tokenize
 from home_mjx.tasks.rows.task_bank import TaskBank
 from home_mjx.tasks.rows.words import ANY, Word
 
+SEEDS = (-(2**63), 2**63 - 1)
 SAID = (Word.FINE, Word.COARSE, Word.COLOR, Word.MATERIAL, Word.SIZE, Word.ROOM_TYPE)
 
 
-def mentions(tasks: TaskBank, words: Iterable[str]) -> Bool[np.ndarray, " t"]:
+def mentions(tasks: TaskBank, words: Any) -> Bool[np.ndarray, " t"]:
     """The rows whose instruction has one of these words.
 
     Raises:
@@ -27,6 +30,8 @@ def mentions(tasks: TaskBank, words: Iterable[str]) -> Bool[np.ndarray, " t"]:
         >>> held_out = mentions(tasks, ("bed", "sofa"))  # doctest: +SKIP
         >>> train, test = tasks.where(~held_out), tasks.where(held_out)  # doctest: +SKIP
     """
+    if isinstance(words, str) or not isinstance(words, Iterable):
+        raise ConfigError(f"expected several words, got {words!r}", hint=f'Write ("{words}",).')
     tokens = [token for word in words for token in tokenize(word)]
     return np.asarray(np.isin(np.asarray(tasks.rows.columns["tokens"]), tokens).any(axis=-1))
 
@@ -45,9 +50,16 @@ def new_combinations(tasks: TaskBank, part: float = 0.2, seed: int = 0) -> Bool[
         >>> held_out = new_combinations(tasks)  # doctest: +SKIP
         >>> train, test = tasks.where(~held_out), tasks.where(held_out)  # doctest: +SKIP
     """
+    return has_new_combination(np.asarray(tasks.rows.columns["descriptor"]), part, seed)
+
+
+def has_new_combination(
+    descriptors: Int[np.ndarray, "t d words"], part: float = 0.2, seed: int = 0
+) -> Bool[np.ndarray, " t"]:
+    """As `new_combinations`, of descriptors whose columns are those of `Word`."""
     check_number("part", part, 0, 1)
-    check_number("seed", seed, whole=True)
-    said = np.asarray(tasks.rows.columns["descriptor"])[..., list(SAID)]
+    check_number("seed", seed, *SEEDS, whole=True)
+    said = descriptors[..., list(SAID)]
     combined = (said != ANY).sum(axis=-1) >= 2
     distinct, which = np.unique(said.reshape(-1, len(SAID)), axis=0, return_inverse=True)
     held_out = np.array([_uniform(words, seed) < part for words in distinct], bool)

@@ -29,7 +29,7 @@ def balanced(drawn: list[Drawn], most: int, random: np.random.Generator) -> list
         Of each kind of question as many as there are of the others, as long as there are.
 
     Raises:
-        ConfigError: No question has two answers.
+        ConfigError: No question has two answers, or none has room.
     """
     turns: dict[str, list[Block]] = {}
     for (kind, _), rows in sorted(_grouped(drawn).items()):
@@ -37,7 +37,7 @@ def balanced(drawn: list[Drawn], most: int, random: np.random.Generator) -> list
     waiting = {kind: [blocks[i] for i in random.permutation(len(blocks))] for kind, blocks in turns.items() if blocks}
     if not waiting:
         houses = len({row.house for row in drawn})
-        hint = "Give more houses: only questions that have different answers in them are asked."
+        hint = "Give more houses, see num_houses: only questions that have different answers in them are asked."
         raise ConfigError(f"no question has two answers in {houses} houses", hint=hint)
     kept: list[Drawn] = []
     taken: Counter[int] = Counter()
@@ -50,6 +50,9 @@ def balanced(drawn: list[Drawn], most: int, random: np.random.Generator) -> list
                 kept += _worded(block, random)
             if not waiting[kind]:
                 del waiting[kind]
+    if not kept:
+        hint = "Give more rows per house or more houses: a question comes with each of its answers."
+        raise ConfigError(f"no question with all its answers has room in {most} rows per house", hint=hint)
     return kept
 
 

@@ -9,24 +9,38 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from home_mjx.core.checks import check_known
 from home_mjx.schema.categories import ROOM_TYPES
 from home_mjx.tasks.language.vocabulary import spoken, tokenize
 from home_mjx.tasks.rows.build import Row
 from home_mjx.tasks.rows.house_view import HouseView
 from home_mjx.tasks.rows.program import Meant, When
 from home_mjx.tasks.rows.words import Feature
+from home_mjx.tasks.sounds.row import VOICE, Sound
 from home_mjx.tasks.suite.navigation import Navigation, arrive
 
 LISTENER, SPEAKER = 0, 1
+CHANNELS = ("discrete", "audible")
 
 
 @dataclass(frozen=True)
 class Communication(Navigation):
     """The first agent goes into a room of a type that only the second one is told.
 
-    Both may say names of rooms, and hear what the other one has said in the observation `heard_words` after that step.
-    Which word means what is theirs to agree on; the expert says the name of the room.
+    Both may say names of rooms, and hear what the other one has said after that step. Which word means what is theirs
+    to agree on; the expert says the name of the room.
+
+    Attributes:
+        channel: "discrete": the other one's word is the observation `heard_words`, wherever it is. "audible": each word
+            is a sound of its own, which goes out from who says it through the house, so that rooms and shut doors
+            muffle it: hear it with `audio`, `stft` or `log_mel`. Nothing else sounds.
     """
+
+    channel: str = "discrete"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_known("channel", [self.channel], CHANNELS)
 
     @property
     def speech(self) -> tuple[str, ...]:
@@ -35,8 +49,13 @@ class Communication(Navigation):
 
     @property
     def hears(self) -> tuple[str, ...]:
-        """Each other."""
-        return ("heard_words",)
+        """Each other, unless words are sounds."""
+        return ("heard_words",) if self.channel == "discrete" else ()
+
+    @property
+    def num_sources(self) -> int:
+        """Of words that are sounds, both voices."""
+        return 2 if self.channel == "audible" else 1
 
     @property
     def least_agents(self) -> int:
@@ -56,4 +75,8 @@ class Communication(Navigation):
         stage = arrive(inside, self.stop, self.success_reward)
         (code,) = tokenize(room)
         said = tokenize(f"go to the {room}")
-        return Row([Meant.space(room_type=kind)], [stage], tokens=said, answer=code, told=(SPEAKER,))
+        meant, sounds = [Meant.space(room_type=kind)], []
+        if self.channel == "audible":
+            meant += [Meant.someone(LISTENER), Meant.someone(SPEAKER)]
+            sounds = [Sound(1, VOICE), Sound(2, VOICE)]
+        return Row(meant, [stage], tokens=said, sounds=sounds, answer=code, told=(SPEAKER,))

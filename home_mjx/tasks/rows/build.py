@@ -101,6 +101,15 @@ class Choosing(Protocol):
         ...
 
 
+@runtime_checkable
+class Keeping(Protocol):
+    """A generator that keeps some of its rows alone, by what they speak of, such as those to train with."""
+
+    def keeps(self, descriptors: Int[np.ndarray, "t d words"]) -> Bool[np.ndarray, " t"]:
+        """Which rows to keep. Columns of descriptors are those of `Word`."""
+        ...
+
+
 def build_task_bank(
     bank: HouseBank,
     generators: Sequence[Generator],
@@ -134,11 +143,16 @@ def build_task_bank(
         drawn += found
     names = tuple(generator.name for generator in generators)
     if not drawn:
-        raise ConfigError(f"no house has a task of {', '.join(names)} with a way of {least} m to {most} m")
+        hint = "Choose other lengths, or other houses."
+        raise ConfigError(f"no house has a task of {', '.join(names)} with a way of {least} m to {most} m", hint=hint)
     kept = _chosen(generators, drawn, num_tasks, np.random.default_rng([seed, bank.num_houses]))
     if len(kept) < len(drawn):
         kept, fields = _used(kept, fields)
-    return packed(bank, [_columns(one) for one in _in_turns(kept)], fields, names)
+    columns = _kept(generators, [_columns(one) for one in _in_turns(kept)])
+    if not columns:
+        hint = "Give more houses, or a larger `num_tasks`."
+        raise ConfigError(f"of {len(drawn)} tasks of {', '.join(names)} none is kept", hint=hint)
+    return packed(bank, columns, fields, names)
 
 
 def _some(generator: Generator, view: HouseView, random: np.random.Generator, most: int) -> list[Row]:
@@ -155,6 +169,17 @@ def _chosen(
         if isinstance(generator, Choosing):
             kept += generator.choose([one for one in drawn if one.task == task], num_tasks, random)
     return kept
+
+
+def _kept(generators: Sequence[Generator], columns: list[dict]) -> list[dict]:
+    """The rows that their generators keep."""
+    kept = np.ones(len(columns), bool)
+    tasks = np.array([column["task"] for column in columns], int)
+    for task, generator in enumerate(generators):
+        own = np.flatnonzero(tasks == task)
+        if isinstance(generator, Keeping) and len(own):
+            kept[own] = generator.keeps(np.stack([columns[i]["descriptor"] for i in own.tolist()]))
+    return [column for column, keep in zip(columns, kept.tolist(), strict=True) if keep]
 
 
 def _used(rows: list[Drawn], fields: dict[int, np.ndarray]) -> tuple[list[Drawn], dict[int, np.ndarray]]:
@@ -191,7 +216,7 @@ def _of_house(
     found = []
     for (task, row), column in zip(rows, columns, strict=True):
         goal = column["field"][row.goal]
-        if goal < 0 or not _can_be_done(column, nearest):
+        if goal < 0 or not can_be_done(column, nearest):
             continue
         way = field_[: len(view.graph.place), goal]
         start = _start(view, way, random, limits) if row.pose is None else _posed(view, way, row.pose)
@@ -202,7 +227,7 @@ def _of_house(
     return found, field_
 
 
-def _can_be_done(column: dict, nearest: Float[np.ndarray, " g"]) -> bool:
+def can_be_done(column: dict, nearest: Float[np.ndarray, " g"]) -> bool:
     """Whether there is a way to all that stages lead to, and as near to it as conditions ask.
 
     Args:
@@ -250,12 +275,24 @@ def add_fields(bank: HouseBank, view: HouseView, columns: list[dict]) -> UInt16[
                 continue
             use = view, column, d, instance[which[at]]
             end = view.ends(kind, instance[which[at], d], room[which[at], d], column["place"][d], *_use(*use))
+            end = _near_enough(column, d, end)
             key = end[0].tobytes() + end[1].tobytes()
             if len(end[0]) and key not in known:
                 known[key] = len(ends)
                 ends.append(end)
             column["field"][d] = known.get(key, -1)
     return view.graph.fields(ends)
+
+
+def _near_enough(column: dict, d: int, ends: Ends) -> Ends:
+    """Of the cells that ways to descriptor `d` end at those that are as near to it as conditions ask; all, if none is.
+
+    Without that a way could end at the nearest of several things, which can be seen but not come near enough to.
+    """
+    cells, away = ends
+    asked = (column["feature"] == Feature.DISTANCE) & (column["first"] == d)
+    near = away + ROOM <= np.min(column["most"], where=asked, initial=np.inf)
+    return (cells[near], away[near]) if near.any() else ends
 
 
 def _use(view: HouseView, column: dict, d: int, instance: Bool[np.ndarray, "d i"]) -> tuple[Use, float]:
@@ -292,8 +329,10 @@ def _ways_between(fields: UInt16[np.ndarray, "c g"], stops: Sequence[int]) -> np
 def _posed(view: HouseView, way: UInt16[np.ndarray, " c"], pose: tuple[Sequence[float], float]) -> dict | None:
     """A start that a row says; None: there is no way from there."""
     place, yaw = np.asarray(pose[0], np.float32), np.float32(pose[1])
-    units = way[np.argmin(np.linalg.norm(view.graph.place - place, axis=1))]
-    return None if units == FIELD_FAR else {"start": place, "yaw": yaw, "length": np.float32(units * FIELD_UNIT)}
+    cell = np.argmin(np.linalg.norm(view.graph.place - place, axis=1))
+    if way[cell] == FIELD_FAR or view.graph.cut_off[cell]:
+        return None
+    return {"start": place, "yaw": yaw, "length": np.float32(way[cell] * FIELD_UNIT)}
 
 
 def _in_turns(drawn: list[Drawn]) -> list[Drawn]:
@@ -308,7 +347,8 @@ def packed(
 ) -> TaskBank:
     """Columns of rows, and the fields of their houses, as one task bank."""
     arrays = {name: jnp.asarray(np.stack([row[name] for row in rows])) for name in rows[0]}
-    whole = np.full((bank.navigation.field.shape[0], max(f.shape[1] for f in fields.values())), FIELD_FAR, np.uint16)
+    count = max(1, *(f.shape[1] for f in fields.values()))  # rows may mean nothing that is anywhere
+    whole = np.full((bank.navigation.field.shape[0], count), FIELD_FAR, np.uint16)
     for house, field_ in fields.items():
         first = int(bank.navigation.first_cell[house])
         whole[first : first + len(field_), : field_.shape[1]] = field_

@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int, UInt16
 
+from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import bounds
 from home_mjx.navigation import geodesic_distance, room_of
 from home_mjx.tasks.base.snapshot import Snapshot
@@ -27,10 +28,19 @@ def boxes_now(snapshot: Snapshot) -> Float[Array, "i 2 3"]:
     return placed.at[moving].set(scene.moving.box, mode="drop")
 
 
-def table(
+class Looked(Pytree):
+    """What conditions look at, and what was found on the way to it, which experts need; A agents."""
+
+    values: Float[Array, "feature a d d"]  # of agent a, descriptors i and j
+    box: Float[Array, "a d 2 3"]  # [m], bounds of the nearest thing that is meant
+    points: Float[Array, "a d p 3"]  # [m], where each agent would look for it
+    free: Bool[Array, "a d p"]  # nothing is before these
+
+
+def look(
     snapshot: Snapshot, program: Program, means: Means, field: UInt16[Array, "cell f"], time: Int[Array, ""]
-) -> Float[Array, "feature a d d"]:
-    """Values of all features: of agent a, descriptors i and j.
+) -> Looked:
+    """Values of all features.
 
     Args:
         snapshot: The environment.
@@ -60,7 +70,8 @@ def table(
         Feature.SAID: snapshot.said[:, None, None],
     }
     shape = agents, descriptors, descriptors
-    return jnp.stack([jnp.broadcast_to(rows[feature].astype(jnp.float32), shape) for feature in Feature])
+    values = jnp.stack([jnp.broadcast_to(rows[feature].astype(jnp.float32), shape) for feature in Feature])
+    return Looked(values=values, box=nearest, points=points, free=free)
 
 
 def nearest_meant(

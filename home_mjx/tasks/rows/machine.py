@@ -12,7 +12,7 @@ def conditions(program: Program, table: Float[Array, "feature a d d"]) -> Bool[A
 
     Args:
         program: What is to be done.
-        table: See `features.table`.
+        table: See `features.Looked`.
     """
     first, second = jnp.maximum(program.first, 0), jnp.maximum(program.second, 0)
     value = table[program.feature, :, first, second]  # (c, a)

@@ -49,7 +49,7 @@ class Program(Pytree):
 
 @dataclass(frozen=True)
 class Meant:
-    """What a descriptor speaks of, and where: one of `Meant.thing`, `.room`, `.at`, `.agent`.
+    """What a descriptor speaks of, and where: one of `Meant.thing`, `.space`, `.at`, `.someone`, `.hidden`.
 
     Attributes:
         words: Values of `Word` by name, in small letters.
@@ -152,7 +152,8 @@ def written(descriptors: Sequence[Meant], stages: Sequence[Stage]) -> dict[str, 
     room = (NUM_DESCRIPTORS, NUM_CONDITIONS, NUM_STAGES, NUM_TRANSITIONS)
     for (name, count), most in zip(counts.items(), room, strict=True):
         if count > most or (count == 0 and name == "stages"):
-            raise ConfigError(f"a task has room for 1 to {most} {name}, got {count}")
+            hint = "Leave some out, or make two tasks of it." if count else "Give at least one."
+            raise ConfigError(f"a task has room for 1 to {most} {name}, got {count}", hint=hint)
     _check(descriptors, known, stages)
     return _descriptors(descriptors) | _conditions(known) | _stages(stages, known)
 
@@ -162,10 +163,12 @@ def _check(descriptors: Sequence[Meant], known: dict[When, int], stages: Sequenc
     used += [when.second for when in known if when.feature in OF_TWO]
     for number in used:
         if not ANY <= number < len(descriptors):
-            raise ConfigError(f"a task speaks of descriptor {number}, but has {len(descriptors)}")
+            hint = "Descriptors are numbered from 0, in the order of `meant`."
+            raise ConfigError(f"a task speaks of descriptor {number}, but has {len(descriptors)}", hint=hint)
     for way in (way for stage in stages for way in stage.ways):
         if not FAILURE <= way.next < len(stages):
-            raise ConfigError(f"a transition leads to stage {way.next}, but there are {len(stages)}")
+            hint = "Stages are numbered from 0; SUCCESS and FAILURE end a task."
+            raise ConfigError(f"a transition leads to stage {way.next}, but there are {len(stages)}", hint=hint)
 
 
 OF_TWO = (Feature.BESIDE, Feature.ON)

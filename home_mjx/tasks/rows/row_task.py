@@ -7,28 +7,29 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.audio_jax.base.endpoints import Sounds
 from home_mjx.bank.bank import HouseBank
-from home_mjx.core.checks import check_number
+from home_mjx.core.checks import check_flag, check_number
 from home_mjx.core.pytree import Pytree
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import ArraySpec, Specs
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.rows.build import Generator, build_task_bank
-from home_mjx.tasks.rows.features import emitters, table
+from home_mjx.tasks.rows.features import Looked, emitters, look
 from home_mjx.tasks.rows.machine import advance, conditions
 from home_mjx.tasks.rows.meaning import Means, means
 from home_mjx.tasks.rows.program import Program
 from home_mjx.tasks.rows.task_bank import TaskBank, program_of
-from home_mjx.tasks.rows.words import ANY, NUM_TOKENS, SUCCESS, Feature, Word
+from home_mjx.tasks.rows.words import ANY, FAILURE, NUM_TOKENS, SUCCESS, Feature, Word
 from home_mjx.tasks.sounds.emit import emitted
-from home_mjx.tasks.sounds.row import Emission, emission_of
+from home_mjx.tasks.sounds.row import Emission, emission_of, is_audible
 from home_mjx.tasks.speech.talk import NONE, Talk, as_observed, is_told, of_others, replies, talk_of
 
 FARTHEST = 1000.0  # [m]: no house is larger
 LEAP = 2.0  # [m]: what comes from another storey, or from nowhere, has made no progress of more than that
+COSTS = ("step_cost", "contact_cost", "question_cost", "failure_cost")
 HEARD = {
     "reply": "token of what an oracle has replied to the last word",
-    "heard_words": "token of what another agent has said last",
+    "heard_words": "token of what another agent has said last, unless words are sounds",
 }
 
 
@@ -52,6 +53,8 @@ class RowState(Pytree):
     reply: Int[Array, " a"]  # token, of the oracle in the last step; -1 none
     asked: Int[Array, ""]  # questions that the oracle has answered
     spoken: Int[Array, ""]  # words that were said
+    mistakes: Int[Array, ""]  # such as wrong stops and answers: one at most where they end the episode
+    looked: Looked | None  # what the last transition was decided by, if `RowTask.keep_looks`
 
 
 @dataclass(frozen=True)
@@ -67,6 +70,11 @@ class RowTask(Task):
         step_cost: Taken every step.
         contact_cost: Taken while touching anything but the floor.
         question_cost: Taken for each question that an oracle answers.
+        failure_cost: Taken for a mistake, such as a wrong `stop` or answer; running out of time is none. Without it,
+            agents that are not yet good at going on learn to stop at once.
+        mistakes_end: A mistake ends the episode. False, for training: it costs, and the episode goes on.
+        keep_looks: States keep what conditions have looked at, so that experts need not look again: `with_expert`
+            wants it.
     """
 
     num_tasks: int = 64
@@ -77,11 +85,22 @@ class RowTask(Task):
     step_cost: float = 0.01
     contact_cost: float = 0.01
     question_cost: float = 0.05
+    failure_cost: float = 0.0
+    mistakes_end: bool = True
+    keep_looks: bool = False
 
     def __post_init__(self) -> None:
         check_number("num_tasks", self.num_tasks, 1, whole=True)
-        for name in ("min_length", "max_length", "progress_reward", "step_cost", "contact_cost", "question_cost"):
+        check_number("task_seed", self.task_seed, 0, whole=True)
+        check_flag("keep_looks", self.keep_looks)
+        check_flag("mistakes_end", self.mistakes_end)
+        for name in ("min_length", "max_length", "progress_reward", *COSTS):
             check_number(name, getattr(self, name), 0)
+
+    @property
+    def stops_for_good(self) -> bool:
+        """Where mistakes end episodes."""
+        return self.mistakes_end
 
     @property
     def generators(self) -> tuple[Generator, ...]:
@@ -131,7 +150,7 @@ class RowTask(Task):
         program = program_of(columns)
         agents, zero = snapshot.pose.yaw.shape[0], jnp.zeros((), jnp.int32)
         meant = means(snapshot.bank, snapshot.house, program.descriptor)
-        values = table(snapshot, program, meant, snapshot.tasks.field, zero)
+        looked = look(snapshot, program, meant, snapshot.tasks.field, zero)
         return RowState(
             program=program,
             means=meant,
@@ -142,7 +161,7 @@ class RowTask(Task):
             stage=zero,
             since=zero,
             gained=jnp.zeros((), jnp.float32),
-            distance=values[Feature.DISTANCE, :, :, 0],
+            distance=looked.values[Feature.DISTANCE, :, :, 0],
             place=snapshot.pose.pos,
             walked=jnp.zeros(agents, jnp.float32),
             collisions=jnp.zeros(agents, jnp.int32),
@@ -150,27 +169,35 @@ class RowTask(Task):
             reply=jnp.full(agents, NONE, jnp.int32),
             asked=zero,
             spoken=zero,
+            mistakes=zero,
+            looked=looked if self.keep_looks else None,
         )
 
     def update(self, snapshot: Snapshot, state: RowState) -> RowState:
         """The next stage, if its conditions hold."""
         state = state.replace(program=_followed(snapshot, state))
         time = snapshot.step - state.since
-        values = table(snapshot, state.program, state.means, snapshot.tasks.field, time)
-        stage, gained, taken = advance(state.program, state.stage, conditions(state.program, values))
+        looked = look(snapshot, state.program, state.means, snapshot.tasks.field, time)
+        stage, gained, taken = advance(state.program, state.stage, conditions(state.program, looked.values))
+        mistaken = (stage == FAILURE) | (_have_stopped(self, snapshot) & (stage != SUCCESS))
+        if not self.mistakes_end:
+            forgiven = stage == FAILURE
+            stage, taken = jnp.where(forgiven, state.stage, stage), taken & ~forgiven
         moved = jnp.linalg.norm(snapshot.pose.pos - state.place, axis=-1)
         reply = replies(state.talk, snapshot.said)
         return state.replace(
             stage=stage.astype(jnp.int32),
             since=jnp.where(taken, snapshot.step, state.since),
             gained=gained,
-            distance=values[Feature.DISTANCE, :, :, 0],
+            distance=looked.values[Feature.DISTANCE, :, :, 0],
             place=snapshot.pose.pos,
             walked=state.walked + moved,
             collisions=state.collisions + snapshot.contact.astype(jnp.int32),
             reply=reply,
             asked=state.asked + jnp.sum(reply >= 0, dtype=jnp.int32),
             spoken=state.spoken + jnp.sum(snapshot.said >= 0, dtype=jnp.int32),
+            mistakes=state.mistakes + mistaken,
+            looked=looked if self.keep_looks else None,
         )
 
     def sounds(self, snapshot: Snapshot, state: RowState) -> Sounds:
@@ -186,7 +213,8 @@ class RowTask(Task):
         bearing = jnp.arctan2(offset[:, 1], offset[:, 0]) - pose.yaw
         goal = jnp.stack([jnp.linalg.norm(offset, axis=-1), jnp.cos(bearing), jnp.sin(bearing)], axis=-1)
         told = is_told(state.talk, pose.yaw.shape[0])[:, None]
-        heard = {"reply": state.reply, "heard_words": of_others(snapshot.said)}
+        words = jnp.where(is_audible(state.emission), NONE, of_others(snapshot.said))
+        heard = {"reply": state.reply, "heard_words": words}
         return {
             "goal": jnp.where(known & told, goal, 0.0),
             "goal_words": jnp.where(told, state.program.descriptor[0].astype(jnp.int32), ANY),
@@ -201,11 +229,12 @@ class RowTask(Task):
         progress = jnp.where(guide < 0, 0.0, jnp.clip(progress, -LEAP, LEAP))
         costs = jnp.float32(self.step_cost) + jnp.float32(self.contact_cost) * snapshot.contact.astype(jnp.float32)
         costs = costs + jnp.float32(self.question_cost) * (state.reply >= 0)
+        costs = costs + jnp.float32(self.failure_cost) * (state.mistakes - before.mistakes)
         return jnp.float32(self.progress_reward) * progress + state.gained - costs
 
     def terminated(self, snapshot: Snapshot, state: RowState) -> Bool[Array, ""]:
-        """A stage that ends the episode, or all agents have stopped."""
-        return (state.stage < 0) | jnp.all(snapshot.stopped)
+        """A stage that ends the episode, or all agents that act have stopped."""
+        return (state.stage < 0) | (_have_stopped(self, snapshot) & self.mistakes_end)
 
     def metrics(self, snapshot: Snapshot, state: RowState) -> dict[str, Float[Array, ""]]:
         """Habitat's: success, SPL, soft SPL, distance to the goal [m], collisions; and the stage.
@@ -234,6 +263,10 @@ class RowTask(Task):
             return {}
         answered = (state.spoken > 0) & (state.talk.answer >= 0)
         return {"answered": answered.astype(jnp.float32), "questions": state.asked.astype(jnp.float32)}
+
+
+def _have_stopped(task: RowTask, snapshot: Snapshot) -> Bool[Array, ""]:
+    return jnp.all(snapshot.stopped[: task.num_acting])
 
 
 def _followed(snapshot: Snapshot, state: RowState) -> Program:

@@ -5,6 +5,9 @@ normal (float32, H W 3); `ids/<camera>_<kind>` (int32, H W; -1 on a miss); `came
 `camera/<camera>_pose` (4, 4): world from camera, `camera/<camera>_valid` ().
 """
 
+import functools
+import itertools
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -20,6 +23,8 @@ from home_mjx.tasks.base.pose import AgentPose, over_agents
 from home_mjx.tasks.base.sensor import Sensor
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import ArraySpec, Specs
+from home_mjx.tasks.variation.draw import IMAGES, Drawn, Mount
+from home_mjx.tasks.variation.noise import noisy_depth, noisy_rgb
 
 MAX_ID = float(np.iinfo(np.int32).max)
 
@@ -36,7 +41,8 @@ class Cameras(Sensor):
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: tuple) -> dict[str, Array]:
         """Every camera renders all its kinds from one cast."""
-        return observe_images(config, snapshot.scene, snapshot.pose)
+        seen = observe_images(config, snapshot.scene, snapshot.pose, snapshot.mount)
+        return seen if snapshot.drawn is None else _with_noise(config, snapshot, snapshot.drawn, seen)
 
 
 def _spec(config: EnvConfig, view: AgentCamera, kind: str) -> ArraySpec:
@@ -63,8 +69,8 @@ def agent_ids(bank: HouseBank, num_agents: int) -> Array:
     return bank.spec.num_instances + jnp.arange(num_agents, dtype=jnp.int32)
 
 
-def observe_images(config: EnvConfig, scene: Scene, pose: AgentPose) -> dict[str, Array]:
-    """The images of every agent's cameras."""
+def observe_images(config: EnvConfig, scene: Scene, pose: AgentPose, mount: Mount | None = None) -> dict[str, Array]:
+    """The images of every agent's cameras, without noise."""
     own = agent_ids(scene.bank, config.num_agents)
     obs: dict[str, Array] = {}
     for view in config.views:
@@ -72,15 +78,34 @@ def observe_images(config: EnvConfig, scene: Scene, pose: AgentPose) -> dict[str
         def look(camera: Camera, own: Array, view: AgentCamera = view) -> dict[str, Array]:
             return _look(config, view, scene, camera, own)
 
-        obs |= over_agents(look, place_cameras(config, view, pose), own)
+        obs |= over_agents(look, place_cameras(config, view, pose, mount), own)
     return obs
 
 
-def place_cameras(config: EnvConfig, view: AgentCamera, pose: AgentPose) -> Camera:
-    """One of the cameras of every agent, with a leading agent axis."""
+def _with_noise(config: EnvConfig, snapshot: Snapshot, drawn: Drawn, seen: dict[str, Array]) -> dict[str, Array]:
+    """The images as noisy sensors give them: those of pinholes."""
+    key = drawn.noise_key(snapshot.step, IMAGES)
+    noises = {
+        "depth": (drawn.depth_noise, lambda level, key, x: noisy_depth(level, key, x, config.depth_max)),
+        "rgb": (drawn.color_noise, noisy_rgb),
+    }
+    noisy = dict(seen)
+    for number, (view, kind) in enumerate(itertools.product(config.views, noises)):
+        (level, noise), name = noises[kind], name_of(view.name, kind)
+        if level is not None and name in seen and view.lens.model == "pinhole":
+            keys = jax.random.split(jax.random.fold_in(key, number), config.num_agents)
+            noisy[name] = jax.vmap(functools.partial(noise, level))(keys, seen[name])
+    return noisy
+
+
+def place_cameras(config: EnvConfig, view: AgentCamera, pose: AgentPose, mount: Mount | None = None) -> Camera:
+    """One of the cameras of every agent, with a leading agent axis; `mount` is what the episode has drawn."""
+    mount = mount or Mount()
     yaw = pose.yaw + float(np.deg2rad(view.yaw))
     pitch = float(np.deg2rad(view.pitch)) + (pose.pitch if view.looks else jnp.zeros_like(pose.pitch))
+    pitch = pitch if mount.pitch is None else pitch + mount.pitch
     forward, left, up = view.offset
+    up = up if mount.height is None else up + mount.height
     shift = jnp.stack(
         [
             forward * jnp.cos(pose.yaw) - left * jnp.sin(pose.yaw),
@@ -91,6 +116,8 @@ def place_cameras(config: EnvConfig, view: AgentCamera, pose: AgentPose) -> Came
     )
     size = view.fovy if view.lens.model == "orthographic" else float(np.deg2rad(view.fovy))
     fovy = jnp.full(pose.yaw.shape, size, jnp.float32)
+    if mount.fovy is not None and view.lens.model == "pinhole":
+        fovy = fovy + mount.fovy
     return jax.vmap(Camera)(eye_position(config, pose) + shift, jax.vmap(camera_quat)(yaw, pitch), fovy)
 
 

@@ -8,6 +8,7 @@ from home_mjx.tasks.base.config import DEFAULT_SENSORS, VIEW_KINDS, EnvConfig
 from home_mjx.tasks.base.sensor import Sensor, register_sensor, registered_sensors
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.sensors.cameras import Cameras
+from home_mjx.tasks.sensors.ear_levels import EarLevels
 from home_mjx.tasks.sensors.hearing import Hearing, LogMel, Stft
 from home_mjx.tasks.sensors.locating import GpsCompass, Lidar, LocalMap
 from home_mjx.tasks.sensors.own_state import HeldObject, OwnState, PrevAction, PrevReward
@@ -22,6 +23,7 @@ register_sensor(LogMel())
 register_sensor(HeldObject())
 register_sensor(PrevAction())
 register_sensor(PrevReward())
+register_sensor(EarLevels())
 
 
 NAME, OBSERVATION = "the name", "an observation"

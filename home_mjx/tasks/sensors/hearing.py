@@ -1,5 +1,8 @@
 """What both ears of every agent hear, and spectra of it."""
 
+from collections.abc import Callable
+from typing import Any
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -10,7 +13,7 @@ from home_mjx.audio_jax.auralization.sources import CLIPS, clip_samples
 from home_mjx.audio_jax.auralization.spectra import LEAST, MOST, NUM_MELS, log_mel, spectrum_shape, stft_magnitude
 from home_mjx.audio_jax.auralization.stream import faded_frame, given_off
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Listener, Source
+from home_mjx.audio_jax.base.endpoints import Listener, Sounds, Source
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import camera_quat
 from home_mjx.tasks.base.config import EnvConfig
@@ -21,6 +24,8 @@ from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import ArraySpec, Specs
 from home_mjx.tasks.base.status import flags
 from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
+from home_mjx.tasks.sounds.row import VOICED
+from home_mjx.tasks.sounds.voice import SILENCE, num_remembered, voices
 
 LOUDEST = 1e6  # [pressure re the source at 1 m]: no sound is louder
 FALL = 1e-3  # -30 dB
@@ -33,6 +38,7 @@ class Heard(Pytree):
     time: Int[Array, ""]  # [samples], from the episode's start to the frame's
     response: Float[Array, "a e 2 l"]  # impulse response per ear at the frame's end
     frame: Float[Array, "a 2 m"]  # the last step's sound
+    said: Int[Array, "k a"]  # tokens of the last frames, this one first; -1 none. Nothing where nobody can speak
 
 
 class Hearing(Sensor):
@@ -54,6 +60,7 @@ class Hearing(Sensor):
             time=jnp.zeros((), jnp.int32),
             response=jnp.zeros((agents, config.num_sources, 2, audio.response_length), jnp.float32),
             frame=jnp.zeros((agents, 2, audio.frame), jnp.float32),
+            said=no_words(config),
         )
 
     def update(self, config: EnvConfig, snapshot: Snapshot, state: Heard) -> Heard:
@@ -64,12 +71,15 @@ class Hearing(Sensor):
         time = jnp.where(first, 0, state.time + frame)
         response = hear(config, snapshot)
         before = jnp.where(first, response, state.response)
-        left = given_off(clips, snapshot.sounds, row, phase, time, config.audio)
+        sounds, said = as_loud_as_drawn(snapshot), with_words(snapshot, state.said)
+        left = given_off(clips, sounds, row, phase, time, config.audio)
+        if config.speech:
+            left = left + sounds.gain[:, None] * voices(spoken(snapshot, said), config.audio)
 
         def of_all(old: Float[Array, "e 2 l"], new: Float[Array, "e 2 l"]) -> Float[Array, "2 m"]:
             return jnp.sum(jax.vmap(lambda s, a, b: faded_frame(s, a, b, config.audio))(left, old, new), axis=0)
 
-        return Heard(phase=phase, time=time, response=response, frame=jax.vmap(of_all)(before, response))
+        return Heard(phase=phase, time=time, response=response, frame=jax.vmap(of_all)(before, response), said=said)
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: Heard) -> dict[str, Array]:
         """The last step's frame."""
@@ -78,7 +88,8 @@ class Hearing(Sensor):
     def status(self, config: EnvConfig, snapshot: Snapshot, state: Heard) -> Int[Array, ""]:
         """Whether a response to something that plays was cut off."""
         cut = jax.vmap(jax.vmap(lambda r: is_cut(r, config.audio)))(state.response)
-        return flags(RESPONSE_CUT=cut & (snapshot.sounds.clip >= 0)[None])
+        plays = (snapshot.sounds.clip >= 0) | jnp.any(spoken(snapshot, state.said) >= 0, axis=0)
+        return flags(RESPONSE_CUT=cut & plays[None])
 
 
 class Stft(Sensor):
@@ -128,27 +139,61 @@ class LogMel(Sensor):
         return {"log_mel": log_mel(stft_magnitude(state.frame, rate), rate)}
 
 
+def as_loud_as_drawn(snapshot: Snapshot) -> Sounds:
+    """The sounds, as loud as this episode's variation has them."""
+    sounds, drawn = snapshot.sounds, snapshot.drawn
+    return sounds if drawn is None or drawn.volume is None else sounds.replace(gain=sounds.gain * drawn.volume)
+
+
 def playable(config: EnvConfig, snapshot: Snapshot) -> tuple[Float[Array, "c n"], Int[Array, " e"]]:
     """All clips that an environment may play, and which of them each source plays; -1 silence."""
-    names = tuple(dict.fromkeys((config.clip, *config.clips)))
+    table = np.stack([clip_samples(name, config.audio) for name in clip_names(config)])
+    return jnp.asarray(table), clip_rows(config, snapshot)
+
+
+def clip_names(config: EnvConfig) -> tuple[str, ...]:
+    """Of all clips that an environment may play."""
+    return tuple(dict.fromkeys((config.clip, *config.clips)))
+
+
+def clip_rows(config: EnvConfig, snapshot: Snapshot) -> Int[Array, " e"]:
+    """Which of `clip_names` each source plays; -1 silence."""
+    names, clip = clip_names(config), snapshot.sounds.clip
     row = jnp.array([names.index(name) if name in names else -1 for name in CLIPS], jnp.int32)
-    clip = snapshot.sounds.clip
-    table = np.stack([clip_samples(name, config.audio) for name in names])
-    return jnp.asarray(table), jnp.where(clip < 0, -1, row[jnp.maximum(clip, 0)])
+    return jnp.where(clip < 0, -1, row[jnp.maximum(clip, 0)])
 
 
-def hear(config: EnvConfig, snapshot: Snapshot) -> Float[Array, "a e 2 l"]:
-    """Impulse responses from all sources to both ears of every agent."""
+def no_words(config: EnvConfig) -> Int[Array, "k a"]:
+    """What has been said in as many frames as words may be heard from, in silence; nothing where nobody can speak."""
+    return jnp.full((num_remembered(config.audio) if config.speech else 0, config.num_agents), SILENCE, jnp.int32)
+
+
+def with_words(snapshot: Snapshot, said: Int[Array, "k a"]) -> Int[Array, "k a"]:
+    """The same after a step: what is said now comes first."""
+    before = jnp.where(snapshot.step == 0, SILENCE, said)
+    return jnp.concatenate([snapshot.said[None], before])[: said.shape[0]]
+
+
+def spoken(snapshot: Snapshot, said: Int[Array, "k a"]) -> Int[Array, "k e"]:
+    """What each source says, of what all agents have said: nothing, unless it is an agent's voice."""
+    agents, sounds = said.shape[1], snapshot.sounds
+    number = sounds.body - agent_ids(snapshot.bank, agents)[0]
+    speaks = (sounds.clip == VOICED) & (number >= 0) & (number < agents)
+    return jnp.where(speaks, said[:, jnp.clip(number, 0, agents - 1)], SILENCE)
+
+
+def hear(config: EnvConfig, snapshot: Snapshot, response: Callable[..., Any] = impulse_response) -> Any:
+    """From all sources to every agent: impulse responses (a, e, 2, l), or what else is made with the same rays."""
     pose, num_agents, sounds = snapshot.pose, config.num_agents, snapshot.sounds
     # One key per episode, not per step: successive responses stay coherent, so the tail does not flutter.
     keys = jax.random.split(fold(snapshot.key, SOUND), num_agents)
 
-    def one(ears: Array, quat: Array, key: Array, own: Array) -> Array:
+    def one(ears: Array, quat: Array, key: Array, own: Array) -> Any:
         listener, number = Listener(ears, quat, body=own), config.num_sources
         each = key[None] if number == 1 else jax.random.split(key, number)
 
-        def from_source(pos: Array, body: Array, key: Array) -> Array:
-            return impulse_response(snapshot.scene, Source(pos, body), listener, key, config.audio)
+        def from_source(pos: Array, body: Array, key: Array) -> Any:
+            return response(snapshot.scene, Source(pos, body), listener, key, config.audio)
 
         return over_agents(from_source, sounds.pos, sounds.body, each)
 

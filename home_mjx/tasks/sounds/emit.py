@@ -16,14 +16,24 @@ from home_mjx.tasks.sounds.stroll import strolled
 NO_BODY, SILENT = -1, -1
 
 
-def house_sounds(config: EnvConfig, bank: HouseBank, house: Int[Array, ""], key: Array) -> Sounds:
-    """One source at a random place of a house that plays `config.clip` for ever; further ones are silent."""
+def house_sounds(
+    config: EnvConfig, bank: HouseBank, house: Int[Array, ""], key: Array, clip: Int[Array, ""] | None = None
+) -> Sounds:
+    """One source at a random place of a house that plays a clip for ever; further ones are silent.
+
+    Args:
+        config: Options.
+        bank: The houses.
+        house: Which of them.
+        key: Of the place.
+        clip: Index into `CLIPS`; None: `config.clip`.
+    """
     number = config.num_sources
     pos = random_source(bank, house, config.source_height, key)
     return Sounds(
         pos=jnp.broadcast_to(pos, (number, 3)),
         body=jnp.full(number, NO_BODY, jnp.int32),
-        clip=jnp.full(number, SILENT, jnp.int32).at[0].set(CLIPS.index(config.clip)),
+        clip=jnp.full(number, SILENT, jnp.int32).at[0].set(CLIPS.index(config.clip) if clip is None else clip),
         gain=jnp.ones(number, jnp.float32),
         every=jnp.full(number, jnp.inf, jnp.float32),
         lasts=jnp.full(number, jnp.inf, jnp.float32),

@@ -4,8 +4,9 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.audio_jax.auralization.sources import CLIPS
 from home_mjx.core.checks import check_known, check_number
@@ -15,6 +16,8 @@ from home_mjx.errors import ConfigError
 NUM_SOUNDS = 4  # of a row
 NOBODY = -1
 COLUMN = "sound_{}"
+VOICE = "voice"  # clip of a descriptor that is an agent: the words that it says, as they are said
+VOICED = -2  # its number; see `voice`
 
 
 @dataclass(frozen=True)
@@ -23,7 +26,7 @@ class Sound:
 
     Attributes:
         emitter: Number of the descriptor: an object, whose middle it comes from, a place or an agent.
-        clip: Name of the sound, from `home_mjx.audio_jax.CLIPS`.
+        clip: Name of the sound, from `home_mjx.audio_jax.CLIPS`; or "voice": of an agent, what it says.
         every: It begins anew so often [s]; inf: once.
         lasts: So long each time [s]; inf: always.
         gain: Of its pressure.
@@ -47,7 +50,7 @@ class Sound:
     speed: float = 0.0
 
     def __post_init__(self) -> None:
-        check_known("clip", [self.clip], CLIPS)
+        check_known("clip", [self.clip], (*CLIPS, VOICE))
         check_number("emitter", self.emitter, 0, whole=True)
         check_number("towards", self.towards, NOBODY, whole=True)
         for name in ("every", "lasts"):
@@ -55,13 +58,18 @@ class Sound:
                 raise ConfigError(f"`{name}` must be positive, got {getattr(self, name)}")
         for name in ("gain", "speed"):
             check_number(name, getattr(self, name), 0)
+        if self.clip == VOICE and (math.isfinite(min(self.every, self.lasts)) or self.towards != NOBODY):
+            raise ConfigError(
+                "a voice is heard when its agent speaks, and where that is",
+                hint="Leave out `every`, `lasts` and `towards`.",
+            )
 
 
 class Emission(Pytree):
     """The sounds of one episode: s rows, see `Sound`."""
 
     emitter: Int[Array, "*t s"]  # descriptor; -1 none
-    clip: Int[Array, "*t s"]  # index into CLIPS
+    clip: Int[Array, "*t s"]  # index into CLIPS; VOICED: what the agent says
     every: Float[Array, "*t s"]  # [s]
     lasts: Float[Array, "*t s"]  # [s]
     gain: Float[Array, "*t s"]
@@ -84,7 +92,7 @@ def written_sounds(sounds: Sequence[Sound], num_descriptors: int) -> dict[str, n
     for number in (number for sound in sounds for number in (sound.emitter, sound.towards)):
         if number >= num_descriptors:
             raise ConfigError(f"a sound is of descriptor {number}, but the task has {num_descriptors}")
-    rows = [(s.emitter, CLIPS.index(s.clip), s.every, s.lasts, s.gain, s.towards, s.speed) for s in sounds]
+    rows = [(s.emitter, _number(s.clip), s.every, s.lasts, s.gain, s.towards, s.speed) for s in sounds]
     rows += [(NOBODY, 0, math.inf, math.inf, 0.0, NOBODY, 0.0)] * (NUM_SOUNDS - len(sounds))
     kinds = {"emitter": np.int8, "clip": np.int16, "towards": np.int8}
     names = Emission.__dataclass_fields__
@@ -102,5 +110,25 @@ def emission_of(columns: Mapping[str, Array]) -> Emission:
 def read_sounds(columns: Mapping[str, np.ndarray]) -> list[Sound]:
     """The sounds among the columns of a row; undoes `written_sounds`."""
     values = {name: np.asarray(columns[COLUMN.format(name)]).tolist() for name in Emission.__dataclass_fields__}
+    values["clip"] = [clip_name(number) for number in values["clip"]]
     rows = [dict(zip(values, row, strict=True)) for row in zip(*values.values(), strict=True)]
-    return [Sound(**(row | {"clip": CLIPS[row["clip"]]})) for row in rows if row["emitter"] != NOBODY]
+    return [Sound(**row) for row in rows if row["emitter"] != NOBODY]
+
+
+def clip_name(number: int) -> str:
+    """Name of the clip that has this number in an `Emission`.
+
+    Example:
+        >>> clip_name(0), clip_name(VOICED)
+        ('radio', 'voice')
+    """
+    return VOICE if number == VOICED else CLIPS[number]
+
+
+def _number(clip: str) -> int:
+    return VOICED if clip == VOICE else CLIPS.index(clip)
+
+
+def is_audible(emission: Emission) -> Bool[Array, "*t"]:
+    """Whether somebody's words are sounds: then they are heard in no other way."""
+    return jnp.any((emission.clip == VOICED) & (emission.emitter >= 0), axis=-1)

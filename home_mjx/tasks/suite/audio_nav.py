@@ -46,7 +46,7 @@ class AudioNav(Navigation):
         schedule: "always", "intermittent" (for `lasts` of every `every` seconds) or "once" (for `lasts` at the start).
         every: [s].
         lasts: [s].
-        clip_split: Sounds that are looked for: "heard", "unheard" or "all" of `SPLITS`.
+        clip_split: Sounds that are looked for: "heard", "unheard" or "all" of `SPLITS`, or the name of one of them.
         distractors: So many other places play one of `DISTRACTING`, up to 2. An agent learns what not to go to.
         moving: The source walks along the shortest way to another place and stays there. Only in view of it, however
             near, is success; its guide is where it goes.
@@ -68,7 +68,7 @@ class AudioNav(Navigation):
         check_number("success_distance", self.success_distance, 0)
         check_known("kind of emitter", [self.emitter], EMITTERS)
         check_known("schedule", [self.schedule], SCHEDULES)
-        check_known("split of sounds", [self.clip_split], SPLITS)
+        check_known("split of sounds", [self.clip_split], [*SPLITS, *SPLITS["all"]])
         check_flag("moving", self.moving)
         check_number("distractors", self.distractors, 0, 1 if self.moving else 2, whole=True)
         for name in ("every", "lasts", "speed"):
@@ -91,7 +91,12 @@ class AudioNav(Navigation):
     @property
     def clips(self) -> tuple[str, ...]:
         """Those of the split, and the distracting ones if there are distractors."""
-        return (*SPLITS[self.clip_split], *(DISTRACTING if self.distractors else ()))
+        return (*self.sought, *(DISTRACTING if self.distractors else ()))
+
+    @property
+    def sought(self) -> tuple[str, ...]:
+        """Clips that are looked for."""
+        return SPLITS.get(self.clip_split, (self.clip_split,))
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
         """Each time a clip at another of the house's places or objects, until all have had it; then again."""
@@ -124,4 +129,4 @@ class AudioNav(Navigation):
     def _target(self, random: np.random.Generator) -> Sound:
         when = {"always": {}, "intermittent": {"every": self.every, "lasts": self.lasts}, "once": {"lasts": self.lasts}}
         walk = {"towards": GOAL, "speed": self.speed} if self.moving else {}
-        return Sound(TARGET, str(random.choice(SPLITS[self.clip_split])), **when[self.schedule], **walk)
+        return Sound(TARGET, str(random.choice(self.sought)), **when[self.schedule], **walk)

@@ -4,11 +4,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Bool, Int
 
-from home_mjx.core.checks import check_number
+from home_mjx.core.checks import check_known, check_number
 from home_mjx.schema.categories import COARSE
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.language.phrases import phrase, telling
+from home_mjx.tasks.language.splits import has_new_combination
 from home_mjx.tasks.language.vocabulary import tokenize
 from home_mjx.tasks.rows.build import Row
 from home_mjx.tasks.rows.house_view import HouseView
@@ -17,6 +19,7 @@ from home_mjx.tasks.rows.words import Feature, Word
 from home_mjx.tasks.suite.navigation import NO_GOALS, Navigation, arrive
 
 VERBS = ("go to", "walk to", "find")
+COMBINATIONS = ("all", "seen", "new")
 JOINED = ("{} then {}", "{} and then {}", "before you {1} {0}")  # one after the other, however it is said
 
 
@@ -27,15 +30,29 @@ class InstructionFollowing(Navigation):
     Attributes:
         num_parts: At most so many things, from 1 to 3.
         success_distance: From each thing [m].
+        combinations: Which sentences are kept: "all"; those to train with, "seen"; or "new", those that speak of a
+            thing by words that "seen" ones never have together, see `new_combinations`.
+        unseen_part: Of all combinations of words, so many are new.
     """
 
     num_parts: int = 2
     success_distance: float = 1.0
+    combinations: str = "all"
+    unseen_part: float = 0.2
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        check_known("kind of combinations", [self.combinations], COMBINATIONS)
+        check_number("unseen_part", self.unseen_part, 0, 1)
         check_number("num_parts", self.num_parts, 1, 3, whole=True)
         check_number("success_distance", self.success_distance, 0)
+
+    def keeps(self, descriptors: Int[np.ndarray, "t d words"]) -> Bool[np.ndarray, " t"]:
+        """The rows of `combinations`."""
+        if self.combinations == "all":
+            return np.ones(len(descriptors), bool)
+        is_new = has_new_combination(descriptors, self.unseen_part)
+        return is_new if self.combinations == "new" else ~is_new
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[Row]:
         """Sentences drawn at random; the things in one are different."""

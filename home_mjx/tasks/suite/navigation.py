@@ -4,12 +4,14 @@ Anderson et al., "On Evaluation of Embodied Navigation Agents", 2018 (arXiv:1807
 "ObjectNav Revisited", 2020 (arXiv:2006.13171).
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from home_mjx.core.checks import check_flag, check_number
+from home_mjx.errors import ConfigError
 from home_mjx.schema.categories import COARSE
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.rows.build import Generator, Row
@@ -141,7 +143,11 @@ class HouseTasks(RowTask):
         tasks: Their generators.
     """
 
-    tasks: tuple[Generator, ...] = (RoomNav(), ObjectNav())
+    tasks: Sequence[Generator] = (RoomNav(), ObjectNav())
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        object.__setattr__(self, "tasks", mixable(self.tasks))
 
     @property
     def needs_stop(self) -> bool:
@@ -166,4 +172,23 @@ class HouseTasks(RowTask):
     @property
     def generators(self) -> tuple[Generator, ...]:
         """Those of all tasks."""
-        return self.tasks
+        return tuple(self.tasks)
+
+
+def mixable(tasks: Any) -> tuple[Generator, ...]:
+    """Tasks that a mix can have.
+
+    Raises:
+        ConfigError: There is none, or one writes no rows, or does more than its rows say.
+    """
+    if not isinstance(tasks, tuple | list) or not tasks:
+        hint = "Write tasks=(RoomNav(), ObjectNav())."
+        raise ConfigError(f"`tasks` of a mix must be a tuple of tasks, got {tasks!r}", hint=hint)
+    for task in tasks:
+        if isinstance(task, type) or not isinstance(task, Generator):
+            hint = "Write RoomNav(), ...; PointGoals() are PointNav's rows, and a mix in a mix is its `tasks`."
+            raise ConfigError(f"a mix is made of tasks that write rows, got {task!r}", hint=hint)
+        if getattr(task, "num_acting", None) is not None:
+            hint = "Make an environment of its own for it."
+            raise ConfigError(f"{task.name} leads agents itself: it cannot be part of a mix", hint=hint)
+    return tuple(tasks)

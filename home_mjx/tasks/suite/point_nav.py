@@ -110,7 +110,7 @@ class PointNav(Task):
 
     def terminated(self, snapshot: Snapshot, state: PointNavState) -> Bool[Array, ""]:
         """All agents have arrived or stopped."""
-        return jnp.all(state.reached | snapshot.stopped)
+        return jnp.all((state.reached | snapshot.stopped)[: self.num_acting])
 
     def metrics(self, snapshot: Snapshot, state: PointNavState) -> dict[str, Float[Array, ""]]:
         """Part of the agents that have arrived, mean distance [m], part that touches something."""

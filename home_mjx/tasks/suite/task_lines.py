@@ -7,6 +7,7 @@ from typing import Any
 
 import jax
 import numpy as np
+from jaxtyping import UInt16
 
 from home_mjx.audio_jax.auralization.sources import CLIPS
 from home_mjx.bank.bank import HouseBank
@@ -15,8 +16,12 @@ from home_mjx.errors import ConfigError, DatasetError, UnknownIdError
 from home_mjx.scene_compile.semantics.vocabulary import number_of, vocabularies
 from home_mjx.tasks.language.phrases import COLUMN
 from home_mjx.tasks.language.vocabulary import detokenize, tokenize
+from home_mjx.tasks.limits.faults import first_fault
+from home_mjx.tasks.limits.lines import check_line, part
+from home_mjx.tasks.limits.places import first_impossible
+from home_mjx.tasks.limits.table import feature_limits, limits
 from home_mjx.tasks.rows.build import add_fields, packed, padded
-from home_mjx.tasks.rows.house_view import house_views
+from home_mjx.tasks.rows.house_view import HouseView, house_views
 from home_mjx.tasks.rows.program import Go, Meant, Stage, When, written
 from home_mjx.tasks.rows.task_bank import TaskBank
 from home_mjx.tasks.rows.words import ANY, FAILURE, NUM_CONDITIONS, SUCCESS, Feature, Kind, Word
@@ -75,25 +80,47 @@ def load_tasks(path: str | Path, bank: HouseBank) -> TaskBank:
     names: dict[str, int] = {}
     rows = list(read_json_lines(Path(path), "task", lambda line: _row(line, index, names), MAX_BYTES))
     if not rows:
-        raise DatasetError("file holds no task", file=path)
+        raise DatasetError("file holds no task", file=path, hint="Write one JSON object a line, see `save_tasks`.")
     fields = {}
     for view in house_views(bank):
-        own = [row for row in rows if row["house"] == view.house]
-        fields[view.house] = add_fields(bank, view, own)
-    return packed(bank, rows, fields, tuple(names))
+        own = [(number, row) for number, row in enumerate(rows) if row["house"] == view.house]
+        if own:
+            fields[view.house] = _fields(path, bank, view, own)
+    tasks = packed(bank, rows, fields, tuple(names))
+    fault = first_fault(tasks.rows, bank, limits(), feature_limits(), {})
+    if fault is not None:
+        raise DatasetError(fault.message, file=path, element=f"line {fault.row + 1}, {fault.field}", hint=fault.hint)
+    return tasks
+
+
+def _fields(
+    path: str | Path, bank: HouseBank, view: HouseView, rows: list[tuple[int, dict[str, Any]]]
+) -> UInt16[np.ndarray, "c g"]:
+    """Distances of a house's cells to what its tasks mean, if all of these can be done."""
+    columns = [row for _, row in rows]
+    field_ = add_fields(bank, view, columns)
+    fault = first_impossible(bank, view, columns, field_)
+    if fault is not None:
+        element = f"line {rows[fault.row][0] + 1}, {fault.field}"
+        raise DatasetError(fault.message, file=path, element=element, hint=fault.hint)
+    return field_
 
 
 def _row(line: dict[str, Any], index: dict[str, int], names: dict[str, int]) -> dict[str, Any]:
+    check_line(line)
     if line["house"] not in index:
-        raise UnknownIdError(f"the bank has no house {line['house']}", hint="Give the houses that the tasks are of.")
-    start, yaw, length = np.array(line["start"], np.float32), float(line["yaw"]), float(line["length"])
-    if start.shape != (3,) or not np.isfinite([*start, yaw, length]).all():
-        raise ValueError("`start` must be three finite numbers, `yaw` and `length` one each")
-    meant, sounds = [_read_meant(item) for item in line["meant"]], [Sound(**item) for item in line.get("sounds", ())]
-    arrays = written(meant, [_read_stage(item) for item in line["stages"]]) | written_sounds(sounds, len(meant))
+        hint = "Give the houses that the tasks are of."
+        raise UnknownIdError(f"the bank has no house {line['house'][:100]}", element="house", hint=hint)
+    meant = [_read_meant(item) for item in line["meant"]]
+    with part("stages"):
+        arrays = written(meant, [_read_stage(item) for item in line["stages"]])
+    with part("sounds"):
+        arrays |= written_sounds([Sound(**item) for item in line.get("sounds", ())], len(meant))
+    with part("instruction"):
+        arrays |= {"tokens": padded(tokenize(line["instruction"]))}
     own = {"house": index[line["house"]], "task": names.setdefault(line["task"], len(names))}
-    own |= {"start": start, "yaw": np.float32(yaw), "length": np.float32(length)}
-    return arrays | own | {"tokens": padded(tokenize(line["instruction"]))} | _read_talk(line)
+    own |= {"start": np.array(line["start"], np.float32)}
+    return arrays | own | {name: np.float32(line[name]) for name in ("yaw", "length")} | _read_talk(line)
 
 
 def _talk(row: dict[str, np.ndarray]) -> dict[str, Any]:
@@ -108,9 +135,19 @@ def _talk(row: dict[str, np.ndarray]) -> dict[str, Any]:
 
 
 def _read_talk(line: dict[str, Any]) -> dict[str, np.ndarray]:
-    (answer,) = tokenize(line["answer"]) if "answer" in line else (NONE,)
-    oracle = [tokenize(f"{question} {reply}") for question, reply in line.get("oracle", ())]
-    return written_talk(answer, line.get("told"), [(pair[0], pair[1]) for pair in oracle], int(line.get("ask", 0)))
+    with part("answer"):
+        answer = _token(line["answer"]) if "answer" in line else NONE
+    with part("oracle"):
+        oracle = [(_token(question), _token(reply)) for question, reply in line.get("oracle", ())]
+    with part("ask"):
+        return written_talk(answer, line.get("told"), oracle, line.get("ask", 0))
+
+
+def _token(word: str) -> int:
+    tokens = tokenize(word)
+    if len(tokens) != 1:
+        raise ConfigError(f"expected one word, got {len(tokens)}: {word[:100]!r}", hint="Write one, such as `yes`.")
+    return tokens[0]
 
 
 def _meant(row: dict[str, np.ndarray]) -> list[dict[str, Any]]:

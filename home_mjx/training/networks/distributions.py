@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import jax
 import jax.numpy as jnp
@@ -15,6 +15,7 @@ from home_mjx.tasks.base.specs import ArraySpec
 HALF_LOG_TAU = 0.5 * math.log(2 * math.pi)
 
 
+@runtime_checkable
 class Distribution(Protocol):
     """What PPO needs of a distribution. Leading axes of parameters and actions are free, but for `sample`."""
 

@@ -1,5 +1,6 @@
 """From a dictionary of observations to one vector: which network reads which observation."""
 
+import functools
 from collections import defaultdict
 from typing import Any
 
@@ -13,7 +14,9 @@ from home_mjx.tasks.experts.teacher import EXPERT
 from home_mjx.training.networks.images import ImageEncoder
 
 NUM_IDS = 1024  # rows of the tables of ids and words; greater ids are counted around
-ID_CHANNELS = 8
+ID_CHANNELS = 12
+LOUD = 50.0  # [dB]: levels are told in such parts
+APART = 10.0  # [dB]: and differences between ears in such
 QUIET = 1e-4  # pressure below which loudness is not told apart
 
 
@@ -23,6 +26,7 @@ def kind_of(name: str, spec: ArraySpec) -> str:
     - `image`: rank 3, and rank 2 unless they are integers or sound.
     - `ids`: rank 2 integers, `ids/*`.
     - `sound`: `audio` (2, samples).
+    - `spectra`: `log_mel` (2, windows, bands).
     - `words`: rank 1 integers, such as tokens of an instruction.
     - `vector`: all other numbers.
     - `none`: `camera/*`, which says where cameras are, and `expert`, which says what to do.
@@ -38,6 +42,8 @@ def kind_of(name: str, spec: ArraySpec) -> str:
         return "none"
     if rank == 2 and name == "audio":
         return "sound"
+    if rank == 3 and name == "log_mel":
+        return "spectra"
     if is_int and rank in (1, 2):
         return "words" if rank == 1 else "ids"
     return "image" if rank in (2, 3) else "vector"
@@ -75,17 +81,50 @@ class SoundEncoder(nn.Module):
         return nn.relu(nn.Dense(self.features)(jnp.concatenate(heard, axis=-1)))
 
 
-class WordEncoder(nn.Module):
-    """Features of a short row of words: each is looked up by place and word, then all are averaged."""
+class SpectraEncoder(nn.Module):
+    """Features of both ears' spectra [dB]: of their mean, and of their difference, which tells the direction.
 
+    Levels differ by tens of dB from near to far, ears by a few from left to right: each is scaled for itself.
+    """
+
+    features: int = 256
+
+    @nn.compact
+    def __call__(self, x: Float[Array, "*b ears w m"]) -> Float[Array, "*b f"]:
+        """Two layers."""
+        mean, apart = jnp.mean(x, axis=-3) / LOUD, (x[..., 0, :, :] - x[..., 1, :, :]) / APART
+        flat = jnp.stack([mean, apart], axis=-3).reshape(*x.shape[:-3], -1)
+        return nn.relu(nn.Dense(self.features)(nn.relu(nn.Dense(self.features)(flat))))
+
+
+class WordEncoder(nn.Module):
+    """Features of a short row of words: each is looked up by place and word, then those that are there are averaged.
+
+    Attributes:
+        blank: What stands where there is no word. Counted like words, the many blanks would drown the few.
+        features: Size of the result.
+    """
+
+    blank: int = -1
     features: int = 64
 
     @nn.compact
     def __call__(self, words: Int[Array, "*b n"]) -> Float[Array, "*b f"]:
         """Order counts through the table of places."""
         places = self.param("places", nn.initializers.normal(0.02), (words.shape[-1], self.features))
-        looked_up = nn.Embed(NUM_IDS, self.features)(_row(words)) + places
-        return jnp.mean(nn.relu(nn.Dense(self.features)(looked_up)), axis=-2)
+        looked_up = nn.relu(nn.Dense(self.features)(nn.Embed(NUM_IDS, self.features)(_row(words)) + places))
+        there = (words != self.blank).astype(jnp.float32)[..., None]
+        # Of size 1: short embeddings would leave all gates half open for long.
+        return nn.LayerNorm()(jnp.sum(looked_up * there, axis=-2) / jnp.maximum(jnp.sum(there, axis=-2), 1))
+
+
+@functools.cache
+def id_codes() -> Float[np.ndarray, "n c"]:
+    """A code for every id, drawn at random once and for all.
+
+    Codes that are learned tell no more, but their gradients are sums over all pixels: they took most of the time.
+    """
+    return np.random.default_rng(0).choice([-1.0, 1.0], (NUM_IDS, ID_CHANNELS)).astype(np.float32)
 
 
 def _row(ids: Int[Array, "*b"]) -> Int[Array, "*b"]:
@@ -95,8 +134,8 @@ def _row(ids: Int[Array, "*b"]) -> Int[Array, "*b"]:
 class Encoder(nn.Module):
     """One vector from all observations of an agent.
 
-    Images of one size, ids among them, are stacked and read by one `ImageEncoder`. Vectors are squashed, joined and
-    read by two layers.
+    Images of one size, ids among them, are stacked and read by one `ImageEncoder`, which words tell what to look for.
+    Vectors are squashed, joined and read by two layers.
 
     Attributes:
         specs: Name and spec of every observation of one agent.
@@ -114,23 +153,28 @@ class Encoder(nn.Module):
     def __call__(self, obs: dict[str, Array]) -> Float[Array, "*b f"]:
         """Leading axes of the observations are kept."""
         images: dict[tuple[int, ...], list[Array]] = defaultdict(list)
-        vectors, parts = [], []
+        vectors, parts, asked = [], [], []
         for name, spec in self.specs:
             x, kind = obs[name], kind_of(name, spec)
             if kind == "image":
                 image = as_image(spec, x)
                 images[image.shape[-3:-1]].append(image)
             elif kind == "ids":
-                images[spec.shape].append(nn.Embed(NUM_IDS, ID_CHANNELS)(_row(x)))
+                images[spec.shape].append(jnp.asarray(id_codes(), self.dtype)[_row(x)])
             elif kind == "sound":
                 parts.append(SoundEncoder()(x))
+            elif kind == "spectra":
+                parts.append(SpectraEncoder(self.features)(x))
             elif kind == "words":
-                parts.append(WordEncoder()(x))
+                asked.append(WordEncoder(int(np.min(spec.low)))(x))
             elif kind == "vector":
                 lead = x.shape[: x.ndim - len(spec.shape)]
                 vectors.append(squash(x.astype(jnp.float32)).reshape(*lead, -1))
+        words = jnp.concatenate(asked, axis=-1) if asked else None
         for _, stack in sorted(images.items()):
-            parts.append(ImageEncoder(self.channels, self.features, self.dtype)(jnp.concatenate(stack, axis=-1)))
+            look = ImageEncoder(self.channels, self.features, self.dtype)
+            parts.append(look(jnp.concatenate(stack, axis=-1), words))
+        parts += asked
         if vectors:
             parts.append(nn.tanh(nn.Dense(self.features)(jnp.concatenate(vectors, axis=-1))))
         return nn.relu(nn.Dense(self.features)(jnp.concatenate(parts, axis=-1)))

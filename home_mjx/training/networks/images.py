@@ -48,10 +48,42 @@ class ResidualBlock(nn.Module):
         return x + SqueezeExcite(self.dtype)(y)
 
 
+class Gate(nn.Module):
+    """Scales each channel by what words ask for: gated attention, Chaplot et al., 2018 (arXiv:1706.07230)."""
+
+    dtype: Any = jnp.float32
+
+    @nn.compact
+    def __call__(self, x: Float[Array, "*b h w c"], asked: Float[Array, "*b a"]) -> Float[Array, "*b h w c"]:
+        """The scaled channels."""
+        gate = nn.sigmoid(nn.Dense(x.shape[-1], dtype=self.dtype)(asked.astype(self.dtype)))
+        return x * gate[..., None, None, :]
+
+
+class Search(nn.Module):
+    """Maps of where an image has what words ask for: each place's channels times a query that words make.
+
+    Gates alone have to learn a channel for all that there is before words can choose one. The product finds a pair of
+    words that were never asked for together, as dot-product attention does (arXiv:1706.03762).
+    """
+
+    num: int = 8
+    dtype: Any = jnp.float32
+
+    @nn.compact
+    def __call__(self, x: Float[Array, "*b h w c"], asked: Float[Array, "*b a"]) -> Float[Array, "*b h w n"]:
+        """One map per query."""
+        channels = x.shape[-1]
+        query = nn.Dense(self.num * channels, dtype=self.dtype)(asked.astype(self.dtype))
+        query = query.reshape(*query.shape[:-1], channels, self.num)
+        return jnp.einsum("...hwc,...cn->...hwn", x, query) * channels**-0.5
+
+
 class ImageEncoder(nn.Module):
     """Features of images: a stem that divides the size by four, a residual block per entry of `channels`, one layer.
 
-    Each block but the first halves the size. Parameters are float32 whatever `dtype` computes in.
+    Each block but the first halves the size. Where words say what to look for, maps of a `Search` are added to the
+    stem, and a `Gate` follows each block. Parameters are float32 whatever `dtype` computes in.
 
     Attributes:
         channels: Channels of each block.
@@ -71,10 +103,13 @@ class ImageEncoder(nn.Module):
     dtype: Any = jnp.float32
 
     @nn.compact
-    def __call__(self, x: Float[Array, "*b h w c"]) -> Float[Array, "*b f"]:
-        """Features of each image, whose values should be about 1 in size."""
+    def __call__(self, x: Float[Array, "*b h w c"], asked: Float[Array, "*b a"] | None = None) -> Float[Array, "*b f"]:
+        """Features of each image, whose values should be about 1 in size; `asked` are those of words."""
         x = nn.Conv(self.channels[0], (8, 8), (4, 4), dtype=self.dtype, kernel_init=HE)(x.astype(self.dtype))
+        if asked is not None:
+            x = jnp.concatenate([x, Search(dtype=self.dtype)(x, asked)], axis=-1)
         for i, channels in enumerate(self.channels):
             x = ResidualBlock(channels, 1 if i == 0 else 2, self.dtype)(x)
+            x = x if asked is None else Gate(self.dtype)(x, asked)
         flat = nn.relu(x).reshape(*x.shape[:-3], -1)
         return nn.relu(nn.Dense(self.features, dtype=self.dtype)(flat)).astype(jnp.float32)

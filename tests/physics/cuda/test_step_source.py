@@ -15,7 +15,7 @@ from home_mjx.physics.cuda.launch import CONTACT_WORDS, PAIRS_PER_MOBILE, SMALL_
 from home_mjx.physics.native.data import limits
 from home_mjx.physics.native.data.numbers import Numbers, reference_surfaces
 
-WHOLE = 3, 13, 18, 21  # operands of whole numbers
+WHOLE = 3, 13, 18, 22  # operands of whole numbers
 SHIM = Path(__file__).parents[2] / "helpers" / "physics_shim.h"
 MAIN = """
 extern "C" void run(void** p) {
@@ -23,8 +23,8 @@ extern "C" void run(void** p) {
   step_physics(IN(float, 0), IN(float, 1), IN(float, 2), IN(int, 3), IN(float, 4), IN(float, 5), IN(float, 6),
                IN(float, 7), IN(float, 8), IN(float, 9), IN(float, 10), IN(float, 11), IN(float, 12), IN(int, 13),
                IN(float, 14), IN(float, 15), IN(float, 16), IN(float, 17), IN(int, 18), IN(float, 19), IN(float, 20),
-               IN(int, 21), (float*)p[22], (float*)p[23], (float*)p[24], (int*)p[25], (int*)p[26], (float*)p[27],
-               (int*)p[28], (char*)p[29]);
+               IN(float, 21), IN(int, 22), (float*)p[23], (float*)p[24], (float*)p[25], (int*)p[26], (int*)p[27],
+               (float*)p[28], (int*)p[29], (char*)p[30]);
 }
 """
 
@@ -55,14 +55,15 @@ def in_single(oracle: Oracle) -> None:
     oracle.table, oracle.door_rows = single(oracle.table), single(oracle.door_rows)
 
 
-def step(library, oracle: Oracle, qpos, qvel, action, substeps: int):
+def step(library, oracle: Oracle, qpos, qvel, action, substeps: int, scale=(1.0, 1.0)):
     agents, bodies, static = oracle.agents, len(oracle.mass), len(oracle.static.pos)
     numbers, doors = oracle.numbers._replace(substeps=float(substeps)), oracle.door_rows
     valid, house = np.ones(bodies), np.zeros(1)
     sizes = np.array([1, 1, static, bodies, agents, len(doors), len(oracle.ramps), 0])
     inputs = [*oracle.static, valid, oracle.bodies.half, oracle.mass, oracle.inertia]
     inputs += [reference_surfaces(oracle.surfaces), doors, oracle.ramps, np.zeros(1)]
-    inputs += [oracle.table, numbers, house, qpos, qvel, np.zeros(len(qvel)), action, *oracle.driven, sizes]
+    inputs += [oracle.table, numbers, house, qpos, qvel, np.zeros(len(qvel)), action, *oracle.driven]
+    inputs += [np.array(scale), sizes]
     inputs = [np.ascontiguousarray(x, np.int32 if i in WHOLE else np.float32) for i, x in enumerate(inputs)]
     mobiles = agents + bodies + len(doors)
     outputs = [np.zeros(len(x), np.float32) for x in (qpos, qvel, qvel)]
@@ -89,6 +90,20 @@ def test_a_heap_moves_as_on_a_cpu(library, substeps):
         assert found[4].tolist() == truth[4].tolist()
         np.testing.assert_allclose(found[5], oracle.push, atol=3e-7 * np.abs(oracle.push).max())
         assert found[6].tolist() == oracle.other.tolist()
+
+
+def test_scaled_bodies_move_as_those_of_a_house_that_has_them_so(library):
+    rng, friction, heavier = np.random.default_rng(13), 0.5, 2.0  # exact in any type
+    for _ in range(5):
+        oracle, *state = heap(rng)
+        in_single(oracle)
+        plain, scaled = (step(library, oracle, *state, 5, scale) for scale in ((1.0, 1.0), (friction, heavier)))
+        oracle.mass, oracle.inertia = oracle.mass * heavier, oracle.inertia * heavier
+        oracle.surfaces = oracle.surfaces * [friction, 1, 1, 1, 1]
+        own = step(library, oracle, *state, 5)
+        for value, other in zip(scaled, own, strict=True):
+            np.testing.assert_array_equal(value, other)
+        assert np.abs(scaled[0] - plain[0]).max() > 1e-4
 
 
 def test_what_sleeps_wakes_as_on_a_cpu(library):

@@ -1,12 +1,18 @@
 """The expert as an observation: what it says is what `expert_action` says, and following it succeeds."""
 
+import dataclasses
+
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
 import home_mjx
 from home_mjx.errors import ConfigError
 from home_mjx.tasks import AutoReset, Task, WithExpert, expert_action, with_expert
+from home_mjx.tasks.experts.walk import should_wait
+from home_mjx.tasks.rows.program import Go, Meant, Stage, When, written
+from home_mjx.tasks.rows.words import NUM_DESCRIPTORS, SUCCESS, Feature
 from home_mjx.training.evaluation import evaluate, expert_policy, random_policy
 
 
@@ -33,10 +39,39 @@ def test_it_is_the_action_for_each_state_also_after_automatic_resets(env):
     assert np.array_equal(states.obs["state"].shape, (4, *env.observation_spec["state"].shape))
 
 
+def test_what_the_task_has_looked_at_is_what_an_expert_would_see(env):
+    """Also after transitions: its action is that of an expert that looks at everything anew."""
+    taught = with_expert(env)
+    assert jax.eval_shape(env.reset, jax.random.key(0)).task.looked is None  # nobody else pays for it
+
+    def both(params, state):
+        anew = state.task.replace(looked=None)
+        return state.obs["expert"], expert_action(taught.core.snapshot(params, state), anew)[0]
+
+    states = jax.jit(jax.vmap(taught.core.reset, (None, 0)))(env.params, jax.random.split(jax.random.key(3), 8))
+    step, both = jax.jit(jax.vmap(taught.core.step, (None, 0, 0))), jax.jit(jax.vmap(both, (None, 0)))
+    for _ in range(12):
+        told, anew = both(env.params, states)
+        np.testing.assert_array_equal(told, anew)
+        states = step(env.params, states, told)
+
+
+def test_who_is_asked_for_time_in_a_place_waits_there_until_it_is_over(env):
+    begun = jax.jit(lambda key: env.core.begin(env.params, key, 0, 0))(jax.random.key(0)).task
+    inside, long = When(Feature.INSIDE, 0, least=1), When(Feature.TIME, least=80)
+    columns = written([Meant.space(room_type=0)], [Stage((Go(SUCCESS, (inside, long)),), guide=0)])
+    state = begun.replace(program=begun.program.replace(**{name: jnp.asarray(x) for name, x in columns.items()}))
+    away = jnp.zeros((len(Feature), 1, NUM_DESCRIPTORS, NUM_DESCRIPTORS))
+    there = away.at[Feature.INSIDE].set(1.0)
+    waits = [bool(should_wait(state, values)[0]) for values in (away, there, there.at[Feature.TIME].set(80.0))]
+    assert waits == [False, True, False]
+
+
 def test_nothing_else_changes(env):
     taught = with_expert(env)
     plain = {name: spec for name, spec in taught.observation_spec.items() if name != "expert"}
     assert plain == env.observation_spec
+    assert dataclasses.replace(taught.core.task, keep_looks=False) == env.core.task
 
 
 def test_a_task_without_an_expert_is_refused(env):
@@ -52,7 +87,6 @@ def test_an_expert_finds_points(generated_bank, options: dict):
     env = home_mjx.make("PointNav-v0", generated_bank, sensors=("goal",), impl="kinematic", **options)
     found = evaluate(with_expert(env), expert_policy, num_episodes=64)
     chance = evaluate(env, random_policy(env.core), num_episodes=16)
-    # The distances to points lead through leaves of open doors, at some of which an agent without hands gets stuck.
-    assert found["success"].mean() >= 0.9
+    assert found["success"].mean() >= 0.95
     assert found["spl"][found["success"] > 0].mean() >= 0.9
     assert chance["success"].mean() < 0.5

@@ -11,6 +11,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.physics import PhysicsConfig
 from home_mjx.registry import as_bank
 from home_mjx.tasks import EnvConfig, HouseholdEnv, PiedPiper, expert_action
+from home_mjx.tasks.guided.pied_piper import nearest_other
 from home_mjx.tasks.suite.audio_nav import DISTRACTING, SPLITS
 
 PHYSICS = PhysicsConfig(impl="kinematic", num_agents=3)
@@ -32,8 +33,8 @@ def begun(env):
 
 @pytest.fixture(scope="module")
 def stands(env, begun):
-    """States of 40 steps in which everybody is told to turn on the spot."""
-    step = jax.jit(jax.vmap(lambda s: env.core.advance(env.params, s, jnp.full(3, LEFT))))
+    """States of 40 steps in which the follower is told to turn on the spot."""
+    step = jax.jit(jax.vmap(lambda s: env.core.advance(env.params, s, LEFT)))
     states = [begun]
     for _ in range(40):
         states.append(step(states[-1]))
@@ -44,7 +45,7 @@ def places(env, states) -> np.ndarray:
     return np.asarray(jax.vmap(lambda s: env.core.snapshot(env.params, s).pose.pos)(states))
 
 
-def test_the_others_walk_whatever_they_are_told_and_the_first_does_not(env, stands):
+def test_the_others_walk_and_the_first_does_what_it_is_told(env, stands):
     path = np.stack([places(env, states) for states in stands])
     gone = np.linalg.norm(np.diff(path[..., :2], axis=0), axis=-1).sum(axis=0)  # (environments, agents)
     assert np.median(gone[:, 1:]) > 1
@@ -64,7 +65,8 @@ def test_sounds_go_with_those_who_make_them(env, stands):
 
 
 def test_only_the_follower_is_paid(stands):
-    rewards = np.stack([np.asarray(states.reward) for states in stands[1:]])
+    rewards = np.stack([np.asarray(states.world.reward) for states in stands[1:]])
+    np.testing.assert_array_equal(rewards[..., 0], [states.reward for states in stands[1:]])
     assert (rewards[..., 1:] == 0).all()
     assert (rewards[..., 0] != 0).any()
 
@@ -79,18 +81,32 @@ def test_near_is_counted_by_hand(env, stands):
     np.testing.assert_allclose(np.asarray(stands[-1].metrics["near"])[kept], expected[kept], atol=1e-6)
 
 
-def test_other_numbers_of_agents_are_refused(env):
-    two = HouseholdEnv(EnvConfig(actions="discrete", physics=PhysicsConfig(num_agents=2)), PiedPiper(num_tasks=1))
+def test_the_nearest_other_is_the_one_that_a_ruler_says(env, stands):
+    for states in stands[::20]:
+        pos = places(env, states)
+        away = np.linalg.norm(pos[:, 1:] - pos[:, :1], axis=-1)
+        nearest = jax.vmap(lambda s: nearest_other(env.core.snapshot(env.params, s)))(states)
+        np.testing.assert_array_equal(nearest, 1 + away.argmin(axis=1))
+
+
+@pytest.mark.parametrize("number", [2, 4])
+def test_other_numbers_of_agents_are_refused(number):
+    config = EnvConfig(actions="discrete", physics=PhysicsConfig(num_agents=number))
     with pytest.raises(ConfigError, match="num_agents=3"):
-        jax.eval_shape(two.begin, env.params, jax.random.key(0))
+        HouseholdEnv(config, PiedPiper(num_tasks=1))
 
 
 def test_the_id_makes_the_task(env):
-    made = home_mjx.make("PiedPiper-v0", env.bank, sensors=("state",), num_tasks=1, follow_steps=10)
-    assert made.num_agents == 3
+    made = home_mjx.make("PiedPiper-v0", env.bank, sensors=("state", "rgb"), num_tasks=1, follow_steps=10)
+    assert (made.num_agents, made.config.num_agents) == (1, 3)
+    assert {name: spec.shape for name, spec in made.observation_spec.items()} == {
+        "state": (10,), "pixels/head_rgb": (64, 64, 3),
+    }  # fmt: skip
+    assert made.action_spec.shape == ()
     assert made.config.num_sources == 2
     alone = home_mjx.make("PiedPiper-v0", env.bank, sensors=("state",), num_tasks=1, others=0, num_agents=2)
     assert alone.config.num_sources == 1
+    assert (alone.num_agents, alone.config.num_agents) == (1, 2)
 
 
 @pytest.mark.slow
@@ -111,5 +127,5 @@ def test_the_expert_follows_and_chance_does_not(env, begun):
     is_open = np.all(np.abs(np.asarray(angle(expert) - angle(begun))) < 0.8, axis=-1)
     assert is_open.sum() >= 5
     assert success[is_open].mean() >= 0.99
-    random = run(lambda _, key: jax.random.randint(key, (3,), 0, 6))
+    random = run(lambda _, key: jax.random.randint(key, (), 0, 6))
     assert np.asarray(random.metrics["success"]).mean() < 0.1

@@ -69,6 +69,13 @@ def test_each_text_has_its_answers_as_often_in_different_houses(drawn):
     assert len({(row.row.group, row.house) for row in kept}) == len(kept)  # a question is asked once per house
 
 
+def test_questions_whose_answers_have_no_room_are_refused():
+    """One house, of which one row is kept, cannot have both answers: an empty list was an IndexError later."""
+    drawn = [Drawn(Row([], [], tokens=(1,), answer=answer, group=("a", "b")), 0, 0, {}) for answer in (100, 101)]
+    with pytest.raises(ConfigError, match=r"1 rows per house.*more houses"):
+        balanced(drawn, 1, np.random.default_rng(0))
+
+
 def test_no_house_has_too_many_and_kinds_take_turns(drawn):
     kept = balanced(drawn, 5, np.random.default_rng(1))
     assert np.bincount([row.house for row in kept]).max() <= 5

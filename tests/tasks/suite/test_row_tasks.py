@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy.ndimage import minimum_filter
 from whole_episodes import begun, played
 
 import home_mjx
@@ -14,18 +15,22 @@ from home_mjx.errors import ConfigError, DatasetError, MissingFileError, Unknown
 from home_mjx.physics import PhysicsConfig
 from home_mjx.registry import as_bank
 from home_mjx.schema.categories import COARSE
+from home_mjx.schema.compiled import FIELD_UNIT
 from home_mjx.tasks import (
     EnvConfig,
     EnvParams,
+    Feature,
     HouseholdEnv,
     HouseTasks,
     InstructionFollowing,
     ObjectNav,
+    PiedPiper,
     PointGoals,
     RoomNav,
     detokenize,
     expert_action,
     load_tasks,
+    new_combinations,
     save_tasks,
     tokenize,
 )
@@ -51,6 +56,23 @@ def env(bank):
 @pytest.fixture(scope="module")
 def reset(env):
     return begun(env)
+
+
+def test_ways_end_where_conditions_hold(env):
+    """Wherever no cell around is nearer, it is as near as the row asks: nobody is led to what stays too far away."""
+    tasks, navigation, seen = env.params.tasks, env.bank.navigation, 0
+    columns, houses = {name: np.asarray(x) for name, x in tasks.rows.columns.items()}, np.asarray(tasks.rows.house)
+    for row, house in enumerate(houses.tolist()):
+        number, first = np.asarray(navigation.cell[house]), int(navigation.first_cell[house])
+        home = (number >= first) & (number < first + int(navigation.num_cells[house]))
+        for c in np.flatnonzero(columns["feature"][row] == Feature.DISTANCE).tolist():
+            far = np.full(number.shape, np.inf)
+            column = columns["field"][row, columns["first"][row, c]]
+            far[home] = np.asarray(tasks.field[:, column])[number[home]] * FIELD_UNIT
+            ends = home & (far <= minimum_filter(far, size=(1, 3, 3), mode="constant", cval=np.inf))
+            assert far[ends].max() <= columns["most"][row, c] + 1e-6
+            seen += 1
+    assert seen > 20
 
 
 @pytest.mark.slow
@@ -86,6 +108,27 @@ def test_rows_are_of_all_houses_and_tasks_and_begin_on_their_floors(env, bank, r
     np.testing.assert_allclose(told[parts == 1], length[parts == 1], atol=0.15)
     assert (length - told)[parts > 1].min() > -0.15  # and the ways from one thing to the next
     assert (length - told)[parts > 1].mean() > 1.0
+
+
+def test_mistakes_cost_and_end_episodes_only_if_told_to(bank):
+    anywhere = PointGoals(stop=True, success_distance=1000.0)
+    task = HouseTasks(tasks=(anywhere, ObjectNav(**STOPS)), num_tasks=2, failure_cost=0.25)
+    for ends in (True, False):
+        env = HouseholdEnv(CONFIG, dataclasses.replace(task, mistakes_end=ends)).bind(bank)
+        states, names, step = begun(env), env.core.action_names, jax.jit(jax.vmap(env.core.step, in_axes=(None, 0, 0)))
+        num = len(states.reward)
+        stays, stops, goes = (np.full(num, names.index(name)) for name in ("look_up", "stop", "move_forward"))
+        quiet, stopped = step(env.params, states, stays), step(env.params, states, stops)
+        right = np.asarray(states.task.task) == env.params.tasks.names.index("PointGoals")
+        assert right.any()
+        assert not right.all()
+        np.testing.assert_array_equal(stopped.terminated, right | ends)
+        np.testing.assert_array_equal(np.asarray(stopped.metrics["success"]) == 1, right)
+        lost = np.asarray(quiet.reward - stopped.reward)[~right]
+        np.testing.assert_allclose(lost, task.failure_cost, atol=1e-5)
+        moved = step(env.params, stopped, goes)
+        gone = np.linalg.norm(np.asarray(moved.task.place - stopped.task.place)[:, 0], axis=-1) > 0.1
+        assert gone[~right].any() != ends
 
 
 def test_a_file_of_tasks_holds_all_of_them(env, bank, tmp_path):
@@ -184,3 +227,27 @@ def test_ids(env_id, bank):
     state = jax.jit(env.step)(state, jnp.int32(1))
     assert bool(jnp.isfinite(state.reward))
     assert dataclasses.asdict(env.core.task)["stop"]
+
+
+def test_sentences_are_split_by_combinations(generated_bank):
+    """Each sentence is for training or has something new, and a training one has none of the new combinations."""
+    banks = {
+        name: InstructionFollowing(stop=True, num_tasks=24, combinations=name, unseen_part=0.4).task_bank(
+            generated_bank
+        )
+        for name in ("all", "seen", "new")
+    }
+    assert len(banks["seen"]) + len(banks["new"]) == len(banks["all"])
+    assert new_combinations(banks["new"], 0.4).all()
+    assert not new_combinations(banks["seen"], 0.4).any()
+    with pytest.raises(ConfigError, match="unknown kind of combinations"):
+        InstructionFollowing(combinations="old")
+
+
+def test_what_cannot_be_mixed_is_refused():
+    for task, words in (
+        (PiedPiper(), "leads agents itself"),
+        (RoomNav, "tasks that write rows"),
+    ):
+        with pytest.raises(ConfigError, match=words):
+            HouseTasks(tasks=(task,))

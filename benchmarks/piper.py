@@ -1,0 +1,119 @@
+"""PiedPiper: the expert, an agent that follows whoever is nearest, and chance, in houses of one's own choice of seeds.
+
+    python benchmarks/piper.py [--seeds 7000 7016] [--num-tasks 4] [--episodes 64] [--impl kinematic]
+
+Followers of the nearest agent know where everybody is, but do not listen: "nearest" asks anew in each step, "loyal"
+keeps to whoever was nearest at first. So do `random` moves, without `stop`. One JSON object a line.
+"""
+
+import argparse
+import json
+import tempfile
+import time
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import numpy as np
+from jaxtyping import Array
+
+import home_mjx
+from home_mjx.datasets import generate_dataset
+from home_mjx.tasks import HouseholdEnv, Snapshot, State
+from home_mjx.tasks.base.pose import AgentPose
+from home_mjx.tasks.environment.bound import BoundEnv
+from home_mjx.tasks.experts.teacher import EXPERT, WithExpert
+from home_mjx.tasks.guided.pied_piper import follow, nearest_other
+from home_mjx.training import evaluate, expert_policy
+from home_mjx.training.rollout import Policy
+
+Act = Callable[[Snapshot, State], Array]
+
+
+class Advised(WithExpert):
+    """The environment with the actions of another adviser than the task's expert.
+
+    Args:
+        core: The environment.
+        act: From a snapshot and the state to the follower's action, with an agent axis.
+    """
+
+    def __init__(self, core: HouseholdEnv, act: Act) -> None:
+        super().__init__(core)
+        self._act = act
+
+    def sense(self, snapshot: Snapshot, state: State, costly: bool) -> dict[str, Array]:
+        """Observations and advice."""
+        obs = HouseholdEnv.sense(self, snapshot, state, costly)
+        return obs if costly else obs | {EXPERT: self._squeeze(self._act(snapshot, state))}
+
+
+def nearest(snapshot: Snapshot, state: State) -> Array:
+    """Whoever is nearest now."""
+    return follow(snapshot, nearest_other(snapshot))
+
+
+def loyal(snapshot: Snapshot, state: State) -> Array:
+    """Whoever was nearest at first: known by where everybody began, which the episode's key tells again."""
+    begun = state.info["begun"]
+    pose = AgentPose(pos=begun, yaw=snapshot.pose.yaw, pitch=snapshot.pose.pitch)
+    return follow(snapshot, nearest_other(snapshot.replace(pose=pose)))
+
+
+class Remembers(Advised):
+    """Keeps in `State.info` where agents began."""
+
+    def begin(self, *args: Any, **options: Any) -> State:
+        """A new episode."""
+        state = super().begin(*args, **options)
+        return state.replace(info=state.info | {"begun": self.snapshot(args[0], state).pose.pos})
+
+
+def main() -> None:
+    """Plays and prints."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument(
+        "--seeds", type=int, nargs=2, default=(7000, 7016), help="first seed, and the one after the last"
+    )
+    parser.add_argument("--num-tasks", type=int, default=4, help="of each house")
+    parser.add_argument("--episodes", type=int, default=64)
+    parser.add_argument("--impl", default="kinematic")
+    parser.add_argument("--only", nargs="*", default=("expert", "nearest", "loyal", "random"))
+    args = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        generate_dataset(folder, range(*args.seeds))
+        env = home_mjx.make(
+            "PiedPiper-v0",
+            folder,
+            num_houses=args.seeds[1] - args.seeds[0],
+            sensors=("state",),
+            impl=args.impl,
+            num_tasks=args.num_tasks,
+        )
+    cores = {
+        "expert": WithExpert(env.core),
+        "nearest": Advised(env.core, nearest),
+        "loyal": Remembers(env.core, loyal),
+        "random": env.core,
+    }
+    for name in args.only:
+        begin = time.perf_counter()
+        policy = moving(env.core) if name == "random" else expert_policy
+        found = evaluate(BoundEnv(cores[name], env.params, env.spec), policy, num_episodes=args.episodes)
+        line = {key: round(float(np.mean(found[key])), 3) for key in ("success", "near", "length", "collisions")}
+        error = round(float(np.std(found["success"]) / np.sqrt(args.episodes)), 3)
+        own = {"policy": name, "episodes": args.episodes, "houses": env.bank.num_houses, "stderr": error}
+        print(json.dumps(own | line | {"seconds": round(time.perf_counter() - begin)}), flush=True)
+
+
+def moving(core: HouseholdEnv) -> Callable[[Any], Policy]:
+    """Random actions but `stop`, with which an episode ends."""
+
+    def act(memory: Any, obs: dict[str, Array], begins: Array, keys: Array) -> tuple[Any, Array, dict]:
+        return memory, jax.vmap(lambda key: jax.random.randint(key, (), 1, core.action_size))(keys), {}
+
+    return lambda net: Policy(act)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,106 @@
+"""What ears would measure instead of a waveform: energy over time, and how much earlier one ear hears."""
+
+import functools
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from home_mjx.audio_jax.auralization.hrtf import ear_angles, ear_spectrum, ear_table, to_head
+from home_mjx.audio_jax.auralization.response import ear_gains
+from home_mjx.audio_jax.auralization.sources import clip_samples
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.endpoints import Listener, Source
+from home_mjx.audio_jax.base.filters import octave_gains
+from home_mjx.audio_jax.propagation.early import early_paths
+from home_mjx.audio_jax.propagation.histogram import energy_histogram
+from home_mjx.audio_jax.propagation.tracing import trace
+from home_mjx.core.pytree import Pytree
+from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.schema.compiled import BANDS
+
+TAPS = 64  # of the head's table, only delays of which are read
+
+
+class Envelope(Pytree):
+    """A source as two ears hear it, without its phase."""
+
+    energy: Float[Array, "k 2 bands"]  # per time bin, ear and octave, re the free field of the source at 1 m
+    lead: Float[Array, " bands"]  # [s]: the left ear hears it so much earlier; over all directions, by their energy
+
+
+def energy_response(scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig) -> Envelope:
+    """What `impulse_response` would give, as energies: paths and rays are the same, nothing is synthesised.
+
+    Energies of paths are added, whatever their phase. The lead of an ear is that of Woodworth's sphere.
+
+    Args:
+        scene: The environment.
+        source: Who sounds.
+        listener: Who hears.
+        key: As for `impulse_response`.
+        config: Options.
+
+    Example:
+        >>> envelope = energy_response(scene, source, listener, jax.random.key(0), config)  # doctest: +SKIP
+        >>> 10 * jnp.log10(envelope.energy.sum(axis=0))  # doctest: +SKIP
+    """
+    rays, _ = jax.random.split(key)  # as there
+    paths, traced = early_paths(scene, source, listener, config), trace(scene, source, listener, rays, config)
+    late = energy_histogram(traced, ear_gains(traced.direction, listener.quat, config), config)
+    power = paths.gain**2
+    bins = (paths.distance / (config.bin_seconds * config.speed_of_sound)).astype(jnp.int32)
+    member = (bins[None] == jnp.arange(config.num_bins, dtype=jnp.int32)[:, None]).astype(jnp.float32)
+    heard = power[:, None] * ear_gains(paths.direction, listener.quat, config)
+    early = jnp.einsum("kp,peb->keb", member, heard, precision="highest")
+    direction = jnp.concatenate([paths.direction, traced.direction])
+    weight = jnp.concatenate([power, jnp.sum(traced.energy, axis=0)])
+    lead = jnp.einsum("n,nb->b", _leads(direction, listener, config), weight, precision="highest")
+    return Envelope(energy=early + late, lead=lead / jnp.maximum(jnp.sum(weight, axis=0), 1e-30))
+
+
+def band_level(envelope: Float[Array, "k 2 bands"], power: Float[Array, "w bands"]) -> Float[Array, "2 bands"]:
+    """Mean power at both ears during a frame.
+
+    Args:
+        envelope: Energy per time bin, see `Envelope`.
+        power: What leaves the source, per bin and octave: the bins of the frame, and before them those for which a
+            response lasts, so w = k - 1 + bins of a frame.
+    """
+    count = envelope.shape[0]
+    frame = power.shape[0] - count + 1
+    total = jnp.concatenate([jnp.zeros((1, power.shape[1])), jnp.cumsum(power, axis=0)])
+    start = count - 1 - jnp.arange(count, dtype=jnp.int32)
+    mean = (total[start + frame] - total[start]) / frame  # of what is heard so many bins later
+    return jnp.einsum("keb,kb->eb", envelope, mean, precision="highest")
+
+
+@functools.cache
+def clip_power(name: str, config: AudioConfig) -> Float[np.ndarray, "bins bands"]:
+    """Power of a clip in each time bin and octave at 1 m from its source.
+
+    Args:
+        name: Of the clip.
+        config: For sample rate and bins.
+
+    Example:
+        >>> power = clip_power("tone", AudioConfig())
+        >>> power.shape, round(float(power[0].sum()), 3), int(power[0].argmax())
+        ((2000, 7), 0.01, 3)
+    """
+    samples, size = clip_samples(name, config), config.bin_samples
+    gains = octave_gains(np.fft.rfftfreq(len(samples), 1 / config.sample_rate))
+    bands = np.fft.irfft(np.fft.rfft(samples) * gains, len(samples))
+    count = len(samples) // size
+    power = np.mean(bands[:, : count * size].reshape(len(BANDS), count, size) ** 2, axis=-1)
+    return np.ascontiguousarray(power.T, np.float32)
+
+
+def _leads(direction: Float[Array, "n 3"], listener: Listener, config: AudioConfig) -> Float[Array, " n"]:
+    """By how much the left ear hears sound from each direction earlier [s]."""
+    if config.receiver == "omni":
+        return jnp.zeros(direction.shape[0], jnp.float32)
+    table = ear_table(TAPS, config.sample_rate, config.head_radius, config.speed_of_sound)
+    _, delay = ear_spectrum(table, ear_angles(to_head(direction, listener.quat), config.ear_angle))
+    return delay[:, 1] - delay[:, 0]

@@ -1,0 +1,127 @@
+"""What arguments name: a task, also one of the user's own, a trained agent, options."""
+
+import argparse
+import importlib
+import json
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from home_mjx.errors import ConfigError, HomeMjxError
+
+if TYPE_CHECKING:
+    from home_mjx.registry import EnvSpec
+
+TASK_HELP = (
+    "id of an environment, such as PointNav, its newest version; or module:PointNav, which imports the module first"
+)
+CHECKPOINT_HELP = "a checkpoint, the folder of a run, or `demo`: the agent that comes with the package"
+DEMO = "demo"  # a folder of this name is `./demo`
+
+
+def add_import_option(parser: argparse.ArgumentParser) -> None:
+    """Adds `--import MODULE`."""
+    parser.add_argument(
+        "--import", dest="modules", action="append", default=[], metavar="MODULE",
+        help="import a module first, such as one that registers tasks of yours",
+    )  # fmt: skip
+
+
+def import_modules(modules: list[str]) -> None:
+    """Imports what the user names: installed, or in the folder where the command is called.
+
+    Only an argument may name a module, never a file such as a checkpoint.
+
+    Raises:
+        ConfigError: One cannot be imported.
+    """
+    here = os.getcwd()
+    if modules and here not in sys.path:
+        sys.path.append(here)  # the last: no file here takes the place of a module of Python's
+    for name in modules:
+        try:
+            importlib.import_module(name)
+        except HomeMjxError:
+            raise
+        except Exception as error:  # whatever the user's code raises
+            hint = "Name it as `import` does. It must be installed, or lie in this folder. `--debug` tells more."
+            message = f"module `{name}` cannot be imported: {type(error).__name__}: {error}"
+            raise ConfigError(message, hint=hint) from error
+
+
+def task_spec(task: str) -> "EnvSpec":
+    """What is registered for a task, by its id, by its name alone, or by `module:name`, as Gymnasium has it.
+
+    Raises:
+        ConfigError: There is none, or the module cannot be imported.
+
+    Example:
+        >>> task_spec("PointNav").id
+        'PointNav-v0'
+    """
+    from home_mjx.registry import find_spec
+
+    module, colon, name = task.rpartition(":")
+    import_modules([module] if colon else [])
+    return find_spec(newest(name))
+
+
+def newest(task: str) -> str:
+    """The id of a task, of its newest version if it is named without one.
+
+    Example:
+        >>> newest("PointNav-v0")
+        'PointNav-v0'
+    """
+    from home_mjx.registry import list_envs
+
+    versions = [env_id for env_id in list_envs() if env_id.rpartition("-v")[0] == task]
+    return max(versions, key=lambda env_id: int(env_id.rpartition("-v")[2]), default=task)
+
+
+def checkpoint_path(text: str) -> Path:
+    """The file that an argument means.
+
+    Example:
+        >>> checkpoint_path("demo").name
+        'agent.npz'
+    """
+    if text != DEMO:
+        return Path(text)
+    from home_mjx.demo.search import AGENT
+
+    return AGENT
+
+
+def checkpoint_of(path: Path) -> Path:
+    """The file itself, or the checkpoint in the folder of a run."""
+    from home_mjx.training import CHECKPOINT  # refuses where the extra `train` is not installed
+
+    return path / CHECKPOINT if path.is_dir() else path
+
+
+def assignments(texts: list[str]) -> dict[str, Any]:
+    """`NAME=VALUE`, values as JSON or else as text.
+
+    Raises:
+        ConfigError: One has no `=`, or brackets without end.
+
+    Example:
+        >>> assignments(["width=32", "actions=discrete"])
+        {'width': 32, 'actions': 'discrete'}
+    """
+    return dict(_assignment(text) for text in texts)
+
+
+def _assignment(text: str) -> tuple[str, Any]:
+    name, equals, value = text.partition("=")
+    if not (name and equals):
+        raise ConfigError(f"expected NAME=VALUE, got `{text:.80}`", hint="For example --env width=32.")
+    try:
+        return name, json.loads(value)
+    except RecursionError:
+        message = f"`{name}` has too many brackets in each other: `{value:.40}…`"
+        raise ConfigError(message, hint="Values are JSON or text.") from None
+    except ValueError:
+        return name, value

@@ -1,0 +1,1 @@
+"""What is told of an episode that no agent observes."""

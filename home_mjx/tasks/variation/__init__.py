@@ -1,0 +1,1 @@
+"""Domain randomisation: ranges that a user gives, and what an episode draws from them."""

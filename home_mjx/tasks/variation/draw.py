@@ -1,0 +1,95 @@
+"""What an episode draws from the ranges."""
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int, UInt32
+
+from home_mjx.core.pytree import Pytree
+from home_mjx.physics import Scale
+from home_mjx.raycast_render.scene.look import Look
+from home_mjx.tasks.variation.ranges import NAMES, Variation
+
+
+class Mount(Pytree):
+    """How cameras are mounted in an episode, against what their options say; None: just so."""
+
+    height: Float[Array, ""] | None = None  # [m], up
+    pitch: Float[Array, ""] | None = None  # [rad], up
+    fovy: Float[Array, ""] | None = None  # [rad], wider
+
+
+class Drawn(Pytree):
+    """What one episode has drawn; None: it does not vary."""
+
+    key: UInt32[Array, "2"]  # of what is drawn in each step
+    look: Look | None = None
+    mount: Mount | None = None
+    bodies: Scale | None = None
+    clip: Int[Array, ""] | None = None  # index into CLIPS, of the house's own source
+    volume: Float[Array, ""] | None = None
+    move_noise: Float[Array, ""] | None = None
+    depth_noise: Float[Array, ""] | None = None
+    color_noise: Float[Array, ""] | None = None
+
+    def noise_key(self, step: Int[Array, ""], what: int) -> Array:
+        """A key of each step for each kind of noise."""
+        own = jax.random.wrap_key_data(self.key, impl="threefry2x32")
+        return jax.random.fold_in(jax.random.fold_in(own, what), step)
+
+
+MOVES, IMAGES = range(2)  # kinds of noise
+
+
+def draw(variation: Variation | None, key: Array, num_lamps: int) -> Drawn | None:
+    """Draws for one episode.
+
+    Args:
+        variation: Ranges; None: nothing varies.
+        key: Typed key.
+        num_lamps: Groups of lamps that are on or off together: rooms, and what belongs to none.
+
+    Example:
+        >>> drawn = draw(Variation.of(volume=(0.5, 2.0)), jax.random.key(0), 1)
+        >>> bool((drawn.volume >= 0.5) & (drawn.volume <= 2))
+        True
+    """
+    if variation is None:
+        return None
+    keys = {name: jax.random.fold_in(key, number) for number, name in enumerate(NAMES, 1)}
+
+    def number(name: str, unit: float = 1.0) -> Float[Array, ""] | None:
+        ends = getattr(variation, name)
+        return None if ends is None else jax.random.uniform(keys[name], (), minval=ends[0], maxval=ends[1]) * unit
+
+    degree = float(jnp.pi / 180)
+    mount = Mount(number("camera_height"), number("camera_pitch", degree), number("camera_fovy", degree))
+    bodies = Scale(number("friction"), number("mass"))
+    clips = variation.clips
+    return Drawn(
+        key=jax.random.key_data(jax.random.fold_in(key, 0)),
+        look=_look(variation, key, keys, number("lamp_gain"), num_lamps).replace(
+            daylight=number("daylight"),
+            sun_azimuth=number("sun_azimuth", degree),
+            sun_elevation=number("sun_elevation", degree),
+            exposure=number("exposure"),
+            tint=number("colors"),
+        ),
+        mount=mount if jax.tree.leaves(mount) else None,
+        bodies=bodies if jax.tree.leaves(bodies) else None,
+        clip=None if clips is None else jax.random.categorical(keys["clips"], jnp.log(clips)).astype(jnp.int32),
+        volume=number("volume"),
+        move_noise=number("move_noise"),
+        depth_noise=number("depth_noise"),
+        color_noise=number("color_noise"),
+    )
+
+
+def _look(
+    variation: Variation, key: Array, keys: dict[str, Array], gain: Float[Array, ""] | None, num_lamps: int
+) -> Look:
+    """Seed, lamps and textures."""
+    lamps = None if gain is None else jnp.full(num_lamps, gain)
+    if variation.lamps is not None:
+        on = (jax.random.uniform(keys["lamps"], (num_lamps,)) < variation.lamps).astype(jnp.float32)
+        lamps = on if lamps is None else on * lamps
+    return Look(seed=jax.random.bits(key, (), jnp.uint32), lamps=lamps, swap=variation.textures)

@@ -1,0 +1,184 @@
+"""What may vary from episode to episode, and by how much: parameters of what is jitted."""
+
+import math
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from home_mjx.audio_jax.auralization.sources import CLIPS
+from home_mjx.core.checks import check_known, check_number
+from home_mjx.core.pytree import Pytree
+from home_mjx.errors import ConfigError
+
+CHANCES = ("lamps", "textures")
+# Ranges: least and greatest number of each.
+LIMITS = {
+    "lamp_gain": (0.0, 100.0),
+    "daylight": (0.0, 100.0),
+    "sun_azimuth": (-360.0, 360.0),  # [degrees]
+    "sun_elevation": (-90.0, 90.0),  # [degrees]
+    "exposure": (0.01, 100.0),
+    "colors": (0.0, 1.0),
+    "camera_height": (-2.0, 2.0),  # [m]
+    "camera_pitch": (-90.0, 90.0),  # [degrees]
+    "camera_fovy": (-170.0, 170.0),  # [degrees]
+    "friction": (0.01, 100.0),
+    "mass": (0.01, 100.0),
+    "volume": (0.0, 1000.0),
+    "move_noise": (0.0, 100.0),
+    "depth_noise": (0.0, 100.0),
+    "color_noise": (0.0, 100.0),
+}
+
+
+class Variation(Pytree):
+    """Domain randomisation: each episode draws its own numbers from these ranges, evenly, by its key.
+
+    A field of `EnvParams`, so that other ranges need no other program; what is None does not vary and costs nothing.
+    Make it with `Variation.of`, which checks the numbers. What a field draws does not depend on the others.
+
+    Attributes:
+        lamps: Chance of the lamps of each room to be on.
+        lamp_gain: Factor of the light of all lamps.
+        daylight: Factor of the light of sun and sky; 0 is night.
+        sun_azimuth: Direction to the sun from +x towards +y [degrees], instead of that of `Lit`.
+        sun_elevation: Of the sun above the horizon [degrees], instead of that of `Lit`.
+        exposure: Factor of the light that cameras take in; the only one of these that the preset "fast" shows.
+        colors: Relative change: red, green and blue of each material are multiplied by numbers of 1 ± this.
+        textures: Chance of each textured material to have another texture of the bank.
+        camera_height: Added to the height of all cameras [m].
+        camera_pitch: Added to the pitch of all cameras, up [degrees].
+        camera_fovy: Added to the vertical field of view of pinholes [degrees].
+        friction: Factor of the friction of movable bodies.
+        mass: Factor of the mass of movable bodies.
+        volume: Factor of the pressure of all sounds.
+        clips: Weight of each of `CLIPS` as the sound of the house's own source; tasks that have sounds keep theirs.
+        move_noise: Of discrete actions, Habitat's `noise_multiplier`: 1 is a LoCoBot.
+        depth_noise: Of depth images of pinholes: 1 is a Kinect.
+        color_noise: Of colour images, in variances: 1 is a common image sensor.
+
+    Example:
+        >>> ranges = Variation.of(lamps=0.5, daylight=(0, 1.5), camera_height=(-0.2, 0.2))
+        >>> ranges.daylight.tolist()
+        [0.0, 1.5]
+    """
+
+    lamps: Float[Array, ""] | None = None
+    lamp_gain: Float[Array, "2"] | None = None
+    daylight: Float[Array, "2"] | None = None
+    sun_azimuth: Float[Array, "2"] | None = None
+    sun_elevation: Float[Array, "2"] | None = None
+    exposure: Float[Array, "2"] | None = None
+    colors: Float[Array, "2"] | None = None
+    textures: Float[Array, ""] | None = None
+    camera_height: Float[Array, "2"] | None = None
+    camera_pitch: Float[Array, "2"] | None = None
+    camera_fovy: Float[Array, "2"] | None = None
+    friction: Float[Array, "2"] | None = None
+    mass: Float[Array, "2"] | None = None
+    volume: Float[Array, "2"] | None = None
+    clips: Float[Array, " clips"] | None = None
+    move_noise: Float[Array, "2"] | None = None
+    depth_noise: Float[Array, "2"] | None = None
+    color_noise: Float[Array, "2"] | None = None
+
+    @classmethod
+    def of(cls, **ranges: Any) -> "Variation":
+        """Ranges by name, checked.
+
+        Args:
+            **ranges: A chance for `lamps` and `textures`; names of sounds, or their weights by name, for `clips`;
+                (least, greatest) for all others, or one number if it is to be the same in all episodes.
+
+        Raises:
+            ConfigError: A name is unknown, with the closest known one, or a range is empty or out of limits.
+
+        Example:
+            >>> Variation.of(colors=(0.0, 0.3), clips=("radio", "bell")).clips.sum().item()
+            2.0
+        """
+        check_known("variation", ranges, NAMES)
+        return cls(**{name: _array(name, value) for name, value in ranges.items() if value is not None})
+
+    def named(self) -> dict[str, Any]:
+        """What `of` takes for the same ranges: plain numbers, such as for JSON; on the host.
+
+        Example:
+            >>> Variation.of(lamps=0.5, friction=(1, 2)).named()
+            {'lamps': 0.5, 'friction': [1.0, 2.0]}
+        """
+        given = {name: np.asarray(getattr(self, name)) for name in NAMES if getattr(self, name) is not None}
+        plain = {name: np.round(array.astype(float), 6).tolist() for name, array in given.items()}
+        if "clips" in plain:
+            plain["clips"] = {name: weight for name, weight in zip(CLIPS, plain["clips"], strict=True) if weight}
+        return plain
+
+
+NAMES = tuple(Variation.__dataclass_fields__)
+
+
+def named(given: Any) -> dict[str, Any]:
+    """What `make` takes, checked, as plain numbers by name.
+
+    Example:
+        >>> named({"lamps": 0.5, "volume": 2})
+        {'lamps': 0.5, 'volume': [2.0, 2.0]}
+    """
+    variation = as_variation(given)
+    return {} if variation is None else variation.named()
+
+
+def as_variation(given: Any) -> Variation | None:
+    """What `make` takes: None, a `Variation`, or its ranges by name.
+
+    Raises:
+        ConfigError: It is something else, or a range cannot be used.
+    """
+    if given is None:
+        return None
+    if isinstance(given, Variation):
+        return Variation.of(**given.named())
+    if not hasattr(given, "keys"):
+        raise ConfigError(f"`variation` must be ranges by name, got {given!r}", hint="Write variation={'lamps': 0.5}.")
+    return Variation.of(**given)
+
+
+def _array(name: str, value: Any) -> Array:
+    if name == "clips":
+        return jnp.asarray(_weights(value), jnp.float32)
+    if name in CHANCES:
+        check_number(name, value, 0, 1)
+        return jnp.asarray(value, jnp.float32)
+    return jnp.asarray(_range(name, value), jnp.float32)
+
+
+def _range(name: str, value: Any) -> tuple[float, float]:
+    least, most = LIMITS[name]
+    ends = np.asarray(value).tolist() if isinstance(value, np.ndarray | Array) else value
+    pair = (ends, ends) if not isinstance(ends, tuple | list) else ends
+    if len(pair) != 2:
+        raise ConfigError(f"`{name}` must be (least, greatest), got {value!r}", element=f"Variation.{name}")
+    for end in pair:
+        check_number(name, end, least, most)
+    if pair[0] > pair[1]:
+        hint = f"Write {name}=({pair[1]}, {pair[0]})."
+        raise ConfigError(f"`{name}` is empty: from {pair[0]} to {pair[1]}", element=f"Variation.{name}", hint=hint)
+    return float(pair[0]), float(pair[1])
+
+
+def _weights(value: Any) -> list[float]:
+    names = [value] if isinstance(value, str) else value
+    if not isinstance(names, Iterable) or not all(isinstance(name, str) for name in names):
+        hint = 'Write clips=("radio", "bell"), or {"radio": 1, "bell": 3}.'
+        raise ConfigError(f"`clips` must be names of sounds, got {value!r}", element="Variation.clips", hint=hint)
+    weights = dict(value) if isinstance(value, Mapping) else dict.fromkeys(names, 1)
+    check_known("clip", weights, CLIPS)
+    for name, weight in weights.items():
+        check_number(f"clips.{name}", weight, 0)
+    if not math.fsum(weights.values()) > 0:
+        hint = 'Name at least one: clips=("radio", "bell").'
+        raise ConfigError("`clips` has no sound to draw", element="Variation.clips", hint=hint)
+    return [float(weights.get(name, 0)) for name in CLIPS]

@@ -1,0 +1,129 @@
+"""Makes the pictures of docs/tasks/: an expert's episode of every task, its lit view and the plan of the house.
+
+    python scripts/task_pictures.py [--id ID ...] [--row N ...] [--out FOLDER]
+
+Without `--row`, those rows that `SHOWN` names; with it, candidates to choose from, `NAME_ROW.jpg` each.
+"""
+
+import argparse
+import dataclasses
+import io
+import re
+from pathlib import Path
+from typing import Any
+
+import jax
+import numpy as np
+from PIL import Image
+
+import home_mjx
+from home_mjx.core.compile_cache import use_compile_cache
+from home_mjx.play.camera import FilmCamera, Sight, without_agents
+from home_mjx.play.episode import Game, Step
+from home_mjx.play.film import frame
+from home_mjx.play.meant import asked_of, goals_of, words_of
+from home_mjx.play.plan import Plan
+from home_mjx.play.players import PolicyPlayer, policy_of
+from home_mjx.tasks import with_expert
+from home_mjx.training.evaluation import with_episodes
+
+ROOT = Path(__file__).resolve().parent.parent
+OUT = ROOT / "docs" / "images" / "tasks"
+WIDTH, HEIGHT, SAMPLES = 360, 270, 4
+HOUSES = 4
+ROWS = 6  # per house
+LARGEST = 60_000  # bytes
+
+
+@dataclasses.dataclass(frozen=True)
+class Shown:
+    """Which row of a task is drawn, and after which step: at the end, or as a part of the episode."""
+
+    row: int = 0
+    part: float = 1.0
+    options: dict[str, Any] = dataclasses.field(default_factory=dict)
+
+
+ROWS_SHOWN = {
+    "RoomNav-v0": 19, "ObjectNav-v0": 14, "PointNav-v0": 19, "VQA-v0": 14, "HouseQA-v0": 14, "Communication-v0": 14,
+    "AudioNav-v0": 14, "Dialogue-v0": 7, "InstructionFollowing-v0": 3, "Fetch-v0": 7, "Rearrange-v0": 14,
+}  # fmt: skip
+SHOWN = {env_id: Shown(ROWS_SHOWN.get(env_id, 0)) for env_id in home_mjx.list_envs()} | {
+    "PiedPiper-v0": Shown(14, part=0.7),
+    "Exploration-v0": Shown(19, options={"episode_length": 200}),
+}
+
+
+def main() -> None:
+    """Plays and draws."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--id", action="append", help="default: every id")
+    parser.add_argument("--row", action="append", type=int)
+    parser.add_argument("--out", type=Path, default=OUT)
+    args = parser.parse_args()
+    use_compile_cache()
+    args.out.mkdir(parents=True, exist_ok=True)
+    for env_id in args.id or home_mjx.list_envs():
+        artist = Artist(env_id)
+        for row in args.row or [SHOWN[env_id].row]:
+            picture, text = artist.picture(row)
+            name = artist.name if args.row is None else f"{artist.name}_{row}"
+            (args.out / f"{name}.jpg").write_bytes(jpeg(picture))
+            print(f"{name}: row {row}: {text}", flush=True)
+
+
+class Artist:
+    """Draws episodes of one id.
+
+    Args:
+        env_id: The id.
+    """
+
+    def __init__(self, env_id: str) -> None:
+        self.shown = SHOWN[env_id]
+        task = getattr(home_mjx.tasks, home_mjx.registry.find_spec(env_id).entry_point.partition(":")[2])
+        options = {"num_tasks": ROWS} if hasattr(task, "num_tasks") else {}
+        options |= {"num_houses": HOUSES, "split": "val", "sensors": ("state",), "impl": "kinematic"}
+        self.env = with_expert(with_episodes(home_mjx.make(env_id, **options, **self.shown.options), ROWS * HOUSES))
+        self.name = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", env_id.partition("-v")[0]).lower()
+        self.game, self.camera = Game(self.env), FilmCamera(self.env, WIDTH, HEIGHT, SAMPLES)
+        self.player = PolicyPlayer(self.env.core, policy_of(self.env, "expert"))
+        self.pose = jax.jit(lambda params, state: self.env.core.snapshot(params, state).pose)
+
+    def picture(self, row: int) -> tuple[np.ndarray, str]:
+        """The picture of a row, and how the episode went."""
+        number = row if self.env.params.tasks is not None else None
+        steps = list(self.game.play(self.player, 1, jax.random.key(row), number))
+        last = round(self.shown.part * (len(steps) - 1))
+        sights = [self._place(step) for step in steps[:last]] + [self.camera.shot(steps[last].state)]
+        state, outcome = steps[last].state, self.game.outcome
+        assert outcome is not None
+        # Whoever has arrived has no goal any more.
+        before = steps[max(last - 1, 0)].state if state.terminated else state
+        goals = goals_of(self.env.bank, before, sights[-1].boxes)
+        top = Plan(self.env.bank, int(state.world.house)).drawn(without_agents(self.env, state), sights, goals)
+        over, how = last == len(steps) - 1, "success" if outcome.success else "failure"
+        words = ", ".join(dict.fromkeys(word for step in steps[: last + 1] for word in words_of(step.state)))
+        status = f"expert   {f'{how}   ' if over else ''}{last} steps{f'   said {words}' if words else ''}"
+        picture = frame(
+            sights[-1].view, top, asked_of(self.env, state).text, status, outcome.success > 0 if over else None
+        )
+        return picture, outcome.line()
+
+    def _place(self, step: Step) -> Sight:
+        pose = self.pose(self.env.params, step.state)
+        return Sight(np.zeros((1, 1, 3), np.uint8), np.asarray(pose.pos), np.asarray(pose.yaw), np.zeros((0, 2, 3)))
+
+
+def jpeg(picture: np.ndarray) -> bytes:
+    """As good as it may be within `LARGEST` bytes."""
+    for quality in (88, 84, 80, 75, 70, 60):
+        file = io.BytesIO()
+        Image.fromarray(picture).save(file, "jpeg", quality=quality, optimize=True)
+        if file.tell() <= LARGEST:
+            break
+    return file.getvalue()
+
+
+if __name__ == "__main__":
+    main()

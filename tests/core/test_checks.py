@@ -1,0 +1,40 @@
+"""Checks of options: what is no number that computers calculate with is refused, in a short message."""
+
+import math
+
+import numpy as np
+import pytest
+
+from home_mjx.core.checks import check_number, check_type, shown
+from home_mjx.errors import ConfigError
+
+
+@pytest.mark.parametrize("value", [0, 5, 2**62, np.int32(7)])
+def test_whole_numbers(value: int):
+    check_number("n", value, 0, whole=True)
+
+
+@pytest.mark.parametrize("value", [0, 0.5, 10**30, np.float32(2), -1e308])
+def test_numbers(value: float):
+    check_number("x", value)
+
+
+@pytest.mark.parametrize("whole", [True, False])
+@pytest.mark.parametrize(
+    "value", [True, None, "1", math.nan, -math.inf, 10**400, -(10**400), 10**10_000, [1], 1j], ids=shown
+)
+def test_what_is_no_number(value: object, whole: bool):
+    with pytest.raises(ConfigError, match=r"^`n` must be a (whole|finite) number") as error:
+        check_number("n", value, whole=whole)
+    assert len(str(error.value)) < 150
+
+
+@pytest.mark.parametrize("value", [2**63, 10**30])
+def test_whole_numbers_have_64_bits(value: int):
+    with pytest.raises(ConfigError, match="`n` must be"):
+        check_number("n", value, 1, whole=True)
+
+
+def test_long_values_are_cut_off():
+    with pytest.raises(ConfigError, match=r"… \(5002 characters\)$"):
+        check_type("n", "x" * 5000, int)

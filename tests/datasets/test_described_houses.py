@@ -1,0 +1,47 @@
+"""What the guide says of generated houses is what their tables and designs have."""
+
+import re
+from collections import defaultdict
+from pathlib import Path
+
+import pytest
+
+from home_mjx.datasets.procedural.categories import CATEGORIES
+from home_mjx.datasets.procedural.design import draw_design
+from home_mjx.datasets.procedural.floor_plan.plan import WANTS
+from home_mjx.datasets.procedural.furnish import RECIPES
+
+TEXT = (Path(__file__).parents[2] / "docs" / "dataset.md").read_text()
+ROWS = re.findall(r"^\| `(\w+)` \| ([\d.]+)–([\d.]+) \| (.*) \|$", TEXT, re.MULTILINE)
+SAID = {room: set(re.findall(r"`(\w+)`", things)) for room, _, _, things in ROWS}
+ANYWHERE = {"indoor_lamp", "door", "window", "picture_frame", "music"}
+OF_STORIES = {"fence", "stairs"}  # made for houses of two storeys, which are not drawn from seeds
+
+
+def test_rooms_and_their_areas_are_those_of_the_plan():
+    assert {room: (float(low), float(high)) for room, low, high, _ in ROWS} == {
+        room: (want.low, want.high) for room, want in WANTS.items()
+    }
+    assert set(SAID) == set(RECIPES)
+
+
+def test_all_categories_are_named():
+    known = {category.coarse for category in CATEGORIES.values()}
+    assert set().union(*SAID.values()) | ANYWHERE == known - OF_STORIES
+
+
+@pytest.mark.parametrize("seeds", [15, pytest.param(250, marks=pytest.mark.slow)])
+def test_rooms_have_what_is_said_of_them(seeds):
+    found = defaultdict(set)
+    for design in map(draw_design, range(seeds)):
+        rooms = [room.type for room in design.plan.rooms]
+        assert 3 <= len(rooms) <= 8
+        assert set(rooms) >= {"Living_Room", "Bedroom", "Bathroom", *(["Kitchen"] if len(rooms) > 3 else [])}
+        things = [CATEGORIES[placed.model.fine].coarse for placed, _ in design.objects]
+        assert "music" in things
+        for (_, room), thing in zip(design.objects, things, strict=True):
+            found[rooms[room]].add(thing)
+    wrong = {room: things - SAID[room] - ANYWHERE for room, things in found.items()}
+    assert not any(wrong.values()), wrong
+    if seeds > 100:
+        assert {room: things - ANYWHERE for room, things in found.items()} == SAID

@@ -1,0 +1,83 @@
+"""Windows of distances: against Dijkstra, and around what is slow."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import dijkstra
+
+from home_mjx.tasks.experts.window import HALF, WIDTH, descend_window, window_distances
+
+CELL = 0.1
+
+
+def steps(free: np.ndarray, slow: np.ndarray) -> coo_matrix:
+    """Ways out of each free cell to its free neighbours, without cutting corners [m]."""
+    rows, columns, lengths = [], [], []
+    number = np.arange(free.size).reshape(free.shape)
+    for y, x in np.argwhere(free).tolist():
+        for dy, dx in [(a, b) for a in (-1, 0, 1) for b in (-1, 0, 1) if a or b]:
+            if not (0 <= y + dy < WIDTH and 0 <= x + dx < WIDTH):
+                continue
+            if free[y + dy, x + dx] and free[y + dy, x] and free[y, x + dx]:
+                rows.append(number[y, x])
+                columns.append(number[y + dy, x + dx])
+                lengths.append(CELL * slow[y, x] * np.hypot(dy, dx))
+    return coo_matrix((lengths, (rows, columns)), shape=(free.size, free.size)).tocsr()
+
+
+@pytest.fixture
+def room(rng):
+    """A window with a few posts in it, and the distances of its cells to one of them."""
+    free = rng.random((WIDTH, WIDTH)) < 0.9
+    free[HALF, HALF] = free[3, 4] = True
+    far = dijkstra(steps(free, np.ones(free.shape)).T, indices=3 * WIDTH + 4).reshape(free.shape)
+    return np.isfinite(far), np.where(np.isfinite(far), far, np.inf).astype(np.float32)
+
+
+def test_where_nothing_is_in_the_way_distances_are_as_known(room):
+    free, far = room
+    found = jax.jit(window_distances)(far.ravel(), np.full(far.size, CELL, np.float32))
+    np.testing.assert_allclose(np.asarray(found)[free], far[free], atol=1e-4)
+    assert np.isinf(np.asarray(found)[~free]).all()
+
+
+def test_what_is_slow_is_gone_round_on_the_way_to_an_end(room):
+    free, far = room
+    slow = slowed(far)
+    found = np.asarray(jax.jit(window_distances)(far.ravel(), (CELL * slow).ravel()))
+    expected = dijkstra(steps(free, slow).T, indices=3 * WIDTH + 4).reshape(far.shape)
+    # A way of more cells than rounds is not found.
+    np.testing.assert_allclose(found[np.isfinite(found)], expected[np.isfinite(found)], atol=1e-4)
+    assert np.isfinite(found)[free].mean() > 0.9
+    assert (found[free] > far[free] + 0.05).any()
+    path = np.asarray(descend_window(jnp.asarray(found), jnp.array([HALF, HALF]), 6))[:, 1:] + HALF
+    assert (path[0] == HALF).all()
+    assert (np.abs(np.diff(path, axis=0)).max(axis=1) <= 1).all()
+    assert (np.diff(found[tuple(path.T)]) <= 0).all()
+
+
+def test_without_an_end_ways_lead_to_the_edge_and_on_as_known(room):
+    """Of what lies beyond the left edge."""
+    free, _ = room
+    sources = np.flatnonzero(free[:, 0]) * WIDTH
+    far = dijkstra(steps(free, np.ones(free.shape)).T, indices=sources, min_only=True).reshape(free.shape) + 3
+    free = np.isfinite(far)
+    slow = slowed(far)
+    found = np.asarray(jax.jit(window_distances)(far.ravel().astype(np.float32), (CELL * slow).ravel()))
+    ways, known = steps(free, np.ones(free.shape)), far.ravel()
+    around = np.array([known[ways[i].indices].min(initial=np.inf) for i in range(known.size)])
+    ends = np.flatnonzero(free.ravel() & (known <= around))
+    within = dijkstra(steps(free, slow), indices=np.arange(far.size))[:, ends]
+    expected = np.min(within + far.ravel()[ends], axis=1).reshape(far.shape)
+    reached = np.isfinite(found)  # a way of more cells than rounds is not found
+    np.testing.assert_allclose(found[reached], expected[reached], atol=1e-4)
+    assert reached[free].mean() > 0.9
+
+
+def slowed(far: np.ndarray) -> np.ndarray:
+    """Something long that is slow."""
+    slow = np.ones(far.shape, np.float32)
+    slow[8:11, 2:20] = 16.0
+    return slow

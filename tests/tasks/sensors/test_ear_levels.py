@@ -1,0 +1,118 @@
+"""Levels and delays at both ears beside the waveform that the same rays give."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from handmade import shoebox
+
+from home_mjx import HouseBank, HouseholdEnv, physics
+from home_mjx.audio_jax import CLIPS, AudioConfig, band_level, clip_power, clip_samples
+from home_mjx.tasks import make_config, tokenize
+
+OCTAVES = 125 * 2.0 ** np.arange(7)
+TONE, NOISE, SILENT = CLIPS.index("tone"), CLIPS.index("noise"), -1
+OPTIONS = {"impl": "kinematic", "sensors": ("audio", "ear_levels"), "clips": ("tone", "noise"), "actions": "discrete"}
+
+
+@pytest.fixture(scope="module")
+def heard():
+    """A function from the clip, schedule and yaw to what is heard in the third frame of 0.3 s."""
+    core = HouseholdEnv(make_config(num_agents=2, speech=("say:yes",), **OPTIONS))
+    env = core.bind(HouseBank.from_compiled([shoebox((9.0, 7.0, 3.0), absorption=0.5)]))
+    begun, template = core.begin(env.params, jax.random.key(0)), core.template(env.bank)
+    perceive = jax.jit(core.perceive)
+    angle = physics.door_angle(template, begun.physics)
+
+    def hear(clip, yaw=0.0, lasts=jnp.inf, gain=1.0, said=SILENT):
+        pos = jnp.array([[0.5, 0.2, 0.0], [-3.0, -2.5, 0.0]], jnp.float32)
+        yaws = jnp.array([yaw, 0.0], jnp.float32)
+        state = begun.replace(physics=physics.reset(template, env.bank, begun.world.house, pos, yaws, angle, None))
+        sounds = state.world.sounds
+        agent = env.bank.spec.num_instances + 1
+        sounds = sounds.replace(
+            pos=jnp.array([[2.0, 0.2, 1.5]], jnp.float32),
+            clip=jnp.full_like(sounds.clip, clip),
+            body=jnp.full_like(sounds.body, agent if clip == -2 else -1),
+            gain=jnp.full_like(sounds.gain, gain),
+            lasts=jnp.full_like(sounds.lasts, lasts),
+        )
+        for step in range(3):
+            words = jnp.array([-1, said if step == 2 else -1], jnp.int32)
+            world = state.world.replace(sounds=sounds, step=jnp.int32(step), said=words)
+            state = perceive(env.params, state.replace(world=world))
+        audio, levels = np.asarray(state.obs["audio"][0], float), np.asarray(state.obs["ear_levels"][0]).reshape(2, 7)
+        np.testing.assert_allclose(state.obs["ear_difference"][0], levels[0] - levels[1], atol=1e-4)
+        return audio, levels, float(state.obs["ear_delay"][0, 0])
+
+    return hear
+
+
+def octave_levels(audio):
+    """By the periodogram: power between the edges of each octave [dB]."""
+    power = 2 * np.abs(np.fft.rfft(audio)) ** 2 / audio.shape[-1] ** 2
+    frequency = np.fft.rfftfreq(audio.shape[-1], 1 / 16000)
+    inside = (frequency[None] >= OCTAVES[:, None] / 2**0.5) & (frequency[None] < OCTAVES[:, None] * 2**0.5)
+    return 10 * np.log10(np.maximum(power @ inside.T, 1e-12))
+
+
+@pytest.mark.parametrize("yaw", [0.0, np.pi / 2, -np.pi / 2])
+def test_levels_are_those_of_the_waveform(heard, yaw):
+    audio, levels, _ = heard(NOISE, yaw)
+    expected = octave_levels(audio)
+    np.testing.assert_allclose(levels[:, 2:6], expected[:, 2:6], atol=4.0)  # 500 Hz to 4 kHz; below, a frame is short
+    assert np.abs(levels[:, 2:6] - expected[:, 2:6]).mean() < 1.6
+
+
+def test_a_tone_is_in_its_octave(heard):
+    audio, levels, _ = heard(TONE)
+    assert levels.argmax(axis=1).tolist() == [3, 3]
+    np.testing.assert_allclose(levels[:, 3], octave_levels(audio)[:, 3], atol=5.0)  # one frequency interferes
+    assert (levels[:, [0, 1, 5, 6]] < levels[:, 3:4] - 40).all()
+
+
+def test_the_nearer_ear_is_louder_and_earlier(heard):
+    """The source is to the east; who looks to the north has it at the right, to the south at the left."""
+    (_, ahead, none), (_, right, late), (_, left, early) = (heard(NOISE, yaw) for yaw in (0.0, np.pi / 2, -np.pi / 2))
+    assert abs(none) < 0.1
+    assert 0.15 < early < 0.8
+    np.testing.assert_allclose(late, -early, atol=0.1)
+    assert left[0, 4] > left[1, 4] + 2
+    assert right[1, 4] > right[0, 4] + 2
+    assert abs(ahead[0, 4] - ahead[1, 4]) < 2
+
+
+def test_gains_schedules_and_silence(heard):
+    levels = heard(NOISE)[1]
+    np.testing.assert_allclose(heard(NOISE, gain=0.1)[1], levels - 20, atol=0.01)
+    _, silent, delay = heard(SILENT)
+    assert (silent == -100).all()
+    assert delay == 0
+    audio, ended, _ = heard(NOISE, lasts=0.5)  # only its reverberation is left in the third frame
+    assert (ended[:, 2:6] < levels[:, 2:6] - 6).all()
+    np.testing.assert_allclose(ended[:, 2:6].mean(), octave_levels(audio)[:, 2:6].mean(), atol=4.0)
+
+
+def test_voices_are_levels_as_well(heard):
+    audio, levels, _ = heard(-2, said=tokenize("yes")[0])
+    total = 10 * np.log10((10 ** (levels / 10)).sum()), 10 * np.log10((audio**2).mean(axis=1).sum())
+    np.testing.assert_allclose(*total, atol=4.0)
+    assert (heard(-2)[1] == -100).all()
+
+
+def test_power_of_a_frame_by_hand():
+    """Of bins of power and an envelope drawn at random: the plain double sum."""
+    random = np.random.default_rng(0)
+    envelope, power = random.random((5, 2, 7)), random.random((5 - 1 + 3, 7))
+    expected = np.zeros((2, 7))
+    for bin_, ago in np.ndindex(3, 5):
+        expected += envelope[ago] * power[4 + bin_ - ago] / 3
+    found = band_level(jnp.asarray(envelope, jnp.float32), jnp.asarray(power, jnp.float32))
+    np.testing.assert_allclose(found, expected, rtol=1e-5)
+
+
+@pytest.mark.parametrize("name", ["tone", "speech"])
+def test_the_power_of_clips_is_that_of_their_samples(name):
+    """But for what bands share at their edges."""
+    power, samples = clip_power(name, AudioConfig()), clip_samples(name, AudioConfig())
+    assert 0.7 * np.mean(samples**2) < power.sum(axis=1).mean() <= 1.001 * np.mean(samples**2)

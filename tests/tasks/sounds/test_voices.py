@@ -1,0 +1,258 @@
+"""Words as sounds: told apart by ear through a house, by a decoder that knows no more than how they are made."""
+
+import itertools
+import json
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from home_mjx import physics
+from home_mjx.audio_jax import AudioConfig
+from home_mjx.errors import ConfigError
+from home_mjx.registry import as_bank
+from home_mjx.schema.timing import Timing
+from home_mjx.tasks import Communication, HouseholdEnv, HouseTasks, Sound, load_tasks, make_config, save_tasks, tokenize
+from home_mjx.tasks.language.vocabulary import words
+from home_mjx.tasks.sounds.row import VOICE, VOICED, written_sounds
+from home_mjx.tasks.sounds.voice import NUM_WORDS, chord, num_remembered, voices, word_sound
+
+RATE, LISTENER, SPEAKER, LOOK_UP, LOOK_DOWN = 16000, 0, 1, 4, 5
+MIX = HouseTasks(tasks=(Communication(stop=True), Communication(stop=True, channel="audible")), num_tasks=8)
+OPTIONS = {
+    "num_agents": 2,
+    "actions": "discrete",
+    "impl": "kinematic",
+    "sensors": ("audio", "heard_words"),
+    "doors": "open",
+}
+CORE = HouseholdEnv(make_config(**OPTIONS), MIX)
+SAYS = {i: tokenize(name.partition(":")[2])[0] for i, name in enumerate(CORE.action_names) if ":" in name}
+
+
+def mel(frequency):
+    return 2595 * np.log10(1 + frequency / 700)
+
+
+def decoded(audio):
+    """The token that two ears heard, and the power of its weakest tone [dB]; None: no token has these tones."""
+    steps = np.linspace(mel(300.0), mel(3600.0), 24)
+    time = np.arange(audio.shape[-1]) / RATE
+    sines = np.exp(-2j * np.pi * 700 * (10 ** (steps / 2595) - 1)[:, None] * time)
+    power = np.sum(np.abs(audio @ sines.T) ** 2, axis=0).reshape(6, 4)
+    digits = power.argmax(axis=1)
+    token = sum(int(digit) * 4**place for place, digit in enumerate(digits[:5]))
+    return (token if digits.sum() % 4 == 0 else None), 10 * np.log10(power.max(axis=1).min() + 1e-30)
+
+
+@pytest.fixture(scope="module")
+def env():
+    return CORE.bind(as_bank(None, 2))
+
+
+@pytest.fixture(scope="module")
+def step(env):
+    return jax.jit(jax.vmap(env.core.step, (None, 0, 0)))
+
+
+def audible(env):
+    return np.flatnonzero(np.asarray(env.params.tasks.rows.columns["task"]) == 1)
+
+
+def begun(env, step, doors="open"):
+    """Every row after a step in which nobody said anything."""
+    core = HouseholdEnv(make_config(**OPTIONS | {"doors": doors}), MIX)
+    rows = len(env.params.tasks)
+    keys, index = jax.random.split(jax.random.key(0), rows), jnp.arange(rows)
+    states = jax.jit(jax.vmap(lambda key, row: core.begin(env.params, key, None, row)))(keys, index)
+    return step(env.params, states, acts(np.full(rows, LOOK_UP)))
+
+
+def acts(speaker, listener=LOOK_UP):
+    return jnp.asarray(np.stack([np.broadcast_to(listener, np.shape(speaker)), speaker], axis=1), jnp.int32)
+
+
+@pytest.fixture(scope="module")
+def quiet(env, step):
+    return begun(env, step)
+
+
+def drawn_words(env, seed):
+    return np.random.default_rng(seed).choice(list(SAYS), len(env.params.tasks))
+
+
+def recovered(env, states, said):
+    """Shares of rows in which the listener and the speaker told the word."""
+    audio, rows = np.asarray(states.obs["audio"], float), audible(env)
+    right = [[decoded(audio[row, agent])[0] == SAYS[said[row]] for agent in (LISTENER, SPEAKER)] for row in rows]
+    return np.mean(right, axis=0).tolist()
+
+
+@pytest.mark.parametrize("doors", ["open", "closed"])
+def test_every_word_is_told_by_ear_in_one_room_and_through_doors(env, step, quiet, doors):
+    states = quiet if doors == "open" else begun(env, step, doors)
+    said = drawn_words(env, 0)
+    after = step(env.params, states, acts(said))
+    assert len(audible(env)) == 16
+    assert recovered(env, after, said) == [1.0, 1.0]
+    snapshots = jax.vmap(lambda s: env.core.snapshot(env.params, s).pose.pos)(after)
+    away = np.linalg.norm(np.asarray(snapshots[:, 0] - snapshots[:, 1]), axis=-1)[audible(env)]
+    assert (away > 4).any()
+    assert (away < 2).any()
+
+
+@pytest.mark.parametrize(("pauses", "least"), [(0, 0.85), (2, 1.0)])
+def test_words_that_follow_each_other_are_told_apart(env, step, quiet, pauses, least):
+    """Without a pause the reverberation of the word before may be louder, far from the speaker."""
+    states, shares = quiet, []
+    for seed in range(3):
+        said = drawn_words(env, seed)
+        states = step(env.params, states, acts(said))
+        shares.append(recovered(env, states, said))
+        for _ in range(pauses):
+            states = step(env.params, states, acts(np.full(len(said), LOOK_UP)))
+    assert np.min(shares) >= least
+
+
+def test_who_says_nothing_is_not_heard_and_words_fade(env, step, quiet):
+    rows = audible(env)
+    np.testing.assert_array_equal(np.asarray(quiet.obs["audio"])[rows], 0)
+    states, power = step(env.params, quiet, acts(drawn_words(env, 0))), []
+    for _ in range(num_remembered(env.config.audio)):
+        power.append(np.sum(np.asarray(states.obs["audio"])[rows] ** 2, axis=(-2, -1)))
+        states = step(env.params, states, acts(np.full(len(env.params.tasks), LOOK_DOWN)))
+    assert (power[0] > 0).all()
+    assert (power[1] < power[0]).all()
+    np.testing.assert_array_equal(np.asarray(states.obs["audio"])[rows], 0)
+
+
+def test_the_channel_of_a_row_says_how_words_are_heard(env, step, quiet):
+    """Seen and not heard in rows of the discrete channel, where the house's radio plays on; the other way elsewhere."""
+    rows, said = audible(env), drawn_words(env, 1)
+    others = np.setdiff1d(np.arange(len(said)), rows)
+    spoken, idle = (step(env.params, quiet, acts(a)) for a in (said, np.full(len(said), LOOK_UP)))
+    heard = np.asarray(spoken.obs["heard_words"])[..., 0]
+    assert not heard[rows].any()
+    assert heard[others, LISTENER].tolist() == [SAYS[word] for word in said[others]]
+    np.testing.assert_array_equal(*(np.asarray(s.obs["audio"])[others] for s in (spoken, idle)))
+    assert np.abs(np.asarray(idle.obs["audio"])[others]).max() > 0
+
+
+def test_both_voices_are_heard_where_they_are(env, step, quiet):
+    """If the listener speaks, both hear its word, and it itself the louder, where reverberation lets it."""
+    said = drawn_words(env, 2)
+    after = step(env.params, quiet, acts(np.full(len(said), LOOK_UP), said))
+    assert recovered(env, after, said) == [1.0, 1.0]
+    power = np.sum(np.asarray(after.obs["audio"])[audible(env)] ** 2, axis=(-2, -1))
+    assert (power[:, LISTENER] > power[:, SPEAKER]).mean() > 0.9
+    assert np.asarray(after.world.sounds.clip)[audible(env)].tolist() == [[VOICED, VOICED]] * 16
+
+
+def test_the_level_falls_with_distance(env, step, quiet):
+    """Along a line of free cells of one room."""
+    bank, number = env.bank, int(audible(env)[0])
+    house = int(env.params.tasks.rows.house[number])
+    first, count = int(bank.navigation.first_cell[house]), int(bank.navigation.num_cells[house])
+    level, row, column = np.asarray(bank.navigation.place[first : first + count]).T
+    rooms = np.asarray(bank.navigation.room[house])[level, row, column]
+    own = rooms == np.bincount(rooms[rooms >= 0]).argmax()
+    plan = (np.stack([column, row], axis=1)[own] + 0.5) * bank.spec.cell + np.asarray(bank.navigation.origin[house])
+    corner = plan[plan.sum(axis=1).argmin()]
+    away = np.linalg.norm(plan - corner, axis=1)
+    places = [plan[np.abs(away - wanted).argmin()] for wanted in (0.7, 1.4, 2.8)]
+    one = jax.tree.map(lambda x: x[number], quiet)
+    floor = float(env.params.tasks.rows.start[number][2])
+    template = env.core.template(bank)
+
+    def stands(place):
+        pos = jnp.asarray([[*corner, floor], [*place, floor]], jnp.float32)
+        angle = physics.door_angle(template, one.physics)
+        return one.replace(physics=physics.reset(template, bank, jnp.int32(house), pos, jnp.zeros(2), angle, None))
+
+    many = [stands(place) for place in places] * len(env.params.tasks)
+    states = jax.tree.map(lambda *x: jnp.stack(x), *many[: len(env.params.tasks)])
+    states = step(env.params, states, acts(np.full(len(env.params.tasks), LOOK_UP)))
+    states = step(env.params, states, acts(np.full(len(env.params.tasks), min(SAYS))))
+    pos = np.asarray(jax.vmap(lambda s: env.core.snapshot(env.params, s).pose.pos)(states))[:3]
+    rise = env.config.body.eye_height - env.config.body.height / 2
+    way = np.linalg.norm(pos[:, SPEAKER] - pos[:, LISTENER] - [0, 0, rise], axis=1)
+    first = [round(length / 343.2 * RATE) for length in way]
+    audio = np.asarray(states.obs["audio"])[:3, LISTENER]
+    level = [np.abs(sound[:, begin - 10 : begin + 40]).max() for sound, begin in zip(audio, first, strict=True)]
+    before = [np.abs(sound[:, : begin - 20]).max() for sound, begin in zip(audio, first, strict=True)]
+    assert level[0] > max(level[1:])  # of what comes first; walls beside the listener add to what comes along them
+    assert min(level) > 10 * max(before)  # nothing comes before it
+    power = np.sum(audio**2, axis=(-2, -1))
+    assert power[0] > power[1] > power[2]
+
+
+def test_any_two_words_differ_in_two_tones_at_least():
+    assert len(words()) <= NUM_WORDS
+    tones = np.asarray(chord(jnp.arange(NUM_WORDS)))
+    assert (np.sort(tones, axis=1) // 4 == np.arange(6)).all()
+    sets = np.zeros((NUM_WORDS, 24), int)
+    sets[np.arange(NUM_WORDS)[:, None], tones] = 1
+    common = sets @ sets.T
+    np.fill_diagonal(common, 0)
+    assert common.max() == 4
+
+
+@pytest.mark.parametrize("rate", [8000, 16000, 48000])
+def test_a_word_is_as_loud_as_a_clip_at_any_rate(rate):
+    config = AudioConfig(timing=Timing(sample_rate=rate))
+    sound = np.asarray(word_sound(jnp.int32(tokenize("kitchen")[0]), config), float)
+    assert len(sound) == round(0.2 * rate)
+    middle = sound[len(sound) // 10 : -len(sound) // 10]
+    np.testing.assert_allclose(np.sqrt(np.mean(middle**2)), 0.1, rtol=0.03)
+    assert np.abs(sound[[0, -1]]).max() < 0.01
+    assert not np.asarray(word_sound(jnp.int32(-1), config)).any()
+
+
+def test_frames_of_words_are_parts_of_one_long_sound():
+    """By hand: words put at the begin of their frames; short frames, so that words overlap."""
+    config = AudioConfig()
+    said = np.random.default_rng(3).choice([-1, *range(40)], size=(12, 2))
+    frame, past, count = config.frame, config.response_length - 1, num_remembered(config)
+    sound = np.zeros((2, past + 12 * frame + 4000))
+    for number, who in itertools.product(range(12), range(2)):
+        word = np.asarray(word_sound(jnp.int32(said[number, who]), config))
+        begin = past + number * frame
+        sound[who, begin : begin + len(word)] += word
+    spoken = jax.jit(lambda words: voices(words, config))
+    for number in range(12):
+        rows = [said[number - ago] if ago <= number else [-1, -1] for ago in range(count)]
+        expected = sound[:, number * frame : number * frame + past + frame].copy()
+        expected[:, past + frame :] = 0
+        np.testing.assert_allclose(spoken(jnp.asarray(rows)), expected, atol=1e-6)
+
+
+def test_voices_are_written_in_files(env, tmp_path):
+    path = tmp_path / "tasks.jsonl"
+    save_tasks(path, env.bank, env.params.tasks)
+    lines = [json.loads(line) for line in path.read_text().splitlines()]
+    assert [{"emitter": 1, "clip": VOICE}, {"emitter": 2, "clip": VOICE}] in [line.get("sounds") for line in lines]
+    again = load_tasks(path, env.bank).rows.columns
+    np.testing.assert_array_equal(again["sound_clip"], env.params.tasks.rows.columns["sound_clip"])
+    env.with_tasks(load_tasks(path, env.bank))  # voices are no clips that an environment might lack
+
+
+@pytest.mark.parametrize(
+    ("make", "what"),
+    [
+        (lambda: Sound(1, VOICE, every=3.0), "voice"),
+        (lambda: Sound(1, VOICE, towards=2, speed=0.3), "voice"),
+        (lambda: Communication(channel="audable"), "Did you mean `audible`"),
+        (lambda: word_sound(jnp.int32(1), AudioConfig(timing=Timing(sample_rate=6000))), "6000 Hz"),
+    ],
+)
+def test_voices_that_cannot_be_are_refused(make, what):
+    with pytest.raises(ConfigError, match=what):
+        make()
+
+
+def test_only_agents_have_voices():
+    assert written_sounds([Sound(1, VOICE)], 2)["sound_clip"].tolist()[0] == VOICED
+    audible_alone = HouseholdEnv(make_config(**OPTIONS | {"sensors": None}), Communication(channel="audible"))
+    assert "heard_words" not in audible_alone.observation_spec
+    assert audible_alone.config.num_sources == 2

@@ -1,0 +1,254 @@
+"""A run from options to files, with a learner that only counts: what is written, and what is left where it fails."""
+
+import contextlib
+import dataclasses
+import json
+import resource
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+pytest.importorskip("tensorboardX", reason="needs the extra `train`")
+
+import home_mjx
+from home_mjx.errors import ConfigError, DatasetError, HomeMjxError, MissingFileError
+from home_mjx.registry import find_spec
+from home_mjx.training import run
+from home_mjx.training.checkpoint import load_net, read_updates, save_checkpoint, save_net
+from home_mjx.training.config import PPOConfig, RunConfig
+from home_mjx.training.networks import NetworkConfig
+from home_mjx.training.ppo import PPO, TrainState
+from home_mjx.training.records import Records, read_lines
+
+SMALL = PPOConfig(num_envs=8, unroll_length=8, num_timesteps=640, network=NetworkConfig(8, 8, (4,)))
+CONFIG = RunConfig(find_spec("PointNav-v0"), SMALL)
+UPDATES = 10
+LIMIT = 60  # [s], far more than any of this takes
+
+
+class Counter(PPO):
+    """Counts its updates, in its network too, which is broken after `broken_after`."""
+
+    broken_after = 1000
+
+    def __init__(self, core: object, config: PPOConfig) -> None:
+        self.config, self.whole = config, jax.sharding.SingleDeviceSharding(jax.devices()[0])
+        self.update = jax.jit(self._counted)
+
+    def init(self, params: object, key: object) -> TrainState:
+        net = {"count": jnp.zeros(3)}
+        return TrainState.unchecked(net=net, opt=(), actor=(), key=jnp.zeros(2, jnp.uint32), updates=jnp.int32(0))
+
+    def place(self, state: TrainState) -> TrainState:
+        return jax.device_put(state, self.whole)
+
+    def _counted(self, params: object, state: TrainState) -> tuple[TrainState, dict]:
+        updates = state.updates + 1
+        count = jnp.where(updates > self.broken_after, jnp.nan, state.net["count"] + 1)
+        metrics = {"episode/episodes": 2.0, "episode/success": 1.0, "loss/value": 1.0 / updates}
+        return state.replace(net={"count": count}, updates=updates), metrics
+
+
+@pytest.fixture(autouse=True)
+def counting(monkeypatch: pytest.MonkeyPatch, generated_bank):
+    """Runs that count, and write after each update."""
+    env = home_mjx.make("PointNav-v0", generated_bank)
+    monkeypatch.setattr(run, "made", lambda spec, progress: env)
+    monkeypatch.setattr(run, "LEARNERS", dict.fromkeys(run.LEARNERS, Counter))
+    monkeypatch.setattr(run, "REST", 0.0)
+
+
+def train(out: Path, config: RunConfig = CONFIG, **options: object) -> PPO:
+    return run.train(config, out, progress=False, **options)
+
+
+def count_of(path: Path) -> list[float]:
+    return load_net(path, {"count": jnp.zeros(3)})["count"].tolist()
+
+
+def files(out: Path) -> set[str]:
+    return {path.name for path in out.rglob("*") if path.is_file()}
+
+
+def plain(out: Path) -> list[dict]:
+    timed = ("seconds", "compile_seconds", "steps_per_second")
+    return [{k: v for k, v in line.items() if k not in timed} for line in read_lines(out / "metrics.jsonl")]
+
+
+@contextlib.contextmanager
+def full_disk(size: int) -> Iterator[None]:
+    """No file can be longer than this."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def raised_in_time(function: Callable[[], object]) -> BaseException | None:
+    """What a function raises; it must end."""
+    raised: list[BaseException | None] = []
+
+    def call() -> None:
+        try:
+            function()
+            raised.append(None)
+        except BaseException as error:
+            raised.append(error)
+
+    thread = threading.Thread(target=call, daemon=True)
+    thread.start()
+    thread.join(LIMIT)
+    assert raised, "it hangs"
+    return raised[0]
+
+
+def test_a_run_takes_its_turn_once_all_is_compiled(tmp_path: Path):
+    found = []
+
+    @contextlib.contextmanager
+    def turn() -> Iterator[None]:
+        found.append(files(tmp_path))
+        yield
+        found.append(files(tmp_path))
+
+    train(tmp_path, turn=turn())
+    assert "checkpoint.npz" not in found[0]
+    assert "checkpoint.npz" in found[1]
+    assert len(read_lines(tmp_path / "metrics.jsonl")) == UPDATES
+    assert count_of(tmp_path / "agent.npz") == [UPDATES] * 3
+
+
+@pytest.mark.parametrize("size", [100, 700, 2000])
+def test_a_full_disk_ends_the_run_with_its_reason_and_it_can_go_on(tmp_path: Path, size: int):
+    """tensorboardX's writer died of it in a thread of its own, and the run waited for that thread for ever."""
+    whole, out = tmp_path / "whole", tmp_path / "full"
+    whole.mkdir()
+    out.mkdir()
+    train(whole)
+    assert (whole / "metrics.jsonl").stat().st_size > max(700, size) / 2
+    with full_disk(size):
+        error = raised_in_time(lambda: train(out))
+    assert isinstance(error, ConfigError)
+    assert "cannot be written: File too large" in str(error)
+    assert "--resume" in str(error)
+    assert [name for name in files(out) if name.endswith(".new")] == []
+    train(out, resume=True)
+    assert plain(out) == plain(whole)
+    assert count_of(out / "agent.npz") == [UPDATES] * 3
+
+
+def test_tensorboard_alone_fills_the_disk(tmp_path: Path):
+    """The records of many figures, until nothing more can be written."""
+    line = {f"loss/{i}": 1.5 * i for i in range(18)}
+
+    def add() -> None:
+        with Records(tmp_path) as records:
+            for steps in range(4000):
+                records.add({"steps": steps, **line})
+
+    with full_disk(200_000):
+        assert isinstance(raised_in_time(add), ConfigError)
+
+
+@pytest.mark.parametrize("size", [3000, 100_000])
+def test_what_cannot_be_written_leaves_no_file(tmp_path: Path, size: int):
+    net = {"dense": jnp.ones((400, 400))}
+    with full_disk(size), pytest.raises(ConfigError, match="checkpoint cannot be written"):
+        save_net(tmp_path / "agent.npz", net, CONFIG)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_refused_start_leaves_nothing(tmp_path: Path):
+    out, other = tmp_path / "out", tmp_path / "other.npz"
+    out.mkdir()
+    save_net(other, {"count": jnp.zeros(5)}, CONFIG)
+    (tmp_path / "half.npz").write_bytes(other.read_bytes()[:200])
+    for name, kind in (("none", MissingFileError), ("other", DatasetError), ("half", DatasetError)):
+        config = dataclasses.replace(CONFIG, start=str(tmp_path / f"{name}.npz"))
+        with pytest.raises(kind):
+            train(out, config)
+        assert list(out.iterdir()) == []
+
+
+def test_a_run_that_ends_by_time_has_made_an_update(tmp_path: Path):
+    train(tmp_path, dataclasses.replace(CONFIG, max_seconds=0.001))
+    done = read_updates(tmp_path / "checkpoint.npz")
+    assert 1 <= done < UPDATES
+    assert count_of(tmp_path / "agent.npz") == [done] * 3
+    with pytest.raises(ConfigError, match="max_seconds"):
+        dataclasses.replace(CONFIG, max_seconds=0.0)
+
+
+def test_stages_are_one_run(tmp_path: Path):
+    train(tmp_path, dataclasses.replace(CONFIG, clone_timesteps=256))
+    assert read_updates(tmp_path / "checkpoint.npz") == UPDATES + 4
+    assert count_of(tmp_path / "agent.npz") == [UPDATES + 4] * 3
+
+
+def test_a_training_that_diverges_keeps_what_was_good(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(Counter, "broken_after", 4)
+    with pytest.raises(ConfigError, match=r"after 320 steps .* not finite.*learning_rate"):
+        train(tmp_path)
+    assert count_of(tmp_path / "checkpoint.npz") == [4.0] * 3
+    assert "agent.npz" not in files(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "updates",
+    [np.int32(-5), np.int32(10**9), np.array("a"), np.zeros(3, np.int32), np.float32(np.nan), np.array(True)],
+    ids=str,
+)
+def test_a_checkpoint_of_odd_updates_is_refused(tmp_path: Path, updates: np.ndarray):
+    train(tmp_path)
+    path = tmp_path / "checkpoint.npz"
+    with np.load(path) as file:
+        arrays = dict(file)
+    np.savez(path, **{**arrays, ".updates": updates})
+    before = path.read_bytes()
+    with pytest.raises(DatasetError, match="updates"):
+        train(tmp_path, resume=True)
+    assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    "bad",
+    ["5", "{}", '{"steps":"a"}', '{"steps":1,"seconds":"x"}', '{"steps":null}', "null", "[1]", "[" * 10_000,
+     '{"steps":64,"seconds":NaN}', '{"steps":1,"x":' + "9" * 400 + "}", '{"steps": 1'],
+    ids=lambda text: text[:20],
+)  # fmt: skip
+def test_an_odd_line_of_metrics_is_refused_by_number(tmp_path: Path, bad: str):
+    path = tmp_path / "metrics.jsonl"
+    path.write_text('{"steps": 64}\n' + bad + "\n")
+    before = path.read_text()
+    with pytest.raises(DatasetError, match=r"at line 2\).*Delete the line"):
+        train(tmp_path)
+    assert (path.read_text(), files(tmp_path)) == (before, {"metrics.jsonl"})
+
+
+def test_metrics_that_are_no_text_are_refused(tmp_path: Path):
+    (tmp_path / "metrics.jsonl").write_bytes(b"\xff\xfe\n")
+    with pytest.raises(HomeMjxError, match="UTF-8"):
+        train(tmp_path)
+
+
+def test_a_finished_run_goes_on_to_nothing(tmp_path: Path):
+    train(tmp_path)
+    before = {name: (tmp_path / name).read_bytes() for name in ("checkpoint.npz", "metrics.jsonl", "agent.npz")}
+    train(tmp_path, resume=True)
+    assert {name: (tmp_path / name).read_bytes() for name in before} == before
+    assert [json.loads(line)["steps"] for line in before["metrics.jsonl"].splitlines()] == list(range(64, 641, 64))
+
+
+def test_a_state_of_other_parts_is_not_gone_on_with(tmp_path: Path):
+    train(tmp_path)
+    state = Counter(None, SMALL).init(None, None)
+    save_checkpoint(tmp_path / "checkpoint.npz", state.replace(net={"count": jnp.zeros(5)}, updates=3), CONFIG)
+    with pytest.raises(DatasetError, match="expected float32"):
+        train(tmp_path, resume=True)
