@@ -6,6 +6,9 @@ from home_mjx.audio_jax.auralization.schedule import loudness
 from home_mjx.audio_jax.auralization.sources import CLIPS, clip_samples
 from home_mjx.audio_jax.auralization.spectra import log_mel, stft_magnitude
 from home_mjx.audio_jax.auralization.stream import faded_frame, given_off, sound_frame
+from home_mjx.audio_jax.baking.bake import BakeOptions
+from home_mjx.audio_jax.baking.reading import baked_sound
+from home_mjx.audio_jax.baking.store import with_late_sound
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Sounds, Source
 from home_mjx.audio_jax.measures.clarity import c50, c80, centre_time, d50, drr, strength
@@ -24,6 +27,7 @@ from home_mjx.audio_jax.propagation.tracing import Trace, trace
 __all__ = [
     "CLIPS",
     "AudioConfig",
+    "BakeOptions",
     "Envelope",
     "Listener",
     "PathProducer",
@@ -33,6 +37,7 @@ __all__ = [
     "Source",
     "Survey",
     "Trace",
+    "baked_sound",
     "band_level",
     "bent_paths",
     "c50",
@@ -71,4 +76,5 @@ __all__ = [
     "t20",
     "t30",
     "trace",
+    "with_late_sound",
 ]

@@ -9,16 +9,18 @@ import numpy as np
 from jaxtyping import Array, Complex, Float
 
 from home_mjx.audio_jax.auralization.hrtf import EarTable, ear_angles, ear_energy, ear_spectrum, ear_table, to_head
+from home_mjx.audio_jax.baking.reading import baked_sound
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.base.filters import high_pass, octave_gains
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.paths import Paths
-from home_mjx.audio_jax.propagation.tracing import Trace, trace
+from home_mjx.audio_jax.propagation.tracing import Trace, spread, trace
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS
 
+EVERYWHERE = 64  # directions whose mean stands for all
 KERNEL_SECONDS = 0.032  # resolves the octaves at 125 and 250 Hz
 NOISE_LENGTH = 4  # the noise of all environments is this many responses long
 
@@ -46,8 +48,26 @@ def impulse_response(
     """
     trace_key, noise_key = jax.random.split(key)
     paths = early_paths(scene, source, listener, config)
+    if config.late == "baked":
+        energy, _ = baked_histogram(scene, source, listener, config)
+        return with_late(paths, energy, listener.quat, noise_key, config)
     traced = trace(scene, source, listener, trace_key, config)
     return assembled(paths, traced, listener.quat, noise_key, config)
+
+
+def baked_histogram(
+    scene: Scene, source: Source, listener: Listener, config: AudioConfig
+) -> tuple[Float[Array, "k 2 bands"], Float[Array, "3"]]:
+    """Baked late energy per time bin, ear and octave, as `energy_histogram` gives it; and where it comes from.
+
+    As much of it as its mean direction is long comes from there, the rest from everywhere.
+    """
+    late = baked_sound(scene, source.pos, listener.pos, config)
+    length = jnp.linalg.norm(late.comes_from)
+    toward = late.comes_from / jnp.maximum(length, 1e-6)
+    around = jnp.mean(ear_gains(jnp.asarray(spread(EVERYWHERE)), listener.quat, config), axis=0)
+    gain = (1 - length) * around + length * ear_gains(toward[None], listener.quat, config)[0]
+    return late.energy[:, None] * gain[None], late.comes_from
 
 
 def assembled(
@@ -55,6 +75,13 @@ def assembled(
 ) -> Float[Array, "2 l"]:
     """The response that paths and rays make at a head, see `impulse_response`; `key` chooses the noise."""
     energy = energy_histogram(traced, ear_gains(traced.direction, head_quat, config), config)
+    return with_late(paths, energy, head_quat, key, config)
+
+
+def with_late(
+    paths: Paths, energy: Float[Array, "k 2 bands"], head_quat: Float[Array, "4"], key: Array, config: AudioConfig
+) -> Float[Array, "2 l"]:
+    """Paths, and noise that follows a histogram of energy from the direct sound on."""
     late = late_response(energy, key, config)
     onset = (paths.distance[0] - config.head_radius) * jnp.float32(config.sample_rate / config.speed_of_sound)
     # nothing overtakes the direct sound

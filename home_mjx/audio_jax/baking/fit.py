@@ -3,10 +3,9 @@
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from home_mjx.audio_jax.baking.late_field import SPANS
+from home_mjx.audio_jax.baking.spans import SILENT, SPANS
 
 BLOCK = 10  # bins
-SILENT = 1e-12  # energy below which nothing is told apart
 PRIOR = 0.05  # share of a pair's energy that is spread over the spans as between all cells of its rooms
 
 
@@ -24,7 +23,7 @@ class Tally:
     def __init__(
         self, room: Int[np.ndarray, " n"], distance: Float[np.ndarray, "n n"], bands: int, bins: int, metres: float
     ) -> None:
-        self.room, self.distance, self.metres = room, distance, metres
+        self.room, self.distance, self.metres, self.bins = room, distance, metres, bins
         count, rooms = len(room), room.max() + 1
         self.pair = np.zeros((count, count, len(SPANS), bands))
         self.shape = np.zeros((rooms, rooms, bands, bins))

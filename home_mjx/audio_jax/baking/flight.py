@@ -8,16 +8,20 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
+from home_mjx.audio_jax.baking.cells import FROM_FLOOR
+from home_mjx.audio_jax.baking.split import share_out
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.propagation.paths import SKIN, air_energy
-from home_mjx.audio_jax.propagation.surfaces import surface_at
-from home_mjx.core.pytree import Pytree
+from home_mjx.audio_jax.propagation.surfaces import AcousticSurface, surface_at
+from home_mjx.core.pytree import Pytree, static
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import ARCHITECTURE, BANDS, Ray
 
 STAMPS = 6  # times at which one segment can be heard; longer ones are heard there by so many
 FAR = 1e4  # [m]
+INWARD = 0.1  # [m], from a surface to a point that is in the room before it
+BEHIND = (0.08, 0.15, 0.25, 0.4)  # [m], from a surface to points that may be in the room behind it
 
 
 class Grid(Pytree):
@@ -28,6 +32,21 @@ class Grid(Pytree):
     low: Float[Array, " n"]
     high: Float[Array, " n"]
     volume: Float[Array, " n"]
+    room: Int[Array, " n"]
+    rooms: int = static()
+    step: float = static()  # [m]
+
+
+class Flown(NamedTuple):
+    """What the rays of one source gave, or several; sums over rays are in no unit, only their ratios count."""
+
+    energy: Float[Array, "bands c k"]  # re the free field of the source at 1 m, per octave, cell and time bin
+    way: Float[Array, "c 3"]  # sum of directions in which it came, by energy
+    distance: Float[Array, " n"]  # [m], that each ray flew
+    lived: Float[Array, "bands r"]  # energy times way [m] in each room
+    lost: Float[Array, "bands r"]  # energy that surfaces and air have taken
+    moved: Float[Array, "bands r r"]  # that went from room to room
+    through: Float[Array, "bands r r"]  # that walls would have let through
 
 
 class _Ray(NamedTuple):
@@ -36,76 +55,132 @@ class _Ray(NamedTuple):
     travelled: Float[Array, " n"]
     energy: Float[Array, " n"]  # of the ray's own octave, starting from 1
     counts: Float[Array, " n"]  # 0 on segments that early paths render
+    room: Int[Array, " n"]
+
+
+class _Sums(NamedTuple):
+    heard: Float[Array, " x"]
+    way: Float[Array, "c 3"]
+    lived: Float[Array, "bands r"]
+    lost: Float[Array, "bands r"]
+    moved: Float[Array, "bands r r"]
+    through: Float[Array, "bands r r"]
 
 
 def fly(
-    scene: Scene, grid: Grid, step: float, start: Float[Array, "r 3"], key: Array, config: AudioConfig, bins: int
-) -> tuple[Float[Array, "bands c k"], Float[Array, " n"]]:
+    scene: Scene,
+    grid: Grid,
+    start: Float[Array, "r 3"],
+    room: Int[Array, ""],
+    key: Array,
+    config: AudioConfig,
+    bins: int,
+) -> Flown:
     """Energy density in every cell over time, of one source that is spread over some points.
 
     Each ray belongs to one octave and is scattered as that octave is: nothing is weighted afterwards. It is heard at
     regular times, in the cell where it then is, so that a cell hears as much as its volume deserves. Segments that
-    early paths render are left out: the direct one, and first-order reflections in architecture.
+    early paths render are left out: the direct one, and first-order reflections in architecture. After each reflection
+    rays are shared out anew, see `share_out`, so that many are in rooms that little energy gets to.
 
     Args:
         scene: The house.
         grid: Its cells.
-        step: Of the grid's places [m].
         start: Where rays of every octave start [m].
+        room: In which room that is.
         key: Random key.
         config: `num_bounces`, `bin_seconds` and the air.
         bins: Number of time bins.
-
-    Returns:
-        Energy re the free field of the source at 1 m per octave, cell and bin, and how far each ray flew [m].
     """
-    rays = start.shape[0]
+    rays, cells = start.shape[0], grid.volume.shape[0]
     octave = jnp.repeat(jnp.arange(len(BANDS), dtype=jnp.int32), rays)
     ways, jitter, draws = jax.random.split(key, 3)
     way = jax.random.normal(ways, (octave.size, 3), jnp.float32)
     zero = jnp.zeros(octave.size, jnp.float32)
-    origin = jnp.tile(start, (len(BANDS), 1))
-    first = _Ray(origin, way / jnp.linalg.norm(way, axis=1, keepdims=True), zero, zero + 1, zero)
+    first = _Ray(
+        jnp.tile(start, (len(BANDS), 1)),
+        way / jnp.linalg.norm(way, axis=1, keepdims=True),
+        zero,
+        zero + 1,
+        zero,
+        jnp.broadcast_to(room, octave.shape),
+    )
     metres = config.bin_seconds * config.speed_of_sound
     late = jax.random.uniform(jitter, octave.shape, jnp.float32)
-    hear = partial(_hear, grid=grid, step=step, octave=octave, late=late, metres=metres)
-    walk = _Walk(scene, octave, jnp.asarray(air_energy(config))[octave], config.num_reflections > 0, hear)
-    cells = grid.volume.shape[0]
-    nothing = jnp.zeros(len(BANDS) * cells * bins, jnp.float32)
-    (ray, heard), _ = jax.lax.scan(walk.bounce, (first, nothing), jax.random.split(draws, config.num_bounces))
+    hear = partial(_hear, grid=grid, octave=octave, late=late, metres=metres)
+    walk = _Walk(scene, grid, octave, jnp.asarray(air_energy(config))[octave], config.num_reflections > 0, hear)
+    shapes = (len(BANDS) * cells * bins,), (cells, 3), *(2 * [(7, grid.rooms)]), *(2 * [(7, grid.rooms, grid.rooms)])
+    nothing = _Sums(*(jnp.zeros(shape, jnp.float32) for shape in shapes))
+    (ray, sums), _ = jax.lax.scan(walk.bounce, (first, nothing), jax.random.split(draws, config.num_bounces))
     scale = 4 * jnp.pi * metres / rays / grid.volume
-    return heard.reshape(len(BANDS), cells, bins) * scale[None, :, None], ray.travelled
+    energy = sums.heard.reshape(len(BANDS), cells, bins) * scale[None, :, None]
+    return Flown(energy, sums.way * scale[:, None], ray.travelled, *sums[2:])
 
 
 class _Walk(NamedTuple):
     """What all bounces share."""
 
     scene: Scene
+    grid: Grid
     octave: Int[Array, " n"]
     air: Float[Array, " n"]  # [1/m]
     mirrors: bool  # whether early paths render first-order reflections
-    hear: Callable[..., Array]
+    hear: Callable[..., _Sums]
 
-    def bounce(self, carry: tuple[_Ray, Array], key: Array) -> tuple[tuple[_Ray, Array], None]:
+    def bounce(self, carry: tuple[_Ray, _Sums], key: Array) -> tuple[tuple[_Ray, _Sums], None]:
         """One segment, heard on its way, and the reflection at its end."""
-        ray, heard = carry
+        ray, sums = carry
+        share, turn = jax.random.split(key)
         reach = jnp.where(ray.energy > 0, FAR, -1.0)
         hit = cast(self.scene, ray.origin, ray.direction, t_max=reach, mask=int(Ray.SOUND))
         met = surface_at(self.scene, ray.direction, hit)
-        alive = hit.instance >= 0
+        wall, alive = hit.instance == ARCHITECTURE, hit.instance >= 0
         length = jnp.where(alive, hit.t, 0.0)
-        heard = self.hear(heard, ray, length, self.air)
+        point = ray.origin + length[:, None] * ray.direction
+        room = _room_at(point + INWARD * met.normal, self.grid)
+        room = jnp.where(alive & (room >= 0), room, ray.room)
+        sums = self.hear(sums, ray, length, self.air)
         left = ray.energy * jnp.exp(-self.air * length) * (1 - self._own(met.absorption))
-        direction, mirrored = _reflect(ray.direction, met.normal, self._own(met.scattering), key)
-        rendered = (ray.travelled == 0) & mirrored & (hit.instance == ARCHITECTURE) & self.mirrors
-        new = _Ray(
-            ray.origin + length[:, None] * ray.direction + SKIN * met.normal,
-            direction,
-            ray.travelled + length,
-            jnp.where(alive, left, 0.0),
-            jnp.where(rendered, 0.0, 1.0),
-        )
-        return (new, heard), None
+        left = jnp.where(alive, left, 0.0)
+        sums = self._account(sums, ray, room, length, left)
+        sums = self._leak(sums, ray, room, point, met, wall)
+
+        pick, energy = share_out(left, room, self.octave, self.grid.rooms, share)
+        direction, mirrored = _reflect(ray.direction[pick], met.normal[pick], self._own(met.scattering)[pick], turn)
+        rendered = (ray.travelled[pick] == 0) & mirrored & wall[pick] & self.mirrors
+        origin, flown = (point + SKIN * met.normal)[pick], (ray.travelled + length)[pick]
+        return (_Ray(origin, direction, flown, energy, jnp.where(rendered, 0.0, 1.0), room[pick]), sums), None
+
+    def _account(
+        self, sums: _Sums, ray: _Ray, room: Int[Array, " n"], length: Float[Array, " n"], left: Float[Array, " n"]
+    ) -> _Sums:
+        """Adds where energy was, where it was lost, and where it went."""
+        middle = ray.energy * jnp.exp(-0.5 * self.air * length)
+        here = 0.5 * middle * length
+        lived = sums.lived.at[self.octave, ray.room].add(here).at[self.octave, room].add(here)
+        lost = sums.lost.at[self.octave, room].add(ray.energy - left)
+        moved = sums.moved.at[self.octave, ray.room, room].add(jnp.where(room != ray.room, middle, 0.0))
+        return sums._replace(lived=lived, lost=lost, moved=moved)
+
+    def _leak(
+        self,
+        sums: _Sums,
+        ray: _Ray,
+        room: Int[Array, " n"],
+        point: Float[Array, "n 3"],
+        met: AcousticSurface,
+        wall: Bool[Array, " n"],
+    ) -> _Sums:
+        """Adds what walls let through to the room behind them; floors and ceilings let nothing through."""
+        behind = jnp.full(room.shape, -1, jnp.int32)
+        for depth in BEHIND[::-1]:
+            found = _room_at(point - depth * met.normal, self.grid)
+            behind = jnp.where((found >= 0) & (found != room), found, behind)
+        counts = wall & (behind >= 0) & (jnp.abs(met.normal[:, 2]) < 0.5)
+        length = jnp.linalg.norm(point - ray.origin, axis=1)
+        energy = ray.energy * jnp.exp(-self.air * length) * self._own(met.transmission)
+        behind = jnp.maximum(behind, 0)
+        return sums._replace(through=sums.through.at[self.octave, room, behind].add(jnp.where(counts, energy, 0.0)))
 
     def _own(self, values: Float[Array, "n bands"]) -> Float[Array, " n"]:
         """Of each ray's octave."""
@@ -126,40 +201,49 @@ def _reflect(
 
 
 def _hear(
-    heard: Float[Array, " x"],
+    sums: _Sums,
     ray: _Ray,
     length: Float[Array, " n"],
     air: Float[Array, " n"],
     *,
     grid: Grid,
-    step: float,
     octave: Int[Array, " n"],
     late: Float[Array, " n"],
     metres: float,
-) -> Float[Array, " x"]:
+) -> _Sums:
     """Adds what cells hear of each ray's segment at the times (k + late) bins that fall into it."""
+    heard, way = sums.heard, sums.way
     cells = grid.volume.shape[0]
     bins = heard.shape[0] // cells // len(BANDS)
     first = jnp.ceil(ray.travelled / metres - late)
     for stamp in range(STAMPS):
         index = first + stamp
         along = (index + late) * metres - ray.travelled
-        cell = _cell_at(ray.origin + along[:, None] * ray.direction, grid, step)
+        point = ray.origin + along[:, None] * ray.direction
+        cell = _cell_at(point, grid)
         inside = (along < length) & (cell >= 0) & (index < bins) & (ray.counts > 0)
+        inside = inside & (point[:, 2] >= grid.low[cell]) & (point[:, 2] < grid.high[cell])
         energy = jnp.where(inside, ray.energy * jnp.exp(-air * along), 0.0)
         place = (octave * cells + cell) * bins + index.astype(jnp.int32)
         heard = heard.at[jnp.where(inside, place, heard.shape[0])].add(energy, mode="drop")
-    return heard
+        way = way.at[jnp.where(inside, cell, cells)].add(energy[:, None] * ray.direction, mode="drop")
+    return sums._replace(heard=heard, way=way)
 
 
-def _cell_at(point: Float[Array, "n 3"], grid: Grid, step: float) -> Int[Array, " n"]:
-    """Cell that holds each point; -1 none. Storeys are tried one after the other."""
-    at = jnp.floor((point[:, :2] - grid.origin[None]) / step).astype(jnp.int32)
+def _room_at(point: Float[Array, "n 3"], grid: Grid) -> Int[Array, " n"]:
+    """Room over whose floor each point is; -1 none."""
+    cell = _cell_at(point, grid)
+    return jnp.where(cell >= 0, grid.room[cell], -1)
+
+
+def _cell_at(point: Float[Array, "n 3"], grid: Grid) -> Int[Array, " n"]:
+    """Cell over whose floor each point is, of the highest storey that is below it; -1 none."""
+    at = jnp.floor((point[:, :2] - grid.origin[None]) / grid.step).astype(jnp.int32)
     levels, rows, columns = grid.lookup.shape
     there = (at[:, 0] >= 0) & (at[:, 0] < columns) & (at[:, 1] >= 0) & (at[:, 1] < rows)
     found = jnp.full(point.shape[0], -1, jnp.int32)
     for level in range(levels):
         cell = grid.lookup[level, jnp.clip(at[:, 1], 0, rows - 1), jnp.clip(at[:, 0], 0, columns - 1)]
-        held = there & (cell >= 0) & (point[:, 2] >= grid.low[cell]) & (point[:, 2] < grid.high[cell])
-        found = jnp.where(held, cell, found)
+        above = point[:, 2] >= grid.low[cell] - (FROM_FLOOR + INWARD)
+        found = jnp.where(there & (cell >= 0) & above, cell, found)
     return found

@@ -1,102 +1,92 @@
-"""What is baked, and how it is read: late energy between any two points of a house."""
+"""What baking gives for one house, and several of them side by side."""
 
-import jax
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int, UInt8
+from jaxtyping import Float, Int, Int8, UInt8
 
-from home_mjx.core.pytree import Pytree
+from home_mjx.audio_jax.baking.spans import SILENT
+from home_mjx.bank.records.late_sound import LateSound
 
-SPANS = (0, 2, 6, 14)  # bins after the first arrival at which a span of time begins; the last one never ends
-NEAR = 8  # cells that matter at one place
+# Of each field, what the lengths of its first axes are rounded up to a multiple of; the others are alike in all houses.
+AXES: dict[str, tuple[int, ...]] = {
+    **dict.fromkeys(("distance", "level", "comes_from"), (16, 16)),
+    "room": (16,),
+    **dict.fromkeys(("shape", "opening", "wall"), (4, 4)),
+    **dict.fromkeys(("volume", "loss"), (4,)),
+    **dict.fromkeys(("near", "weight"), (1, 8, 8, 1)),
+    "floor": (1,),
+    **dict.fromkeys(("portal_room", "portal_share", "portal_leaf", "portal_leak"), (4,)),
+}
+HALF = ("distance", "level", "shape", "weight", "loss", "opening", "wall", "portal_leak")
+PADDING: dict[str, Any] = {
+    "level": np.log(SILENT),
+    "shape": np.log(SILENT),
+    "floor": np.inf,
+    "volume": 1.0,
+    "loss": 1.0,
+    "portal_leaf": -1,
+}
 
 
-class LateField(Pytree):
-    """Late sound of one house with everything as it was compiled.
+@dataclass(frozen=True)
+class LateField:
+    """Late sound of one house; see `bank.records.late_sound.LateSound` for its fields."""
 
-    Between cells i and j sound arrives after `distance[i, j] / c`. Its energy is kept per octave for four spans of
-    time after that, as logarithms, which half precision holds. Within a span time runs as it does between their rooms,
-    `shape`, which many rays have found together. In between, energies are interpolated: means of noisy logarithms would
-    be too low.
-    """
-
-    distance: Float[Array, "n n"]  # [m], from cell to cell around what stands in between
-    level: Float[Array, "n n spans bands"]  # ln of the energy re the free field at 1 m
-    shape: Float[Array, "rooms rooms bands k"]  # ln of the energy per bin between two rooms, of which each span holds 1
-    room: Int[Array, " n"]  # of each cell
-    near: UInt8[Array, "levels rows columns e"]  # cells around each place
-    weight: Float[Array, "levels rows columns e"]  # of these; they add up to 1
-    floor: Float[Array, " levels"]  # [m]
-    origin: Float[Array, " 2"]  # [m], of place (0, 0)
-    step: Float[Array, ""]  # [m], between places
+    distance: Float[np.ndarray, "n n"]
+    level: Float[np.ndarray, "n n spans bands"]
+    comes_from: Int8[np.ndarray, "n n 3"]
+    room: Int[np.ndarray, " n"]
+    shape: Float[np.ndarray, "r r bands knots"]
+    near: UInt8[np.ndarray, "levels rows columns e"]
+    weight: Float[np.ndarray, "levels rows columns e"]
+    floor: Float[np.ndarray, " levels"]
+    origin: Float[np.ndarray, " 2"]
+    step: Float[np.ndarray, ""]
+    volume: Float[np.ndarray, " r"]
+    loss: Float[np.ndarray, "r bands"]
+    opening: Float[np.ndarray, "r r bands"]
+    wall: Float[np.ndarray, "r r bands"]
+    portal_room: Int[np.ndarray, "p 2"]
+    portal_share: Float[np.ndarray, " p"]
+    portal_leaf: Int[np.ndarray, "p 2"]
+    portal_leak: Float[np.ndarray, "p bands"]
 
     @property
     def nbytes(self) -> int:
-        """Bytes of all arrays."""
-        return sum(x.nbytes for x in jax.tree.leaves(self))
+        """Bytes of all arrays, as they are kept."""
+        return sum(x.nbytes for x in vars(self).values())
 
 
-def late_energy(
-    field: LateField, source: Float[Array, "3"], listener: Float[Array, "3"], metres: float
-) -> Float[Array, "k bands"]:
-    """Energy per time bin and octave between two points, without direct sound and first-order reflections.
+def small(values: dict[str, np.ndarray]) -> LateField:
+    """A field of arrays in the least precision that will do."""
+    half = {name: np.clip(values[name], -6e4, 6e4).astype(np.float16) for name in HALF}
+    rest = {n: x.astype(np.float32) if x.dtype == np.float64 else x for n, x in values.items() if n not in half}
+    return LateField(**rest, **half)
+
+
+def stacked(fields: Sequence[LateField], leaf_rows: Sequence[Int[np.ndarray, " k"]]) -> LateSound:
+    """Fields of several houses, padded to the largest.
 
     Args:
-        field: Of the house.
-        source: [m].
-        listener: [m].
-        metres: That sound travels in one bin.
-
-    Returns:
-        Histogram re the free field of the source at 1 m; bins count from the source's click.
+        fields: One per house.
+        leaf_rows: Of each house, the bank's row of each of its doors' leaves.
     """
-    from_cell, from_weight = _around(field, source)
-    to_cell, to_weight = _around(field, listener)
-    both = from_weight[:, None] * to_weight[None]
-    pairs = jnp.exp(field.level[from_cell[:, None], to_cell[None]].astype(jnp.float32))
-    level = jnp.einsum("ij,ijsb->sb", both, pairs, precision="highest")
-    way = jnp.sum(both * field.distance[from_cell[:, None], to_cell[None]].astype(jnp.float32))
-    way = jnp.maximum(way, jnp.linalg.norm(source - listener))
-
-    count = field.shape.shape[-1]
-    rooms = field.shape.shape[0]
-    at, heard_at = (_in_rooms(field, *x, rooms) for x in ((from_cell, from_weight), (to_cell, to_weight)))
-    shape = jnp.einsum("r,q,rqbk->kb", at, heard_at, jnp.exp(field.shape.astype(jnp.float32)), precision="highest")
-    span = jnp.asarray(np.searchsorted(SPANS, np.arange(count), side="right") - 1)
-    energy = shape * level[span]
-    return _delayed(energy, way / metres)
+    rows = [np.append(row, -1)[field.portal_leaf] for field, row in zip(fields, leaf_rows, strict=True)]
+    fields = [dataclasses.replace(field, portal_leaf=leaf) for field, leaf in zip(fields, rows, strict=True)]
+    return LateSound(**{f.name: jnp.asarray(_padded(f.name, fields)) for f in dataclasses.fields(LateField)})
 
 
-def _around(field: LateField, point: Float[Array, "3"]) -> tuple[Int[Array, " e"], Float[Array, " e"]]:
-    """Cells around a point and their weights, between the four nearest places of its storey."""
-    level = jnp.argmax(jnp.where(field.floor <= point[2], field.floor, -jnp.inf))
-    at = (point[:2] - field.origin) / field.step - 0.5
-    whole = jnp.floor(at)
-    rest = at - whole
-    cells, weights = [], []
-    for right in (0, 1):
-        for up in (0, 1):
-            share = jnp.abs(1 - right - rest[0]) * jnp.abs(1 - up - rest[1])
-            column = jnp.clip(whole[0].astype(jnp.int32) + right, 0, field.near.shape[2] - 1)
-            row = jnp.clip(whole[1].astype(jnp.int32) + up, 0, field.near.shape[1] - 1)
-            cells.append(field.near[level, row, column].astype(jnp.int32))
-            weights.append(share * field.weight[level, row, column].astype(jnp.float32))
-    return jnp.concatenate(cells), jnp.concatenate(weights)
-
-
-def _in_rooms(
-    field: LateField, cell: Int[Array, " e"], weight: Float[Array, " e"], rooms: int
-) -> Float[Array, " rooms"]:
-    return jax.nn.one_hot(field.room[cell], rooms, dtype=jnp.float32).T @ weight
-
-
-def _delayed(energy: Float[Array, "k bands"], bins: Float[Array, ""]) -> Float[Array, "k bands"]:
-    """Energies later by some bins, shared between the two nearest ones."""
-    count = energy.shape[0]
-    whole = jnp.floor(bins).astype(jnp.int32)
-    rest = bins - whole
-    padded = jnp.concatenate([jnp.zeros_like(energy), energy])
-    start = jnp.clip(count - whole, 1, count)
-    first = jax.lax.dynamic_slice_in_dim(padded, start, count)
-    second = jax.lax.dynamic_slice_in_dim(padded, start - 1, count)
-    return (1 - rest) * first + rest * second
+def _padded(name: str, fields: Sequence[LateField]) -> np.ndarray:
+    arrays = [np.asarray(getattr(field, name)) for field in fields]
+    size = np.max([x.shape for x in arrays], axis=0).astype(int)
+    for axis, block in enumerate(AXES.get(name, ())):
+        size[axis] = max(-(-size[axis] // block), 1) * block
+    out = np.full((len(arrays), *size), PADDING.get(name, 0), arrays[0].dtype)
+    for row, x in enumerate(arrays):
+        out[(row, *(slice(n) for n in x.shape))] = x
+    return out

@@ -10,6 +10,7 @@ from jaxtyping import Array, Int, UInt8
 from home_mjx.bank.records.bodies import Physics
 from home_mjx.bank.records.declaration import Declaration, Key
 from home_mjx.bank.records.geometry import Geometry
+from home_mjx.bank.records.late_sound import LateSound
 from home_mjx.bank.records.light import Lights
 from home_mjx.bank.records.owners import HouseAt
 from home_mjx.bank.records.places import Navigation
@@ -59,6 +60,7 @@ class BankArrays(Pytree):
     draw: Int[Array, " h"]  # what resets draw from: house indices, each as often as any other that may be drawn
     house_id: UInt8[Array, "h id_bytes"] = array("ASCII of the dataset's house id", source=ascii_id)
     spec: BankSpec = static()
+    late: LateSound | None = None  # that `audio_jax.with_late_sound` has added; None: nothing is baked
 
 
 Bank = TypeVar("Bank", bound=BankArrays)

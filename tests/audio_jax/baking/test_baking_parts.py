@@ -1,7 +1,8 @@
-"""Cells, tallies and what is read between them, on data made by hand."""
+"""Cells, tallies, spans and the splitting of rays, on data made by hand."""
 
 from itertools import pairwise
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -10,7 +11,9 @@ from handmade import shoebox
 
 from home_mjx.audio_jax.baking.cells import FROM_CEILING, FROM_FLOOR, MOST_CELLS, divide
 from home_mjx.audio_jax.baking.fit import Tally, neighbours
-from home_mjx.audio_jax.baking.late_field import SPANS, _delayed
+from home_mjx.audio_jax.baking.reading import _delayed
+from home_mjx.audio_jax.baking.spans import BINS, KNOTS, SPANS, at_knots, between
+from home_mjx.audio_jax.baking.split import share_out
 
 
 def test_cells_fill_the_rooms():
@@ -55,6 +58,23 @@ def test_each_span_of_a_shape_holds_one():
     np.testing.assert_allclose(np.add.reduceat(shape[0, 0, 0], SPANS), 1, rtol=1e-6)
 
 
+def test_knots_give_back_two_slopes():
+    """A bend at -20 dB: between knots within 0.2 dB, and every span holds 1."""
+    time = np.arange(BINS)
+    decay = np.exp(-0.06 * time) + 0.01 * np.exp(-0.012 * time)
+    spans = np.add.reduceat(decay, SPANS)
+    decay /= np.repeat(spans, np.diff([*SPANS, BINS]))
+    read = np.exp(between(BINS) @ at_knots(decay))
+    np.testing.assert_allclose(np.add.reduceat(read, SPANS), 1, rtol=1e-6)
+    np.testing.assert_allclose(10 * np.log10(read / decay)[SPANS[-1] :], 0, atol=0.2)
+    assert len(KNOTS) < 48
+
+
+def test_the_last_slope_goes_on_after_the_last_knot():
+    read = np.exp(between(700) @ at_knots(np.exp(-0.02 * np.arange(BINS))))
+    np.testing.assert_allclose(read[650] / read[550], np.exp(-2), rtol=0.03)
+
+
 def test_arrivals_count_from_the_first_possible_one():
     """What comes 30 bins late between cells 30 bins apart is in the first span."""
     tally = Tally(np.zeros(2, int), np.array([[0.0, 30.0], [30.0, 0.0]]), 1, 100, 1.0)
@@ -62,6 +82,25 @@ def test_arrivals_count_from_the_first_possible_one():
     heard[0, 1, 31] = 5.0
     tally.add(0, heard, 100.0)
     assert tally.pair[0, 1].ravel().tolist() == [5, 0, 0, 0]
+
+
+def test_splitting_keeps_the_energy_of_each_room():
+    """Over many draws the energy of every ray's descendants is its own; a room of 1 % has 9 % of the rays."""
+    rng = np.random.default_rng(0)
+    octave = jnp.repeat(jnp.arange(7, dtype=jnp.int32), 50)
+    room = jnp.asarray(rng.random(350) < 0.2, jnp.int32)
+    energy = jnp.asarray(rng.random(350) * np.where(np.asarray(room) == 1, 0.05, 1.0), jnp.float32)
+
+    def left(key: jax.Array) -> tuple[jax.Array, jax.Array]:
+        pick, new = share_out(energy, room, octave, 2, key)
+        return jnp.zeros(350).at[pick].add(new), jnp.mean(room[pick] == 1)
+
+    after, share = jax.vmap(left)(jax.random.split(jax.random.key(1), 4000))
+    np.testing.assert_allclose(after.mean(axis=0), energy, atol=0.02)
+    assert float(share.mean()) > 3 * float(energy[room == 1].sum() / energy.sum())
+    assert np.array_equal(
+        np.asarray(octave)[np.asarray(share_out(energy, room, octave, 2, jax.random.key(2))[0])], octave
+    )
 
 
 def test_weights_are_those_of_cells_in_view():

@@ -24,6 +24,10 @@ def test_lengths_follow_from_rates():
         ({"humidity": 150.0}, "humidity of 0..100 %"),
         ({"receiver": "binural"}, "Did you mean `binaural`"),
         ({"detector": "rein"}, "Did you mean `rain`"),
+        ({"late": "backed"}, "Did you mean `baked`"),
+        ({"late": "baked", "bin_seconds": 0.002}, "late='baked' has no sound for bin_seconds=0.002"),
+        ({"late": "baked", "reflection_order": 2}, "late='baked' has no sound for reflection_order=2"),
+        ({"late": "baked", "num_reflections": 0}, "late='baked' needs reflections"),
     ],
 )
 def test_unusable_values_are_refused(options, message):
