@@ -6,8 +6,8 @@ from home_mjx.audio_jax.auralization.schedule import loudness
 from home_mjx.audio_jax.auralization.sources import CLIPS, clip_samples
 from home_mjx.audio_jax.auralization.spectra import log_mel, stft_magnitude
 from home_mjx.audio_jax.auralization.stream import faded_frame, given_off, sound_frame
+from home_mjx.audio_jax.baked.reading import baked_sound
 from home_mjx.audio_jax.baking.bake import BakeOptions
-from home_mjx.audio_jax.baking.reading import baked_sound
 from home_mjx.audio_jax.baking.store import with_late_sound
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Sounds, Source

@@ -8,13 +8,13 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from home_mjx.audio_jax.baking.balance import flow_of
+from home_mjx.audio_jax.baked.spans import BINS, at_knots
 from home_mjx.audio_jax.baking.cells import Cells, divide
 from home_mjx.audio_jax.baking.fit import Tally
 from home_mjx.audio_jax.baking.flight import Flown, Grid, fly
+from home_mjx.audio_jax.baking.flow import flow_of
 from home_mjx.audio_jax.baking.late_field import LateField, small
 from home_mjx.audio_jax.baking.places import clear_points, in_view, places, start_points, ways
-from home_mjx.audio_jax.baking.spans import BINS, at_knots
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_number

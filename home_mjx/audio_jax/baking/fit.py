@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from home_mjx.audio_jax.baking.spans import SILENT, SPANS
+from home_mjx.audio_jax.baked.spans import SILENT, SPANS
 
 BLOCK = 10  # bins
 PRIOR = 0.05  # share of a pair's energy that is spread over the spans as between all cells of its rooms

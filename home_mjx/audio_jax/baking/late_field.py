@@ -9,8 +9,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int, Int8, UInt8
 
-from home_mjx.audio_jax.baking.spans import SILENT
-from home_mjx.bank.records.late_sound import LateSound
+from home_mjx.audio_jax.baked.spans import SILENT
+from home_mjx.bank.records.sound import LateSound
 
 # Of each field, what the lengths of its first axes are rounded up to a multiple of; the others are alike in all houses.
 AXES: dict[str, tuple[int, ...]] = {
@@ -35,7 +35,7 @@ PADDING: dict[str, Any] = {
 
 @dataclass(frozen=True)
 class LateField:
-    """Late sound of one house; see `bank.records.late_sound.LateSound` for its fields."""
+    """Late sound of one house; see `bank.records.sound.LateSound` for its fields."""
 
     distance: Float[np.ndarray, "n n"]
     level: Float[np.ndarray, "n n spans bands"]

@@ -10,11 +10,10 @@ from jaxtyping import Array, Int, UInt8
 from home_mjx.bank.records.bodies import Physics
 from home_mjx.bank.records.declaration import Declaration, Key
 from home_mjx.bank.records.geometry import Geometry
-from home_mjx.bank.records.late_sound import LateSound
 from home_mjx.bank.records.light import Lights
 from home_mjx.bank.records.owners import HouseAt
 from home_mjx.bank.records.places import Navigation
-from home_mjx.bank.records.sound import Acoustics
+from home_mjx.bank.records.sound import Acoustics, LateSound
 from home_mjx.bank.records.surfaces import Finish, Materials
 from home_mjx.core.pytree import Pytree, array, declared, static
 from home_mjx.errors import ConfigError

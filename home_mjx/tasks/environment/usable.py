@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from home_mjx.audio_jax.baking.reading import late_of
+from home_mjx.audio_jax.baked.reading import late_of
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_number
 from home_mjx.errors import ConfigError

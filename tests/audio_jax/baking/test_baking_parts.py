@@ -9,10 +9,10 @@ import pytest
 from acoustic_rooms import coupled
 from handmade import shoebox
 
+from home_mjx.audio_jax.baked.reading import _delayed
+from home_mjx.audio_jax.baked.spans import BINS, KNOTS, SPANS, at_knots, between
 from home_mjx.audio_jax.baking.cells import FROM_CEILING, FROM_FLOOR, MOST_CELLS, divide
 from home_mjx.audio_jax.baking.fit import Tally, neighbours
-from home_mjx.audio_jax.baking.reading import _delayed
-from home_mjx.audio_jax.baking.spans import BINS, KNOTS, SPANS, at_knots, between
 from home_mjx.audio_jax.baking.split import share_out
 
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from home_mjx.audio_jax.baking.balance import _exponential, _gap, _matrix, _over_time, _stepwise
+from home_mjx.audio_jax.baked.balance import _exponential, _gap, _matrix, _over_time
+from home_mjx.audio_jax.baking.flow import _stepwise
 
 
 def test_energies_over_time_are_those_of_the_matrix_exponential():

@@ -10,7 +10,7 @@ from handmade import shoebox
 
 from home_mjx import HouseBank, HouseholdEnv
 from home_mjx.audio_jax import AudioConfig, BakeOptions, Listener, Source, baked_sound, energy_response, with_late_sound
-from home_mjx.audio_jax.baking.balance import leaf_openings
+from home_mjx.audio_jax.baked.balance import leaf_openings
 from home_mjx.audio_jax.baking.store import entry_of
 from home_mjx.datasets.procedural.dataset import generate_dataset
 from home_mjx.errors import ConfigError

@@ -4,11 +4,11 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from home_mjx.audio_jax.baking.balance import balance
-from home_mjx.audio_jax.baking.spans import between, span_of
+from home_mjx.audio_jax.baked.balance import balance
+from home_mjx.audio_jax.baked.spans import between, span_of
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.bank.bank import HouseBank
-from home_mjx.bank.records.late_sound import LateSound
+from home_mjx.bank.records.sound import LateSound
 from home_mjx.core.pytree import Pytree
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.scene.types import Scene

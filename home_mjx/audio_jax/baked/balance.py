@@ -4,10 +4,9 @@ from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
-import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Float
 
-from home_mjx.bank.records.late_sound import LateSound
+from home_mjx.bank.records.sound import LateSound
 from home_mjx.core.transforms import compose, invert
 from home_mjx.raycast_render.scene.types import Scene
 
@@ -81,7 +80,8 @@ def leaf_openings(scene: Scene) -> Float[Array, " doors"]:
     return jnp.where(valid, jnp.clip(jnp.where(slides, slid, hinged), 0.0, 1.0), 1.0)
 
 
-def _gap(angle: Float[Array, " doors"]) -> Float[Array, " doors"]:
+def _gap(angle: Float[Array, "*doors"]) -> Float[Array, "*doors"]:
+    """Share of a doorway that is open, re the leaf's width."""
     turned = jnp.clip(jnp.abs(jnp.arctan2(jnp.sin(angle), jnp.cos(angle))), 0.0, jnp.pi / 2)
     gap = 2 * jnp.sin(turned / 2)
     return gap * (1 - gap / 4)
@@ -95,7 +95,7 @@ def _shares(
     leaf = late.portal_leaf[house]
     each = opening[jnp.clip(leaf, 0, max(opening.size - 1, 0))] if opening.size else jnp.ones(leaf.shape, jnp.float32)
     known = leaf >= 0
-    mean = jnp.sum(jnp.where(known, each, 0.0), axis=1) / jnp.maximum(jnp.sum(known, axis=1), 1)
+    mean = jnp.sum(jnp.where(known, each, 0.0), axis=1) / jnp.maximum(jnp.sum(known, axis=1, dtype=jnp.float32), 1.0)
     shut = late.portal_share[house] * (1 - jnp.where(jnp.any(known, axis=1), mean, 1.0))  # (p,)
     ends = jax.nn.one_hot(late.portal_room[house], rooms, dtype=jnp.float32)  # (p, 2, r)
     tight = shut[:, None] * (1 - late.portal_leak[house].astype(jnp.float32))
@@ -140,57 +140,3 @@ def _over_time(
         power = jnp.matmul(power, power, precision="highest")
     heard = jnp.einsum("sbrk,r->skb", found, listener, precision="highest")
     return heard[:, :bins]
-
-
-class Flow(NamedTuple):
-    """What rays found of rooms, per octave; from sums of `flight.Flown` over all sources."""
-
-    loss: Float[np.ndarray, "r bands"]
-    opening: Float[np.ndarray, "r r bands"]
-    wall: Float[np.ndarray, "r r bands"]
-
-
-def flow_of(
-    volume: Float[np.ndarray, " r"],
-    lived: Float[np.ndarray, "bands r"],
-    lost: Float[np.ndarray, "bands r"],
-    moved: Float[np.ndarray, "bands r r"],
-    through: Float[np.ndarray, "bands r r"],
-    joined: Int[np.ndarray, "p 2"],
-) -> Flow:
-    """Losses and exchange of rooms, as many square metres one way as the other.
-
-    Args:
-        volume: Of the rooms [m³].
-        lived: See `Flown`.
-        lost: See `Flown`.
-        moved: See `Flown`.
-        through: See `Flown`.
-        joined: Pairs of rooms that have a portal. Where there are any, what flew through a third room counts as having
-            been there.
-    """
-    rate = volume / np.maximum(lived, 1e-30)  # (bands, r)
-    exchange = [np.moveaxis(_both_ways(x * rate[:, :, None]), 0, -1) for x in (moved, through)]
-    return Flow((lost / np.maximum(lived, 1e-30)).T, _stepwise(exchange[0], joined), exchange[1])
-
-
-def _both_ways(flow: Float[np.ndarray, "bands r r"]) -> Float[np.ndarray, "bands r r"]:
-    return 0.5 * (flow + np.swapaxes(flow, 1, 2))
-
-
-def _stepwise(
-    exchange: Float[np.ndarray, "r r bands"], joined: Int[np.ndarray, "p 2"]
-) -> Float[np.ndarray, "r r bands"]:
-    """Exchange of rooms that have no portal in common goes over the room that joins both best."""
-    if not len(joined):
-        return exchange
-    near = np.zeros(exchange.shape[:2], bool)
-    near[tuple(joined.T)] = near[tuple(joined.T[::-1])] = True
-    total, out = exchange.sum(axis=-1), np.where(near[..., None], exchange, 0.0)
-    for a, b in np.argwhere(np.triu(~near & (total > 0), 1)):
-        over = np.where(near[a] & near[b], np.minimum(total[a], total[b]), 0.0)
-        if over.max() > 0:
-            c = int(np.argmax(over))
-            for one, other in ((a, c), (c, a), (b, c), (c, b)):
-                out[one, other] += exchange[a, b]
-    return out
