@@ -48,11 +48,26 @@ def impulse_response(
     """
     trace_key, noise_key = jax.random.split(key)
     paths = early_paths(scene, source, listener, config)
+    energy = late_energy(scene, source, listener, trace_key, config)
+    return with_late(paths, energy, listener.quat, noise_key, config)
+
+
+def late_energy(
+    scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig
+) -> Float[Array, "k 2 bands"]:
+    """Late energy per time bin, ear and octave, re the free field of the source at 1 m: traced or baked.
+
+    Args:
+        scene: The environment.
+        source: Who sounds.
+        listener: Who hears.
+        key: Of the rays; of no use if late sound is baked.
+        config: `late` says which.
+    """
     if config.late == "baked":
-        energy, _ = baked_histogram(scene, source, listener, config)
-        return with_late(paths, energy, listener.quat, noise_key, config)
-    traced = trace(scene, source, listener, trace_key, config)
-    return assembled(paths, traced, listener.quat, noise_key, config)
+        return baked_histogram(scene, source, listener, config)[0]
+    rays = trace(scene, source, listener, key, config)
+    return energy_histogram(rays, ear_gains(rays.direction, listener.quat, config), config)
 
 
 def baked_histogram(
