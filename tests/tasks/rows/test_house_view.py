@@ -72,3 +72,11 @@ def test_of_several_things_the_one_that_is_nearest_is_seen(views):
     seen = seen_one_by_one(view, np.stack(eyes), np.stack(boxes))[: len(eyes)]
     assert len(seen) > 200
     assert seen.all()
+
+
+def test_views_made_again_compile_nothing(views, caplog):
+    """As each file of tasks that is read asks for them."""
+    with jax.log_compiles():
+        again = house_views(as_bank(None, 4))
+    assert not [record for record in caplog.records if "Compiling" in record.getMessage()]
+    assert again[0].things[0].box == pytest.approx(views[0].things[0].box)
