@@ -12,6 +12,8 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.tasks.variation.draw import Drawn
 from home_mjx.tasks.variation.ranges import Variation
 
+ON_FLOOR = 0.3  # [m]: starts of episodes are no farther from a floor
+
 
 class Episodes(Pytree):
     """Episodes drawn beforehand, one per row; or one of them without the leading axis.

@@ -5,6 +5,7 @@ from jaxtyping import UInt16
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.schema.compiled import FIELD_FAR, FIELD_UNIT
+from home_mjx.tasks.base.state import ON_FLOOR
 from home_mjx.tasks.limits.faults import Fault
 from home_mjx.tasks.rows.build import can_be_done
 from home_mjx.tasks.rows.house_view import HouseView
@@ -12,7 +13,6 @@ from home_mjx.tasks.rows.meaning import means_on_host
 from home_mjx.tasks.rows.words import Kind, Word
 
 BESIDE = 1.5  # cells: starts are no farther from the middle of one
-ON_FLOOR = 0.3  # [m]: nor from its floor
 NAMED = (Kind.OBJECT, Kind.ROOM)
 
 

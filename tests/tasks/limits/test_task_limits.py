@@ -8,7 +8,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from rich_rows import Rich
 
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.physics import PhysicsConfig
@@ -27,25 +26,12 @@ from home_mjx.tasks import (
     mentions,
     new_combinations,
     sample_episodes,
-    save_tasks,
 )
 from home_mjx.tasks.suite.navigation import mixable
 
 KINEMATIC = PhysicsConfig(impl="kinematic")
 CONFIG = EnvConfig(sensors=("state",), actions="discrete", physics=KINEMATIC)
 GONE = object()
-
-
-@pytest.fixture(scope="module")
-def env(generated_bank):
-    return HouseholdEnv(CONFIG, Rich(stop=True, num_tasks=2, min_length=0.0)).bind(generated_bank)
-
-
-@pytest.fixture(scope="module")
-def lines(env, tmp_path_factory):
-    path = tmp_path_factory.mktemp("rich") / "tasks.jsonl"
-    save_tasks(path, env.bank, env.params.tasks)
-    return [json.loads(line) for line in path.read_text().splitlines()]
 
 
 def changed(line, path, value):
