@@ -122,9 +122,9 @@ def film_checkpoint(
     Returns:
         How each episode has ended; nothing is printed.
     """
-    from home_mjx.training import read_config  # needs the extra `train`
+    from home_mjx.training import judged, read_config  # needs the extra `train`
 
-    env = dataclasses.replace(read_config(checkpoint).env, split=split, num_houses=num_houses)
+    env = judged(read_config(checkpoint).env, split, num_houses)
     return run_play(PlayOptions(env, "trained", checkpoint, episodes, seed, greedy, out), lambda line: None)
 
 
