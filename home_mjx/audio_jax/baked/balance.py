@@ -120,7 +120,7 @@ def _exponential(matrix: Float[Array, "*x r r"]) -> Float[Array, "*x r r"]:
     """exp(-matrix), by its series after some halvings."""
     small = -matrix / 2**HALVINGS
     one = jnp.eye(matrix.shape[-1], dtype=jnp.float32)
-    power = total = one + jnp.zeros_like(small)
+    power = total = jnp.broadcast_to(one, small.shape)
     for n in range(1, TERMS):
         power = jnp.matmul(power, small, precision="highest") / n
         total = total + power
