@@ -107,8 +107,8 @@ def _around(late: LateSound, house: Int[Array, ""], point: Float[Array, "3"]) ->
 def _delayed(energy: Float[Array, "k bands"], bins: Float[Array, ""]) -> Float[Array, "k bands"]:
     """Energies later by some bins, shared between the two nearest ones."""
     count = energy.shape[0]
-    whole = jnp.floor(bins).astype(jnp.int32)
-    rest = bins - whole
+    below = jnp.floor(bins)
+    whole, rest = below.astype(jnp.int32), bins - below
     padded = jnp.concatenate([jnp.zeros_like(energy), energy])
     start = jnp.clip(count - whole, 1, count)
     first = jax.lax.dynamic_slice_in_dim(padded, start, count)
