@@ -96,7 +96,7 @@ def house(tmp_path_factory):
 
 @pytest.mark.slow
 def test_shutting_a_door_makes_the_next_room_quiet(house):
-    """By 8 dB or more (a hollow leaf alone: 14 dB at 125 Hz); half open it is in between; the source's own room gets no quieter."""
+    """By 8 dB or more (a hollow leaf has 14 dB at 125 Hz); half open it is in between; the own room gets no quieter."""
     bank = with_late_sound(HouseBank.from_compiled([house]), [house], BakeOptions(rays=60, bounces=60))
     physics, portals = bank.physics, house.navigation.portals
     inner = np.flatnonzero((portals.room >= 0).all(axis=1) & (portals.leaf[:, 0] >= 0))
