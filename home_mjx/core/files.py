@@ -4,8 +4,8 @@ import json
 import os
 import shutil
 import stat
-import tempfile
 import uuid
+import zipfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -20,6 +20,7 @@ Row = TypeVar("Row")
 # The largest SUNCG file is a few MB and has 130,000 lines; anything larger is a mistake or an attack.
 MAX_BYTES = 1 << 25
 MAX_LINES = 1 << 20
+MAX_UNPACKED = 1 << 32  # [bytes], of arrays of one file
 TEMPORARY = ".tmp"  # how names of files end that are not yet whole; they begin with a dot
 
 
@@ -95,14 +96,39 @@ def read_arrays(path: Path, names: Sequence[str], what: str, hint: str) -> list[
         DatasetError: It is broken, or lacks a name.
     """
     try:
-        with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
+        with open_regular(path) as opened, np.load(opened, allow_pickle=False) as file:
+            _check_unpacked(file.zip, names, path)
             return [file[name] for name in names]
+    except DatasetError:  # of `_check_unpacked`
+        raise
     except FileNotFoundError:
         raise MissingFileError(f"there is no {what}", file=path, hint=hint) from None
     except KeyError as error:
         raise DatasetError(f"file lacks {error.args[0]}", file=path, hint="Another version made it.") from None
     except Exception as error:  # a made-up file can make NumPy and zipfile raise nearly anything, MemoryError too
         raise DatasetError(f"file is no {what}: {error}", file=path, hint=hint) from None
+
+
+def open_regular(path: Path) -> IO[bytes]:
+    """Opens a regular file for reading; never waits, as a pipe would have it.
+
+    Raises:
+        OSError: It is no regular file, or cannot be read.
+    """
+    handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+    if stat.S_ISREG(os.fstat(handle).st_mode):
+        return os.fdopen(handle, "rb")
+    os.close(handle)
+    raise OSError(f"{path} is not a regular file")
+
+
+def _check_unpacked(archive: zipfile.ZipFile, names: Sequence[str], path: Path) -> None:
+    """Refuses arrays that a small file would unpack to more than anyone writes."""
+    sizes = {info.filename.removesuffix(".npy"): info.file_size for info in archive.infolist()}
+    total = sum(sizes.get(name, 0) for name in names)
+    if total > MAX_UNPACKED:
+        message = f"arrays have {total} bytes when they are unpacked, at most {MAX_UNPACKED} are read"
+        raise DatasetError(message, file=path, hint="Write it again, in several files.")
 
 
 def is_file(path: Path) -> bool:
@@ -165,13 +191,13 @@ def write_whole(path: Path) -> Iterator[IO[bytes]]:
         ...     file.write(b"{}")
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=TEMPORARY)
+    temporary = path.with_name(f".{uuid.uuid4().hex}{TEMPORARY}")
     try:
-        with os.fdopen(handle, "wb") as file:
+        with temporary.open("xb") as file:  # with the permissions of any new file, so that others can read it
             yield file
-        os.replace(temporary, path)
+        temporary.replace(path)
     except BaseException:
-        Path(temporary).unlink(missing_ok=True)
+        temporary.unlink(missing_ok=True)
         raise
 
 
@@ -200,12 +226,23 @@ def write_durably(path: Path, what: str, hint: str | None = None) -> Iterator[IO
             file.flush()
             os.fsync(file.fileno())
         beside.replace(path)
+        _sync_folder(path.parent)
     except BaseException as error:
         with suppress(OSError):
             beside.unlink(missing_ok=True)
         if isinstance(error, OSError):
             raise unwritable(what, path, error, hint) from error
         raise
+
+
+def _sync_folder(folder: Path) -> None:
+    """Forces a folder's list of names to the disk; some systems cannot."""
+    with suppress(OSError):
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
 
 
 def unwritable(what: str, path: Path, error: OSError, hint: str | None = None) -> ConfigError:

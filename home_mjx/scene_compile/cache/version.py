@@ -13,7 +13,7 @@ from pathlib import Path
 from home_mjx.core.files import TEMPORARY
 from home_mjx.core.paths import cache_folder
 
-FORMAT = 6
+FORMAT = 7
 PACKAGE = Path(__file__).parents[2]
 # What makes an entry: a change of any of these makes all houses anew. A test holds it against the imports.
 COMPILER = (
