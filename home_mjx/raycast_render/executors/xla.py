@@ -96,7 +96,7 @@ def _start(world: _Operands) -> _State:
     alive = rays.t_min <= rays.t_max
 
     def add(slot: Array, carry: tuple[Array, Array]) -> tuple[Array, Array]:
-        slot = slot.astype(jnp.int32)
+        slot = jnp.asarray(slot, jnp.int32)  # a Python number where jit is disabled
         near = _slab(world.moving.box[world.env, slot].reshape(n, 6), rays.origin, rays.direction, rays.t_min)
         meets = alive & (near <= rays.t_max) & (world.moving.instance[world.env, slot] >= 0)
         return _push(*carry, jnp.where(meets, _leaf(world.geometry.instance_model.shape[1] + slot, 1), EMPTY))
