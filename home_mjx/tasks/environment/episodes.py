@@ -7,14 +7,15 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool
+from jaxtyping import Array
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_number
-from home_mjx.core.files import read_json_lines
+from home_mjx.core.files import read_json_lines, write_durably
 from home_mjx.errors import ConfigError, DatasetError, UnknownIdError
 from home_mjx.tasks.base.state import Episodes
 from home_mjx.tasks.base.task import Task
+from home_mjx.tasks.limits.fit import are_possible
 from home_mjx.tasks.suite.goals import OTHER_BANK
 from home_mjx.tasks.suite.point_nav import PointNav
 
@@ -77,10 +78,8 @@ def save_episodes(path: str | Path, bank: HouseBank, episodes: Episodes, task: T
         columns = {name: values[i] for name, values in host.columns.items()}
         own = {"house": ids[house], "start": host.start[i].tolist(), "yaw": float(host.yaw[i])}
         lines.append(json.dumps(own | task.to_json(bank, house, columns)))
-    try:
-        Path(path).write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
-    except OSError as error:
-        raise ConfigError(f"episodes cannot be written: {error.strerror}", file=path) from None
+    with write_durably(Path(path), "episodes") as file:
+        file.write("".join(f"{line}\n" for line in lines).encode())
 
 
 def load_episodes(path: str | Path, bank: HouseBank, task: Task = POINT_NAV) -> Episodes:
@@ -101,15 +100,11 @@ def load_episodes(path: str | Path, bank: HouseBank, task: Task = POINT_NAV) -> 
         hint = "Write one JSON object a line, see `save_episodes`."
         raise DatasetError("file holds no episode", file=path, hint=hint)
     episodes = Episodes(**jax.tree.map(lambda *values: jnp.asarray(np.stack(values)), *rows))
-    lost = np.flatnonzero(~np.asarray(_are_possible(task, bank, episodes)))
+    lost = np.flatnonzero(~np.asarray(are_possible(task, bank, episodes)))
     if len(lost):
         message = "from its start no agent can walk to its goal"
         raise DatasetError(message, file=path, element=f"line {lost[0] + 1}", hint=OTHER_BANK)
     return episodes
-
-
-def _are_possible(task: Task, bank: HouseBank, episodes: Episodes) -> Bool[Array, " e"]:
-    return jax.jit(lambda bank, rows: jax.vmap(lambda row: task.possible(bank, row))(rows))(bank, episodes)
 
 
 def _row(line: dict[str, Any], bank: HouseBank, index: dict[str, int], task: Task) -> dict[str, Any]:
