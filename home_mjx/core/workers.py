@@ -20,8 +20,9 @@ def usable_cores() -> int:
 
 @contextmanager
 def worker_pool(workers: int) -> Iterator[ProcessPoolExecutor]:
-    """A pool of freshly started processes. Work that has not begun when the block ends is dropped; of an
-    interrupted one also what has begun.
+    """A pool of freshly started processes.
+
+    Work that has not begun when the block ends is dropped; of an interrupted block, also what has begun.
 
     Args:
         workers: How many.
