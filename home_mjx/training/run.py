@@ -86,6 +86,10 @@ def train(
 
 def _updates_done(path: Path, config: RunConfig, resume: bool) -> int:
     """What an earlier part of the run has done; refuses a run that could not begin, before any house is made."""
+    core = config.env.core()
+    for _, options in config.stages:
+        if core is not None:
+            options.check_devices(len(jax.devices()), core.num_agents)
     if not path.exists():
         if config.start is not None:
             read_config(config.start)

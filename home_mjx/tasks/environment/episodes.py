@@ -7,15 +7,14 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array
+from jaxtyping import Array, Bool
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.core.checks import check_number
-from home_mjx.core.files import read_json_lines, write_durably
+from home_mjx.core.checks import check_number, check_type
+from home_mjx.core.files import as_path, read_json_lines, write_durably
 from home_mjx.errors import ConfigError, DatasetError, UnknownIdError
 from home_mjx.tasks.base.state import Episodes
 from home_mjx.tasks.base.task import Task
-from home_mjx.tasks.limits.fit import are_possible
 from home_mjx.tasks.suite.goals import OTHER_BANK
 from home_mjx.tasks.suite.point_nav import PointNav
 
@@ -71,6 +70,9 @@ def sample_episodes(
 
 def save_episodes(path: str | Path, bank: HouseBank, episodes: Episodes, task: Task = POINT_NAV) -> None:
     """Writes episodes as JSON lines, with ids and places instead of indices, so that any bank of the houses will do."""
+    as_path(path, "episodes")
+    check_type("bank", bank, HouseBank)
+    check_type("episodes", episodes, Episodes)
     ids, host = bank.house_ids, jax.tree.map(np.asarray, episodes)
     lines = []
     for i in range(len(host)):
@@ -78,7 +80,7 @@ def save_episodes(path: str | Path, bank: HouseBank, episodes: Episodes, task: T
         columns = {name: values[i] for name, values in host.columns.items()}
         own = {"house": ids[house], "start": host.start[i].tolist(), "yaw": float(host.yaw[i])}
         lines.append(json.dumps(own | task.to_json(bank, house, columns)))
-    with write_durably(Path(path), "episodes") as file:
+    with write_durably(as_path(path, "episodes"), "episodes") as file:
         file.write("".join(f"{line}\n" for line in lines).encode())
 
 
@@ -94,17 +96,23 @@ def load_episodes(path: str | Path, bank: HouseBank, task: Task = POINT_NAV) -> 
         DatasetError: A line is broken, names a house that the bank lacks or a goal that the house lacks, or starts
             where no way leads to the goal.
     """
+    file = as_path(path, "episodes")
+    check_type("bank", bank, HouseBank)
     index = {name: i for i, name in enumerate(bank.house_ids)}
-    rows = list(read_json_lines(Path(path), "episode", lambda line: _row(line, bank, index, task), MAX_BYTES))
+    rows = list(read_json_lines(file, "episode", lambda line: _row(line, bank, index, task), MAX_BYTES))
     if not rows:
         hint = "Write one JSON object a line, see `save_episodes`."
         raise DatasetError("file holds no episode", file=path, hint=hint)
     episodes = Episodes(**jax.tree.map(lambda *values: jnp.asarray(np.stack(values)), *rows))
-    lost = np.flatnonzero(~np.asarray(are_possible(task, bank, episodes)))
+    lost = np.flatnonzero(~np.asarray(_are_possible(task, bank, episodes)))
     if len(lost):
         message = "from its start no agent can walk to its goal"
         raise DatasetError(message, file=path, element=f"line {lost[0] + 1}", hint=OTHER_BANK)
     return episodes
+
+
+def _are_possible(task: Task, bank: HouseBank, episodes: Episodes) -> Bool[Array, " e"]:
+    return jax.jit(lambda bank, rows: jax.vmap(lambda row: task.possible(bank, row))(rows))(bank, episodes)
 
 
 def _row(line: dict[str, Any], bank: HouseBank, index: dict[str, int], task: Task) -> dict[str, Any]:

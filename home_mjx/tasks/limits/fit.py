@@ -1,11 +1,9 @@
 """Whether tasks fit an environment: refused when they are given, not when a reset draws them."""
 
-import functools
 from typing import Any
 
 import jax
 import numpy as np
-from jaxtyping import Array, Bool
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
@@ -54,16 +52,6 @@ def check_tasks(config: EnvConfig, task: Task, bank: HouseBank, tasks: Any) -> N
         ranges |= _of_bank(bank, tasks)
         tasks.check_weights()
     _check_rows(config, bank, rows, ranges)
-    lost = np.flatnonzero(~np.asarray(are_possible(task, bank, rows))) if isinstance(tasks, Episodes) else ()
-    if len(lost):
-        message = "from its start no agent can walk to its goal"
-        raise ConfigError(message, element=f"task {lost[0]}", hint=OTHER_HOUSES)
-
-
-@functools.partial(jax.jit, static_argnums=0)
-def are_possible(task: Task, bank: HouseBank, episodes: Episodes) -> Bool[Array, " e"]:
-    """Whether each of some episodes can be done in the bank, see `Task.possible`."""
-    return jax.vmap(lambda row: task.possible(bank, row))(episodes)
 
 
 def blank_row() -> dict[str, np.ndarray]:
@@ -120,6 +108,6 @@ def _check_rows(config: EnvConfig, bank: HouseBank, rows: Episodes, ranges: dict
         ("agent", "meant.agent", "told"), f"There are {config.num_agents} agents: see num_agents=..."
     )
     hints |= {"held": "Give hands=True.", "stopped": 'Give actions="discrete".', "said": "Give speech=(...)."}
-    fault = first_fault(rows, bank, ranges, feature_limits(config), hints)
+    fault = first_fault(rows, bank, ranges, feature_limits(config), hints, config.episode_length)
     if fault is not None:
         raise ConfigError(fault.message, element=f"task {fault.row}, {fault.field}", hint=fault.hint)

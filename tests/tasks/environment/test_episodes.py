@@ -9,7 +9,7 @@ from checked import checked
 from handmade import Furniture, shoebox
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.errors import ConfigError, DatasetError
+from home_mjx.errors import ConfigError, DatasetError, OutOfRangeError
 from home_mjx.navigation.grid import geodesic_distance
 from home_mjx.tasks.base.options import make_config
 from home_mjx.tasks.environment.autoreset import AutoReset
@@ -129,7 +129,7 @@ def test_episodes_out_of_range_are_refused(bank):
     episodes = sample_episodes(bank, 8)
     assert episodes.pick(7).house.shape == ()
     for index in (8, -1, jnp.array([0, 100])):
-        with pytest.raises(IndexError, match="episodes 0 to 7"):
+        with pytest.raises(OutOfRangeError, match="episodes 0 to 7"):
             episodes.pick(index)
 
 
@@ -177,5 +177,5 @@ def test_episodes_of_other_houses_are_refused(bank, env):
     assert env.with_tasks(episodes).params.tasks is episodes
     inside = episodes.start.at[2].set(jnp.array([0.0, 0.5, 0.0]))
     assert int(episodes.house[2]) == 0
-    with pytest.raises(ConfigError, match=r"no agent can walk to its goal \(at task 2\). Make them for these houses"):
+    with pytest.raises(ConfigError, match=r"nobody can stand at `start` \(0, 0.5, 0\) \(at task 2"):
         env.with_tasks(episodes.replace(start=inside))
