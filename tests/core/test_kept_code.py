@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from home_mjx.core.native import kept
+
 SOURCE = """
 from numba import cfunc, types
 from home_mjx.core.native.kept import with_checked_cache
@@ -59,3 +61,13 @@ def test_a_folder_that_cannot_be_written_to_only_costs_time(build, monkeypatch):
 
     monkeypatch.setattr("home_mjx.core.native.kept.FunctionCache", nowhere)
     assert build().ctypes(4) == 8
+
+
+def test_code_of_the_compiler_of_houses_is_checked_once(monkeypatch):
+    """Its functions are called for every model."""
+    checks = []
+    monkeypatch.setattr(kept, "drop_unsound", lambda *place: checks.append(place))
+    double = kept.with_cache_checked_once(lambda x: 2 * x)
+    monkeypatch.setattr(kept, "_place", lambda _: (Path("/nowhere"), "code"))
+    assert [double(x) for x in (1, 2, 3)] == [2, 4, 6]
+    assert len(checks) == 1

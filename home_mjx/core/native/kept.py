@@ -7,12 +7,14 @@ import logging
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from numba.core.caching import FunctionCache
 
 from home_mjx.core.files import read_bytes, read_text, write_whole
 from home_mjx.errors import DatasetError
+
+T = TypeVar("T")
 
 MAX_BYTES = 1 << 28  # of a compiled function
 SUMS = "sha256.json"
@@ -20,7 +22,7 @@ SUMS = "sha256.json"
 log = logging.getLogger(__name__)
 
 
-def with_checked_cache(build: Callable[[], Any]) -> Callable[[], Any]:
+def with_checked_cache(build: Callable[..., T]) -> Callable[..., T]:
     """Lets a function that compiles others of its own file, or loads them from Numba's cache, meet sound files only.
 
     What is not as it was noted, or was never noted, such as by a killed process, is removed before and so made anew.
@@ -34,17 +36,32 @@ def with_checked_cache(build: Callable[[], Any]) -> Callable[[], Any]:
     """
 
     @functools.wraps(build)
-    def checked() -> Any:
+    def checked(*args: Any) -> T:
         folder, stem = _place(build)
         if folder is None:
-            return build()
+            return build(*args)
         sums = folder / f"{stem}.{SUMS}"
         drop_unsound(folder, stem, sums)
-        made = build()
+        made = build(*args)
         _note(folder, stem, sums)
         return made
 
     return checked
+
+
+def with_cache_checked_once(function: Callable[..., T]) -> Callable[..., T]:
+    """As `with_checked_cache`, at the first call only: for what is called often, always with the same types."""
+    checked, done = with_checked_cache(function), []
+
+    @functools.wraps(function)
+    def first_checked(*args: Any) -> T:
+        if done:
+            return function(*args)
+        made = checked(*args)
+        done.append(True)
+        return made
+
+    return first_checked
 
 
 def drop_unsound(folder: Path, stem: str, sums: Path) -> None:

@@ -20,6 +20,7 @@ COMPILER = (
     "core/color.py",
     "core/files.py",
     "core/images.py",
+    "core/native/kept.py",
     "datasets/options.py",
     "datasets/seeds.py",
     "datasets/shapes",
