@@ -45,7 +45,9 @@ def check_house(house: CompiledHouse, house_id: str) -> None:
 
 
 def check_tree(tree: Tree, primitives: int) -> None:
-    """Raises `ValueError` unless a walk from the root ends within `MAX_DEPTH` levels, at primitives that there are.
+    """Raises `ValueError` unless it is a tree of at most `MAX_DEPTH` levels, over primitives that there are.
+
+    Nodes come after their parents, as `build_tree` has them.
 
     Args:
         tree: Any arrays of the right shapes.
@@ -56,24 +58,32 @@ def check_tree(tree: Tree, primitives: int) -> None:
         >>> check_tree(Tree(np.zeros((1, 2, 6)), np.array([[0, -1]])), primitives=2)
         Traceback (most recent call last):
         ...
-        ValueError: tree leads in a circle, or is too deep
+        ValueError: tree leads back
     """
-    child = tree.child.astype(np.int64)
-    leaf = ~child[child < 0]
-    inner = child[child >= 0]
-    if not len(child) or inner.max(initial=0) >= len(child):
+    child, count = tree.child.astype(np.int64), len(tree.child)
+    row, side = np.nonzero(child >= 0)
+    inner, leaf = child[row, side], ~child[child < 0]
+    if not count or inner.max(initial=0) >= count:
         raise ValueError("tree leads to nodes that there are not")
     if np.any((leaf >> LEAF_BITS) + (leaf & LEAF_MASK) > primitives):
         raise ValueError("tree leads to primitives that there are not")
-    level = np.zeros(1, np.int64)
-    for _ in range(MAX_DEPTH):
-        below = child[level].ravel()
-        level = below[below >= 0]
-        if not len(level):
-            return
-        if len(level) > len(child):  # met more than once
-            break
-    raise ValueError("tree leads in a circle, or is too deep")
+    if np.any(inner <= row):
+        raise ValueError("tree leads back")
+    parent = np.zeros(count, np.int64)
+    parent[inner] = row
+    if np.count_nonzero(np.bincount(inner, minlength=count) > 1):
+        raise ValueError("tree leads to a node twice")
+    if count >= MAX_DEPTH and np.any(_ancestor(parent, MAX_DEPTH - 1)):
+        raise ValueError("tree is too deep")
+
+
+def _ancestor(parent: Int[np.ndarray, " n"], steps: int) -> Int[np.ndarray, " n"]:
+    """What lies so many steps above each node; the root is above itself."""
+    found, jump = np.arange(len(parent)), parent
+    while steps:
+        found = jump[found] if steps & 1 else found
+        jump, steps = jump[jump], steps >> 1
+    return found
 
 
 def _check_range(name: str, values: Int[np.ndarray, " n"], least: int, below: int) -> None:

@@ -11,6 +11,9 @@ import pytest
 from test_compile_cache import assert_equal, compiles, entries, load, root  # noqa: F401
 
 from home_mjx.scene_compile.cache.entry import BROKEN, read_entry, write_entry
+from home_mjx.scene_compile.cache.soundness import check_tree
+from home_mjx.scene_compile.geometry.bvh import MAX_DEPTH, build_tree
+from home_mjx.schema.compiled import Tree
 
 
 def rewritten(path: Path, change):
@@ -118,3 +121,25 @@ def test_made_up_heads_of_entries_are_found_broken(tmp_path, head):
         archive.writestr("data", bytes(64))
     with pytest.raises(BROKEN):
         read_entry(tmp_path / "a.zip")
+
+
+def chain(length: int) -> Tree:
+    """Each node below the one before."""
+    child = np.stack([np.arange(1, length + 1), np.full(length, -1)], axis=1)
+    child[-1, 0] = ~(0 << 4 | 1)
+    return Tree(np.zeros((length, 2, 6), np.float32), child.astype(np.int32))
+
+
+def test_trees_deeper_than_the_stack_of_rays_are_found():
+    check_tree(chain(MAX_DEPTH), 1)
+    with pytest.raises(ValueError, match="too deep"):
+        check_tree(chain(MAX_DEPTH + 1), 1)
+
+
+def test_trees_as_they_are_built_are_sound(rng):
+    for count in (0, 1, 5, 5000):
+        low = rng.random((count, 3)) * 2.0 ** rng.integers(-40, 40, (count, 1))
+        tree, _ = build_tree(np.stack([low, low], axis=1), leaf_size=1)
+        check_tree(tree, count)
+        with pytest.raises(ValueError, match="primitives that there are not"):
+            check_tree(tree, count - 1)
