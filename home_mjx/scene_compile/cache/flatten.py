@@ -97,9 +97,12 @@ def _from_note(name: str, note: Any, hint: Any, arrays: Mapping[str, np.ndarray]
 
 def _checked(array: np.ndarray, hint: Any, name: str, lengths: dict[str, int]) -> np.ndarray:
     """The array, if its type is the hint's, and axes of one name in a record are of one length."""
-    axes, fits = _axes(hint), _fits(array.dtype, hint) and array.ndim == len(_axes(hint))
-    if not fits or any(lengths.setdefault(axis, n) != n for axis, n in zip(axes, array.shape, strict=True)):
-        raise ValueError(f"`{name}` is {array.dtype} {array.shape}, expected {axes}")
+    axes, shape = _axes(hint), array.shape
+    fits = len(axes) == len(shape) and _fits(array.dtype, hint)
+    for axis, n in zip(axes, shape, strict=False):
+        fits = fits and lengths.setdefault(axis, n) == n
+    if not fits:
+        raise ValueError(f"`{name}` is {array.dtype} {shape}, expected {axes}")
     return array
 
 

@@ -8,6 +8,7 @@ import hashlib
 import logging
 import os
 import weakref
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,7 +18,7 @@ from home_mjx.datasets.suncg.digests import Inputs
 from home_mjx.scene_compile.cache.entry import BROKEN, SUFFIX, read_entry, read_notes, write_entry
 from home_mjx.scene_compile.cache.flatten import Notes, flatten, rebuild
 from home_mjx.scene_compile.cache.selection import HouseContents, contents_of
-from home_mjx.scene_compile.cache.soundness import check_house, check_model
+from home_mjx.scene_compile.cache.soundness import check_house, check_models
 from home_mjx.scene_compile.cache.version import claim, mark_used, version_folder
 from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS, CompileOptions, compile_house
 from home_mjx.schema.compiled import CompiledHouse, Model, Rooms
@@ -103,11 +104,14 @@ class HouseCache:
 
     def model(self, key: str) -> Model:
         """A library model that a compiled house names; raises as `entry.read_entry`."""
-        if key not in self.library:
-            model = rebuild(Model, *read_entry(self._model_path(key)))
-            check_model(model, key)
-            self.library[key] = model
-        return self.library[key]
+        return self._models((key,))[key]
+
+    def _models(self, keys: Iterable[str]) -> dict[str, Model]:
+        keys = dict.fromkeys(keys)
+        fresh = {key: rebuild(Model, *read_entry(self._model_path(key))) for key in keys if key not in self.library}
+        check_models(fresh)
+        self.library |= fresh
+        return {key: self.library[key] for key in keys}
 
     def entry(self, house_id: str) -> Path:
         """Where the house is in the cache, or would be."""
@@ -120,7 +124,7 @@ class HouseCache:
         textures = {self._absolute(path): digest for path, digest in notes.pop("textures").items()}
         if any(self._inputs.texture(path) != digest for path, digest in textures.items()):
             raise FileNotFoundError(entry)
-        models = {key: self.model(key) for key in dict.fromkeys(notes["instances.model"])}
+        models = self._models(notes["instances.model"])
         house = rebuild(CompiledHouse, arrays, notes, models=models)
         check_house(house, house_id)
         texture = tuple(map(self._absolute, house.materials.texture))

@@ -3,6 +3,8 @@
 Native code follows these indices without looking; a tree that pointed elsewhere, or in a circle, would end the process.
 """
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 from jaxtyping import Int
 
@@ -12,13 +14,14 @@ from home_mjx.schema.compiled import CompiledHouse, Model, Tree
 LEAF_BITS, LEAF_MASK = 4, 15
 
 
-def check_model(model: Model, key: str) -> None:
-    """Raises `ValueError` unless it is the model of that key, with a tree over its triangles."""
-    if model.key != key:
-        raise ValueError(f"model is {model.key!s:.80}")
-    check_tree(model.tree, len(model.triangle))
-    if not np.isfinite(model.triangle).all() or np.any(model.slot < 0):
-        raise ValueError("model has triangles that are no numbers, or of no material")
+def check_models(models: Mapping[str, Model]) -> None:
+    """Raises `ValueError` unless they are the models of their keys, each with a tree over its triangles."""
+    for key, model in models.items():
+        if model.key != key:
+            raise ValueError(f"model is {model.key!s:.80}")
+    check_trees([model.tree for model in models.values()], [len(model.triangle) for model in models.values()])
+    if models and np.concatenate([model.slot for model in models.values()]).min(initial=0) < 0:
+        raise ValueError("a model has triangles of no material")
 
 
 def check_house(house: CompiledHouse, house_id: str) -> None:
@@ -31,12 +34,12 @@ def check_house(house: CompiledHouse, house_id: str) -> None:
     if house.id != house_id:
         raise ValueError(f"house is {house.id!s:.80}")
     instances, count, rows = house.instances, len(house.instances.model), len(house.materials.texture)
-    check_tree(house.top, count)
+    check_trees([house.top], [count])
     if not np.isfinite(instances.pose).all():
         raise ValueError("an instance has a pose that is no number")
-    slots = [int(house.models[key].slot.max(initial=0)) for key in instances.model]
+    slots = {key: int(model.slot.max(initial=0)) for key, model in house.models.items()}
     _check_range("instances.material", instances.material, 0, rows)
-    _check_range("instances.material", instances.material + np.array(slots), 0, rows)
+    _check_range("instances.material", instances.material + np.array([slots[key] for key in instances.model]), 0, rows)
     _check_range("instances.semantic", instances.semantic, 0, len(house.semantics))
     _check_range("instances.body", instances.body, -1, len(house.bodies.instance))
     _check_range("instances.object_id", instances.object_id, -1, 1 << 31)
@@ -44,37 +47,43 @@ def check_house(house: CompiledHouse, house_id: str) -> None:
     _check_range("doors.instance", house.doors.instance, 0, count)
 
 
-def check_tree(tree: Tree, primitives: int) -> None:
-    """Raises `ValueError` unless it is a tree of at most `MAX_DEPTH` levels, over primitives that there are.
+def check_trees(trees: Sequence[Tree], primitives: Sequence[int]) -> None:
+    """Raises `ValueError` unless all are trees of at most `MAX_DEPTH` levels, over primitives that there are.
 
-    Nodes come after their parents, as `build_tree` has them.
+    Nodes come after their parents, as `build_tree` has them. All at once: houses have many small trees.
 
     Args:
-        tree: Any arrays of the right shapes.
-        primitives: How many there are.
+        trees: Any arrays of the right shapes.
+        primitives: How many each is over.
 
     Example:
-        >>> check_tree(Tree(np.zeros((1, 2, 6)), np.array([[~(0 << 4 | 2), -1]])), primitives=2)
-        >>> check_tree(Tree(np.zeros((1, 2, 6)), np.array([[0, -1]])), primitives=2)
+        >>> check_trees([Tree(np.zeros((1, 2, 6)), np.array([[~(0 << 4 | 2), -1]]))], primitives=[2])
+        >>> check_trees([Tree(np.zeros((1, 2, 6)), np.array([[0, -1]]))], primitives=[2])
         Traceback (most recent call last):
         ...
-        ValueError: tree leads back
+        ValueError: a tree leads back
     """
-    child, count = tree.child.astype(np.int64), len(tree.child)
+    counts = np.array([len(tree.child) for tree in trees], np.int64)
+    if not counts.all():
+        raise ValueError("a tree has no root")
+    child = np.concatenate([np.zeros((0, 2), np.int64), *(tree.child for tree in trees)])
+    owner, root = np.repeat(np.arange(len(trees)), counts), np.repeat(np.cumsum(counts) - counts, counts)
     row, side = np.nonzero(child >= 0)
-    inner, leaf = child[row, side], ~child[child < 0]
-    if not count or inner.max(initial=0) >= count:
-        raise ValueError("tree leads to nodes that there are not")
-    if np.any((leaf >> LEAF_BITS) + (leaf & LEAF_MASK) > primitives):
-        raise ValueError("tree leads to primitives that there are not")
+    inner = child[row, side] + root[row]
+    if np.any(child[row, side] >= counts[owner[row]]):
+        raise ValueError("a tree leads to nodes that there are not")
+    leaf_row, side = np.nonzero(child < 0)
+    leaf = ~child[leaf_row, side]
+    if np.any((leaf >> LEAF_BITS) + (leaf & LEAF_MASK) > np.array(primitives, np.int64)[owner[leaf_row]]):
+        raise ValueError("a tree leads to primitives that there are not")
     if np.any(inner <= row):
-        raise ValueError("tree leads back")
-    parent = np.zeros(count, np.int64)
+        raise ValueError("a tree leads back")
+    if np.bincount(inner).max(initial=0) > 1:
+        raise ValueError("a tree leads to a node twice")
+    parent = root.copy()
     parent[inner] = row
-    if np.count_nonzero(np.bincount(inner, minlength=count) > 1):
-        raise ValueError("tree leads to a node twice")
-    if count >= MAX_DEPTH and np.any(_ancestor(parent, MAX_DEPTH - 1)):
-        raise ValueError("tree is too deep")
+    if np.any(_ancestor(parent, MAX_DEPTH - 1) != root):
+        raise ValueError("a tree is too deep")
 
 
 def _ancestor(parent: Int[np.ndarray, " n"], steps: int) -> Int[np.ndarray, " n"]:

@@ -11,7 +11,7 @@ import pytest
 from test_compile_cache import assert_equal, compiles, entries, load, root  # noqa: F401
 
 from home_mjx.scene_compile.cache.entry import BROKEN, read_entry, write_entry
-from home_mjx.scene_compile.cache.soundness import check_tree
+from home_mjx.scene_compile.cache.soundness import check_trees
 from home_mjx.scene_compile.geometry.bvh import MAX_DEPTH, build_tree
 from home_mjx.schema.compiled import Tree
 
@@ -131,15 +131,15 @@ def chain(length: int) -> Tree:
 
 
 def test_trees_deeper_than_the_stack_of_rays_are_found():
-    check_tree(chain(MAX_DEPTH), 1)
+    check_trees([chain(3), chain(MAX_DEPTH)], [1, 1])
     with pytest.raises(ValueError, match="too deep"):
-        check_tree(chain(MAX_DEPTH + 1), 1)
+        check_trees([chain(3), chain(MAX_DEPTH + 1)], [1, 1])
 
 
 def test_trees_as_they_are_built_are_sound(rng):
     for count in (0, 1, 5, 5000):
         low = rng.random((count, 3)) * 2.0 ** rng.integers(-40, 40, (count, 1))
         tree, _ = build_tree(np.stack([low, low], axis=1), leaf_size=1)
-        check_tree(tree, count)
+        check_trees([tree, chain(2), tree], [count, 1, count])
         with pytest.raises(ValueError, match="primitives that there are not"):
-            check_tree(tree, count - 1)
+            check_trees([tree, tree], [count, count - 1])
