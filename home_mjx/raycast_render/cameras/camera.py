@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -10,7 +11,7 @@ from jaxtyping import Array, Bool, Float
 
 from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.pytree import Pytree
-from home_mjx.core.transforms import is_unit, quat_matrix
+from home_mjx.core.transforms import UNIT_SLACK, is_unit, quat_matrix
 from home_mjx.errors import ConfigError
 from home_mjx.schema.choices import CAMERA_MODELS
 
@@ -112,20 +113,22 @@ def check_camera(camera: Camera, lens: Lens) -> None:
     leaves = jax.tree.leaves(camera)
     if any(isinstance(x, jax.core.Tracer) for x in leaves) or not all(np.isfinite(x).all() for x in leaves):  # pyright: ignore
         return  # poses that are no numbers give images without hits
-    if not is_unit(camera.quat):
-        norm = float(np.linalg.norm(camera.quat))
+    # In NumPy: JAX's operations on numbers give tracers, too, while something else is traced.
+    norm, fovy = float(np.linalg.norm(camera.quat)), float(camera.fovy)
+    if abs(norm**2 - 1) >= UNIT_SLACK:
         hint = "Divide it by its length; (1, 0, 0, 0) turns nothing."
         raise ConfigError(f"a camera's quaternion must have unit length, got {norm:.4g}", hint=hint)
-    if not _is_view(camera.fovy, lens):
+    if not _is_view(fovy, lens):
         what = "height [m] above 0" if lens.model == "orthographic" else "field of view [rad] between 0 and pi"
-        hint = "Write jnp.deg2rad(degrees)." if camera.fovy > np.pi else "Give a positive one."
-        raise ConfigError(f"`fovy` of a camera must be a {what}, got {float(camera.fovy):g}", hint=hint)
+        hint = "Write jnp.deg2rad(degrees)." if fovy > np.pi else "Give a positive one."
+        raise ConfigError(f"`fovy` of a camera must be a {what}, got {fovy:g}", hint=hint)
 
 
-def _is_view(fovy: Float[Array, ""], lens: Lens) -> Bool[Array, ""]:
+def _is_view(fovy: Any, lens: Lens) -> Any:
+    """Whether a number, or an array of one, is a field of view that there can be; others than these two have none."""
     if lens.model == "pinhole":
         return (fovy > 0) & (fovy < np.pi)
-    return fovy > 0 if lens.model == "orthographic" else jnp.ones_like(fovy, bool)
+    return fovy > 0 if lens.model == "orthographic" else fovy == fovy
 
 
 def has_intrinsics(lens: Lens) -> bool:

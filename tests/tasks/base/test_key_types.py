@@ -10,14 +10,8 @@ from home_mjx.tasks.base.keys import to_raw
 from home_mjx.tasks.environment.usable import usable_action, usable_choice
 
 KEYS = [
-    0,
-    "0",
-    [0, 1],
-    np.zeros(2),
-    np.zeros(2, bool),
-    np.zeros(2, complex),
-    np.zeros(3, np.uint32),
-    np.zeros((4, 2), int),
+    *(jnp.zeros(2), jnp.zeros(2, bool), jnp.zeros(2, complex), jnp.zeros((), jnp.uint32)),
+    *(jnp.zeros(3, jnp.uint32), jnp.zeros((4, 2), jnp.uint32), jax.random.split(jax.random.key(0), 3)),
 ]
 
 
