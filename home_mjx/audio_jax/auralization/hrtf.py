@@ -14,16 +14,19 @@ import numpy as np
 from jaxtyping import Array, Complex, Float
 from scipy.special import eval_legendre, spherical_jn, spherical_yn
 
+from home_mjx.audio_jax.base.delays import HALF_WIDTH, pulse_samples
 from home_mjx.audio_jax.base.filters import octave_gains
 from home_mjx.core.transforms import quat_matrix
 
 NUM_ANGLES = 181  # every degree
+FINER = 4  # times the sample rate, at which the head's response has next to nothing left to ring with
+EAR_SECONDS = 0.007  # after which a sphere no longer answers
 
 
 class EarTable(NamedTuple):
     """Response of one ear re the free field at the head's centre, by angle between the source and the ear's axis."""
 
-    spectrum: Complex[np.ndarray, "a f"]  # without its delay
+    spectrum: Complex[np.ndarray, "a f"]  # without its delay; of a kernel that starts `HALF_WIDTH` samples before it
     delay: Float[np.ndarray, " a"]  # [s]; negative on the source's side
     energy: Float[np.ndarray, "a bands"]  # mean |spectrum|² per octave
 
@@ -48,9 +51,9 @@ def sphere_spectrum(
     """
     mu = np.maximum(2 * np.pi * frequency * radius / speed, 1e-3)
     order = np.arange(int(mu.max() * 1.2) + 20)
-    hankel = np.array([spherical_jn(m, mu, True) + 1j * spherical_yn(m, mu, True) for m in order])
     legendre = np.array([eval_legendre(m, np.cos(angle)) for m in order])
-    with np.errstate(over="ignore", invalid="ignore"):
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        hankel = np.array([spherical_jn(m, mu, True) + 1j * spherical_yn(m, mu, True) for m in order])
         terms = np.nan_to_num((-1j) ** (order % 4)[:, None] * (2 * order + 1)[:, None] / hankel)
     return np.conj(1j / mu**2 * (legendre.T @ terms))
 
@@ -60,24 +63,71 @@ def sphere_delay(angle: Float[np.ndarray, " a"], radius: float, speed: float) ->
     return radius / speed * np.where(angle < np.pi / 2, -np.cos(angle), angle - np.pi / 2)
 
 
-@functools.cache
-def ear_table(taps: int, sample_rate: int, radius: float, speed: float) -> EarTable:
-    """The table of a spherical head.
+def diffuse_coherence(
+    frequency: Float[np.ndarray, " f"], angle: float, radius: float, speed: float
+) -> Float[np.ndarray, " f"]:
+    """Coherence of the pressures at two points of a rigid sphere in a diffuse field.
+
+    Both are sums over all directions of what `sphere_spectrum` gives, so by the addition theorem of Legendre's
+    polynomials it is Σ w_m P_m(cos angle) / Σ w_m, w_m = (2m + 1) / |h'_m(μ)|²; real for any two points.
 
     Args:
-        taps: Samples of the kernels that will use it.
+        frequency: [Hz].
+        angle: Between the two points, seen from the middle [rad].
+        radius: [m].
+        speed: Speed of sound [m/s].
+
+    Example:
+        >>> diffuse_coherence(np.array([20.0, 500.0]), np.pi, 0.0875, 343.2).round(2).tolist()
+        [1.0, 0.17]
+    """
+    mu = np.maximum(2 * np.pi * frequency * radius / speed, 1e-3)
+    order = np.arange(int(mu.max() * 1.2) + 20)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        size = np.array([spherical_jn(m, mu, True) ** 2 + spherical_yn(m, mu, True) ** 2 for m in order])
+        weight = np.nan_to_num((2 * order + 1)[:, None] / size)
+    legendre = np.array([eval_legendre(m, np.cos(angle)) for m in order])
+    return legendre @ weight / weight.sum(axis=0)
+
+
+@functools.cache
+def ear_table(size: int, sample_rate: int, radius: float, speed: float) -> EarTable:
+    """The table of a spherical head, for transforms of `size` samples.
+
+    The series is summed up to `FINER` times the sample rate and then limited in band by a short filter, so that nothing
+    rings for longer than that before the sound comes.
+
+    Args:
+        size: Samples of the transforms that will use it, more than `EAR_SECONDS`.
         sample_rate: [Hz].
         radius: [m].
         speed: Speed of sound [m/s].
     """
-    frequency = np.fft.rfftfreq(taps, 1 / sample_rate)
+    kernel = _ear_kernels(sample_rate, radius, speed)
+    spectrum = np.fft.rfft(kernel, size) * np.exp(2j * np.pi * HALF_WIDTH * np.fft.rfftfreq(size))
     angle = np.linspace(0, np.pi, NUM_ANGLES)
-    delay = sphere_delay(angle, radius, speed)
-    spectrum = sphere_spectrum(frequency, angle, radius, speed)
+    frequency = np.linspace(0, sample_rate / 2, 513)
     gains = octave_gains(frequency)
-    energy = np.abs(spectrum) ** 2 @ gains.T / np.maximum(gains.sum(axis=1), 1e-9)
-    aligned = spectrum * np.exp(2j * np.pi * delay[:, None] * frequency)
-    return EarTable(aligned.astype(np.complex64), delay.astype(np.float32), energy.astype(np.float32))
+    power = np.abs(sphere_spectrum(frequency, angle, radius, speed)) ** 2
+    energy = power @ gains.T / np.maximum(gains.sum(axis=1), 1e-9)
+    delay = sphere_delay(angle, radius, speed)
+    return EarTable(spectrum.astype(np.complex64), delay.astype(np.float32), energy.astype(np.float32))
+
+
+@functools.cache
+def _ear_kernels(sample_rate: int, radius: float, speed: float) -> Float[np.ndarray, "a n"]:
+    """Impulse responses of one ear, `HALF_WIDTH` samples later than they come, for each angle."""
+    last = round(EAR_SECONDS * sample_rate)
+    size = 4 * FINER * (HALF_WIDTH + last)
+    angle = np.linspace(0, np.pi, NUM_ANGLES)
+    frequency = np.fft.rfftfreq(size, 1 / (FINER * sample_rate))
+    early = sphere_delay(angle, radius, speed) - HALF_WIDTH / sample_rate
+    aligned = sphere_spectrum(frequency, angle, radius, speed) * np.exp(2j * np.pi * early[:, None] * frequency)
+    place = np.arange(size) / FINER
+    low_pass = np.fft.rfft(pulse_samples(np.minimum(place, size / FINER - place)))
+    kernel = np.fft.irfft(aligned * low_pass, size)[:, ::FINER][:, : HALF_WIDTH + last]
+    end = np.clip(1 - (np.arange(kernel.shape[1]) - HALF_WIDTH - 0.6 * last) / (0.4 * last), 0, 1)
+    return kernel * np.sin(np.pi / 2 * end) ** 2
 
 
 def to_head(direction: Float[Array, "n 3"], quat: Float[Array, "4"]) -> Float[Array, "n 3"]:

@@ -1,25 +1,26 @@
 """Impulse responses of two ears, from paths and an energy histogram."""
 
-import functools
 import math
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jaxtyping import Array, Complex, Float
 
+from home_mjx.audio_jax.auralization.diffuse import ear_mix, noise, num_channels
 from home_mjx.audio_jax.auralization.hrtf import EarTable, ear_angles, ear_energy, ear_spectrum, ear_table, to_head
 from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.delays import HALF_WIDTH, windowed_sinc
 from home_mjx.audio_jax.base.endpoints import Listener, Source
-from home_mjx.audio_jax.base.filters import high_pass, octave_gains
+from home_mjx.audio_jax.base.filters import CAUSAL_SECONDS, causal_octaves
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.paths import Paths, early_paths
 from home_mjx.audio_jax.propagation.tracing import Trace, trace
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS
 
-KERNEL_SECONDS = 0.032  # resolves the octaves at 125 and 250 Hz
-NOISE_LENGTH = 4  # the noise of all environments is this many responses long
+QUIETEST = 1e-3  # gain of an octave re the loudest of a path, below which it is taken as this
+SOFTEST = 1e-30  # gain of a path below which it is silent
+LEAD = 0.001  # [s]: no ear hears sound by more earlier or later than the middle of the head
 
 
 def impulse_response(
@@ -54,11 +55,15 @@ def assembled(
 ) -> Float[Array, "2 l"]:
     """The response that paths and rays make at a head, see `impulse_response`; `key` chooses the noise."""
     energy = energy_histogram(traced, ear_gains(traced.direction, head_quat, config), config)
-    late = late_response(energy, key, config)
+    late = late_response(energy, key, config, head_quat)
+    return early_response(paths, head_quat, config) + after_direct(late, paths, config)
+
+
+def after_direct(late: Float[Array, "2 l"], paths: Paths, config: AudioConfig) -> Float[Array, "2 l"]:
+    """A late part without what would overtake the direct sound."""
     onset = (paths.distance[0] - config.head_radius) * jnp.float32(config.sample_rate / config.speed_of_sound)
-    # nothing overtakes the direct sound
     heard = jnp.arange(config.response_length, dtype=jnp.int32) >= onset.astype(jnp.int32)
-    return early_response(paths, head_quat, config) + jnp.where(heard[None], late, 0.0)
+    return jnp.where(heard[None], late, 0.0)
 
 
 def ear_gains(
@@ -71,12 +76,11 @@ def ear_gains(
 
 
 def early_response(paths: Paths, head_quat: Float[Array, "4"], config: AudioConfig) -> Float[Array, "2 l"]:
-    """Paths as pulses with fractional delays, octave gains and the filters of both ears."""
-    taps = _taps(config)
+    """Paths as pulses with fractional delays, causal octave filters and the filters of both ears."""
+    taps, length = _taps(config), config.response_length
     samples = paths.distance * jnp.float32(config.sample_rate / config.speed_of_sound)
     whole = jnp.floor(samples)
     kernels = _kernels(paths, samples - whole, head_quat, config)
-    length = config.response_length
     start = jnp.minimum(whole.astype(jnp.int32), length)
     kernels = jnp.where((start < length)[:, None, None], kernels, 0.0)
 
@@ -87,71 +91,88 @@ def early_response(paths: Paths, head_quat: Float[Array, "4"], config: AudioConf
 
     # One path after the other: a scatter would add overlapping kernels in no fixed order on a GPU.
     response, _ = jax.lax.scan(add, jnp.zeros((2, length + taps), jnp.float32), (start, kernels))
-    return response[:, taps // 2 : taps // 2 + length]
+    early = _reach(config)
+    return response[:, early : early + length]
 
 
-def late_response(energy: Float[Array, "k 2 bands"], key: Array, config: AudioConfig) -> Float[Array, "2 l"]:
+def late_response(
+    energy: Float[Array, "k 2 bands"], key: Array, config: AudioConfig, head_quat: Float[Array, "4"] | None = None
+) -> Float[Array, "2 l"]:
     """Noise that follows an energy histogram in each octave and ear.
 
     The energy runs linearly from the middle of one bin to that of the next. One long noise serves everybody, each
-    environment from its own place on.
+    environment from its own place on. It stays where it is in the world while the head turns, see `ear_mix`.
     """
-    noise = jnp.asarray(_noise(config))
-    start = jax.random.randint(key, (), 0, noise.shape[-1] - config.response_length, jnp.int32)
-    noise = jax.lax.dynamic_slice_in_dim(noise, start, config.response_length, axis=2)
+    head_quat = jnp.array([1.0, 0.0, 0.0, 0.0], jnp.float32) if head_quat is None else head_quat
+    table = jnp.asarray(noise(config))
+    start = jax.random.randint(key, (), 0, table.shape[-1] - config.response_length, jnp.int32)
+    table = jax.lax.dynamic_slice_in_dim(table, start, config.response_length, axis=2)
+    mix = ear_mix(head_quat, config)
+    ears = sum(mix[:, i, None, None] * table[i][None] for i in range(num_channels(config)))
     size = config.bin_samples
     power = jnp.moveaxis(jnp.pad(energy, ((1, 1), (0, 0), (0, 0)), mode="edge"), 0, -1)[..., None] / size
     place = (jnp.arange(size, dtype=jnp.float32) + 0.5)[None, None, None] / size - 0.5  # re the bin's middle
     before, after = jnp.maximum(-place, 0.0), jnp.maximum(place, 0.0)
     power = power[:, :, :-2] * before + power[:, :, 1:-1] * (1 - before - after) + power[:, :, 2:] * after
-    return jnp.sum(noise * jnp.sqrt(power).reshape(noise.shape), axis=1)
+    return jnp.sum(ears * jnp.sqrt(power).reshape(2, power.shape[1], -1), axis=1)
+
+
+def path_spectra(
+    gain: Float[Array, "p bands"],
+    direction: Float[Array, "p 3"],
+    head_quat: Float[Array, "4"],
+    size: int,
+    config: AudioConfig,
+) -> tuple[Complex[Array, "p 2 f"], Float[Array, "p 2"]]:
+    """What paths and both ears do to sound, at the frequencies of a transform of `size` samples.
+
+    Returns:
+        Spectra without delays, causal but for the `HALF_WIDTH` samples by which an ear's filter rings before; delays of
+        both ears [samples].
+    """
+    loudest = jnp.max(gain, axis=1, keepdims=True)
+    level = jnp.log(jnp.maximum(gain, jnp.maximum(QUIETEST * loudest, SOFTEST)))
+    table = causal_octaves(size, config.sample_rate)
+    real, phase = (jnp.matmul(level, jnp.asarray(t, jnp.float32), precision="highest") for t in (table.real, table.imag))
+    amplitude = jnp.where(loudest > SOFTEST, jnp.exp(real), 0.0)
+    octaves = jax.lax.complex(amplitude * jnp.cos(phase), amplitude * jnp.sin(phase))[:, None]
+    if config.receiver == "omni":
+        shape = (gain.shape[0], 2)
+        return jnp.broadcast_to(octaves, (*shape, size // 2 + 1)), jnp.zeros(shape, jnp.float32)
+    ears, delay = ear_spectrum(_ears(size, config), ear_angles(to_head(direction, head_quat), config.ear_angle))
+    return octaves * ears, delay * jnp.float32(config.sample_rate)
+
+
+def ear_delays(
+    direction: Float[Array, "p 3"], head_quat: Float[Array, "4"], config: AudioConfig
+) -> Float[Array, "p 2"]:
+    """By how much both ears hear sound from each direction later than the middle of the head would [samples]."""
+    if config.receiver == "omni":
+        return jnp.zeros((direction.shape[0], 2), jnp.float32)
+    table = _ears(_taps(config), config)
+    _, delay = ear_spectrum(table, ear_angles(to_head(direction, head_quat), config.ear_angle))
+    return delay * jnp.float32(config.sample_rate)
 
 
 def _kernels(
     paths: Paths, rest: Float[Array, " p"], head_quat: Float[Array, "4"], config: AudioConfig
 ) -> Float[Array, "p 2 t"]:
-    """Impulse response of each path and ear around the middle of the kernel, `rest` samples after it."""
-    taps = _taps(config)
-    frequency = np.fft.rfftfreq(taps, 1 / config.sample_rate)
-    bands = jnp.asarray(octave_gains(frequency), jnp.float32)
-    spectrum, delay = _ear_filters(paths.direction, head_quat, config)
-    shift = taps // 2 + rest[:, None] + delay * jnp.float32(config.sample_rate)
-    angle = shift[..., None] * jnp.asarray(-2 * np.pi * frequency / config.sample_rate, jnp.float32)[None, None]
-    gain = jnp.einsum("pb,bf->pf", paths.gain, bands, precision="highest")
-    turn = jax.lax.complex(jnp.cos(angle), jnp.sin(angle))
-    return jnp.fft.irfft(gain[:, None].astype(jnp.complex64) * spectrum * turn, taps)
+    """Impulse response of each path and ear, `rest` samples after sample `_reach` of the kernel."""
+    taps, reach = _taps(config), _reach(config)
+    spectrum, delay = path_spectra(paths.gain, paths.direction, head_quat, taps, config)
+    place = jnp.arange(2 * reach, dtype=jnp.int32) - reach
+    pulse = windowed_sinc(place.astype(jnp.float32)[None, None] - (rest[:, None] + delay)[..., None])
+    return jnp.fft.irfft(spectrum * jnp.fft.rfft(pulse, taps), taps)
 
 
-def _ear_filters(
-    direction: Float[Array, "p 3"], head_quat: Float[Array, "4"], config: AudioConfig
-) -> tuple[Complex[Array, "p 2 f"], Float[Array, "p 2"]]:
-    """Spectrum without delay, and delay [s], of both ears."""
-    if config.receiver == "omni":
-        shape = (direction.shape[0], 2)
-        return jnp.ones((*shape, _taps(config) // 2 + 1), jnp.complex64), jnp.zeros(shape, jnp.float32)
-    return ear_spectrum(_ears(config), ear_angles(to_head(direction, head_quat), config.ear_angle))
+def _reach(config: AudioConfig) -> int:
+    """Samples by which a kernel begins before the sound reaches the middle of the head."""
+    return 2 * HALF_WIDTH + math.ceil(LEAD * config.sample_rate)
 
 
-def _ears(config: AudioConfig) -> EarTable:
-    return ear_table(_taps(config), config.sample_rate, config.head_radius, config.speed_of_sound)
+def _ears(size: int, config: AudioConfig) -> EarTable:
+    return ear_table(size, config.sample_rate, config.head_radius, config.speed_of_sound)
 
 
 def _taps(config: AudioConfig) -> int:
-    return 2 ** math.ceil(math.log2(KERNEL_SECONDS * config.sample_rate))
-
-
-@functools.cache
-def _noise(config: AudioConfig) -> Float[np.ndarray, "2 bands n"]:
-    """White noise of unit variance for both ears, split into octaves that are independent of each other.
-
-    The ears' noises are as coherent as the pressures of a diffuse field at two points a head apart: sin(kd) / kd.
-    """
-    length = NOISE_LENGTH * 2 ** math.ceil(math.log2(config.response_length))
-    frequency = np.fft.rfftfreq(length, 1 / config.sample_rate)
-    phase = np.random.default_rng(0).uniform(0, 2 * np.pi, (2, len(BANDS), frequency.size))
-    left, other = np.exp(1j * phase)
-    spacing = 0.0 if config.receiver == "omni" else 2 * config.head_radius
-    coherence = np.sinc(2 * frequency * spacing / config.speed_of_sound)
-    ears = np.stack([left, coherence * left + np.sqrt(1 - coherence**2) * other])
-    bands = np.sqrt(octave_gains(frequency)) * high_pass(frequency)
-    return (np.fft.irfft(ears * bands, length) * np.sqrt(length)).astype(np.float32)
+    return 2 ** math.ceil(math.log2(CAUSAL_SECONDS * config.sample_rate + 2 * _reach(config)))

@@ -50,6 +50,7 @@ def given_off(
     phase: Int[Array, ""],
     time: Int[Array, ""],
     config: AudioConfig,
+    moving: bool = False,
 ) -> Float[Array, "e w"]:
     """What leaves each source in this frame, and before it for as long as a response lasts.
 
@@ -60,14 +61,17 @@ def given_off(
         phase: Index of the clips' sample that leaves at the frame's first sample.
         time: Samples from the start to the frame's first one, for the schedules.
         config: For the lengths.
+        moving: For `moving_frame`: w = `config.memory_length` + `config.frame` - 1 + `config.ahead`.
 
     Returns:
         Pressure at 1 m, w = `config.response_length + config.frame - 1` samples, as `faded_frame` takes them.
     """
+    back, ahead = (config.memory_length, config.ahead) if moving else (config.response_length, 0)
+    span = jnp.arange(1 - back, config.frame + ahead, dtype=jnp.int32)
 
     def one(row: Array, gain: Array, every: Array, lasts: Array) -> Array:
-        played = clips[jnp.maximum(row, 0), _times(phase, config) % clips.shape[1]]
-        on = loudness(_times(time, config), every, lasts, config.sample_rate)
+        played = clips[jnp.maximum(row, 0), (phase + span) % clips.shape[1]]
+        on = loudness(time + span, every, lasts, config.sample_rate)
         return jnp.where(row < 0, 0.0, gain * on * played)
 
     return jax.vmap(one)(row, sounds.gain, sounds.every, sounds.lasts)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 from home_mjx.audio_jax.base.air import speed_of_sound
+from home_mjx.audio_jax.base.delays import HALF_WIDTH
 from home_mjx.core.checks import check_known, check_number, check_type
 from home_mjx.errors import ConfigError
 from home_mjx.schema.timing import Timing
@@ -18,6 +19,7 @@ class AudioConfig:
     Attributes:
         timing: Sample rate, and length of one sound frame. Octave bands above half the sample rate carry nothing.
         response_seconds: Length of impulse responses [s]; must hold a whole number of bins.
+        tail_seconds: How long sound rings on beyond that [s], each octave at its last decay; whole frames.
         num_rays: Rays of the late part.
         num_bounces: Reflections traced per ray; what is later is extrapolated.
         num_reflections: First-order reflections rendered as paths, the strongest first.
@@ -57,6 +59,7 @@ class AudioConfig:
     temperature: float = 20.0
     humidity: float = 50.0
     pressure: float = 101.325
+    tail_seconds: float = 1.5
 
     def __post_init__(self) -> None:
         check_type("timing", self.timing, Timing)
@@ -67,6 +70,7 @@ class AudioConfig:
         check_number("num_reflections", self.num_reflections, 0, whole=True)
         for name in ("temperature", "humidity", "ear_angle"):
             check_number(name, getattr(self, name))
+        check_number("tail_seconds", self.tail_seconds, 0.0)
         for name in ("response_seconds", "bin_seconds", "detector_radius", "head_radius", "pressure"):
             check_number(name, getattr(self, name))
             if getattr(self, name) <= 0:
@@ -105,6 +109,21 @@ class AudioConfig:
     def response_length(self) -> int:
         """Samples of an impulse response."""
         return self.num_bins * self.bin_samples
+
+    @property
+    def num_tail(self) -> int:
+        """Frames after a response in which it is still heard."""
+        return round(self.tail_seconds * self.sample_rate / self.frame)
+
+    @property
+    def memory_length(self) -> int:
+        """Samples of a source's past, this one counting, that are heard."""
+        return self.response_length + self.num_tail * self.frame
+
+    @property
+    def ahead(self) -> int:
+        """Samples of a source's future that band-limited delays look at."""
+        return 2 * HALF_WIDTH + round(0.001 * self.sample_rate)
 
     @property
     def speed_of_sound(self) -> float:

@@ -1,0 +1,147 @@
+"""Early sound of one frame, in which every path has its own delay, different in every sample.
+
+What a path's filters make of the source's sound is read at times that run evenly between those at the ends of short
+blocks: two kernels of fractional delay per block, between which every sample fades. So pitch is right at every
+frequency (Doppler), and a still path is one convolution.
+"""
+
+import math
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+from scipy.fft import next_fast_len
+
+from home_mjx.audio_jax.auralization.response import SOFTEST, ear_delays, path_spectra
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.delays import HALF_WIDTH, windowed_sinc
+from home_mjx.audio_jax.base.filters import CAUSAL_SECONDS
+from home_mjx.audio_jax.motion.pairs import Pairs
+from home_mjx.core.pytree import Pytree
+
+BLOCK = 32  # samples: within 2 ms no delay bends by more than 1e-4 samples
+FASTEST = 10.0  # [m/s], at which paths may grow or shrink; faster ones are faded
+SPREAD = 0.002  # [s], by which delays of two ears differ, and change by turns of the head, in one frame
+SLOWEST_SOUND = 250.0  # [m/s], of all airs that can be chosen
+
+
+class Delays(Pytree):
+    """When what is heard left its source, at both ends of each block."""
+
+    whole: Int[Array, "p 2 b"]  # [samples], less than both
+    rest: Float[Array, "p 2 b two"]  # [samples], beyond that
+
+
+def early_frame(source: Float[Array, " n"], past: int, pairs: Pairs, config: AudioConfig) -> Float[Array, "2 m"]:
+    """What both ears hear through paths that move during one frame.
+
+    Args:
+        source: What leaves the source at 1 m, from `past` samples before the frame on and for as long as is known.
+        past: Samples before the frame's first one.
+        pairs: Paths at the frame's start and end.
+        config: Options.
+    """
+    delays = path_delays(pairs, config)
+    latest = jnp.max(delays.whole, axis=(1, 2))
+    filtered = _filtered(source, past, latest, delays, pairs, config)
+    length = BLOCK + 2 * HALF_WIDTH
+    blocks = BLOCK * jnp.arange(delays.whole.shape[2], dtype=jnp.int32)
+    begin = blocks[None, None] + latest[:, None, None] - delays.whole
+
+    def parts(sound: Float[Array, " u"], starts: Int[Array, " b"]) -> Float[Array, "b t"]:
+        return jax.vmap(lambda start: jax.lax.dynamic_slice_in_dim(sound, start, length))(starts)
+
+    read = jax.vmap(jax.vmap(parts))(filtered, begin)
+    lags = jnp.arange(HALF_WIDTH + 1, -HALF_WIDTH, -1, dtype=jnp.int32)
+    place = lags.astype(jnp.float32)[None, None, None]
+    first, last = (windowed_sinc(place - delays.rest[..., i, None]) for i in (0, 1))
+    share = (jnp.arange(BLOCK, dtype=jnp.float32) / BLOCK)[None, None, None]
+    sound = jnp.zeros((*read.shape[:3], BLOCK), jnp.float32)
+    for tap in range(2 * HALF_WIDTH + 1):
+        a, b = first[..., tap, None], last[..., tap, None]
+        sound = sound + read[..., tap : tap + BLOCK] * (a + share * (b - a))
+    return jnp.sum(sound, axis=0).reshape(2, -1)[:, : config.frame]
+
+
+def path_delays(pairs: Pairs, config: AudioConfig) -> Delays:
+    """Delays of all paths at both ears, at the ends of blocks.
+
+    A path comes from an image of its source, which moves evenly relative to the head, as source and head do: then its
+    length is right at every moment, not only at the frame's ends. Delays of ears are a parabola through those at its
+    start, middle and end.
+    """
+    blocks = num_blocks(config)
+    time = jnp.minimum(jnp.arange(blocks + 1, dtype=jnp.float32) * jnp.float32(BLOCK / config.frame), 1.0)[None]
+    old, new = pairs.old.distance[:, None], pairs.new.distance[:, None]
+    step = pairs.new.direction * new - pairs.old.direction * old
+    bend = jnp.maximum(jnp.sum(step**2, axis=1, keepdims=True) - (new - old) ** 2, 0.0)
+    line = old + time * (new - old)  # apart, so that still paths are exact
+    curve = time * (1 - time) * bend
+    length = line - curve / jnp.maximum(line + jnp.sqrt(jnp.maximum(line**2 - curve, 0.0)), 1e-6)
+    samples = length * jnp.float32(config.sample_rate / config.speed_of_sound)
+    whole = jnp.floor(samples)
+    rest = (samples - whole)[:, None] + _between(_ear_delays(pairs, config), time)
+    carry = jnp.floor(rest)
+    whole, rest = whole[:, None] + carry, rest - carry
+    base = jnp.minimum(whole[..., :-1], whole[..., 1:])
+    ends = jnp.stack([whole[..., :-1] - base + rest[..., :-1], whole[..., 1:] - base + rest[..., 1:]], axis=-1)
+    return Delays(base.astype(jnp.int32), ends)
+
+
+def num_blocks(config: AudioConfig) -> int:
+    """Blocks in a frame; the last one may reach beyond it."""
+    return -(-config.frame // BLOCK)
+
+
+def longest_step(config: AudioConfig) -> float:
+    """[m], by which a path may grow or shrink in a frame."""
+    return FASTEST * config.frame / config.sample_rate
+
+
+def _ear_delays(pairs: Pairs, config: AudioConfig) -> Float[Array, "three p 2"]:
+    """Of both ears, at the start, in the middle and at the end."""
+    old, new = pairs.old, pairs.new
+    mid = old.direction * old.distance[:, None] + new.direction * new.distance[:, None]
+    mid = mid / jnp.maximum(jnp.linalg.norm(mid, axis=1, keepdims=True), 1e-6)
+    turned = jnp.where(jnp.sum(pairs.old_quat * pairs.new_quat) < 0, -pairs.new_quat, pairs.new_quat)
+    quat = pairs.old_quat + turned
+    quat = quat / jnp.maximum(jnp.linalg.norm(quat), 1e-6)
+    at = [(old.direction, pairs.old_quat), (mid, quat), (new.direction, pairs.new_quat)]
+    return jnp.stack([ear_delays(direction, quat, config) for direction, quat in at])
+
+
+def _between(ends: Float[Array, "three p 2"], time: Float[Array, "1 k"]) -> Float[Array, "p 2 k"]:
+    """The parabola through three values at times 0, 0.5 and 1."""
+    start, middle, end = (x[..., None] for x in ends)
+    time = time[None]
+    return start + time * (end - start) + 4 * time * (1 - time) * (middle - (start + end) / 2)
+
+
+def _filtered(
+    source: Float[Array, " n"],
+    past: int,
+    latest: Int[Array, " p"],
+    delays: Delays,
+    pairs: Pairs,
+    config: AudioConfig,
+) -> Float[Array, "p 2 u"]:
+    """The source's sound through each path's filters; sample 0 is what the frame's first sample reads first."""
+    taps = math.ceil(CAUSAL_SECONDS * config.sample_rate)
+    slack = math.ceil((longest_step(config) / SLOWEST_SOUND + SPREAD) * config.sample_rate)
+    length = num_blocks(config) * BLOCK + slack + 2 * HALF_WIDTH
+    size = next_fast_len(length + taps + HALF_WIDTH, real=True)
+    before, after = taps + 2 * HALF_WIDTH + slack, size
+    padded = jnp.pad(source, (before, after))
+    start = past + before - latest - (HALF_WIDTH + 1) - taps
+    window = jax.vmap(lambda s: jax.lax.dynamic_slice_in_dim(padded, s, size))(jnp.maximum(start, 0))
+    spectrum = jnp.fft.rfft(window, size)[:, None]
+    filters = [
+        path_spectra(paths.gain, paths.direction, quat, size, config)[0]
+        for paths, quat in ((pairs.old, pairs.old_quat), (pairs.new, pairs.new_quat))
+    ]
+    old, new = (jnp.fft.irfft(spectrum * f, size)[..., taps : taps + length] for f in filters)
+    first = (latest[:, None] - delays.whole[..., 0]).astype(jnp.float32)  # where the frame's start and end are read
+    last = (latest[:, None] - delays.whole[..., -1]).astype(jnp.float32) + config.frame
+    place = jnp.arange(length, dtype=jnp.float32)[None, None] - HALF_WIDTH
+    share = (place - first[..., None]) / jnp.maximum(last - first, 1.0)[..., None]
+    return old + jnp.clip(share, 0.0, 1.0) * (new - old)
