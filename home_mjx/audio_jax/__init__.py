@@ -14,6 +14,8 @@ from home_mjx.audio_jax.measures.octaves import octave_responses
 from home_mjx.audio_jax.measures.spatial import iacc, lateral_fraction
 from home_mjx.audio_jax.measures.survey import Survey, survey_room
 from home_mjx.audio_jax.measures.table import RoomMeasures, measure_energy, measure_response
+from home_mjx.audio_jax.motion.frame import moving_frame
+from home_mjx.audio_jax.motion.reception import Reception, received, reception
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.paths import PathProducer, Paths, direct_path, early_paths, reflected_paths
 from home_mjx.audio_jax.propagation.tracing import Trace, trace
@@ -25,6 +27,7 @@ __all__ = [
     "Listener",
     "PathProducer",
     "Paths",
+    "Reception",
     "RoomMeasures",
     "Sounds",
     "Source",
@@ -57,7 +60,10 @@ __all__ = [
     "loudness",
     "measure_energy",
     "measure_response",
+    "moving_frame",
     "octave_responses",
+    "received",
+    "reception",
     "reflected_paths",
     "sound_frame",
     "stft_magnitude",

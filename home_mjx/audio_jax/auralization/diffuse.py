@@ -24,8 +24,8 @@ def num_channels(config: AudioConfig) -> int:
 def ear_mix(head_quat: Float[Array, "4"], config: AudioConfig) -> Float[Array, "2 c"]:
     """How much of each channel both ears hear: 1, cos φ, sin φ, cos 2φ, sin 2φ of the azimuth φ of an ear.
 
-    The channels' own levels (`channel_levels`) make two ears of a rigid sphere as coherent as a diffuse field would, and
-    so an ear with itself before and after turns by a right angle and by half a turn.
+    The channels' own levels (`channel_levels`) make two ears of a rigid sphere as coherent as a diffuse field would,
+    and so an ear with itself before and after turns by a right angle and by half a turn.
 
     Args:
         head_quat: Of the head, wxyz.

@@ -79,7 +79,7 @@ def diffuse_coherence(
 
     Example:
         >>> diffuse_coherence(np.array([20.0, 500.0]), np.pi, 0.0875, 343.2).round(2).tolist()
-        [1.0, 0.17]
+        [1.0, 0.18]
     """
     mu = np.maximum(2 * np.pi * frequency * radius / speed, 1e-3)
     order = np.arange(int(mu.max() * 1.2) + 20)

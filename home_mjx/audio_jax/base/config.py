@@ -111,6 +111,11 @@ class AudioConfig:
         return self.num_bins * self.bin_samples
 
     @property
+    def num_paths(self) -> int:
+        """Early paths that move, the direct one among them."""
+        return 1 + self.num_reflections
+
+    @property
     def num_tail(self) -> int:
         """Frames after a response in which it is still heard."""
         return round(self.tail_seconds * self.sample_rate / self.frame)

@@ -12,7 +12,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 from scipy.fft import next_fast_len
 
-from home_mjx.audio_jax.auralization.response import SOFTEST, ear_delays, path_spectra
+from home_mjx.audio_jax.auralization.response import ear_delays, path_spectra
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.delays import HALF_WIDTH, windowed_sinc
 from home_mjx.audio_jax.base.filters import CAUSAL_SECONDS

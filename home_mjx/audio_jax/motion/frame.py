@@ -12,7 +12,7 @@ from home_mjx.audio_jax.motion.tail import tail_frame
 
 
 def moving_frame(
-    source: Float[Array, " w"], old: Reception, new: Reception, key: Array, config: AudioConfig
+    source: Float[Array, " w"], old: Reception, new: Reception, config: AudioConfig
 ) -> Float[Array, "2 m"]:
     """What both ears hear in one frame of a source that moves relative to them.
 
@@ -24,7 +24,6 @@ def moving_frame(
             frame, the frame, and `config.ahead` samples after it.
         old: At the frame's start.
         new: At its end, which is the next frame's `old`.
-        key: The key that made both.
         config: Options.
     """
     past, length, frame = config.memory_length - 1, config.response_length, config.frame
@@ -33,6 +32,6 @@ def moving_frame(
     sound = early_frame(source, past, pairs, config) + faded_frame(heard, old.late, new.late, config)
     if config.num_tail == 0:
         return sound
-    before, after = (tail_frame(source, past, r.tail, r.quat, key, config) for r in (old, new))
+    before, after = (tail_frame(source, past, r.tail, r.quat, r.signs, config) for r in (old, new))
     fade = jnp.arange(1, frame + 1, dtype=jnp.float32)[None] / frame
     return sound + before + fade * (after - before)

@@ -1,17 +1,26 @@
 """What reaches a head at one moment, in the parts that change in different ways."""
 
-import jax
-from jaxtyping import Array, Float
+import functools
 
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float
+
+from home_mjx.audio_jax.auralization.diffuse import num_channels
 from home_mjx.audio_jax.auralization.response import after_direct, ear_gains, late_response
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
+from home_mjx.audio_jax.base.filters import octave_gains
 from home_mjx.audio_jax.motion.tail import continued
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.paths import Paths, early_paths
 from home_mjx.audio_jax.propagation.tracing import trace
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.schema.compiled import BANDS
+
+FALL = 1e-3  # -30 dB
 
 
 class Reception(Pytree):
@@ -21,6 +30,7 @@ class Reception(Pytree):
     quat: Float[Array, "4"]  # of the head, wxyz
     late: Float[Array, "2 l"]  # response of both ears without the paths
     tail: Float[Array, "j 2 bands"]  # energy beyond it, in each of the following frames
+    signs: Float[Array, "j c"]  # of the tail's noise in each frame and channel
 
 
 def reception(scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig) -> Reception:
@@ -30,7 +40,7 @@ def reception(scene: Scene, source: Source, listener: Listener, key: Array, conf
         scene: The environment.
         source: Who sounds.
         listener: Who hears.
-        key: Random key; keep it while a listener moves, and give it to `moving_frame`.
+        key: Random key; keep it while a listener moves.
         config: Options.
 
     Example:
@@ -50,4 +60,54 @@ def received(
 ) -> Reception:
     """The same from paths and an energy histogram; `key` chooses the noise."""
     late = after_direct(late_response(energy, key, config, head_quat), paths, config)
-    return Reception(paths, head_quat, late, continued(energy, config))
+    signs = jax.random.rademacher(jax.random.fold_in(key, 1), (config.num_tail, num_channels(config)), jnp.float32)
+    return Reception(as_many(paths, config.num_paths), head_quat, late, continued(energy, config), signs)
+
+
+def silence(config: AudioConfig) -> Reception:
+    """Nothing, in the shapes of everything."""
+    count, bands = config.num_paths, len(BANDS)
+    distance, name = jnp.ones(count, jnp.float32), jnp.full(count, -1, jnp.int32)
+    ahead = jnp.broadcast_to(jnp.array([1.0, 0.0, 0.0], jnp.float32), (count, 3))
+    return Reception(
+        paths=Paths(distance, jnp.zeros((count, bands), jnp.float32), ahead, name),
+        quat=jnp.array([1.0, 0.0, 0.0, 0.0], jnp.float32),
+        late=jnp.zeros((2, config.response_length), jnp.float32),
+        tail=jnp.zeros((config.num_tail, 2, bands), jnp.float32),
+        signs=jnp.ones((config.num_tail, num_channels(config)), jnp.float32),
+    )
+
+
+def as_many(paths: Paths, count: int) -> Paths:
+    """So many of the paths: the strongest in their order, or all and silent ones."""
+    more = count - paths.distance.size
+    name = jnp.arange(paths.distance.size, dtype=jnp.int32) if paths.name is None else paths.name
+    paths = paths.replace(name=name)
+    if more <= 0:
+        _, strongest = jax.lax.top_k(jnp.sum(paths.gain**2, axis=1), count)
+        kept = jnp.sort(strongest)
+        return paths if more == 0 else jax.tree.map(lambda x: x[kept], paths)
+    padding = [(0, more)]
+    return Paths(
+        distance=jnp.pad(paths.distance, padding, constant_values=1.0),
+        gain=jnp.pad(paths.gain, [*padding, (0, 0)]),
+        direction=jnp.pad(paths.direction, [*padding, (0, 0)]),
+        name=jnp.pad(name, padding, constant_values=-1),
+    )
+
+
+def is_cut(heard: Reception, config: AudioConfig) -> Bool[Array, ""]:
+    """Whether all ends before it has fallen by 30 dB from its loudest bin."""
+    bins = jnp.sum(heard.late.reshape(2, config.num_bins, config.bin_samples) ** 2, axis=(0, 2))
+    share = jnp.asarray(band_shares(config))
+    loudest = jnp.maximum(jnp.max(bins), 2 * jnp.max(heard.paths.gain**2 @ share))
+    if config.num_tail == 0:
+        return bins[-1] > FALL * loudest
+    end = jnp.sum(heard.tail[-1] @ share) * jnp.float32(config.bin_samples / config.frame)
+    return end > FALL * loudest
+
+
+@functools.cache
+def band_shares(config: AudioConfig) -> Float[np.ndarray, " bands"]:
+    """Which share of white noise each octave has."""
+    return octave_gains(np.linspace(0, config.sample_rate / 2, 4001)).mean(axis=1).astype(np.float32)

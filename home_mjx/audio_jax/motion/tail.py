@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Array, Complex, Float
 from scipy.fft import next_fast_len
 
-from home_mjx.audio_jax.auralization.diffuse import channel_levels, ear_mix, num_channels
+from home_mjx.audio_jax.auralization.diffuse import channel_levels, ear_mix
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.filters import RINGING, high_pass, octave_gains
 
@@ -60,7 +60,7 @@ def tail_frame(
     past: int,
     energy: Float[Array, "j 2 bands"],
     head_quat: Float[Array, "4"],
-    key: Array,
+    signs: Float[Array, "j c"],
     config: AudioConfig,
 ) -> Float[Array, "2 m"]:
     """What both ears hear in a frame of what left the source before a response's length.
@@ -70,7 +70,7 @@ def tail_frame(
         past: Its samples before the frame's first one, at least `config.memory_length` - 1.
         energy: From `continued`.
         head_quat: Of the head, wxyz.
-        key: Chooses the signs of the noise in each partition.
+        signs: Of the noise in each partition and channel, by which environments differ.
         config: Options.
     """
     if config.num_tail == 0:
@@ -81,7 +81,6 @@ def tail_frame(
     padded = jnp.pad(source, (max(-begins[-1], 0), 0))
     offset = max(-begins[-1], 0)
     windows = jnp.stack([padded[offset + b : offset + b + width] for b in begins])
-    signs = jax.random.rademacher(key, (config.num_tail, num_channels(config)), jnp.float32)
     mix = ear_mix(head_quat, config)[None] * signs[:, None]  # (j, ear, channel)
     table = _partitions(config)
     fields = [jnp.asarray(part, jnp.float32) for part in (table.real, table.imag)]
@@ -89,7 +88,8 @@ def tail_frame(
     level = jnp.sqrt(energy / frame) @ jnp.asarray(_octaves(config))
     spectrum = jnp.fft.rfft(windows, size)[:, None]
     heard = jnp.sum(spectrum * (level * jax.lax.complex(real, imag)), axis=0)
-    return jnp.fft.irfft(heard, size)[:, width - frame : width]
+    first = frame + spread - 1
+    return jnp.fft.irfft(heard, size)[:, first : first + frame]
 
 
 def _spread(config: AudioConfig) -> int:

@@ -8,7 +8,7 @@ from scipy.signal import fftconvolve
 
 from home_mjx.audio_jax import AudioConfig, Paths, early_response
 from home_mjx.audio_jax.motion.frame import moving_frame
-from home_mjx.audio_jax.motion.reception import Reception
+from home_mjx.audio_jax.motion.reception import silence
 
 OMNI = AudioConfig(receiver="omni", response_seconds=0.1, tail_seconds=0.0)
 EARS = AudioConfig(response_seconds=0.1, tail_seconds=0.0)
@@ -23,8 +23,7 @@ def received(vectors, config=OMNI, quat=AHEAD, gain=None, name=None):
     distance = np.linalg.norm(vectors, axis=1)
     gain = np.repeat(1 / distance[:, None], 7, axis=1) if gain is None else gain
     paths = Paths(*(jnp.asarray(x, jnp.float32) for x in (distance, gain, vectors / distance[:, None])), name)
-    none = jnp.zeros((2, config.response_length)), jnp.zeros((config.num_tail, 2, 7))
-    return Reception(paths, jnp.asarray(quat, jnp.float32), *none)
+    return silence(config).replace(paths=paths, quat=jnp.asarray(quat, jnp.float32))
 
 
 def streamed(signal, places, config=OMNI, quats=None):
@@ -39,7 +38,7 @@ def streamed(signal, places, config=OMNI, quats=None):
     return np.concatenate([np.asarray(h, float) for h in heard], axis=1)
 
 
-_run = {c: jax.jit(lambda s, a, b, c=c: moving_frame(s, a, b, KEY, c)) for c in (OMNI, EARS)}
+_run = {c: jax.jit(lambda s, a, b, c=c: moving_frame(s, a, b, c)) for c in (OMNI, EARS)}
 
 
 @pytest.mark.parametrize("speed", [1.0, 1.4])
