@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Array, Complex, Float
 from scipy.special import eval_legendre, spherical_jn, spherical_yn
 
-from home_mjx.audio_jax.base.delays import HALF_WIDTH, pulse_samples
+from home_mjx.audio_jax.base.delays import HALF_WIDTH, windowed_sinc
 from home_mjx.audio_jax.base.filters import octave_gains
 from home_mjx.core.transforms import quat_matrix
 
@@ -124,7 +124,7 @@ def _ear_kernels(sample_rate: int, radius: float, speed: float) -> Float[np.ndar
     early = sphere_delay(angle, radius, speed) - HALF_WIDTH / sample_rate
     aligned = sphere_spectrum(frequency, angle, radius, speed) * np.exp(2j * np.pi * early[:, None] * frequency)
     place = np.arange(size) / FINER
-    low_pass = np.fft.rfft(pulse_samples(np.minimum(place, size / FINER - place)))
+    low_pass = np.fft.rfft(windowed_sinc(np.minimum(place, size / FINER - place)))
     kernel = np.fft.irfft(aligned * low_pass, size)[:, ::FINER][:, : HALF_WIDTH + last]
     end = np.clip(1 - (np.arange(kernel.shape[1]) - HALF_WIDTH - 0.6 * last) / (0.4 * last), 0, 1)
     return kernel * np.sin(np.pi / 2 * end) ** 2

@@ -1,15 +1,16 @@
 """Impulse responses of two ears, from paths and an energy histogram."""
 
+import functools
 import math
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Complex, Float
+from jaxtyping import Array, Complex, Float, Int
 
-from home_mjx.audio_jax.auralization.diffuse import ear_mix, noise, num_channels
+from home_mjx.audio_jax.auralization.diffuse import ear_mix, noise
 from home_mjx.audio_jax.auralization.hrtf import EarTable, ear_angles, ear_energy, ear_spectrum, ear_table, to_head
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.delays import HALF_WIDTH, windowed_sinc
+from home_mjx.audio_jax.base.delays import HALF_WIDTH, delay_kernel
 from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.base.filters import CAUSAL_SECONDS, causal_octaves
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
@@ -108,13 +109,17 @@ def late_response(
     start = jax.random.randint(key, (), 0, table.shape[-1] - config.response_length, jnp.int32)
     table = jax.lax.dynamic_slice_in_dim(table, start, config.response_length, axis=2)
     mix = ear_mix(head_quat, config)
-    ears = sum(mix[:, i, None, None] * table[i][None] for i in range(num_channels(config)))
     size = config.bin_samples
     power = jnp.moveaxis(jnp.pad(energy, ((1, 1), (0, 0), (0, 0)), mode="edge"), 0, -1)[..., None] / size
     place = (jnp.arange(size, dtype=jnp.float32) + 0.5)[None, None, None] / size - 0.5  # re the bin's middle
     before, after = jnp.maximum(-place, 0.0), jnp.maximum(place, 0.0)
     power = power[:, :, :-2] * before + power[:, :, 1:-1] * (1 - before - after) + power[:, :, 2:] * after
-    return jnp.sum(ears * jnp.sqrt(power).reshape(2, power.shape[1], -1), axis=1)
+    amplitude = jnp.sqrt(power).reshape(2, power.shape[1], -1)
+
+    def octave(band: int) -> Float[Array, "2 l"]:
+        return amplitude[:, band] * sum(mix[:, i, None] * table[i, band][None] for i in range(table.shape[0]))
+
+    return functools.reduce(jnp.add, [octave(band) for band in range(table.shape[1])])
 
 
 def path_spectra(
@@ -162,9 +167,18 @@ def _kernels(
     """Impulse response of each path and ear, `rest` samples after sample `_reach` of the kernel."""
     taps, reach = _taps(config), _reach(config)
     spectrum, delay = path_spectra(paths.gain, paths.direction, head_quat, taps, config)
-    place = jnp.arange(2 * reach, dtype=jnp.int32) - reach
-    pulse = windowed_sinc(place.astype(jnp.float32)[None, None] - (rest[:, None] + delay)[..., None])
-    return jnp.fft.irfft(spectrum * jnp.fft.rfft(pulse, taps), taps)
+    late = rest[:, None] + delay
+    whole = jnp.floor(late)
+    kernel = jnp.fft.rfft(delay_kernel(late - whole), taps)
+    turn = _turn(whole.astype(jnp.int32) + (reach - HALF_WIDTH + 1), taps)
+    return jnp.fft.irfft(spectrum * kernel * turn, taps)
+
+
+def _turn(samples: Int[Array, "*n"], size: int) -> Complex[Array, "*n f"]:
+    """Spectrum of a delay by whole samples."""
+    step = (samples[..., None] * jnp.arange(size // 2 + 1, dtype=jnp.int32)[None, None]) % size  # exact
+    angle = step.astype(jnp.float32) * jnp.float32(-2 * math.pi / size)
+    return jax.lax.complex(jnp.cos(angle), jnp.sin(angle))
 
 
 def _reach(config: AudioConfig) -> int:

@@ -7,7 +7,7 @@ from jaxtyping import Array, Bool, Float, Int
 from home_mjx.audio_jax.propagation.paths import Paths
 from home_mjx.core.pytree import Pytree
 
-NUM_LEAVING = 4  # paths that fade out in one frame, the strongest; beyond them they end at once
+NUM_LEAVING = 2  # paths that fade out in one frame, the strongest; beyond them they end at once
 
 
 class Pairs(Pytree):
