@@ -5,6 +5,7 @@ import math
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Complex, Float, Int
 
 from home_mjx.audio_jax.auralization.diffuse import ear_mix, noise
@@ -73,7 +74,7 @@ def ear_gains(
     """Energy gain per octave of both ears for sound from each direction in the world."""
     if config.receiver == "omni":
         return jnp.ones((direction.shape[0], 2, len(BANDS)), jnp.float32)
-    return ear_energy(_ears(config), ear_angles(to_head(direction, head_quat), config.ear_angle))
+    return ear_energy(_ears(_taps(config), config), ear_angles(to_head(direction, head_quat), config.ear_angle))
 
 
 def early_response(paths: Paths, head_quat: Float[Array, "4"], config: AudioConfig) -> Float[Array, "2 l"]:

@@ -130,7 +130,7 @@ def _filtered(
     taps = math.ceil(CAUSAL_SECONDS * config.sample_rate)
     slack = math.ceil((longest_step(config) / SLOWEST_SOUND + SPREAD) * config.sample_rate)
     length = num_blocks(config) * BLOCK + slack + 2 * HALF_WIDTH
-    size = next_fast_len(length + taps + HALF_WIDTH, real=True)
+    size = int(next_fast_len(length + taps + HALF_WIDTH, real=True) or 0)
     before, after = taps + 2 * HALF_WIDTH + slack, size
     padded = jnp.pad(source, (before, after))
     start = past + before - latest - (HALF_WIDTH + 1) - taps

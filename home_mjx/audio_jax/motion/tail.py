@@ -83,7 +83,7 @@ def tail_frame(
     windows = jnp.stack([padded[offset + b : offset + b + width] for b in begins])
     mix = ear_mix(head_quat, config)[None] * signs[:, None]  # (j, ear, channel)
     table = _partitions(config)
-    fields = [jnp.asarray(part, jnp.float32) for part in (table.real, table.imag)]
+    fields = [jnp.asarray(part, jnp.float32) for part in (np.real(table), np.imag(table))]
     real, imag = (jnp.einsum("jec,jcf->jef", mix, f, precision="highest") for f in fields)
     level = jnp.sqrt(energy / frame) @ jnp.asarray(_octaves(config))
     spectrum = jnp.fft.rfft(windows, size)[:, None]
@@ -98,7 +98,7 @@ def _spread(config: AudioConfig) -> int:
 
 
 def _size(config: AudioConfig) -> int:
-    return next_fast_len(2 * (config.frame + _spread(config)), real=True)
+    return int(next_fast_len(2 * (config.frame + _spread(config)), real=True) or 0)
 
 
 @functools.cache
@@ -116,7 +116,7 @@ def _octaves(config: AudioConfig) -> Float[np.ndarray, "bands f"]:
 def _partitions(config: AudioConfig) -> Complex[np.ndarray, "j c f"]:
     """Spectra of white noise of unit variance in each partition and channel; see `channel_levels`."""
     frame, count = config.frame, config.num_tail
-    long = next_fast_len(count * frame, real=True)
+    long = int(next_fast_len(count * frame, real=True) or 0)
     frequency = np.fft.rfftfreq(long, 1 / config.sample_rate)
     levels = channel_levels(frequency, config) * high_pass(frequency)
     phase = np.random.default_rng(1).uniform(0, 2 * np.pi, levels.shape)
