@@ -140,7 +140,7 @@ def path_spectra(
     level = jnp.log(jnp.maximum(gain, jnp.maximum(QUIETEST * loudest, SOFTEST)))
     table = causal_octaves(size, config.sample_rate)
     real, phase = (
-        jnp.matmul(level, jnp.asarray(t, jnp.float32), precision="highest") for t in (table.real, table.imag)
+        jnp.matmul(level, jnp.asarray(t, jnp.float32), precision="highest") for t in (np.real(table), np.imag(table))
     )
     amplitude = jnp.where(loudest > SOFTEST, jnp.exp(real), 0.0)
     octaves = jax.lax.complex(amplitude * jnp.cos(phase), amplitude * jnp.sin(phase))[:, None]
