@@ -7,7 +7,7 @@ from typing import TypeGuard
 
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 
-MOST_WHOLE = 2**63 - 1  # of 64 bits
+MOST_WHOLE = 2.0**63  # those of 64 bits are less
 MAX_SHOWN = 200  # characters of a value in a message
 
 
@@ -69,9 +69,10 @@ def _is_number(value: object, whole: bool) -> TypeGuard[float]:
     if isinstance(value, bool) or not isinstance(value, numbers.Integral if whole else numbers.Real):
         return False
     try:
-        return abs(int(value)) <= MOST_WHOLE if whole else math.isfinite(value)
+        finite = math.isfinite(value)
     except OverflowError:
         return False
+    return finite and (not whole or abs(float(value)) < MOST_WHOLE)
 
 
 def shown(value: object) -> str:

@@ -63,7 +63,8 @@ def read_json_lines(path: Path, what: str, parse: Callable[[Any], Row], most: in
             raise type(error)(error.message, file=path, element=place, hint=error.hint) from None
         except (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
             reason = f"`{error.args[0]}` is missing" if type(error) is KeyError else str(error)
-            raise DatasetError(f"no {what}: {reason}", file=path, element=f"line {number}") from None
+            hint = "Each line must be one JSON object, as the package writes them."
+            raise DatasetError(f"no {what}: {reason}", file=path, element=f"line {number}", hint=hint) from None
 
 
 def read_bytes(path: Path, hint: str | None = None, most: int | None = None) -> bytes:

@@ -109,7 +109,8 @@ class PPOConfig:
             ConfigError: Environments cannot be dealt out evenly to devices, or their agents to minibatches.
         """
         if self.num_envs % num_devices:
-            raise ConfigError(f"`num_envs` must be a multiple of the {num_devices} devices, got {self.num_envs}")
+            message = f"`num_envs` must be a multiple of the {num_devices} devices, got {self.num_envs}"
+            raise ConfigError(message, hint="Or train on fewer: PPO(..., devices=jax.devices()[:1]).")
         rows = self.num_envs // num_devices * num_agents
         if rows % self.num_minibatches:
             hint = f"`num_envs` per device times agents is {rows}."

@@ -121,6 +121,7 @@ def _assignment(text: str) -> tuple[str, Any]:
     try:
         return name, json.loads(value)
     except RecursionError:
-        raise ConfigError(f"`{name}` has too many brackets in each other: `{value:.40}…`") from None
+        message = f"`{name}` has too many brackets in each other: `{value:.40}…`"
+        raise ConfigError(message, hint="Values are JSON or text.") from None
     except ValueError:
         return name, value

@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float, Int, UInt16
 from home_mjx.scene_compile.geometry.boxes import BoxSet
 from home_mjx.scene_compile.navigation.free_space import FreeSpace, NavigationOptions, clearance
 from home_mjx.scene_compile.navigation.fringe import continued_fields, nearest_numbers
-from home_mjx.scene_compile.navigation.geodesic import distance_fields
+from home_mjx.scene_compile.navigation.geodesic import Link, distance_fields
 from home_mjx.scene_compile.navigation.portals import find_portals, room_hops
 from home_mjx.scene_compile.navigation.regions import label_regions
 from home_mjx.scene_compile.navigation.stairs import stair_links
@@ -29,6 +29,7 @@ def build_navigation(
     doorways: Sequence[Sequence[Doorway]] = (),
     stairs: Sequence[Stairs] = (),
     leaves: Sequence[BoxSet] = (),
+    open_leaves: Sequence[BoxSet] = (),
 ) -> Navigation:
     """Regions, portals, starts, goals and distance fields on the free space of a house.
 
@@ -40,6 +41,8 @@ def build_navigation(
         doorways: Of each level; none by default.
         stairs: Between the levels, on which agents walk.
         leaves: Boxes of each level where leaves may stand: no start and no goal is in them, but ways lead through.
+        open_leaves: Boxes of each level where leaves stand while doors are open: no start and no goal is where they cut
+            it off from most of the house. Whoever pushed them out of the way might shut them for good.
     """
     ground = spaces[0]
     standable, room = np.stack([s.standable for s in spaces]), np.stack([s.room for s in spaces])
@@ -53,7 +56,8 @@ def build_navigation(
     climbed = [(s, max(s.width - 2 * reach, options.cell) if way else 0.0) for s, way in zip(stairs, ways, strict=True)]
     portals = find_portals(rooms, room, standable, centres, doorways or [[] for _ in spaces], climbed)
     rng = np.random.default_rng(int.from_bytes(hashlib.sha256(house_id.encode()).digest()[:8], "little"))
-    drawn = _beside_leaves(home & ~on_ramp, spaces, rooms, leaves, options)
+    drawn = home & ~on_ramp & ~_cut_off(home, links, spaces, rooms, open_leaves, options)
+    drawn = _beside_leaves(drawn, spaces, rooms, leaves, options)
     goals = _spread_goals(drawn, room, options.num_goals, rng)
     cells = rng.permutation(np.argwhere(drawn))[np.arange(options.num_starts) % drawn.sum()]
     jitter = rng.uniform(-0.5, 0.5, (options.num_starts, 2)) * options.margin
@@ -91,6 +95,23 @@ def _beside_leaves(
         heights = (options.step, options.agent_height)
         cells &= clearance(boxes, rooms.floor[space.room], space.x, space.y, heights, reach) >= reach
     return found if found.any() else home
+
+
+def _cut_off(
+    home: Bool[np.ndarray, "l ny nx"],
+    links: Sequence[Link],
+    spaces: Sequence[FreeSpace],
+    rooms: Rooms,
+    leaves: Sequence[BoxSet],
+    options: NavigationOptions,
+) -> Bool[np.ndarray, "l ny nx"]:
+    """The cells of the home region from which no way leads to most of it but through a leaf of an open door."""
+    free, heights = home.copy(), (options.step, options.agent_height)
+    for cells, space, boxes in zip(free, spaces, leaves, strict=False):
+        floor, radius = rooms.floor[space.room], options.agent_radius
+        cells &= clearance(boxes, floor, space.x, space.y, heights, radius) >= radius
+    region, _ = label_regions(free, links, options.cell)
+    return home & (region != 0) if free.any() else np.zeros_like(home)
 
 
 def _fringe(

@@ -73,7 +73,14 @@ def _compiled(house: House, metadata: Metadata, options: CompileOptions) -> Comp
     objects = shut_outer_doors(place_objects(frame, metadata), frame.rooms)
     levels = build_levels(frame, shell, objects, options.colliders, options.movables, options.navigation)
     navigation = build_navigation(
-        house.id, frame.rooms, levels.spaces, options.navigation, levels.doorways, levels.stairs, levels.leaves
+        house.id,
+        frame.rooms,
+        levels.spaces,
+        options.navigation,
+        levels.doorways,
+        levels.stairs,
+        levels.leaves,
+        levels.open_leaves,
     )
     surfaces = build_surfaces(frame, shell, objects)
     lights = build_lights(objects, frame.rooms, metadata, options.lights)

@@ -73,6 +73,7 @@ class Levels:
         spaces: Free space of each level that has rooms, the lowest first.
         doorways: Of each of these levels.
         leaves: Boxes of the leaves of each of these levels that turn, as placed, closed and wide open.
+        open_leaves: The same, wide open alone.
         stairs: Between them, that agents climb.
         colliders: Static boxes of all levels; the last are barriers, a fence of four boxes, and the ramps.
         ramps: The slopes of the stairs.
@@ -85,6 +86,7 @@ class Levels:
     spaces: Sequence[FreeSpace]
     doorways: Sequence[Sequence[Doorway]]
     leaves: Sequence[BoxSet]
+    open_leaves: Sequence[BoxSet]
     stairs: Sequence[Stairs]
     colliders: Colliders
     ramps: Ramps
@@ -137,6 +139,7 @@ def build_levels(
         spaces=_spaces(sites, found, blocked, rooms, colliders, navigation),
         doorways=[site.doorways for site in sites],
         leaves=[_leaf_boxes(objects, doors, site.number) for site in sites],
+        open_leaves=[_leaf_boxes(objects, doors, site.number, all_angles=False) for site in sites],
         stairs=stairs,
         colliders=with_ramps(fixtures, ramps),
         ramps=ramps,
@@ -233,8 +236,9 @@ def _spaces(
     return spaces
 
 
-def _leaf_boxes(objects: Sequence[PlacedObject], doors: Doors, level: int) -> BoxSet:
-    """The leaves of a level that turn, each as placed, closed and wide open."""
+def _leaf_boxes(objects: Sequence[PlacedObject], doors: Doors, level: int, all_angles: bool = True) -> BoxSet:
+    """The leaves of a level that turn, each as placed, closed and wide open, or wide open alone."""
     leaves = [(o.level, leaf) for o in objects for leaf in o.leaves]
     angles = zip(leaves, np.clip(0, doors.low, doors.high), doors.closed, doors.wide, strict=True)
-    return join(leaf.box_at(float(a)) for (at, leaf), *three in angles if at == level for a in three)
+    used = slice(0 if all_angles else 2, None)
+    return join(leaf.box_at(float(a)) for (at, leaf), *three in angles if at == level for a in three[used])

@@ -98,7 +98,8 @@ def load_episodes(path: str | Path, bank: HouseBank, task: Task = POINT_NAV) -> 
     index = {name: i for i, name in enumerate(bank.house_ids)}
     rows = list(read_json_lines(Path(path), "episode", lambda line: _row(line, bank, index, task), MAX_BYTES))
     if not rows:
-        raise DatasetError("file holds no episode", file=path)
+        hint = "Write one JSON object a line, see `save_episodes`."
+        raise DatasetError("file holds no episode", file=path, hint=hint)
     episodes = Episodes(**jax.tree.map(lambda *values: jnp.asarray(np.stack(values)), *rows))
     lost = np.flatnonzero(~np.asarray(_are_possible(task, bank, episodes)))
     if len(lost):

@@ -123,16 +123,20 @@ def check_sounds(config: EnvConfig, tasks: Any) -> None:
         return
     emission = emission_of(tasks.rows.columns)
     used, clips = np.asarray(emission.emitter) >= 0, np.asarray(emission.clip)
-    most = int(used.sum(axis=1).max(initial=0))
+    count = used.sum(axis=1)
+    most = int(count.max(initial=0))
     if most > config.num_sources:
         raise ConfigError(
             f"tasks have up to {most} sounds at once, the environment plays {config.num_sources}",
+            element=f"task {np.argmax(count)}, sounds",
             hint=f"Give num_sources={most}.",
         )
-    lost = {clip_name(i) for i in np.unique(clips[used]).tolist()} - {config.clip, *config.clips, VOICE}
+    lost = {i: clip_name(i) for i in np.unique(clips[used]).tolist()}
+    lost = {i: name for i, name in lost.items() if name not in (config.clip, *config.clips, VOICE)}
     if lost:
-        names = ", ".join(sorted(lost))
-        raise ConfigError(f"tasks play {names}, which the environment has not", hint=f"Add to clips=(...): {names}.")
+        names, first = ", ".join(sorted(lost.values())), np.argmax((np.isin(clips, list(lost)) & used).any(axis=1))
+        message, hint = f"tasks play {names}, which the environment has not", f"Add to clips=(...): {names}."
+        raise ConfigError(message, element=f"task {first}, sounds", hint=hint)
 
 
 def check_variation(config: EnvConfig, variation: Variation | None) -> None:

@@ -9,7 +9,7 @@ from jaxtyping import Array, Bool, Float, Int
 from home_mjx.navigation.grid import cell_of, is_home, place_position, row_of_cell
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.experts.leaves import slowness
-from home_mjx.tasks.experts.window import descend_window, window_distances, window_places
+from home_mjx.tasks.experts.window import descend_window, nearest_free, window_distances, window_places
 
 LOOK_AHEAD = 6  # cells
 SAMPLES = 8  # places of a straight way that are looked at
@@ -20,7 +20,11 @@ Far = Callable[[Int[Array, "n 3"], Int[Array, " n"]], Float[Array, " n"]]
 
 
 def descend(
-    snapshot: Snapshot, agent: Int[Array, ""], far: Far, least: float = 0.0
+    snapshot: Snapshot,
+    agent: Int[Array, ""],
+    far: Far,
+    least: float = 0.0,
+    within: Float[Array, ""] | float = 0.0,
 ) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
     """A place on the way down [m] to which an agent can walk straight, and whether none is lower than where it is.
 
@@ -34,6 +38,7 @@ def descend(
         agent: Its number.
         far: The field.
         least: The way ends here, too, if less than so much of it is left [m].
+        within: So near to its end is near enough [m].
     """
     bank, house, moves = snapshot.bank, snapshot.house, snapshot.config.discrete
     pos, touches = snapshot.pose.pos[agent], snapshot.contact[agent]
@@ -47,12 +52,18 @@ def descend(
     if moves is None:
         return aim, jnp.all(path[-1] == path[0]) | (left < jnp.float32(least))
     stride = moves.forward_step_size
-    aside = within_steps(snapshot, agent, end, stride)
+    aside = within_steps(snapshot, agent, end, stride, within)
     ends = left < jnp.float32(max(THERE * stride, least))
     return jnp.where(settled & straight[-1], aside, aim), settled & ends
 
 
-def within_steps(snapshot: Snapshot, agent: Int[Array, ""], end: Float[Array, "2"], stride: float) -> Float[Array, "2"]:
+def within_steps(
+    snapshot: Snapshot,
+    agent: Int[Array, ""],
+    end: Float[Array, "2"],
+    stride: float,
+    within: Float[Array, ""] | float = 0.0,
+) -> Float[Array, "2"]:
     """Where to walk so that whole steps end at a place that is less than two steps away [m].
 
     That is the tip of a triangle with two sides of one step each, on the side where the way is free; the place itself,
@@ -63,11 +74,13 @@ def within_steps(snapshot: Snapshot, agent: Int[Array, ""], end: Float[Array, "2
         agent: Number of who walks.
         end: The place [m].
         stride: Length of a step [m].
+        within: A step that ends so near to the place leads to it [m].
     """
     pos = snapshot.pose.pos[agent]
     way = end - pos[:2]
     left = jnp.linalg.norm(way)
-    fits = (jnp.abs(left - jnp.float32(stride)) < jnp.float32(CLOSE * stride)) | (left > jnp.float32(2 * stride))
+    close = jnp.maximum(jnp.float32(CLOSE * stride), jnp.float32(within))
+    fits = (jnp.abs(left - jnp.float32(stride)) < close) | (left > jnp.float32(2 * stride))
     along = jnp.where(left > 0, way / jnp.maximum(left, 1e-6), jnp.array([1.0, 0.0], jnp.float32))
     across = jnp.array([-along[1], along[0]])
     out = jnp.sqrt(jnp.maximum(jnp.float32(stride) ** 2 - left * left / 4, 0.0))
@@ -90,7 +103,7 @@ def _path(snapshot: Snapshot, agent: Int[Array, ""], far: Far) -> Int[Array, "k 
     middle = jax.vmap(lambda p: place_position(bank, house, p))(places)
     known = jnp.where(home, far(places, cell).astype(jnp.float32), jnp.inf)
     length = jnp.float32(bank.spec.cell) * slowness(snapshot, middle, agent)
-    return at + descend_window(window_distances(known, length), LOOK_AHEAD)
+    return at + descend_window(window_distances(known, length), nearest_free(known), LOOK_AHEAD)
 
 
 def _ways(
@@ -102,6 +115,8 @@ def _ways(
     between = pos + part * (place - pos)[:, None]
     cell = jax.vmap(lambda at: cell_of(bank, house, at))(between.reshape(-1, 3))
     home = is_home(bank, house, bank.navigation.cell[house][cell[:, 0], cell[:, 1], cell[:, 2]])
+    gone = jnp.linalg.norm(between - pos, axis=-1)
+    off = gone < jnp.float32(bank.spec.cell)  # an agent may stand beside the cells
     slow = slowness(snapshot, between.reshape(-1, 3), agent).reshape(between.shape[:2])
     ends = jnp.maximum(slow[:, 0], slow[:, -1])
-    return jnp.all(home.reshape(slow.shape), axis=1), jnp.max(slow, axis=1), ends
+    return jnp.all(home.reshape(slow.shape) | off, axis=1), jnp.max(slow, axis=1), ends

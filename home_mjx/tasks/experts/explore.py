@@ -5,13 +5,12 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from home_mjx.core.transforms import wrap_angle
 from home_mjx.navigation.fields import distance_field
 from home_mjx.navigation.grid import cell_of, is_home, row_of_cell, stored_distance
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.experts.descent import descend
 from home_mjx.tasks.experts.leaves import slow_cells
-from home_mjx.tasks.experts.walk import to_actions
+from home_mjx.tasks.experts.walk import to_actions, turn_towards
 
 AROUND = np.array([-1, 0, 1])  # cells
 
@@ -64,5 +63,4 @@ def ways_to(
         return descend(snapshot, agent, far)[0], ~is_near & ~jnp.any(is_left)
 
     aim, done = jax.vmap(one)(agents)
-    aim = aim - snapshot.pose.pos[agents, :2]
-    return wrap_angle(jnp.arctan2(aim[:, 1], aim[:, 0]) - snapshot.pose.yaw[agents]), done
+    return turn_towards(snapshot, aim, agents), done

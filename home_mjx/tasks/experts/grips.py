@@ -19,9 +19,10 @@ from home_mjx.tasks.sensors.cameras import eye_position
 from home_mjx.tasks.sensors.reaching import SEEN, SLACK, free_spots, plan_radius, take_points
 
 EXACT = 0.04  # [rad], from the middle of the view, at which hands meet what they are aimed at
-PATIENCE = 24  # steps with one choice of where to aim; then it changes a little
-ROUND = 96  # steps: in the last `PATIENCE` of so many an agent goes on, as what it has tried has not worked
-VARIED = 0.03  # [rad], by so much
+PATIENCE = 24  # steps with one choice of where to aim; then it changes
+ROUND = 96  # steps: in the last `PATIENCE` of so many an agent goes elsewhere, as what it has tried has not worked
+VARIED = 0.3  # [rad], by so much
+GOLDEN = 2.4  # [rad], by which the ways elsewhere differ from one another
 
 
 class Grip(Pytree):
@@ -33,11 +34,6 @@ class Grip(Pytree):
     ready: Bool[Array, " a"]  # it can be aimed at from here
     turn: Float[Array, " a"]  # [rad], to the left, until it is in the middle of the view
     tilt: Float[Array, " a"]  # [rad], up
-
-
-def has_hands(snapshot: Snapshot) -> bool:
-    """Whether agents have hands and houses have things for them."""
-    return snapshot.config.hands and snapshot.bank.spec.num_bodies > 0
 
 
 def find_grip(
@@ -55,12 +51,18 @@ def find_grip(
     take, put = _waits(state, values, guide)
     holds = snapshot.held >= 0
     helped = EXACT + 0.5 * math.radians(snapshot.config.aim_angle)
-    turn, tilt, ready = _aimed(snapshot, *_to_take(snapshot, state, guide, box), helped)
-    for_put = _aimed(snapshot, *_to_put(snapshot, state, guide, box), helped)
+    tried = (snapshot.step - state.since) // PATIENCE
+    turn, tilt, ready = _aimed(snapshot, *_to_take(snapshot, state, guide, box), tried, helped)
+    for_put = _aimed(snapshot, *_to_put(snapshot, state, guide, box), tried, helped)
     puts = put & holds
     turn, tilt, ready = (jnp.where(puts, b, a) for a, b in zip((turn, tilt, ready), for_put, strict=True))
-    ready = ready & ((snapshot.step - state.since) % ROUND < ROUND - PATIENCE)
     return Grip(take=take & ~holds, put=puts, drop=take & holds, ready=ready, turn=turn, tilt=tilt)
+
+
+def elsewhere(snapshot: Snapshot, state: RowState) -> tuple[Bool[Array, ""], Float[Array, ""]]:
+    """Whether it is time to go elsewhere, as nothing has come of the present stage for long, and in which direction."""
+    time = snapshot.step - state.since
+    return time % ROUND >= ROUND - PATIENCE, (time // ROUND).astype(jnp.float32) * jnp.float32(GOLDEN)
 
 
 def use_hands(config: EnvConfig, actions: Array, grip: Grip, aims: Bool[Array, " a"]) -> Array:
@@ -78,6 +80,14 @@ def use_hands(config: EnvConfig, actions: Array, grip: Grip, aims: Bool[Array, "
         return jnp.where(grip.drop, names.index("drop"), actions).astype(jnp.int32)
     pick = jnp.where(grip.drop, -1.0, jnp.where(picks, 1.0, 0.0))
     return actions.at[:, names.index("pick")].set(pick)
+
+
+def open_doors(config: EnvConfig, actions: Array, opens: Bool[Array, " a"]) -> Array:
+    """Actions of which some are to open the door in view."""
+    names = action_names(config)
+    if config.discrete is not None:
+        return jnp.where(opens, names.index("open"), actions).astype(jnp.int32)
+    return actions.at[:, names.index("turn_door")].set(jnp.where(opens, 1.0, 0.0))
 
 
 def is_aimed(config: EnvConfig, grip: Grip) -> Bool[Array, " a"]:
@@ -145,7 +155,7 @@ def _to_put(
 
 
 def _aimed(
-    snapshot: Snapshot, points: Float[Array, "a p 3"], fits: Bool[Array, "a p"], most: float
+    snapshot: Snapshot, points: Float[Array, "a p 3"], fits: Bool[Array, "a p"], tried: Int[Array, ""], most: float
 ) -> tuple[Float[Array, " a"], Float[Array, " a"], Bool[Array, " a"]]:
     """Turn and tilt to the point that the view can be aimed at best [rad], and whether it misses it by at most so much.
 
@@ -160,7 +170,7 @@ def _aimed(
     done = _in_steps(config, turn, tilt, pose.pitch)
     miss = jnp.hypot(turn - done[0], tilt - done[1])
     number = jnp.arange(points.shape[1], dtype=jnp.float32)
-    varied = jnp.sin(number * (snapshot.step // PATIENCE).astype(jnp.float32))
+    varied = jnp.sin(number * tried.astype(jnp.float32))
     cost = miss + jnp.float32(VARIED) * varied + 0.01 * jnp.abs(turn) + 0.03 * away
     near_enough = miss <= jnp.float32(most)
     rank = jnp.where(fits & near_enough, 0.0, jnp.where(fits, 10.0, 20.0))

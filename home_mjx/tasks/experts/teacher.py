@@ -6,7 +6,6 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array
 
-from home_mjx.core.transforms import wrap_angle
 from home_mjx.errors import ConfigError
 from home_mjx.navigation.grid import stored_distance
 from home_mjx.tasks.base.snapshot import Snapshot
@@ -16,7 +15,7 @@ from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.household import HouseholdEnv
 from home_mjx.tasks.experts.descent import descend
-from home_mjx.tasks.experts.walk import expert_action, to_actions
+from home_mjx.tasks.experts.walk import expert_action, to_actions, turn_towards
 from home_mjx.tasks.rows.row_task import RowState, RowTask
 from home_mjx.tasks.suite.point_nav import PointNav, PointNavState
 
@@ -74,11 +73,10 @@ def _to_point(task: PointNav, snapshot: Snapshot, state: PointNavState) -> Array
     field, pose = snapshot.bank.navigation.field, snapshot.pose
 
     def ahead(agent: Array) -> tuple[Array, Array]:
-        return descend(snapshot, agent, lambda _, cell: stored_distance(field, cell, state.goal))
+        far = lambda _, cell: stored_distance(field, cell, state.goal)  # noqa: E731
+        return descend(snapshot, agent, far, within=WELL_WITHIN * task.success_radius / 2)
 
     aim, there = jax.vmap(ahead)(jnp.arange(snapshot.config.num_agents))
-    way = aim - pose.pos[:, :2]
-    error = wrap_angle(jnp.arctan2(way[:, 1], way[:, 0]) - pose.yaw)
     stop = (state.distance <= jnp.float32(WELL_WITHIN * task.success_radius)) | there
     stop = stop & jnp.bool_(task.stop)
-    return to_actions(snapshot.config, error, -pose.pitch, jnp.zeros_like(stop), stop)
+    return to_actions(snapshot.config, turn_towards(snapshot, aim), -pose.pitch, jnp.zeros_like(stop), stop)

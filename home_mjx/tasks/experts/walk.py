@@ -5,6 +5,7 @@ from typing import Protocol, runtime_checkable
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.core.transforms import wrap_angle
@@ -12,17 +13,23 @@ from home_mjx.navigation.grid import stored_distance
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.environment.moves import action_names
+from home_mjx.tasks.experts.carrying import clear_turns, has_hands
 from home_mjx.tasks.experts.descent import descend
-from home_mjx.tasks.experts.grips import find_grip, has_hands, is_aimed, use_hands
+from home_mjx.tasks.experts.grips import elsewhere, find_grip, is_aimed, open_doors, use_hands
+from home_mjx.tasks.experts.leaves import faces_shut_leaf
 from home_mjx.tasks.experts.speaking import or_words
-from home_mjx.tasks.rows.features import Looked, look
+from home_mjx.tasks.rows.features import Looked, inside, look
 from home_mjx.tasks.rows.machine import advance, conditions
 from home_mjx.tasks.rows.row_task import RowState
 from home_mjx.tasks.rows.words import FAILURE, Feature, Kind, Word
-from home_mjx.tasks.sensors.cameras import eye_position
+from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
+from home_mjx.tasks.sensors.sight import clear
 
-LAG = 0.2  # [m]
+LAG = 0.2  # [m]: what walks may be so much farther away when `stop` is heard
+SHIFTS = np.array([(0.08, 0, 0), (-0.08, 0, 0), (0, 0.08, 0), (0, -0.08, 0)])  # [m], by which who stops may be off
 MARGIN = 0.1  # [m]: with something in its hand an agent goes so much nearer than it must
+OPENS = 6  # steps between two tries to open a door; in between an agent gets out of its way, or through
+ON_THE_SPOT = 1.0  # [rad], by which who waits turns: there is no action that does nothing
 ALIGNED = 0.8  # [rad]: an agent that looks farther away from its way turns first
 
 
@@ -54,21 +61,29 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
     config, program, looked = snapshot.config, state.program, looks(snapshot, state)
     values, box = looked.values, looked.box
     guide = jnp.maximum(program.guide[jnp.maximum(state.stage, 0)], 0)
-    stop, (way, there) = should_stop(state, values), downhill(snapshot, state, guide)
+    later = lasting(snapshot, state, looked)
+    stop, (way, there) = should_stop(state, later), downhill(snapshot, state, guide)
     if not has_hands(snapshot):
-        actions = to_actions(config, *facing(snapshot, state, looked, way, there), stop)
+        error, tilt, near = facing(snapshot, state, looked, way, there)
+        waits = should_wait(state, values)
+        actions = to_actions(config, jnp.where(waits, ON_THE_SPOT, error), tilt, near | waits, stop)
         return or_words(snapshot, state, values, actions)
     farther = values.at[Feature.DISTANCE].add(MARGIN)  # what is carried pushes
-    stop = stop & (there | should_stop(state, farther))
+    stop = stop & (there | should_stop(state, later.at[Feature.DISTANCE].add(MARGIN)))
     grip = find_grip(snapshot, state, values, box[:, guide])
     works = (grip.take | grip.put) & ~stop
-    stands = works & (grip.ready | there)
+    goes, where = elsewhere(snapshot, state)
+    stands = works & (grip.ready | there) & ~goes
     error, tilt, near = facing(snapshot, state, looked.replace(values=farther), way, there & ~works)
-    walks = wrap_angle(way - snapshot.pose.yaw)
+    walks = wrap_angle(jnp.where(goes & (there | snapshot.contact), where, way) - snapshot.pose.yaw)
     error = jnp.where(stands, grip.turn, jnp.where(works, walks, error))
     tilt, near = jnp.where(stands, grip.tilt, tilt), jnp.where(works, stands, near)
-    actions = to_actions(config, error, tilt, near, stop)
+    waits = should_wait(state, values)
+    error, near = jnp.where(waits, ON_THE_SPOT, error), near | waits
+    actions = to_actions(config, clear_turns(snapshot, error), tilt, near, stop)
     actions = use_hands(config, actions, grip, stands & is_aimed(config, grip))
+    opens = ~stands & ~stop & faces_shut_leaf(snapshot, snapshot.pose.yaw) & (snapshot.step % OPENS == 0)
+    actions = open_doors(config, actions, opens)
     return or_words(snapshot, state, values, actions)
 
 
@@ -120,17 +135,43 @@ def should_look(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[
     return jnp.broadcast_to(taken & (after != FAILURE), values.shape[1:2])
 
 
+def lasting(snapshot: Snapshot, state: RowState, looked: Looked) -> Float[Array, "feature a d d"]:
+    """Values of features as they will at least be when `stop` is heard, a step later.
+
+    Who is pushed back by what it walks into must not be out of a room by then, and what walks not be hidden or far.
+    """
+    values, walks, shifts = looked.values, jnp.any(state.emission.speed > 0), jnp.asarray(SHIFTS, jnp.float32)
+
+    def shifted(shift: Float[Array, "3"]) -> Bool[Array, "a d"]:
+        pose = snapshot.pose.replace(pos=snapshot.pose.pos + shift)
+        return inside(snapshot.replace(pose=pose), state.means)
+
+    deep = jnp.all(jax.vmap(shifted)(shifts), axis=0) | snapshot.contact[:, None]
+    values = values.at[Feature.INSIDE].multiply(deep.astype(jnp.float32)[:, :, None])
+    target = jnp.maximum(state.emission.emitter[0], 0).astype(jnp.int32)
+    eyes, own = eye_position(snapshot.config, snapshot.pose), agent_ids(snapshot.bank, values.shape[1])
+    box = looked.box[:, target]
+    free = jax.vmap(clear, (None, 0, 0, 0, 0))(snapshot.scene, eyes, box, box.mean(axis=1)[:, None] + shifts, own)
+    shows = jnp.all(free, axis=-1)[:, None, None] | ~walks
+    values = values.at[Feature.CLEAR].multiply(shows.astype(jnp.float32))
+    return values.at[Feature.STRAIGHT].add(jnp.where(walks, LAG, 0.0))
+
+
+def should_wait(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
+    """Whether a transition of the present stage waits for no more than time."""
+    later = values.at[Feature.TIME].set(jnp.inf)
+    after, _, taken = advance(state.program, state.stage, conditions(state.program, later))
+    quiet = advance(state.program, state.stage, conditions(state.program, values))[2]
+    return jnp.broadcast_to(taken & ~quiet & (after != FAILURE), values.shape[1:2])
+
+
 def should_stop(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
     """Whether a transition of the present stage waits for nothing but each agent's `stop`."""
     program = state.program
     said = values.at[Feature.STOPPED].set(1.0)
     after, _, taken = advance(program, state.stage, conditions(program, said))
     quiet = advance(program, state.stage, conditions(program, values))[2]
-    # What walks is a little farther away when `stop` is heard.
-    later = said.at[Feature.STRAIGHT].add(jnp.where(jnp.any(state.emission.speed > 0), LAG, 0.0))
-    still = advance(program, state.stage, conditions(program, later))[0]
-    good = taken & ~quiet & (after != FAILURE) & (still == after)
-    return jnp.broadcast_to(good, values.shape[1:2])
+    return jnp.broadcast_to(taken & ~quiet & (after != FAILURE), values.shape[1:2])
 
 
 def downhill(
@@ -138,17 +179,37 @@ def downhill(
 ) -> tuple[Float[Array, " a"], Bool[Array, " a"]]:
     """Heading of the shortest way to what a descriptor means [rad], and whether no place is nearer.
 
-    Each agent can walk straight to the place that it heads for, see `descend`.
+    Each agent can walk straight to the place that it heads for, see `descend`; in a room that is meant it goes on.
     """
     moves, column = snapshot.config.discrete, jnp.maximum(state.program.field[guide], 0).astype(jnp.int32)
     least = moves.forward_step_size / 2 if moves and has_hands(snapshot) else 0.0  # who goes on would pass the end
+    is_room = state.program.descriptor[guide, Word.KIND] == Kind.ROOM  # anywhere beyond its threshold will do
+    within = jnp.where(is_room, jnp.inf, 0.0)
 
     def ahead(agent: Int[Array, ""]) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
-        return descend(snapshot, agent, lambda _, cell: stored_distance(snapshot.tasks.field, cell, column), least)
+        far = lambda _, cell: stored_distance(snapshot.tasks.field, cell, column)  # noqa: E731
+        return descend(snapshot, agent, far, least, within)
 
     aim, there = jax.vmap(ahead)(jnp.arange(snapshot.config.num_agents))
     aim = aim - snapshot.pose.pos[:, :2]
-    return jnp.arctan2(aim[:, 1], aim[:, 0]), there
+    inwards = there & is_room  # straight on, away from the threshold
+    return jnp.where(inwards, snapshot.pose.yaw, jnp.arctan2(aim[:, 1], aim[:, 0])), there & ~is_room
+
+
+def turn_towards(
+    snapshot: Snapshot, aim: Float[Array, "a 2"], agents: Int[Array, " a"] | None = None
+) -> Float[Array, " a"]:
+    """Turns to the left after which agents look towards places [rad].
+
+    Args:
+        snapshot: The environment.
+        aim: Of each agent [m].
+        agents: Their numbers; None: all.
+    """
+    pose = snapshot.pose
+    pos, yaw = (pose.pos, pose.yaw) if agents is None else (pose.pos[agents], pose.yaw[agents])
+    way = aim - pos[:, :2]
+    return wrap_angle(jnp.arctan2(way[:, 1], way[:, 0]) - yaw)
 
 
 def to_actions(

@@ -7,8 +7,10 @@ from jaxtyping import Array, Bool, Float, Int
 
 HALF = 14  # cells, from the middle of a window to its edge: more than it takes to get round a leaf
 WIDTH = 2 * HALF + 1
-ROUNDS = 48  # cells of the longest way within a window
-DETOUR = 3.0  # [m]: rather than pushing a leaf on the way to an end that is near, agents go out of the window
+ROUNDS = 64  # cells of the longest way within a window
+SHORTER, SHORTEST = 0.05, 20.0  # cells that a way shorter by 1 m is worth, and the way up to which that counts [m]
+# [m]: where no way is known; of cells that are equally far agents prefer the one where they are.
+BEYOND, STAYS = 1e4, 1e-2
 OFFSETS = np.array([(y, x) for y in (-1, 0, 1) for x in (-1, 0, 1)])
 
 
@@ -21,10 +23,10 @@ def window_places(at: Int[Array, "3"], shape: tuple[int, ...]) -> tuple[Int[Arra
 
 
 def window_distances(known: Float[Array, " n"], length: Float[Array, " n"]) -> Float[Array, "w w"]:
-    """Distances within a window, along its cells, to where they are least, or else to its edge and on as known.
+    """Distances within a window, along its cells, to where no cell around is nearer to the end, and on as known.
 
-    The edge counts if no such end is in the window, or it is farther there by more than `DETOUR`: what is known does
-    not know what is in the way, and a way by the edge could lead back through it. No corner is cut.
+    That is the end itself, or where ways leave the window. Other cells of its edge do not count: what is known does not
+    know what is in the way, and a way by them could lead back through it. No corner is cut.
 
     Args:
         known: As if nothing were in the way [m]; inf where agents cannot stand.
@@ -36,12 +38,14 @@ def window_distances(known: Float[Array, " n"], length: Float[Array, " n"]) -> F
         (29, 29)
     """
     known, length = known.reshape(WIDTH, WIDTH), length.reshape(WIDTH, WIDTH)
-    edge = np.ones((WIDTH, WIDTH), bool)
-    edge[1:-1, 1:-1] = False
-    ends = (known <= jnp.min(_neighbours(known, jnp.inf), axis=0)) & ~jnp.asarray(edge)
     cost = _costs(jnp.isfinite(known), length)
-    to_end, to_edge = (_relaxed(jnp.where(begin, known, jnp.inf), cost) for begin in (ends, jnp.asarray(edge)))
-    return jnp.where(to_end[HALF, HALF] < to_edge[HALF, HALF] + jnp.float32(DETOUR), to_end, to_edge)
+    around = jnp.where(jnp.isfinite(cost), _neighbours(known, jnp.inf), jnp.inf)
+    begin = jnp.where(known <= jnp.min(around, axis=0), known, jnp.inf)
+
+    def relax(_: Array, far: Array) -> Array:
+        return jnp.minimum(far, jnp.min(_neighbours(far, jnp.inf) + cost, axis=0))
+
+    return jax.lax.fori_loop(0, ROUNDS, relax, begin)
 
 
 def _costs(free: Bool[Array, "w w"], length: Float[Array, "w w"]) -> Float[Array, "9 w w"]:
@@ -54,23 +58,39 @@ def _costs(free: Bool[Array, "w w"], length: Float[Array, "w w"]) -> Float[Array
     return jnp.stack(steps)
 
 
-def _relaxed(begin: Float[Array, "w w"], cost: Float[Array, "9 w w"]) -> Float[Array, "w w"]:
-    def relax(_: Array, far: Array) -> Array:
-        return jnp.minimum(far, jnp.min(_neighbours(far, jnp.inf) + cost, axis=0))
+def nearest_free(known: Float[Array, " n"]) -> Int[Array, "2"]:
+    """Row and column of the cell that agents can cross and that is nearest to the middle of a window.
 
-    return jax.lax.fori_loop(0, ROUNDS, relax, begin)
+    An agent may stand beside such cells: close to furniture, or at what it has pushed aside.
+    """
+    away = jnp.asarray(np.hypot(*np.meshgrid(*[np.arange(WIDTH) - HALF] * 2)), jnp.float32).reshape(-1)
+    rank = jnp.where(jnp.isfinite(known), away + SHORTER * jnp.minimum(known, SHORTEST), jnp.inf)
+    best = jnp.argmin(rank.at[WIDTH * HALF + HALF].add(-1.0)).astype(jnp.int32)
+    return jnp.stack([best // WIDTH, best % WIDTH])
 
 
-def descend_window(far: Float[Array, "w w"], steps: int) -> Int[Array, "k 3"]:
-    """Level, row and column of the next cells down from the middle of a window, relative to it; the middle first."""
-    offsets = jnp.asarray(OFFSETS, jnp.int32)
-    path = [jnp.zeros(2, jnp.int32)]
-    for _ in range(steps):
-        around = path[-1] + offsets
-        lower = far[around[:, 0] + HALF, around[:, 1] + HALF]
-        path.append(around[jnp.argmin(lower.at[_number(0, 0)].add(-1e-4))])
-    places = jnp.stack(path)
+def descend_window(far: Float[Array, "w w"], begin: Int[Array, "2"], steps: int) -> Int[Array, "k 3"]:
+    """Level, row and column of the next cells down a window's distances, relative to its middle, which comes first.
+
+    Args:
+        far: The distances [m].
+        begin: Row and column of the cell that an agent in the middle is to go to where none beside it will do.
+        steps: Number of cells after the middle.
+    """
+    middle = jnp.full(2, HALF, jnp.int32)
+    beside = _lowest(far, middle)
+    path = [middle, jnp.where(jnp.isfinite(far[beside[0], beside[1]]), beside, begin)]
+    for _ in range(steps - 1):
+        path.append(_lowest(far, path[-1]))
+    places = jnp.stack(path) - HALF
     return jnp.concatenate([jnp.zeros((len(path), 1), jnp.int32), places], axis=1)
+
+
+def _lowest(far: Float[Array, "w w"], at: Int[Array, "2"]) -> Int[Array, "2"]:
+    """Of a cell and those around it the one that is nearest to the end."""
+    around = jnp.clip(at + jnp.asarray(OFFSETS, jnp.int32), 0, WIDTH - 1)
+    known = jnp.minimum(far[around[:, 0], around[:, 1]], jnp.float32(BEYOND))
+    return around[jnp.argmin(known.at[_number(0, 0)].add(-STAYS))]
 
 
 def _number(y: int, x: int) -> int:

@@ -9,13 +9,12 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.core.checks import check_known, check_number
-from home_mjx.core.transforms import wrap_angle
 from home_mjx.navigation.grid import cell_of, row_of_cell, stored_distance
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import Specs
 from home_mjx.tasks.experts.descent import descend
 from home_mjx.tasks.experts.explore import ways_to
-from home_mjx.tasks.experts.walk import to_actions
+from home_mjx.tasks.experts.walk import to_actions, turn_towards
 from home_mjx.tasks.language.vocabulary import tokenize
 from home_mjx.tasks.rows.build import Row
 from home_mjx.tasks.rows.house_view import HouseView
@@ -169,7 +168,7 @@ class PiedPiper(Navigation):
         """The piper and the others, down the distances to where they are going, but for every third step."""
         pose, config = snapshot.pose, snapshot.config
         everybody = jnp.ones_like(snapshot.stopped)
-        error = _turn(_aims(snapshot, state, state.heading) - pose.pos[:, :2], pose.yaw)
+        error = turn_towards(snapshot, _aims(snapshot, state, state.heading))
         actions = to_actions(config, error, -pose.pitch, ~everybody, ~everybody)
         rests = snapshot.step % PACE == 0
         nothing = (
@@ -225,8 +224,3 @@ def _aims(snapshot: Snapshot, state: PiedPiperState, place: Int[Array, " a"]) ->
         return descend(snapshot, agent, lambda _, cell: stored_distance(snapshot.tasks.field, cell, column[agent]))[0]
 
     return jax.vmap(one)(jnp.arange(len(place)))
-
-
-def _turn(aim: Float[Array, "a 2"], yaw: Float[Array, " a"]) -> Float[Array, " a"]:
-    """Angle from where agents look to where they are going, positive to the left [rad]."""
-    return wrap_angle(jnp.arctan2(aim[:, 1], aim[:, 0]) - yaw)

@@ -10,8 +10,8 @@ from home_mjx.audio_jax.auralization.sources import CLIPS
 from home_mjx.errors import ConfigError, DatasetError, did_you_mean
 from home_mjx.scene_compile.semantics.vocabulary import vocabularies
 from home_mjx.tasks.language.phrases import COLUMN
-from home_mjx.tasks.limits.table import MEANT, Range, limits
-from home_mjx.tasks.rows.words import NUM_DESCRIPTORS, NUM_STAGES, NUM_TRANSITIONS, Feature, Kind, Word
+from home_mjx.tasks.limits.table import MEANT, MOST_AGENTS, Range, index_of, limits
+from home_mjx.tasks.rows.words import NUM_CONDITIONS, NUM_DESCRIPTORS, NUM_STAGES, NUM_TRANSITIONS, Feature, Kind, Word
 from home_mjx.tasks.sounds.row import NUM_SOUNDS, VOICE
 from home_mjx.tasks.speech.talk import NUM_REPLIES
 
@@ -42,10 +42,10 @@ def check_line(line: Any) -> None:
         DatasetError: Names the field, such as `stages[0].ways[1].reward`, and says what it may be.
 
     Example:
-        >>> check_line({"house": "a", "task": "RoomNav", "start": [0, 0]})
+        >>> check_line(["house"])
         Traceback (most recent call last):
         ...
-        home_mjx.errors.DatasetError: expected 3 of these, got 2 (at start)
+        home_mjx.errors.DatasetError: expected an object with fields, got a list of 1
     """
     _check(line, line_form(), "")
 
@@ -62,16 +62,20 @@ def part(name: str) -> Iterator[None]:
 @functools.cache
 def line_form() -> Form:
     """The fields of a line."""
-    place = Many(_number("place", finite=True), 3, 3)
+    place = Many(_within(limits()["place"]._replace(besides=())), 3, 3)
     words = {f"{word.name.lower()}?": _word(word) for word in list(Word)[1:]}
     meant = {"kind": _one_of([kind.name.lower() for kind in Kind]), "place?": place, **words}
     numbers = {f"{name}?": _number(name) for name in ("first", "second", "agent", "least", "most")}
-    whens = Many({"feature": _one_of([feature.name.lower() for feature in Feature]), **numbers}, 8)
+    whens = Many({"feature": _one_of([feature.name.lower() for feature in Feature]), **numbers}, NUM_CONDITIONS)
     way = {"next": _next, "needs?": whens, "bars?": whens, "reward?": _number("reward")}
     stage = {"ways": Many(way, NUM_TRANSITIONS, 1), "guide?": _number("guide")}
     sound = {"emitter": _number("sound_emitter"), "clip": _one_of((*CLIPS, VOICE))}
     sound |= {f"{name}?": _number(f"sound_{name}") for name in ("every", "lasts", "gain", "towards", "speed")}
-    talk = {"answer?": _text, "told?": Many(_number("meant.agent"), 15), "ask?": _number("ask")}
+    talk = {
+        "answer?": _text,
+        "told?": Many(_within(index_of(MOST_AGENTS, none=False)), MOST_AGENTS),
+        "ask?": _number("ask"),
+    }
     talk |= {"oracle?": Many(Many(_text, 2, 2), NUM_REPLIES)}
     own = {"house": _text, "task": _text, "start": Many(_number("start"), 3, 3), "yaw": _number("yaw")}
     own |= {"length": _number("length"), "instruction": _text, "meant": Many(meant, NUM_DESCRIPTORS)}
@@ -116,10 +120,11 @@ def _text(value: Any, place: str) -> None:
     _check_type(value, str, "a text", place)
 
 
-def _number(column: str, finite: bool = False) -> Check:
-    allowed = limits()[column]
-    allowed = Range(allowed.least, allowed.most, allowed.whole) if finite else allowed
+def _number(column: str) -> Check:
+    return _within(limits()[column])
 
+
+def _within(allowed: Range) -> Check:
     def check(value: Any, place: str) -> None:
         known = int if allowed.whole else int | float
         if isinstance(value, bool) or not isinstance(value, known) or not allowed.holds(value):

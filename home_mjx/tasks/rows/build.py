@@ -329,8 +329,10 @@ def _ways_between(fields: UInt16[np.ndarray, "c g"], stops: Sequence[int]) -> np
 def _posed(view: HouseView, way: UInt16[np.ndarray, " c"], pose: tuple[Sequence[float], float]) -> dict | None:
     """A start that a row says; None: there is no way from there."""
     place, yaw = np.asarray(pose[0], np.float32), np.float32(pose[1])
-    units = way[np.argmin(np.linalg.norm(view.graph.place - place, axis=1))]
-    return None if units == FIELD_FAR else {"start": place, "yaw": yaw, "length": np.float32(units * FIELD_UNIT)}
+    cell = np.argmin(np.linalg.norm(view.graph.place - place, axis=1))
+    if way[cell] == FIELD_FAR or view.graph.cut_off[cell]:
+        return None
+    return {"start": place, "yaw": yaw, "length": np.float32(way[cell] * FIELD_UNIT)}
 
 
 def _in_turns(drawn: list[Drawn]) -> list[Drawn]:

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float, Int, UInt16
 from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import dijkstra
+from scipy.sparse.csgraph import connected_components, dijkstra
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.physics.base.doors import Leaf
@@ -38,7 +38,9 @@ class CellGraph:
     Attributes:
         place: Middle of each home cell, on the floor [m].
         room: Room of each home cell; -1 none.
-        at_leaf: Home cells in which an agent touches the leaf of an open door.
+        at_leaf: Home cells in which an agent touches the leaf of an open door, or which such a leaf cuts off.
+        cut_off: Home cells out of which no way leads to most of the house but by pushing a leaf, which may shut it for
+            good. There nothing begins and nothing is to be reached.
     """
 
     def __init__(self, bank: HouseBank, house: int, brushes: float = BRUSHES) -> None:
@@ -57,8 +59,10 @@ class CellGraph:
         edges = [grid_edges(self._home, self._height, self._cell), *self._between_levels()]
         sources, targets, lengths = (np.concatenate(parts) for parts in zip(*edges, strict=True))
         gap, radius = self._leaf_gaps(bank, house), bank.spec.agent_radius
-        self.at_leaf = gap < radius + MARGIN
-        slow = np.where(gap < radius, brushes**2, np.where(self.at_leaf, brushes, 1.0))
+        beside = gap < radius + MARGIN
+        slow = np.where(gap < radius, brushes**2, np.where(beside, brushes, 1.0))
+        self.cut_off = _beyond(gap < radius, sources, targets)
+        self.at_leaf = beside | self.cut_off
         self._edges = sources, targets, np.maximum(slow[sources], slow[targets]) * lengths
 
     def _leaf_gaps(self, bank: HouseBank, house: int) -> Float[np.ndarray, " c"]:
@@ -98,7 +102,8 @@ class CellGraph:
 
     def around(self, low: Float[np.ndarray, " 3"], high: Float[np.ndarray, " 3"], most: int) -> Ends:
         """The cells of a box's storey that are nearest to it in the plan, at most so many, and how far it is."""
-        storey = np.flatnonzero((self.place[:, 2] <= high[2]) & (self.place[:, 2] > low[2] - STOREY))
+        here = (self.place[:, 2] <= high[2]) & (self.place[:, 2] > low[2] - STOREY)
+        storey = np.flatnonzero(here & ~self.cut_off)
         gap = np.maximum(low[:2] - self.place[storey, :2], 0) + np.maximum(self.place[storey, :2] - high[:2], 0)
         away = np.hypot(*gap.T)
         order = np.argsort(away, kind="stable")[:most]
@@ -106,7 +111,7 @@ class CellGraph:
 
     def inside(self, rooms: Bool[np.ndarray, " r"]) -> Ends:
         """The cells of some rooms."""
-        cells = np.flatnonzero((self.room >= 0) & rooms[np.maximum(self.room, 0)])
+        cells = np.flatnonzero((self.room >= 0) & rooms[np.maximum(self.room, 0)] & ~self.cut_off)
         return cells, np.zeros(len(cells))
 
     def at(self, place: Float[np.ndarray, " 3"]) -> Ends:
@@ -125,3 +130,15 @@ class CellGraph:
                 joined = self._home[level] & (beyond >= 0) & (rise < STEP)
                 ways.append((number[level][joined], beyond[joined], np.hypot(self._cell, rise[joined])))
         return ways
+
+
+def _beyond(
+    blocked: Bool[np.ndarray, " c"], sources: Int[np.ndarray, " e"], targets: Int[np.ndarray, " e"]
+) -> Bool[np.ndarray, " c"]:
+    """Which cells are blocked, or joined to fewer others than most are by ways on which none is."""
+    free = ~blocked[sources] & ~blocked[targets]
+    count = len(blocked)
+    joined = csr_matrix((np.ones(free.sum()), (sources[free], targets[free])), shape=(count, count))
+    part = connected_components(joined, directed=False)[1]
+    sizes = np.bincount(part, weights=~blocked, minlength=1)
+    return blocked | (part != sizes.argmax())

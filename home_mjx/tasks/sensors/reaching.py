@@ -24,6 +24,7 @@ FLAT = 0.015  # [m]
 LEVEL = 0.7  # least upward part of the normal of a surface
 REST = 0.03  # [m]: what is so much above the top of something still lies on it
 SLACK = 0.03  # [m]
+SPOTS = 6  # of a surface that must be in reach: one alone may show through the gap of a door
 SEEN = 6  # points of a thing that must be seen: hands miss what shows in a narrow gap
 
 Distance = Float[Array, ""] | float  # [m]
@@ -152,7 +153,7 @@ def put_from(
     points, free = free_spots(scene, box, meant, radius, nothing)
 
     def one(eye: Float[Array, "3"]) -> Bool[Array, ""]:
-        return jnp.any(free & within_reach(eye, points, reach) & in_sight(scene, eye, points))
+        return jnp.sum(free & within_reach(eye, points, reach) & in_sight(scene, eye, points)) >= SPOTS
 
     return jax.vmap(one)(eyes)
 

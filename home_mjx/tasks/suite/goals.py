@@ -9,7 +9,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import DatasetError
-from home_mjx.navigation.grid import cell_of, geodesic_distance, near_home, place_position, random_position
+from home_mjx.navigation.grid import cell_of, geodesic_distance, near_home, place_position
 from home_mjx.navigation.spawn import random_yaw
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.state import Episodes
@@ -17,6 +17,7 @@ from home_mjx.tasks.base.state import Episodes
 SAME_PLACE = 0.01  # [m]: a goal of the bank is the goal of a file if it is as near
 OTHER_BANK = "Use a bank of the houses that the episodes were drawn in, compiled alike."
 ON_FLOOR = 0.3  # [m]: starts are no farther from a floor
+ASIDE = 0.025  # [m], from the middle of a cell, half of the clearance with which houses are compiled
 ATTEMPTS = 64  # draws per episode
 
 
@@ -32,13 +33,15 @@ def choose_goal(snapshot: Snapshot, key: Array, min_distance: float) -> Int[Arra
 def sample_goal(
     bank: HouseBank, house: Int[Array, ""], key: Array, min_length: Float[Array, ""], max_length: Float[Array, ""]
 ) -> tuple[Float[Array, "3"], Float[Array, ""], dict[str, Array]]:
-    """A start by area and a goal whose shortest path has a length within limits [m].
+    """One of the house's starts and a goal whose shortest path has a length within limits [m].
+
+    Starts are as likely as any other by area, but for where leaves of doors stand, or cut it off from the rest.
 
     Returns:
         Start, yaw, and the columns `goal` and `length`; the length is inf if none of `ATTEMPTS` starts had such a goal.
     """
     place, turn, choose = jax.random.split(key, 3)
-    starts = jax.vmap(lambda k: random_position(bank, house, k))(jax.random.split(place, ATTEMPTS))
+    starts = jax.vmap(lambda k: _random_start(bank, house, k))(jax.random.split(place, ATTEMPTS))
     lengths = jax.vmap(lambda p: geodesic_distance(bank, house, None, p))(starts)
     fits = (lengths >= min_length) & (lengths <= max_length) & jnp.isfinite(lengths)
     attempt = jnp.argmax(jnp.any(fits, axis=1)).astype(jnp.int32)  # the first that can be used
@@ -46,6 +49,15 @@ def sample_goal(
     goal = jax.random.categorical(choose, jnp.where(jnp.any(fits[attempt]), weight, 0.0)).astype(jnp.int32)
     length = jnp.where(fits[attempt, goal], lengths[attempt, goal], jnp.float32(jnp.inf))
     return starts[attempt], random_yaw(turn), {"goal": goal, "length": length}
+
+
+def _random_start(bank: HouseBank, house: Int[Array, ""], key: Array) -> Float[Array, "3"]:
+    """Anywhere beside the middle of the cell that one of the house's starts is in [m]."""
+    which, shift = jax.random.split(key)
+    known = bank.navigation.start[bank.known_house(house)]
+    point = known[jax.random.randint(which, (), 0, known.shape[0])]
+    middle = place_position(bank, house, cell_of(bank, house, point))
+    return jnp.append(middle[:2] + jax.random.uniform(shift, (2,), jnp.float32, -ASIDE, ASIDE), point[2])
 
 
 def possible(bank: HouseBank, episode: Episodes) -> Bool[Array, ""]:

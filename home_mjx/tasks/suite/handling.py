@@ -39,7 +39,7 @@ class Handling(Navigation):
     """
 
     max_mass: float = Body().lift
-    max_size: float = 0.7
+    max_size: float = 0.5
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -134,6 +134,12 @@ class Pair:
     below_words: Words
 
 
+def _touch(pair: Pair, other: Pair) -> bool:
+    """Whether two pairs have a thing in common, or one is taken from where the other is put and might fall."""
+    same = {pair.thing.thing.object_id, pair.below.object_id} & {other.thing.thing.object_id, other.below.object_id}
+    return bool(same) or lies_on(pair.thing.thing, other.below) or lies_on(other.thing.thing, pair.below)
+
+
 @dataclass(frozen=True)
 class Rearrange(Handling):
     """Put things on others, and let them go there.
@@ -173,12 +179,10 @@ class Rearrange(Handling):
 
     def _some(self, pairs: list[Pair], count: int, random: np.random.Generator) -> Row | None:
         """The first pairs that have nothing in common, as one row; None if there are too many words for that."""
-        chosen, known = [], set()
+        chosen: list[Pair] = []
         for pair in pairs:
-            ids = {pair.thing.thing.object_id, pair.below.object_id}
-            if len(chosen) < count and not ids & known:
+            if len(chosen) < count and not any(_touch(pair, other) for other in chosen):
                 chosen.append(pair)
-                known |= ids
         said = [f"put {phrase(pair.words)} on {phrase(pair.below_words)}" for pair in chosen]
         text = said[0] if len(said) == 1 else JOINED[int(random.integers(len(JOINED)))].format(*said)
         tokens = tokenize(text)

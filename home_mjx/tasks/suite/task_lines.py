@@ -80,7 +80,7 @@ def load_tasks(path: str | Path, bank: HouseBank) -> TaskBank:
     names: dict[str, int] = {}
     rows = list(read_json_lines(Path(path), "task", lambda line: _row(line, index, names), MAX_BYTES))
     if not rows:
-        raise DatasetError("file holds no task", file=path)
+        raise DatasetError("file holds no task", file=path, hint="Write one JSON object a line, see `save_tasks`.")
     fields = {}
     for view in house_views(bank):
         own = [(number, row) for number, row in enumerate(rows) if row["house"] == view.house]

@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy import ndimage
 from scipy.spatial import distance_matrix
 
 import home_mjx
@@ -37,10 +38,24 @@ def test_leaves_of_doors_are_where_fields_of_rows_have_them(snapshot, graph):
     found = np.asarray(jax.jit(at_leaves)(snapshot, place))
     assert found.any()
     near = np.abs(np.asarray(jax.jit(leaf_gaps)(snapshot, place)) - snapshot.bank.spec.agent_radius - MARGIN) < 1e-4
+    near |= graph.cut_off  # there nothing begins, whether or not a leaf is beside it
     np.testing.assert_array_equal(found[~near], graph.at_leaf[~near])
     cells = np.asarray(jax.jit(jax.vmap(lambda p: cell_of(snapshot.bank, snapshot.house, p)))(place))
     slow = np.asarray(jax.jit(slow_cells)(snapshot))[tuple(cells.T)]
     np.testing.assert_array_equal(slow[~near] >= BRUSHES, graph.at_leaf[~near])
+
+
+def test_what_open_leaves_cut_off_is_what_a_flood_from_the_rest_does_not_reach(snapshot, graph):
+    """The house has one storey. Corners are not cut, so that a flood over four neighbours will do."""
+    place = jnp.asarray(graph.place, jnp.float32)
+    cells = np.asarray(jax.jit(jax.vmap(lambda p: cell_of(snapshot.bank, snapshot.house, p)))(place))
+    assert (cells[:, 0] == 0).all()
+    clear = np.asarray(jax.jit(leaf_gaps)(snapshot, place)) >= snapshot.bank.spec.agent_radius
+    free = np.zeros(cells[:, 1:].max(axis=0) + 1, bool)
+    free[tuple(cells[clear, 1:].T)] = True
+    label, count = ndimage.label(free)
+    most = 1 + np.argmax(ndimage.sum_labels(free, label, range(1, count + 1)))
+    np.testing.assert_array_equal(graph.cut_off, label[tuple(cells[:, 1:].T)] != most)
 
 
 def stands_at(snapshot, pos):

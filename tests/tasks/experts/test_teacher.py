@@ -3,12 +3,16 @@
 import dataclasses
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
 import home_mjx
 from home_mjx.errors import ConfigError
 from home_mjx.tasks import AutoReset, Task, WithExpert, expert_action, with_expert
+from home_mjx.tasks.experts.walk import should_wait
+from home_mjx.tasks.rows.program import Go, Meant, Stage, When, written
+from home_mjx.tasks.rows.words import NUM_DESCRIPTORS, SUCCESS, Feature
 from home_mjx.training.evaluation import evaluate, expert_policy, random_policy
 
 
@@ -50,6 +54,17 @@ def test_what_the_task_has_looked_at_is_what_an_expert_would_see(env):
         told, anew = both(env.params, states)
         np.testing.assert_array_equal(told, anew)
         states = step(env.params, states, told)
+
+
+def test_who_is_asked_for_time_in_a_place_waits_there_until_it_is_over(env):
+    begun = jax.jit(lambda key: env.core.begin(env.params, key, 0, 0))(jax.random.key(0)).task
+    inside, long = When(Feature.INSIDE, 0, least=1), When(Feature.TIME, least=80)
+    columns = written([Meant.space(room_type=0)], [Stage((Go(SUCCESS, (inside, long)),), guide=0)])
+    state = begun.replace(program=begun.program.replace(**{name: jnp.asarray(x) for name, x in columns.items()}))
+    away = jnp.zeros((len(Feature), 1, NUM_DESCRIPTORS, NUM_DESCRIPTORS))
+    there = away.at[Feature.INSIDE].set(1.0)
+    waits = [bool(should_wait(state, values)[0]) for values in (away, there, there.at[Feature.TIME].set(80.0))]
+    assert waits == [False, True, False]
 
 
 def test_nothing_else_changes(env):

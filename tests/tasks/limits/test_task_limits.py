@@ -101,7 +101,7 @@ NEED = ("stages", 0, "ways", 0, "needs", 0)
         ((*NEED, "least"), 2000.0, "never from 2000"),
         ((*NEED, "agent"), 300, "agent"),
         (("told",), [10**12], "told[0]"),
-        (("told",), [-2], "told[0]"),
+        (("told",), [-1], "told[0]"),
         (("ask",), -5, "ask"),
         (("ask",), 2, "ask"),
         (("oracle",), [["", ""]], "expected one word, got 0"),

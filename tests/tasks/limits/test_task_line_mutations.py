@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from rich_rows import Rich
 
-from home_mjx.errors import HomeMjxError
+from home_mjx.errors import ConfigError, HomeMjxError
 from home_mjx.physics import PhysicsConfig
 from home_mjx.schema.compiled import FIELD_FAR
 from home_mjx.tasks import EnvConfig, EnvParams, HouseholdEnv, Status, load_tasks, save_tasks
@@ -23,6 +23,7 @@ SENSORS = ("state", "goal", "goal_words", "instruction", "reply")
 CONFIG = EnvConfig(sensors=SENSORS, actions="discrete", physics=PhysicsConfig(impl="kinematic"))
 FIELDS = 16  # columns of distances, so that all banks run one program
 UNKNOWN = "bogus"
+EPISODE = ("house", "start", "yaw")
 
 
 @pytest.fixture(scope="module")
@@ -103,7 +104,9 @@ def mutations(draw, lines):
         elif how == "gone":
             del owner[path[-1]]
         elif how == "unknown" and isinstance(owner, dict):
-            owner[draw(st.sampled_from([UNKNOWN, "place", "on", "in", "agent", "bars", "room"]))] = draw(VALUES)
+            owner[draw(st.sampled_from([UNKNOWN, "place", "on", "in", "agent", "bars", "room"]))] = copy.deepcopy(
+                draw(VALUES)
+            )
         elif how == "twice" and isinstance(owner, list):
             owner.append(copy.deepcopy(own))
         elif how == "part":
@@ -112,7 +115,7 @@ def mutations(draw, lines):
                 part = part[key]
             owner[path[-1]] = copy.deepcopy(part)
         else:
-            owner[path[-1]] = draw(VALUES)
+            owner[path[-1]] = copy.deepcopy(draw(VALUES))
     return line
 
 
@@ -150,3 +153,47 @@ def test_changed_lines_are_refused_or_played(env, lines, played, quick, tmp_path
     one()
     assert set(outcomes) == {"refused", "played"}
     assert min(outcomes.count("refused"), outcomes.count("played")) > examples / 20
+
+
+@st.composite
+def spoiled(draw, columns):
+    """A number of row 1 of a column, and another one that the column's type has."""
+    name = draw(st.sampled_from(sorted(columns)))
+    array = columns[name]
+    at = (1, *(draw(st.integers(0, n - 1)) for n in array.shape[1:]))
+    if array.dtype.kind == "f":
+        return name, at, draw(st.one_of(st.floats(width=32), st.floats(-3, 3).map(array[at].item().__add__)))
+    limits = np.iinfo(array.dtype)
+    return name, at, draw(st.one_of(st.integers(-3, 9), st.integers(int(limits.min), int(limits.max))))
+
+
+@pytest.mark.parametrize("examples", [60, pytest.param(2000, marks=pytest.mark.slow)])
+def test_changed_columns_are_refused_or_played(env, played, examples):
+    """As lines, but of rows that are given as arrays."""
+    outcomes, whole = [], env.params.tasks
+    rows = {name: getattr(whole.rows, name) for name in EPISODE} | whole.rows.columns
+    columns = {name: np.asarray(values) for name, values in rows.items()}
+
+    @settings(max_examples=examples, suppress_health_check=list(HealthCheck))
+    @given(spoiled(columns))
+    def one(change):
+        name, at, value = change
+        array = columns[name].copy()
+        array[at] = value
+        own = {name: jnp.asarray(array)}
+        if name in EPISODE:
+            tasks = whole.replace(rows=whole.rows.replace(**own))
+        else:
+            tasks = whole.replace(rows=whole.rows.replace(columns=whole.rows.columns | own))
+        try:
+            env.with_tasks(tasks)
+        except ConfigError as error:
+            outcomes.append("refused" if "task 1" in str(error) else str(error))
+            return
+        finite, status = played(tasks)
+        assert np.asarray(finite).all(), name
+        assert not np.any(np.asarray(status) & (Status.NOT_A_NUMBER | Status.OUTSIDE)), name
+        outcomes.append("played")
+
+    one()
+    assert set(outcomes) == {"refused", "played"}

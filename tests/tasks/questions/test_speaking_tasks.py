@@ -38,6 +38,7 @@ STOPS = {"stop": True}
 MIX = HouseTasks(
     tasks=(HouseQA(kinds=("existence", "colour")), Dialogue(**STOPS), Communication(**STOPS), ObjectNav(**STOPS)),
     num_tasks=4,
+    failure_cost=0.25,
 )
 SENSORS = ("goal_words", "instruction", "reply", "heard_words")
 MOST_STEPS = 400
@@ -114,7 +115,8 @@ def test_right_answers_succeed_and_others_fail(env, states, step):
     assert (np.asarray(right.reward)[asks, 0] > 2).all()
     assert not np.asarray(wrong.metrics["success"])[asks].any()
     assert np.asarray(wrong.terminated)[asks].all()
-    assert np.asarray(wrong.reward)[asks].max() < 1
+    quiet = np.asarray(step(env.params, states, both(stays, stays)).reward)
+    np.testing.assert_allclose(quiet[asks] - np.asarray(wrong.reward)[asks], MIX.failure_cost, atol=1e-5)
     assert not np.asarray(second.terminated)[asks].any()
     other = np.setdiff1d(np.arange(len(answer)), asks)
     assert not np.asarray(wrong.terminated)[other].any()  # words end no other task

@@ -1,0 +1,70 @@
+"""Where what an agent carries would meet something."""
+
+import math
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.physics.hands import CARRY
+from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.environment.handling import carried_ids
+from home_mjx.tasks.sensors.reaching import footprints, plan_radius
+
+PARTS = 8  # of a turn that are looked at
+AROUND = 0.05  # [m], between what is carried and what stands beside the way
+
+
+def has_hands(snapshot: Snapshot) -> bool:
+    """Whether agents have hands and houses have things for them."""
+    return snapshot.config.hands and snapshot.bank.spec.num_bodies > 0
+
+
+def carried_radius(snapshot: Snapshot, agent: Int[Array, ""]) -> Float[Array, ""]:
+    """How far what an agent carries reaches from its own middle in the plan [m]; 0: it carries nothing."""
+    body, physics = jnp.maximum(snapshot.held[agent], 0), snapshot.bank.physics
+    radius = plan_radius(physics.body_size[snapshot.house, body], physics.body_quat[snapshot.house, body])
+    return jnp.where(snapshot.held[agent] >= 0, radius + jnp.float32(AROUND), 0.0)
+
+
+def meets(snapshot: Snapshot, agent: Int[Array, ""], place: Float[Array, "n 3"]) -> Bool[Array, " n"]:
+    """Whether what an agent carries before it, as high as now, would come near anything on its way through some places.
+
+    Args:
+        snapshot: The environment; agents have hands.
+        agent: Number of the agent.
+        place: The places [m].
+    """
+    held, radius = snapshot.held[agent], carried_radius(snapshot, agent)
+    body = jnp.maximum(held, 0)
+    boxes = footprints(snapshot.scene, carried_ids(snapshot)[agent])
+    low, high = snapshot.scene.moving.box[body, :, 2]
+    boxes = jax.tree.map(lambda x: x[None], boxes)
+    x, y = place[:, :1] - boxes.x, place[:, 1:2] - boxes.y
+    u = jnp.abs(boxes.cos * x + boxes.sin * y) - boxes.half_u
+    v = jnp.abs(boxes.cos * y - boxes.sin * x) - boxes.half_v
+    away = jnp.hypot(jnp.maximum(u, 0.0), jnp.maximum(v, 0.0))
+    met = (away < radius) & (boxes.top > low) & (boxes.bottom < high)
+    return (held >= 0) & jnp.any(met, axis=1)
+
+
+def clear_turns(snapshot: Snapshot, turn: Float[Array, " a"]) -> Float[Array, " a"]:
+    """The same turns [rad], but the other way round where only that keeps what agents carry off what stands around.
+
+    Args:
+        snapshot: The environment; agents have hands.
+        turn: Of each agent, to the left [rad]; less than a half one.
+    """
+    other = turn - jnp.sign(turn) * jnp.float32(2 * math.pi)
+    radius = jnp.array([body.radius for body in snapshot.config.physics.agents], jnp.float32)
+    part = jnp.linspace(0.0, 1.0, PARTS + 1, dtype=jnp.float32)[1:]
+
+    def meets_any(agent: Int[Array, ""], turn: Float[Array, ""]) -> Bool[Array, ""]:
+        yaw = snapshot.pose.yaw[agent] + part * turn
+        ahead = radius[agent] + jnp.float32(CARRY) + carried_radius(snapshot, agent)
+        way = jnp.stack([jnp.cos(yaw), jnp.sin(yaw), jnp.zeros_like(yaw)], axis=-1) * ahead
+        return jnp.any(meets(snapshot, agent, snapshot.pose.pos[agent] + way))
+
+    agents = jnp.arange(turn.shape[0])
+    short, long = (jax.vmap(meets_any)(agents, way) for way in (turn, other))
+    return jnp.where(short & ~long, other, turn)
