@@ -18,8 +18,8 @@ def windowed_sinc(offset: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
     Kaiser, Nonrecursive digital filter design using the I0-sinh window function, 1974.
 
     Example:
-        >>> windowed_sinc(np.array([0.0, 1.0, 16.0])).round(6).tolist()
-        [1.0, 0.0, 0.0]
+        >>> windowed_sinc(np.array([0.0, 0.5])).round(3).tolist()
+        [1.0, 0.635]
     """
     inside = np.maximum(1 - (offset / HALF_WIDTH) ** 2, 0.0)
     return np.sinc(offset) * np.where(inside > 0, np.i0(SHAPE * np.sqrt(inside)) / np.i0(SHAPE), 0.0)
