@@ -16,8 +16,11 @@ from home_mjx.audio_jax.measures.survey import Survey, survey_room
 from home_mjx.audio_jax.measures.table import RoomMeasures, measure_energy, measure_response
 from home_mjx.audio_jax.motion.frame import moving_frame
 from home_mjx.audio_jax.motion.reception import Reception, received, reception
+from home_mjx.audio_jax.propagation.diffraction import bent_paths
+from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
-from home_mjx.audio_jax.propagation.paths import PathProducer, Paths, direct_path, early_paths, reflected_paths
+from home_mjx.audio_jax.propagation.mirrored import mirrored_paths
+from home_mjx.audio_jax.propagation.paths import PathProducer, Paths, direct_path, reflected_paths
 from home_mjx.audio_jax.propagation.tracing import Trace, trace
 
 __all__ = [
@@ -34,6 +37,7 @@ __all__ = [
     "Survey",
     "Trace",
     "band_level",
+    "bent_paths",
     "c50",
     "c80",
     "centre_time",
@@ -61,6 +65,7 @@ __all__ = [
     "measure_energy",
     "measure_response",
     "moving_frame",
+    "mirrored_paths",
     "octave_responses",
     "received",
     "reception",

@@ -22,7 +22,11 @@ class AudioConfig:
         tail_seconds: How long sound rings on beyond that [s], each octave at its last decay; whole frames.
         num_rays: Rays of the late part.
         num_bounces: Reflections traced per ray; what is later is extrapolated.
-        num_reflections: First-order reflections rendered as paths, the strongest first.
+        num_reflections: Reflections rendered as paths, the shortest first.
+        reflection_order: Most surfaces, one after the other, that rendered reflections meet. From 2 on faces of
+            furniture, doors and bodies count as well as walls.
+        num_edges: Edges of walls, doorways and furniture that direct sound may bend around, those of the least detour.
+            0: nothing bends, and objects let through what the table of materials says.
         max_crossings: Surfaces that the direct sound may cross; beyond them it is taken as silent.
         bin_seconds: Time bin of the energy histogram [s].
         detector: How late specular energy reaches the receiver. "rain" lets it leave every hit as if scattered: little
@@ -49,6 +53,8 @@ class AudioConfig:
     num_rays: int = 48
     num_bounces: int = 24
     num_reflections: int = 8
+    reflection_order: int = 1
+    num_edges: int = 0
     max_crossings: int = 32
     bin_seconds: float = 0.004
     detector: str = "rain"
@@ -67,7 +73,9 @@ class AudioConfig:
         check_known("detector", [self.detector], DETECTORS)
         for name in ("num_rays", "num_bounces", "max_crossings"):
             check_number(name, getattr(self, name), 1, whole=True)
-        check_number("num_reflections", self.num_reflections, 0, whole=True)
+        for name in ("num_reflections", "num_edges"):
+            check_number(name, getattr(self, name), 0, whole=True)
+        check_number("reflection_order", self.reflection_order, 1, 3, whole=True)
         for name in ("temperature", "humidity", "ear_angle"):
             check_number(name, getattr(self, name))
         check_number("tail_seconds", self.tail_seconds, 0.0)
@@ -113,7 +121,7 @@ class AudioConfig:
     @property
     def num_paths(self) -> int:
         """Early paths that move, the direct one among them."""
-        return 1 + self.num_reflections
+        return 1 + self.num_edges + self.num_reflections
 
     @property
     def num_tail(self) -> int:

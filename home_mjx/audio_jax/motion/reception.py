@@ -13,8 +13,9 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.base.filters import octave_gains
 from home_mjx.audio_jax.motion.tail import continued
+from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
-from home_mjx.audio_jax.propagation.paths import Paths, early_paths
+from home_mjx.audio_jax.propagation.paths import Paths
 from home_mjx.audio_jax.propagation.tracing import trace
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.scene.types import Scene

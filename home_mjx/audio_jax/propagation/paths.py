@@ -1,6 +1,7 @@
 """Early sound: the direct path, through what stands in its way, and first-order reflections."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -48,25 +49,34 @@ def air_energy(config: AudioConfig) -> Float[np.ndarray, " bands"]:
     return energy_attenuation(loss).astype(np.float32)
 
 
-def direct_path(scene: Scene, source: Source, listener: Listener, config: AudioConfig) -> Paths:
-    """The straight path, losing the transmission of every partition and object that it crosses, each once.
+class Straight(NamedTuple):
+    """What the straight line from the listener to the source meets."""
+
+    distance: Float[Array, ""]  # [m]
+    direction: Float[Array, "3"]  # unit vector from the listener, world
+    partitions: Float[Array, " bands"]  # energy that the partitions on it let through, each counted once
+    objects: Float[Array, " bands"]  # the same of objects
+    within: Bool[Array, ""]  # it meets no partition
+    clear: Bool[Array, ""]  # it meets nothing
+    silent: Bool[Array, ""]  # it meets more than could be followed
+
+
+def cross(scene: Scene, source: Source, listener: Listener, config: AudioConfig) -> Straight:
+    """Follows the straight line through whatever stands on it, the two's own bodies aside.
 
     Args:
         scene: The environment.
         source: Who sounds.
         listener: Who hears.
         config: Options.
-
-    Returns:
-        One path.
     """
     exclude, emitter = jnp.int32(listener.body), jnp.int32(source.body)
     offset = source.pos - listener.pos
     distance = jnp.maximum(jnp.linalg.norm(offset), NEAREST)
     direction = (offset / distance)[None]
 
-    def cross(carry: tuple, index: Array) -> tuple[tuple, None]:
-        start, skipped, seen, energy, _ = carry
+    def step(carry: tuple, index: Array) -> tuple[tuple, None]:
+        start, skipped, seen, energy, met_any, _ = carry
         hit = cast(
             scene,
             listener.pos[None],
@@ -80,19 +90,39 @@ def direct_path(scene: Scene, source: Source, listener: Listener, config: AudioC
         barrier, object_id, blocked = met.barrier[0], met.object_id[0], hit.instance[0] >= 0
         own = (object_id >= 0) & ((object_id == exclude) | (object_id == emitter))
         counts = blocked & ~own & ~((barrier >= 0) & jnp.any(seen == barrier))
-        energy = jnp.where(counts, energy * met.transmission[0], energy)
+        kinds = counts & jnp.stack([object_id < 0, object_id >= 0])
+        energy = jnp.where(kinds[:, None], energy * met.transmission, energy)
         seen = jnp.where(jnp.arange(seen.size, dtype=jnp.int32) == index, jnp.where(blocked, barrier, -1), seen)
         start = jnp.where(blocked, hit.t[0] + SKIN, distance)
         # Leaving out the object just met spares the casts for its other faces; architecture has to be marched through.
         skipped = jnp.where(blocked & (object_id >= 0), object_id, skipped)
-        return (start, skipped, seen, energy, blocked), None
+        return (start, skipped, seen, energy, met_any | kinds, blocked), None
 
     steps = config.max_crossings
     seen = jnp.full(steps, -1, jnp.int32)
-    start = (jnp.float32(0), exclude, seen, jnp.ones(len(BANDS), jnp.float32), jnp.bool_(True))
-    (_, _, _, energy, blocked), _ = jax.lax.scan(cross, start, jnp.arange(steps, dtype=jnp.int32))
-    amplitude = jnp.sqrt(energy * jnp.exp(-air_energy(config) * distance)) / distance
-    return Paths(distance[None], jnp.where(blocked, 0.0, amplitude)[None], direction)
+    nothing, everything = jnp.zeros(2, bool), jnp.ones((2, len(BANDS)), jnp.float32)
+    start = (jnp.float32(0), exclude, seen, everything, nothing, jnp.bool_(True))
+    (_, _, _, energy, kinds, silent), _ = jax.lax.scan(step, start, jnp.arange(steps, dtype=jnp.int32))
+    return Straight(distance, direction[0], *energy, within=~kinds[0], clear=~jnp.any(kinds) & ~silent, silent=silent)
+
+
+def direct_path(scene: Scene, source: Source, listener: Listener, config: AudioConfig) -> Paths:
+    """The straight path, losing the transmission of every partition and object that it crosses, each once.
+
+    Args:
+        scene: The environment.
+        source: Who sounds.
+        listener: Who hears.
+        config: Options.
+
+    Returns:
+        One path.
+    """
+    straight = cross(scene, source, listener, config)
+    energy = straight.partitions * straight.objects
+    amplitude = jnp.sqrt(energy * jnp.exp(-air_energy(config) * straight.distance)) / straight.distance
+    amplitude = jnp.where(straight.silent, 0.0, amplitude)
+    return Paths(straight.distance[None], amplitude[None], straight.direction[None])
 
 
 def reflected_paths(scene: Scene, source: Source, listener: Listener, config: AudioConfig) -> Paths:
@@ -140,44 +170,6 @@ def reflected_paths(scene: Scene, source: Source, listener: Listener, config: Au
     energy = (1 - met.absorption) * (1 - met.scattering) * jnp.exp(-length[:, None] * air_energy(config)[None])
     gain = jnp.sqrt(jnp.maximum(energy, 0.0)) / jnp.maximum(length, NEAREST)[:, None]
     return Paths(length, jnp.where(heard[:, None], gain, 0.0), direction, plane)
-
-
-PRODUCERS: tuple[PathProducer, ...] = (direct_path, reflected_paths)  # the direct path comes first
-
-
-def early_paths(
-    scene: Scene,
-    source: Source,
-    listener: Listener,
-    config: AudioConfig,
-    producers: Sequence[PathProducer] = PRODUCERS,
-) -> Paths:
-    """The direct path and the strongest first-order reflections.
-
-    Args:
-        scene: The environment.
-        source: Who sounds.
-        listener: Who hears.
-        config: Options.
-        producers: What finds the paths; the first gives the direct one.
-
-    Returns:
-        The paths of all producers, one after the other: by default 1 + R, R being `config.num_reflections` or the
-        house's number of mirror planes if that is less.
-
-    Example:
-        >>> paths = early_paths(scene, Source(radio), Listener(ears, quat), AudioConfig())  # doctest: +SKIP
-        >>> paths.distance.shape  # doctest: +SKIP
-        (9,)
-    """
-    found = [_named(find(scene, source, listener, config), i) for i, find in enumerate(producers)]
-    return jax.tree.map(lambda *parts: jnp.concatenate(parts), *found)
-
-
-def _named(paths: Paths, producer: int) -> Paths:
-    """With names that no other producer gives."""
-    number = jnp.arange(paths.distance.size, dtype=jnp.int32) if paths.name is None else paths.name
-    return paths.replace(name=number + producer * MOST_NAMES)
 
 
 def _nearest_mirrors(

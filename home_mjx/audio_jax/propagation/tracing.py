@@ -5,7 +5,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
@@ -36,6 +36,7 @@ class _Ray(NamedTuple):
     travelled: Float[Array, " n"]
     energy: Float[Array, "n bands"]
     specular: Float[Array, "n bands"]  # share of the energy that a sphere around the source would count
+    mirrored: Bool[Array, " n"]  # it has met nothing but walls that mirrored it
 
 
 def trace(scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig) -> Trace:
@@ -44,7 +45,7 @@ def trace(scene: Scene, source: Source, listener: Listener, key: Array, config: 
     Sound paths being reversible, a ray's energy times what the source would give to its hit is what the listener
     hears. Each hit sends to the source, if that is visible, 4 e (1 - absorption) s cos / d², Schröder's diffuse rain
     with a receiver of unit free-field level at 1 m. The specular rest, (1 - s), is counted as `config.detector` says,
-    but for first-order reflections in architecture, which `reflected_paths` renders.
+    but for reflections in walls up to `config.reflection_order`, which early paths render.
 
     Args:
         scene: The environment.
@@ -70,6 +71,7 @@ def trace(scene: Scene, source: Source, listener: Listener, key: Array, config: 
         jnp.zeros(shape[1], jnp.float32),
         jnp.full((shape[1], len(BANDS)), 1 / config.num_rays, jnp.float32),
         jnp.zeros((shape[1], len(BANDS)), jnp.float32),
+        jnp.ones(shape[1], bool),
     )
     _, (arrival, energy, travelled, remaining) = jax.lax.scan(walk.bounce, start, draws)
     rows = (-1, shape[1])
@@ -105,16 +107,17 @@ class _Walk(NamedTuple):
         point = ray.origin + length[:, None] * ray.direction + SKIN * met.normal
         travelled = ray.travelled + length
 
-        mirrored = (index == 0) & (hit.instance == ARCHITECTURE) & (self.config.num_reflections > 0)
+        mirrored = ray.mirrored & (index < self.config.reflection_order) & (hit.instance == ARCHITECTURE)
+        mirrored = mirrored & (self.config.num_reflections > 0)
         rain = energy * jnp.where(mirrored[:, None] | (self.config.detector == "sphere"), met.scattering, 1.0)
         arrival, arriving = self._rain(point, met.normal, rain)
         arrival = arrival + travelled
         if self.config.detector == "sphere":
             passing, passed = self._sphere(ray, length)
             arrival, arriving = jnp.stack([arrival, passing]), jnp.stack([arriving, passed])
-        direction, specular = _reflect(ray.direction, met, choice, scattered)
+        direction, specular, scatters = _reflect(ray.direction, met, choice, scattered)
         specular = jnp.where(mirrored[:, None], 0.0, specular)
-        new = _Ray(point, direction, travelled, energy, specular)
+        new = _Ray(point, direction, travelled, energy, specular, mirrored & ~scatters)
         return new, (arrival, arriving, travelled, energy)
 
     def _rain(
@@ -152,8 +155,8 @@ class _Walk(NamedTuple):
 
 def _reflect(
     direction: Float[Array, "n 3"], met: AcousticSurface, choice: Float[Array, " n"], scattered: Float[Array, "n 3"]
-) -> tuple[Float[Array, "n 3"], Float[Array, "n bands"]]:
-    """New directions, and the weight of the specular energy per octave (0 after scattering).
+) -> tuple[Float[Array, "n 3"], Float[Array, "n bands"], Bool[Array, " n"]]:
+    """New directions, the weight of the specular energy per octave (0 after scattering), and what scatters.
 
     One direction serves all octaves, drawn by their mean scattering.
     """
@@ -161,9 +164,10 @@ def _reflect(
     mirror = direction - 2 * jnp.sum(direction * met.normal, axis=1, keepdims=True) * met.normal
     lambert = met.normal + scattered / jnp.maximum(jnp.linalg.norm(scattered, axis=1, keepdims=True), 1e-9)
     lambert = lambert / jnp.maximum(jnp.linalg.norm(lambert, axis=1, keepdims=True), 1e-6)
-    scatters = (choice < mean)[:, None]
+    random = choice < mean
+    scatters = random[:, None]
     weight = (1 - met.scattering) / jnp.maximum(1 - mean, 1e-6)[:, None]
-    return jnp.where(scatters, lambert, mirror), jnp.where(scatters, 0.0, weight)
+    return jnp.where(scatters, lambert, mirror), jnp.where(scatters, 0.0, weight), random
 
 
 def _spread(count: int) -> Float[np.ndarray, "n 3"]:

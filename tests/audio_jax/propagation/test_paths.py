@@ -11,7 +11,8 @@ from scenes import HEAD, scene_of
 from home_mjx.audio_jax.auralization.response import early_response
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
-from home_mjx.audio_jax.propagation.paths import air_energy, early_paths
+from home_mjx.audio_jax.propagation.early import early_paths
+from home_mjx.audio_jax.propagation.paths import air_energy
 from home_mjx.scene_compile.materials.acoustic import transmission_loss_table
 from home_mjx.schema.compiled import BANDS
 

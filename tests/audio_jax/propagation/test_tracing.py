@@ -5,6 +5,7 @@ scattering 0, of incoherent image sources.
 """
 
 import functools
+from dataclasses import replace
 
 import jax
 import jax.numpy as jnp
@@ -17,8 +18,9 @@ from scenes import HEAD, scene_of
 from home_mjx.audio_jax.auralization.response import ear_gains
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
+from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
-from home_mjx.audio_jax.propagation.paths import air_energy, early_paths
+from home_mjx.audio_jax.propagation.paths import air_energy
 from home_mjx.audio_jax.propagation.tracing import trace
 from home_mjx.bank.bank import HouseBank
 from home_mjx.raycast_render.scene.scene import make_scene
@@ -134,6 +136,14 @@ def test_level_equals_incoherent_image_sources(bank):
     histograms = everywhere(whole_energy, bank, MANY, range(5))
     totals = histograms[..., MID].sum(axis=2).mean(axis=1)
     expected = np.mean([image_source_energy(np.asarray(p), air_energy(MANY)[MID]) for p in LISTENERS])
+    np.testing.assert_allclose(totals, expected, rtol=0.05)
+
+
+def test_reflections_of_two_orders_are_counted_once(bank):
+    """The same level as all image sources, where early paths hold those of orders 1 and 2."""
+    config = replace(MANY, reflection_order=2, num_reflections=24)
+    totals = everywhere(whole_energy, bank, config, [0, 2])[..., MID].sum(axis=2).mean(axis=1)
+    expected = np.mean([image_source_energy(np.asarray(p), air_energy(config)[MID]) for p in LISTENERS])
     np.testing.assert_allclose(totals, expected, rtol=0.05)
 
 

@@ -1,0 +1,201 @@
+"""Boxes in the way of sound: the taut strings from a source over their edges to a listener."""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.audio_jax.propagation.wedge import Bend
+from home_mjx.core.pytree import Pytree
+from home_mjx.schema.edges import edge_number
+
+LEAST = 0.01  # [m], distances from edges are taken as at least this
+
+
+class Boxes(Pytree):
+    """Boxes that may stand in the way."""
+
+    center: Float[Array, "n 3"]  # [m]
+    axis: Float[Array, "n 3 3"]  # unit vectors, one per row
+    half: Float[Array, "n 3"]  # [m]
+    exposed: Bool[Array, "n edges"]  # edges with air around them, in the order of `schema.edges`
+    object_id: Int[Array, " n"]  # -1 architecture
+
+
+class Strings(Pytree):
+    """Taut strings over one edge, or two that are parallel."""
+
+    bend: Bend
+    detour: Float[Array, " e"]  # [m], how much longer than the straight line, were the edge endless
+    reach: Float[Array, " e"]  # [m], the same over what there is of the edge; inf where there is no such string
+    blocked: Bool[Array, " e"]  # the straight line meets the box
+    first: Float[Array, "e 3"]  # [m], world, the edge as the source sees it, a little away from the box
+    last: Float[Array, "e 3"]  # [m], as the listener sees it
+    apex: Float[Array, "e 3"]  # [m], world, where an endless edge would be crossed
+    beyond: Float[Array, "e 2"]  # [m] along the edge, from where an endless one would be crossed to both its ends
+    turn: Float[Array, " e"]  # [rad], at the second edge
+    depth: Float[Array, " e"]  # [m], what `second_edge` calls `reach`
+    object_id: Int[Array, " e"]
+
+
+class _Frame(NamedTuple):
+    """Source and listener seen along edges: u across a face from -half to half, v above it, z along it."""
+
+    source: Float[Array, "n e 3"]
+    listener: Float[Array, "n e 3"]
+    half: Float[Array, "n e 3"]  # of the box: u, v, z
+    axes: Float[Array, "n e 3 3"]  # unit vectors u, v, z in the world
+    middle: Float[Array, "n e 3"]  # of the face, in the world
+    exposed: Bool[Array, "n e 2"]  # edges at -half and half
+
+
+# Over each of the six faces one way and the other: axis u and its direction, axis v and its side.
+_OVER = np.array([(u, d, v, s) for v in range(3) for s in (-1, 1) for u in range(3) if u != v for d in (-1, 1)])
+_SIDES = np.array([[edge_number(u, side * d, v, s) for side in (-1, 1)] for u, d, v, s in _OVER.tolist()])
+
+
+def nearest_boxes(boxes: Boxes, source: Float[Array, "3"], listener: Float[Array, "3"], count: int) -> Boxes:
+    """The boxes with exposed edges over which the way from source to listener is shortest.
+
+    Args:
+        boxes: n of them.
+        source: [m].
+        listener: [m].
+        count: How many.
+
+    Returns:
+        `count` boxes, or n if there are fewer.
+    """
+    way = listener - source
+
+    def local(point: Float[Array, "#n 3"]) -> Float[Array, "n 3"]:
+        return jnp.sum(boxes.axis * (point - boxes.center)[:, None], axis=2)
+
+    def closer(place: Float[Array, "n 3"], _: None) -> tuple[Float[Array, "n 3"], None]:
+        """From points of the boxes to the line, and back to the boxes."""
+        share = jnp.sum((place - source[None]) * way[None], axis=1) / jnp.maximum(jnp.sum(way * way), LEAST**2)
+        on_line = source[None] + jnp.clip(share, 0.0, 1.0)[:, None] * way[None]
+        inside = jnp.clip(local(on_line), -boxes.half, boxes.half)
+        return boxes.center + jnp.sum(boxes.axis * inside[:, :, None], axis=1), None
+
+    place, _ = jax.lax.scan(closer, boxes.center, None, length=3)
+    longer = jnp.linalg.norm(place - source[None], axis=1) + jnp.linalg.norm(place - listener[None], axis=1)
+    longer = jnp.where(jnp.any(boxes.exposed, axis=1), longer, jnp.inf)
+    _, nearest = jax.lax.top_k(-longer, min(count, longer.size))
+    return jax.tree.map(lambda x: x[nearest], boxes)
+
+
+class _Course(NamedTuple):
+    """A string seen along the edges that it touches."""
+
+    first: Array  # u of the first edge that it touches
+    last: Array
+    twice: Array  # it turns at both edges
+    on_first: Array  # if only at one
+    possible: Array
+
+
+def strings(boxes: Boxes, source: Float[Array, "3"], listener: Float[Array, "3"]) -> Strings:
+    """Strings over the exposed edges of boxes, also those that lie off their box, the straight path being free.
+
+    A string runs over a face from one side of the box to the other, touching one or both of its edges, or from one
+    side to somewhere above the face.
+
+    Args:
+        boxes: What stands in the house.
+        source: [m].
+        listener: [m].
+
+    Returns:
+        24 rows per box.
+    """
+    frame = _frame(boxes, source, listener)
+    course = _course(frame)
+    (su, sv, sz), (lu, lv, lz) = (jnp.moveaxis(x, -1, 0) for x in (frame.source, frame.listener))
+    near, far = jnp.hypot(course.first - su, sv), jnp.hypot(lu - course.last, lv)
+    between, deep = course.last - course.first, frame.half[..., 2]
+    whole = near + between + far
+    rising = (lz - sz) / jnp.maximum(whole, LEAST)
+    z_first, z_last = sz + rising * near, lz - rising * far
+    crossing = z_first
+    beyond = jnp.stack([-deep, deep], axis=-1) - ((z_first + z_last) / 2)[..., None]
+    z_first, z_last = jnp.clip(z_first, -deep, deep), jnp.clip(z_last, -deep, deep)
+    length = jnp.hypot(near, z_first - sz) + jnp.hypot(between, z_last - z_first) + jnp.hypot(far, lz - z_last)
+    straight = jnp.linalg.norm(source - listener)
+    edges = frame.exposed[..., 0], frame.exposed[..., 1]
+    exposed = jnp.where(course.twice, edges[0] & edges[1], jnp.where(course.on_first, *edges))
+    reach = jnp.where(course.possible & exposed, length - straight, jnp.inf)
+    bend, turn, depth = _bend(frame, course, near, far, 1 / jnp.sqrt(1 + rising**2))
+
+    def place(u: Array, z: Array) -> Array:
+        local = jnp.stack([u + LEAST * jnp.sign(u), jnp.full_like(u, LEAST), z], axis=-1)
+        return frame.middle + jnp.sum(frame.axes * local[..., None], axis=-2)
+
+    met, owner = (jnp.broadcast_to(x[:, None], reach.shape) for x in (_meets(frame), boxes.object_id))
+    places = place(course.first, z_first), place(course.last, z_last), place(course.first, crossing)
+    found = bend, jnp.hypot(whole, lz - sz) - straight, reach, met, *places, beyond, turn, depth, owner
+    return Strings(*jax.tree.map(lambda x: x.reshape(-1, *x.shape[2:]), found))
+
+
+def _meets(frame: _Frame) -> Bool[Array, " n"]:
+    """Whether the straight line meets each box."""
+    half = frame.half[:, 0]
+    lift = jnp.stack([jnp.zeros_like(half[:, 1]), half[:, 1], jnp.zeros_like(half[:, 1])], axis=1)  # from the middle
+    start, end = frame.source[:, 0] + lift, frame.listener[:, 0] + lift
+    way = end - start
+    way = jnp.where(jnp.abs(way) < 1e-6, 1e-6, way)
+    low, high = (-half - start) / way, (half - start) / way
+    enter, leave = jnp.max(jnp.minimum(low, high), axis=1), jnp.min(jnp.maximum(low, high), axis=1)
+    return jnp.maximum(enter, 0.0) < jnp.minimum(leave, 1.0)
+
+
+def _course(frame: _Frame) -> _Course:
+    (su, sv, _), (lu, lv, _) = (jnp.moveaxis(x, -1, 0) for x in (frame.source, frame.listener))
+    half, high = frame.half[..., 0], frame.half[..., 1]
+    across = lu > half
+    above = (lu > -half) & ~across & (lv > 0) & (sv < 0) & (sv > -2 * high)
+    rise = (lv - sv) / jnp.maximum(lu - su, LEAST)
+    twice = across & (sv <= 0) & (lv <= 0)
+    on_first = ~across | (sv + rise * (-half - su) <= sv + rise * (half - su))
+    first = jnp.where(on_first | twice, -half, half)
+    return _Course(first, jnp.where(on_first & ~twice, -half, half), twice, on_first, (su < -half) & (across | above))
+
+
+def _bend(
+    frame: _Frame, course: _Course, near: Array, far: Array, slope: Array
+) -> tuple[Bend, Float[Array, "n e"], Float[Array, "n e"]]:
+    """The bend, and the second edge's turn and reach.
+
+    Across a thin box both turns act as one, as at the edge of a screen; across a deep one each acts by itself.
+    """
+    (su, sv, _), (lu, lv, _) = (jnp.moveaxis(x, -1, 0) for x in (frame.source, frame.listener))
+    half, between, twice = frame.half[..., 0], course.last - course.first, course.twice
+    up, down = jnp.arctan2(-sv, course.first - su), jnp.arctan2(-lv, lu - course.last)
+    s, r, w = jnp.hypot(-half - su, sv), jnp.hypot(lu - half, lv), 2 * half
+    depth = jnp.sqrt(w * (w + s + r) / jnp.maximum((w + s) * (w + r), LEAST**2))
+    depth = jnp.where(lu > half, depth, 1.0)
+    smaller = jnp.where(twice, jnp.minimum(up, down), 0.0)
+    turn = jnp.where(twice, jnp.maximum(up, down) + (1 - depth) * smaller, up + down)
+    at_first = jnp.where(twice, up >= down, course.on_first)
+    face = jnp.pi / 2 - jnp.where(at_first, up, down)
+    own = jnp.where(at_first, far, near)  # of the edge that turns less
+    reach = 2 * between * own / jnp.maximum(between + own, LEAST)
+    source_side, listener_side = near + jnp.where(at_first, 0.0, between), far + jnp.where(at_first, between, 0.0)
+    legs = jnp.maximum(source_side, LEAST), jnp.maximum(listener_side, LEAST)
+    return Bend(*legs, face, turn, 2 - 0.5 * depth, slope), smaller, reach
+
+
+def _frame(boxes: Boxes, source: Float[Array, "3"], listener: Float[Array, "3"]) -> _Frame:
+    u, d, v, s = _OVER.T
+    order = np.stack([u, v, 3 - u - v], axis=1)
+    sign = jnp.asarray(np.stack([d, s, np.ones_like(d)], axis=1), jnp.float32)
+    axes = boxes.axis[:, order] * sign[None, :, :, None]
+    half = boxes.half[:, order]
+    middle = boxes.center[:, None] + axes[:, :, 1] * half[:, :, 1, None]
+
+    def local(point: Float[Array, "3"]) -> Float[Array, "n e 3"]:
+        return jnp.sum(axes * (point[None, None] - middle)[:, :, None], axis=-1)
+
+    return _Frame(local(source), local(listener), half, axes, middle, boxes.exposed[:, _SIDES])

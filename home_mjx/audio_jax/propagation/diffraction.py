@@ -1,0 +1,196 @@
+"""Direct sound around edges: the straight path near them, and what bends into their shadows."""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Complex, Float, Int
+
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.endpoints import Listener, Source
+from home_mjx.audio_jax.propagation.barriers import Boxes, Strings, nearest_boxes, strings
+from home_mjx.audio_jax.propagation.paths import NEAREST, SKIN, Paths, Straight, air_energy, cross
+from home_mjx.audio_jax.propagation.wedge import diffracted, second_edge
+from home_mjx.core.transforms import quat_matrix
+from home_mjx.raycast_render.casting.cast import occluded
+from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.schema.compiled import BANDS, Ray
+from home_mjx.schema.edges import EDGES
+
+SPREAD = (-1 / 3, 0.0, 1 / 3)  # [octaves] re the centre, where each octave is evaluated
+BOXES = 3  # that are looked at, per edge that is kept
+ONE_EDGE = 0.02  # [m], strings that touch so near to each other run over pieces of one edge
+SAME = 1e-3  # [m]
+LOUDEST = 1.7  # energy re the free field, next to edges
+GRAZING = 1e-3  # [rad], from a shadow boundary, within which rays decide on which side of it a listener is
+LITTLE = 0.1  # share of an edge that counts as none
+
+
+class _Field(NamedTuple):
+    """What strings bring at frequencies of all octaves, re the free field of the straight path."""
+
+    straight: Float[Array, " f"]  # energy of the straight path together with edges that it passes
+    bent: Float[Array, "k f"]  # energy of each string where there is no straight path
+    around: Bool[Array, ""]  # some string leads around what is in the way
+
+
+def house_boxes(scene: Scene) -> Boxes:
+    """All boxes of an environment: static ones, then movable objects, doors and agents."""
+    physics, house, moving = scene.bank.physics, scene.house, scene.moving
+    bits = scene.bank.acoustics.collider_edges[house]
+    exposed = (bits[:, None] >> jnp.arange(EDGES, dtype=jnp.int32)[None]) & 1 == 1
+    axis = jnp.swapaxes(jax.vmap(quat_matrix)(physics.collider_quat[house]), 1, 2)
+    box = scene.geometry.model_box[moving.model]
+    columns = jnp.swapaxes(moving.pose[:, :, :3], 1, 2)
+    stretch = jnp.maximum(jnp.linalg.norm(columns, axis=2), 1e-6)
+    middle = jnp.mean(box, axis=1)
+    center = jnp.sum(columns * middle[:, :, None], axis=1) + moving.pose[:, :, 3]
+    there = jnp.broadcast_to((moving.instance >= 0)[:, None], (moving.instance.shape[0], EDGES))
+    return Boxes(
+        center=jnp.concatenate([physics.collider_pos[house], center]),
+        axis=jnp.concatenate([axis, columns / stretch[:, :, None]]),
+        half=jnp.concatenate([physics.collider_size[house], (box[:, 1] - box[:, 0]) / 2 * stretch]),
+        exposed=jnp.concatenate([exposed, there]),
+        object_id=jnp.concatenate([physics.collider_object[house], moving.object_id]),
+    )
+
+
+def bent_paths(scene: Scene, source: Source, listener: Listener, config: AudioConfig) -> Paths:
+    """The straight path and those around edges, by the uniform theory of diffraction.
+
+    While the straight path is free it is the only one, and edges near it make it softer or a little louder; where
+    something blocks it, sound comes from the edges, and through partitions. Both are equally loud where the one takes
+    over from the other. What objects let through counts only where no edge leads around them.
+
+    Args:
+        scene: The environment.
+        source: Who sounds.
+        listener: Who hears.
+        config: Options.
+
+    Returns:
+        1 + `config.num_edges` paths.
+    """
+    straight = cross(scene, source, listener, config)
+    found = _nearest(scene, source, listener, config.num_edges)
+    heard = _heard(scene, source, listener, found)
+    return assembled_paths(straight, found, heard, listener.pos, config)
+
+
+def assembled_paths(
+    straight: Straight, found: Strings, heard: Bool[Array, " k"], ears: Float[Array, "3"], config: AudioConfig
+) -> Paths:
+    """The paths that a straight line and strings make, see `bent_paths`.
+
+    Args:
+        straight: What the straight line meets.
+        found: Strings.
+        heard: Those whose ends source and listener see.
+        ears: Where the listener is [m].
+        config: Options.
+    """
+    field = _field(straight, found, heard & ~_repeated(found, heard), config)
+    free = straight.clear | (~field.around & straight.within)
+    passed = jnp.where(straight.clear, _octaves(field.straight), straight.objects)
+    hidden = straight.partitions * jnp.where(field.around & straight.within, 0.0, straight.objects)
+    direct = jnp.where(free, passed, hidden)
+    energy = jnp.concatenate([direct[None], jnp.where(free, 0.0, _octaves(field.bent))])
+    length = straight.distance + jnp.where(heard, found.detour, 0.0)
+    length = jnp.concatenate([straight.distance[None], length])
+    gain = jnp.sqrt(energy * jnp.exp(-air_energy(config)[None] * length[:, None])) / straight.distance
+    away = found.last - ears[None]
+    away = away / jnp.maximum(jnp.linalg.norm(away, axis=1), NEAREST)[:, None]
+    return Paths(length, jnp.where(straight.silent, 0.0, gain), jnp.concatenate([straight.direction[None], away]))
+
+
+def _nearest(scene: Scene, source: Source, listener: Listener, count: int) -> Strings:
+    """The strings of the least detour."""
+    boxes = house_boxes(scene)
+    body = boxes.object_id
+    own = (body >= 0) & ((body == jnp.int32(source.body)) | (body == jnp.int32(listener.body)))
+    boxes = boxes.replace(exposed=boxes.exposed & ~own[:, None])
+    found = strings(nearest_boxes(boxes, source.pos, listener.pos, BOXES * count), source.pos, listener.pos)
+    _, nearest = jax.lax.top_k(-found.reach, min(count, found.reach.size))
+    return jax.tree.map(lambda x: x[nearest], found)
+
+
+def _field(straight: Straight, found: Strings, heard: Bool[Array, " k"], config: AudioConfig) -> _Field:
+    """Fields of all strings, added as waves to the one that comes first as far as they arrive together with it.
+
+    Both with and without the straight path: so the sum is the same on both sides of a shadow boundary.
+    """
+    frequency = np.array(BANDS)[:, None] * 2.0 ** np.array(SPREAD)
+    wavenumber = jnp.asarray(2 * np.pi * frequency.ravel() / config.speed_of_sound, jnp.float32)
+    amplitude, share = _amplitudes(straight, found, heard, wavenumber)
+    detour = jnp.where(heard, found.detour, jnp.inf)
+    first = jnp.argmin(jnp.where(jnp.max(share, axis=1) > LITTLE, detour, jnp.inf))
+    power = jnp.abs(amplitude) ** 2
+
+    def added(start: Float[Array, " f"], late: Float[Array, " k"], most: float) -> tuple[Array, Array]:
+        """Energy of what arrives together, and the rest of each string."""
+        phase = wavenumber[None] * jnp.where(heard, late, 0.0)[:, None]
+        together = jnp.exp(-((phase / jnp.pi) ** 2))
+        whole = jnp.sum(amplitude * together.astype(jnp.complex64), axis=0) + start.astype(jnp.complex64)
+        return jnp.minimum(jnp.abs(whole) ** 2, most), power * (1 - together**2)
+
+    near, rest = added(jnp.ones_like(wavenumber), found.detour, LOUDEST)
+    joined, alone = added(_past_ends(straight, found, share), found.detour - found.detour[first], 1.0)
+    behind = (found.blocked & (found.bend.turn > 0)) | (jnp.abs(found.bend.turn) < GRAZING)
+    shadow = heard & behind & (jnp.max(share, axis=1) > 0.5)
+    there = (jnp.arange(heard.size, dtype=jnp.int32) == first)[:, None]
+    return _Field(near + jnp.sum(rest, axis=0), alone + jnp.where(there, joined[None], 0.0), jnp.any(shadow))
+
+
+def _past_ends(straight: Straight, found: Strings, share: Float[Array, "k f"]) -> Float[Array, " f"]:
+    """What passes things that are smaller than the waves: what lies beyond the ends of all edges around them."""
+    apart = jnp.max(jnp.abs(found.apex[:, None] - found.apex[None]), axis=-1)
+    one_edge = ((apart < ONE_EDGE) & (found.bend.turn > 0)[None]).astype(jnp.float32)
+    covered = jnp.max(jnp.einsum("ef,fb->eb", one_edge, share, precision="highest"), axis=0)
+    return jnp.where(straight.within, jnp.clip(1 - covered, 0.0, 1.0), 0.0)
+
+
+def _amplitudes(
+    straight: Straight, found: Strings, heard: Bool[Array, " k"], wavenumber: Float[Array, " f"]
+) -> tuple[Complex[Array, "k f"], Float[Array, "k f"]]:
+    """Field of each string re that of the straight path, and the share in it that its piece of the edge has."""
+    # What rays see is not in a shadow, whatever the boxes say that stand for meshes.
+    seen = straight.clear & found.blocked
+    turn = jnp.where(seen, jnp.minimum(found.bend.turn, -GRAZING), found.bend.turn)
+    grazing = ~straight.clear & (jnp.abs(turn) < GRAZING)
+    bend = found.bend._replace(turn=jnp.where(grazing, GRAZING, turn))
+    harmonic = bend.near * bend.far / (bend.near + bend.far)
+    zone = jnp.sqrt((jnp.pi / 2 * harmonic / bend.slope**3)[:, None] / wavenumber[None])
+    low, high = (jax.scipy.stats.norm.cdf(found.beyond[:, i, None] / zone) for i in range(2))
+    share = jnp.where(heard[:, None], high - low, 0.0)
+    spread = (straight.distance / (straight.distance + found.detour))[:, None]
+    size = share * second_edge(found.turn, found.depth, wavenumber) * spread
+    angle = -found.detour[:, None] * wavenumber[None]
+    turned = jax.lax.complex(size * jnp.cos(angle), size * jnp.sin(angle))
+    return jnp.where(heard[:, None], diffracted(bend, wavenumber) * turned, 0), share
+
+
+def _repeated(found: Strings, heard: Bool[Array, " k"]) -> Bool[Array, " k"]:
+    """Strings that touch the same edge as an earlier one, as where both its faces lead from one side to the other."""
+    place = jnp.concatenate([found.apex, found.last, found.beyond], axis=1)
+    same = jnp.max(jnp.abs(place[:, None] - place[None]), axis=-1) < SAME
+    return jnp.any(same & heard[None] & jnp.tril(jnp.ones(same.shape, bool), -1), axis=1)
+
+
+def _octaves(power: Float[Array, "*k f"]) -> Float[Array, "*k bands"]:
+    """Means over the frequencies of each octave."""
+    return jnp.mean(power.reshape(*power.shape[:-1], len(BANDS), len(SPREAD)), axis=-1)
+
+
+def _heard(scene: Scene, source: Source, listener: Listener, found: Strings) -> Bool[Array, " k"]:
+    """Whether the source sees where a string leaves its side, and the listener where it arrives."""
+    there = jnp.isfinite(found.reach)
+
+    def hidden(start: Float[Array, "3"], end: Float[Array, "k 3"], body: Int[Array, ""] | int) -> Bool[Array, " k"]:
+        way = end - start[None]
+        length = jnp.linalg.norm(way, axis=1)
+        direction = way / jnp.maximum(length, NEAREST)[:, None]
+        reach = jnp.where(there, length - SKIN, -1.0)
+        return occluded(scene, start, direction, t_max=reach, exclude=body, mask=int(Ray.SOUND))
+
+    return there & ~hidden(source.pos, found.first, source.body) & ~hidden(listener.pos, found.last, listener.body)

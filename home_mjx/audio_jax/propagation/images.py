@@ -1,0 +1,131 @@
+"""Image sources in rectangles: which sequences of mirrors a source and a listener have a path over."""
+
+import functools
+import itertools
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.core.pytree import Pytree
+
+NOWHERE = 1e-6  # [m], distances from planes that count as none
+TOUCH = 1e-4  # [m], within which a path into a corner meets both of its sides, one way and the other
+
+
+class Mirrors(Pytree):
+    """Rectangles that mirror sound on the side to which their normal points."""
+
+    center: Float[Array, "m 3"]  # [m]
+    normal: Float[Array, "m 3"]
+    u: Float[Array, "m 3"]  # [m], half extent vectors
+    v: Float[Array, "m 3"]
+    valid: Bool[Array, " m"]
+
+
+class Images(Pytree):
+    """Paths over mirrors, of `order` reflections each."""
+
+    length: Float[Array, " i"]  # [m]; inf where the mirrors give no path
+    point: Float[Array, "i k 3"]  # [m], reflections in the order from the listener; further ones are at the source
+    normal: Float[Array, "i k 3"]  # of the mirrors there
+    order: Int[Array, " i"]  # number of reflections
+
+
+@functools.cache
+def sequences(num_mirrors: int, order: int) -> Int[np.ndarray, "i k"]:
+    """All sequences of `order` mirrors of which none follows itself.
+
+    Example:
+        >>> len(sequences(6, 1)), len(sequences(6, 2)), len(sequences(6, 3))
+        (6, 30, 150)
+    """
+    every = itertools.product(range(num_mirrors), repeat=order)
+    kept = [row for row in every if all(a != b for a, b in itertools.pairwise(row))]
+    return np.array(kept, np.int32).reshape(-1, order)
+
+
+def find_images(mirrors: Mirrors, source: Float[Array, "3"], listener: Float[Array, "3"], highest: int) -> Images:
+    """Image sources of all orders up to `highest`, found valid by going back from the listener.
+
+    Args:
+        mirrors: m of them; there are m + m (m - 1) + m (m - 1)² sequences of orders 1, 2 and 3.
+        source: [m].
+        listener: [m].
+        highest: Order.
+
+    Example:
+        >>> x, y, z = np.eye(3, dtype=np.float32) * 5  # a cube of 10 m
+        >>> sides = [(x, y, z), (-x, y, z), (y, x, z), (-y, x, z), (z, x, y), (-z, x, y)]
+        >>> n, u, v = (jnp.array(column) for column in zip(*sides, strict=True))
+        >>> cube = Mirrors(-n, n / 5, u, v, jnp.ones(6, bool))
+        >>> found = find_images(cube, jnp.array([0.1, 0.2, 0.3]), jnp.array([2.5, -2.4, 3.0]), highest=3)
+        >>> int(jnp.isfinite(found.length).sum())  # and the direct path: 63
+        62
+    """
+    count = mirrors.valid.shape[0]
+    parts = [_of_order(mirrors, sequences(count, order), source, listener, highest) for order in range(1, highest + 1)]
+    return jax.tree.map(lambda *x: jnp.concatenate(x), *parts)
+
+
+def _of_order(
+    mirrors: Mirrors, rows: Int[np.ndarray, "i k"], source: Float[Array, "3"], listener: Float[Array, "3"], highest: int
+) -> Images:
+    count, order = rows.shape
+    met = [jax.tree.map(lambda x, k=k: x[rows[:, k]], mirrors) for k in range(order)]
+    image, valid = [jnp.broadcast_to(source, (count, 3))], jnp.ones(count, bool)
+    for mirror in met:
+        before = _height(mirror, image[-1])
+        image.append(image[-1] - 2 * before[:, None] * mirror.normal)
+        valid = valid & mirror.valid & (before > NOWHERE)
+    at, points = jnp.broadcast_to(listener, (count, 3)), []
+    for mirror, behind in zip(met[::-1], image[:0:-1], strict=True):
+        before, after = _height(mirror, at), _height(mirror, behind)
+        share = before / jnp.maximum(before - after, NOWHERE)
+        at = at + share[:, None] * (behind - at)
+        valid = valid & (before > -TOUCH) & (after < -NOWHERE) & _within(mirror, at)
+        points.append(at)
+    rest = jnp.broadcast_to(source, (count, highest - order, 3))
+    normals = jnp.stack([mirror.normal for mirror in met[::-1]], axis=1)
+    length = jnp.linalg.norm(image[-1] - listener[None], axis=1)
+    return Images(
+        jnp.where(valid, length, jnp.inf),
+        jnp.concatenate([jnp.stack(points, axis=1), rest], axis=1),
+        jnp.concatenate([normals, jnp.zeros_like(rest)], axis=1),
+        jnp.full(count, order, jnp.int32),
+    )
+
+
+def nearest_mirrors(mirrors: Mirrors, source: Float[Array, "3"], listener: Float[Array, "3"], count: int) -> Mirrors:
+    """The mirrors over which the way from source to listener is shortest.
+
+    Its reflection is put where the image's straight line would meet the plane, or else the nearest point of the
+    rectangle; mirrors whose back both see are left out.
+    """
+    before = jnp.maximum(_height(mirrors, source[None]), 0), jnp.maximum(_height(mirrors, listener[None]), 0)
+    share = before[1] / jnp.maximum(before[0] + before[1], NOWHERE)
+    point = listener[None] + share[:, None] * (source - listener)[None] - mirrors.center
+    size = [jnp.sum(half * half, axis=1) for half in (mirrors.u, mirrors.v)]
+    place = [
+        jnp.clip(jnp.sum(point * half, axis=1) / jnp.maximum(s, NOWHERE), -1, 1)[:, None] * half
+        for half, s in zip((mirrors.u, mirrors.v), size, strict=True)
+    ]
+    point = mirrors.center + place[0] + place[1]
+    length = jnp.linalg.norm(point - source[None], axis=1) + jnp.linalg.norm(point - listener[None], axis=1)
+    length = jnp.where(mirrors.valid & (before[0] + before[1] > 0), length, jnp.inf)
+    shortest, kept = jax.lax.top_k(-length, min(count, length.size))
+    found = jax.tree.map(lambda x: x[kept], mirrors)
+    return found.replace(valid=found.valid & jnp.isfinite(shortest))
+
+
+def _height(mirror: Mirrors, point: Float[Array, "#i 3"]) -> Float[Array, " i"]:
+    return jnp.sum((point - mirror.center) * mirror.normal, axis=1)
+
+
+def _within(mirror: Mirrors, point: Float[Array, "i 3"]) -> Bool[Array, " i"]:
+    def along(half: Float[Array, "i 3"]) -> Bool[Array, " i"]:
+        size = jnp.linalg.norm(half, axis=1)
+        return jnp.abs(jnp.sum((point - mirror.center) * half, axis=1)) <= size * (size + TOUCH)
+
+    return along(mirror.u) & along(mirror.v)

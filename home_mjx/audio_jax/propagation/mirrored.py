@@ -1,0 +1,133 @@
+"""Reflections of several orders: image sources in walls and faces of boxes, validated by rays."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float
+
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.endpoints import Listener, Source
+from home_mjx.audio_jax.propagation.diffraction import house_boxes
+from home_mjx.audio_jax.propagation.images import Images, Mirrors, find_images, nearest_mirrors
+from home_mjx.audio_jax.propagation.paths import NEAREST, SKIN, Paths, air_energy, no_paths
+from home_mjx.audio_jax.propagation.surfaces import surface_at
+from home_mjx.raycast_render.casting.cast import cast, occluded
+from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.schema.compiled import Ray
+
+MOST_MIRRORS = {1: (32, 32), 2: (12, 8), 3: (8, 4)}  # walls and faces of things of which sequences are made, by order
+DEPTH = 0.06  # [m], within which a surface counts as lying in a mirror's plane, as in `scene_compile`
+SHORTEST = 1e-3  # [m], legs that have a direction
+SAME = 1e-3  # paths whose lengths [m] and directions differ by less are one
+
+
+def house_mirrors(scene: Scene) -> Mirrors:
+    """The mirror planes of a house: its walls, floors and ceilings."""
+    planes = scene.bank.acoustics
+    flat = planes.plane_center, planes.plane_normal, planes.plane_u, planes.plane_v, planes.plane_valid
+    return Mirrors(*(x[scene.house] for x in flat))
+
+
+def thing_mirrors(scene: Scene, source: Source, listener: Listener) -> Mirrors:
+    """All faces of the boxes that stand for things, doors and bodies, but for the source's and the listener's own."""
+    boxes = house_boxes(scene)
+    own = (boxes.object_id == jnp.int32(source.body)) | (boxes.object_id == jnp.int32(listener.body))
+    order = np.array([[(a + i) % 3 for i in range(3)] for a in range(3) for _ in (0, 1)])
+    side = jnp.asarray(np.tile([-1.0, 1.0], 3), jnp.float32)[None, :, None]
+    out, u, v = (boxes.axis[:, order[:, i]] * boxes.half[:, order[:, i], None] for i in range(3))
+    center, normal = boxes.center[:, None] + out * side, boxes.axis[:, order[:, 0]] * side
+    thing = jnp.broadcast_to(((boxes.object_id >= 0) & ~own)[:, None], out.shape[:2])
+    faces = Mirrors.unchecked(center=center, normal=normal, u=u, v=v, valid=thing)
+    return jax.tree.map(lambda x: x.reshape(-1, *x.shape[2:]), faces)
+
+
+def mirrored_paths(scene: Scene, source: Source, listener: Listener, config: AudioConfig) -> Paths:
+    """Image sources up to `config.reflection_order`, the shortest first, in walls and in faces of furniture.
+
+    Sequences are made of the mirrors nearest to the two. A path sounds where each of its legs really meets a surface
+    in the plane of its mirror, whose material then counts, and the last one reaches the source.
+
+    Args:
+        scene: The environment.
+        source: Who sounds.
+        listener: Who hears.
+        config: Options.
+
+    Returns:
+        `config.num_reflections` paths, or one per sequence if there are fewer, silent ones included.
+    """
+    if config.num_reflections == 0:
+        return no_paths()
+    order = config.reflection_order
+    kinds = house_mirrors(scene), thing_mirrors(scene, source, listener)
+    kept = [
+        nearest_mirrors(kind, source.pos, listener.pos, count)
+        for kind, count in zip(kinds, MOST_MIRRORS[order], strict=True)
+    ]
+    mirrors = jax.tree.map(lambda *x: jnp.concatenate(x), *kept)
+    found = find_images(mirrors, source.pos, listener.pos, order)
+    _, shortest = jax.lax.top_k(-found.length, min(config.num_reflections, found.length.size))
+    found = jax.tree.map(lambda x: x[shortest], found)
+    away = found.point[:, 0] - listener.pos[None]
+    direction = away / jnp.maximum(jnp.linalg.norm(away, axis=1), NEAREST)[:, None]
+    energy = _reflected(scene, source, listener, found)
+    possible = jnp.isfinite(found.length) & ~_repeated(found.length, direction)
+    length = jnp.where(possible, found.length, 1.0)
+    energy = energy * jnp.exp(-length[:, None] * air_energy(config)[None])
+    gain = jnp.sqrt(jnp.maximum(energy, 0.0)) / jnp.maximum(length, NEAREST)[:, None]
+    return Paths(length, jnp.where(possible[:, None], gain, 0.0), direction)
+
+
+def _reflected(scene: Scene, source: Source, listener: Listener, found: Images) -> Float[Array, "p bands"]:
+    """Energy that the surfaces reflect which the legs of paths meet; 0 where a leg meets something else."""
+    count, order = found.point.shape[:2]
+    ends = jnp.broadcast_to(listener.pos, (count, 1, 3)), jnp.broadcast_to(source.pos, (count, 1, 3))
+    corner = jnp.concatenate([ends[0], found.point, ends[1]], axis=1)
+    origin, way = corner[:, :-2], corner[:, 1:-1] - corner[:, :-2]
+    length = jnp.linalg.norm(way, axis=2)
+    # Two reflections in one corner have no leg between them: the second surface is looked at from the front.
+    none = length < SHORTEST
+    toward = jnp.where(none[:, :, None], -found.normal, way / jnp.maximum(length, SHORTEST)[:, :, None])
+    origin = origin - jnp.where(none, DEPTH, 0.0)[:, :, None] * toward
+    length = jnp.where(none, DEPTH, length)
+    number = jnp.arange(order, dtype=jnp.int32)[None]
+    used = jnp.isfinite(found.length)[:, None] & (number < found.order[:, None])
+    start = jnp.where((number == 0) | none, 0.0, jnp.minimum(DEPTH, length / 2))
+    own = jnp.broadcast_to(jnp.where(number == 0, jnp.int32(listener.body), -1), used.shape)
+    rays = (x.reshape(count * order, *x.shape[2:]) for x in (origin, toward, length, start, own, used))
+    origin, toward, reach, begin, body, alive = rays
+    hit = cast(
+        scene,
+        origin,
+        toward,
+        t_min=begin,
+        t_max=jnp.where(alive, reach + DEPTH, -1.0),
+        exclude=body,
+        mask=int(Ray.SOUND),
+    )
+    met = surface_at(scene, toward, hit)
+    there = (hit.instance >= 0) & (jnp.abs(hit.t - reach) < DEPTH)
+    share = jnp.where(there[:, None], (1 - met.absorption) * (1 - met.scattering), 0.0)
+    share = jnp.where(alive[:, None], share, 1.0).reshape(count, order, -1)
+    hidden = _hidden(scene, source, found, corner, used)
+    return jnp.where(hidden[:, None], 0.0, jnp.prod(share, axis=1))
+
+
+def _hidden(
+    scene: Scene, source: Source, found: Images, corner: Float[Array, "p k 3"], used: Bool[Array, "p legs"]
+) -> Bool[Array, " p"]:
+    """Whether something stands between the source and the reflection nearest to it."""
+    last = jnp.take_along_axis(corner, found.order[:, None, None], axis=1)[:, 0]
+    way = last - source.pos[None]
+    length = jnp.linalg.norm(way, axis=1)
+    reach = jnp.where(used[:, 0], length - DEPTH, -1.0)
+    direction = way / jnp.maximum(length, SKIN)[:, None]
+    return occluded(scene, source.pos, direction, t_max=reach, exclude=source.body, mask=int(Ray.SOUND))
+
+
+def _repeated(length: Float[Array, " p"], direction: Float[Array, "p 3"]) -> Bool[Array, " p"]:
+    """Paths that an earlier one equals, as where the faces of two boxes lie in one plane."""
+    near = jnp.abs(length[:, None] - length[None]) < SAME
+    near &= jnp.max(jnp.abs(direction[:, None] - direction[None]), axis=-1) < SAME
+    earlier = jnp.tril(jnp.ones((length.size, length.size), bool), -1)
+    return jnp.any(near & earlier, axis=1)

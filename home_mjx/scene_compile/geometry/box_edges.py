@@ -1,0 +1,56 @@
+"""Which edges of boxes have air around them."""
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from home_mjx.schema.edges import EDGES, edge_rows
+
+PROBE = 0.02  # [m], how far from an edge there must be air
+POINTS = np.linspace(-0.9, 0.9, 5)  # along an edge, in half lengths
+ENOUGH = 2  # of those points with air around
+
+
+def exposed_edges(
+    center: Float[np.ndarray, "n 3"],
+    turn: Float[np.ndarray, "n 3 3"],
+    half: Float[np.ndarray, "n 3"],
+    heights: Float[np.ndarray, "r 2"],
+) -> Bool[np.ndarray, "n edges"]:
+    """Edges around which sound can bend: those that stand out, not where boxes meet in a plane, a corner or overlap.
+
+    Args:
+        center: [m].
+        turn: World from box.
+        half: Half extents [m].
+        heights: Floor and ceiling of each room [m].
+
+    Example:
+        >>> one = np.zeros((1, 3)), np.eye(3)[None], np.ones((1, 3))
+        >>> int(exposed_edges(*one, np.array([[-2.0, 2.0]])).sum())
+        12
+        >>> int(exposed_edges(*one, np.array([[-2.0, 1.01]])).sum())  # up to the ceiling: no edges there
+        8
+    """
+    exposed = np.zeros((len(center), EDGES), bool)
+    radius = np.linalg.norm(half, axis=1)
+    for box in range(len(center)):
+        apart = np.linalg.norm(center - center[box], axis=1)
+        others = np.flatnonzero((apart < radius + radius[box] + 2 * PROBE) & (np.arange(len(center)) != box))
+        points = _probes(half[box]) @ turn[box].T + center[box]  # edge, along, probe
+        air = ((points[..., 2, None] > heights[:, 0]) & (points[..., 2, None] < heights[:, 1])).any(axis=-1)
+        for other in others:
+            local = abs((points - center[other]) @ turn[other])
+            air &= ~(local <= half[other]).all(axis=-1)
+        exposed[box] = air.all(axis=-1).sum(axis=-1) >= ENOUGH
+    return exposed
+
+
+def _probes(half: Float[np.ndarray, "3"]) -> Float[np.ndarray, "edges along 3 3"]:
+    """Points in front of both faces and before the edge itself, in the box's frame."""
+    found = np.zeros((EDGES, len(POINTS), 3, 3))
+    for number, (along, *sides) in enumerate(edge_rows()):
+        others = [axis for axis in range(3) if axis != along]
+        found[number, ..., along] = (POINTS * half[along])[:, None]
+        for axis, side, away in zip(others, sides, ([1, -1, 1], [-1, 1, 1]), strict=True):
+            found[number, ..., axis] = side * (half[axis] + PROBE * np.array(away))
+    return found
