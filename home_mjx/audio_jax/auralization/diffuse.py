@@ -3,17 +3,20 @@
 import functools
 import math
 
+import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 from home_mjx.audio_jax.auralization.hrtf import diffuse_coherence
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.filters import high_pass, octave_gains
+from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import quat_matrix
+from home_mjx.schema.compiled import BANDS
 
-NOISE_LENGTH = 4  # the noise of all environments is this many responses long
 NUM_CHANNELS = 5
+KNOTS = 3  # of amplitude in a bin: its start, middle and end
 
 
 def num_channels(config: AudioConfig) -> int:
@@ -56,10 +59,42 @@ def channel_levels(frequency: Float[np.ndarray, " f"], config: AudioConfig) -> F
 
 @functools.cache
 def noise(config: AudioConfig) -> Float[np.ndarray, "c bands n"]:
-    """White noise of unit variance in channels, split into octaves that are independent of each other."""
-    length = NOISE_LENGTH * 2 ** math.ceil(math.log2(config.response_length))
+    """White noise of unit variance in channels, split into octaves that are independent of each other.
+
+    As long as a response, and periodic: it goes on at its end as it began.
+    """
+    length = config.response_length
     frequency = np.fft.rfftfreq(length, 1 / config.sample_rate)
     bands = octave_gains(frequency)
     phase = np.random.default_rng(0).uniform(0, 2 * np.pi, (num_channels(config), *bands.shape))
     spectrum = np.exp(1j * phase) * channel_levels(frequency, config)[:, None] * np.sqrt(bands) * high_pass(frequency)
     return (np.fft.irfft(spectrum, length) * np.sqrt(length)).astype(np.float32)
+
+
+@functools.cache
+def noise_bins(config: AudioConfig) -> Float[np.ndarray, "k m s"]:
+    """`noise` in the bins of a histogram, faded: m runs over `KNOTS`, channels and octaves.
+
+    A sum of these with amplitudes at the start, the middle and the end of a bin is noise whose amplitude runs linearly
+    between them; so a response is one product of matrices.
+    """
+    place = (np.arange(config.bin_samples) + 0.5) / config.bin_samples
+    middle = 1 - np.abs(2 * place - 1)
+    knots = np.stack([np.clip(1 - 2 * place, 0, 1), middle, np.clip(2 * place - 1, 0, 1)])
+    parts = noise(config).reshape(-1, config.num_bins, config.bin_samples)
+    table = np.moveaxis(parts, 1, 0)[:, None] * knots[None, :, None]
+    return np.ascontiguousarray(table.reshape(config.num_bins, -1, config.bin_samples), np.float32)
+
+
+class Draw(Pytree):
+    """Which noise an environment hears: one table serves all, each begins at its own place with its own signs."""
+
+    start: Int[Array, ""]  # [bins]
+    sign: Float[Array, "c bands"]
+
+
+def drawn(key: Array, config: AudioConfig) -> Draw:
+    """What a key chooses."""
+    place, signs = jax.random.split(key)
+    sign = jax.random.rademacher(signs, (num_channels(config), len(BANDS)), jnp.float32)
+    return Draw(jax.random.randint(place, (), 0, config.num_bins, jnp.int32), sign)

@@ -1,6 +1,5 @@
 """Impulse responses of two ears, from paths and an energy histogram."""
 
-import functools
 import math
 
 import jax
@@ -8,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Complex, Float, Int
 
-from home_mjx.audio_jax.auralization.diffuse import ear_mix, noise
+from home_mjx.audio_jax.auralization.diffuse import KNOTS, Draw, drawn, ear_mix, noise_bins
 from home_mjx.audio_jax.auralization.hrtf import EarTable, ear_angles, ear_energy, ear_spectrum, ear_table, to_head
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.delays import HALF_WIDTH, delay_kernel
@@ -23,6 +22,7 @@ from home_mjx.schema.compiled import BANDS
 
 QUIETEST = 1e-3  # gain of an octave re the loudest of a path, below which it is taken as this
 SOFTEST = 1e-30  # gain of a path below which it is silent
+TINY = 1e-36  # power of nothing
 LEAD = 0.001  # [s]: no ear hears sound by more earlier or later than the middle of the head
 
 
@@ -103,25 +103,38 @@ def late_response(
 ) -> Float[Array, "2 l"]:
     """Noise that follows an energy histogram in each octave and ear.
 
-    The energy runs linearly from the middle of one bin to that of the next. One long noise serves everybody, each
-    environment from its own place on. It stays where it is in the world while the head turns, see `ear_mix`.
+    The energy runs linearly from the middle of one bin to that of the next. The noise stays where it is in the world
+    while the head turns, see `ear_mix`.
     """
     head_quat = jnp.array([1.0, 0.0, 0.0, 0.0], jnp.float32) if head_quat is None else head_quat
-    table = jnp.asarray(noise(config))
-    start = jax.random.randint(key, (), 0, table.shape[-1] - config.response_length, jnp.int32)
-    table = jax.lax.dynamic_slice_in_dim(table, start, config.response_length, axis=2)
-    mix = ear_mix(head_quat, config)
-    size = config.bin_samples
-    power = jnp.moveaxis(jnp.pad(energy, ((1, 1), (0, 0), (0, 0)), mode="edge"), 0, -1)[..., None] / size
-    place = (jnp.arange(size, dtype=jnp.float32) + 0.5)[None, None, None] / size - 0.5  # re the bin's middle
-    before, after = jnp.maximum(-place, 0.0), jnp.maximum(place, 0.0)
-    power = power[:, :, :-2] * before + power[:, :, 1:-1] * (1 - before - after) + power[:, :, 2:] * after
-    amplitude = jnp.sqrt(power).reshape(2, power.shape[1], -1)
+    return diffuse_response(energy, drawn(key, config), head_quat, config)
 
-    def octave(band: int) -> Float[Array, "2 l"]:
-        return amplitude[:, band] * sum(mix[:, i, None] * table[i, band][None] for i in range(table.shape[0]))
 
-    return functools.reduce(jnp.add, [octave(band) for band in range(table.shape[1])])
+def diffuse_response(
+    energy: Float[Array, "k 2 bands"], draw: Draw, head_quat: Float[Array, "4"], config: AudioConfig
+) -> Float[Array, "2 l"]:
+    """The same with noise that was drawn before."""
+    bins = config.num_bins
+    mix = ear_mix(head_quat, config)[:, :, None] * draw.sign[None]  # (ear, channel, octave)
+    amplitude = _amplitudes(jnp.roll(energy, draw.start, axis=0) / config.bin_samples, draw.start)
+    each = (amplitude[:, :, :, None] * mix[None, :, None]).reshape(bins, 2, -1)
+    sound = jnp.einsum("kem,kms->eks", each, jnp.asarray(noise_bins(config)), precision="highest")
+    return jnp.roll(sound, -draw.start, axis=1).reshape(2, -1)
+
+
+def _amplitudes(power: Float[Array, "k 2 bands"], first: Int[Array, ""]) -> Float[Array, "k 2 knots bands"]:
+    """Amplitudes at the start, the middle and the end of bins, of which `first` is where a response begins.
+
+    Between knots they run linearly, which is less than the root of a power that does; each bin is made up for it.
+    """
+    number = jnp.arange(power.shape[0], dtype=jnp.int32)[:, None, None]
+    before = jnp.where(number == first, power, jnp.roll(power, 1, axis=0))
+    after = jnp.where(number == (first - 1) % power.shape[0], power, jnp.roll(power, -1, axis=0))
+    knots = jnp.sqrt(jnp.stack([(before + power) / 2, power, (power + after) / 2], axis=2))
+    low, mid, high = (knots[:, :, i] for i in range(KNOTS))
+    here = (low * low + low * mid + 2 * mid * mid + mid * high + high * high) / 6
+    there = (before + 6 * power + after) / 8
+    return knots * jnp.sqrt(there / jnp.maximum(here, TINY))[:, :, None]
 
 
 def path_spectra(

@@ -50,7 +50,6 @@ def given_off(
     phase: Int[Array, ""],
     time: Int[Array, ""],
     config: AudioConfig,
-    moving: bool = False,
 ) -> Float[Array, "e w"]:
     """What leaves each source in this frame, and before it for as long as a response lasts.
 
@@ -61,13 +60,12 @@ def given_off(
         phase: Index of the clips' sample that leaves at the frame's first sample.
         time: Samples from the start to the frame's first one, for the schedules.
         config: For the lengths.
-        moving: For `moving_frame`: w = `config.memory_length` + `config.frame` - 1 + `config.ahead`.
 
     Returns:
-        Pressure at 1 m, w = `config.response_length + config.frame - 1` samples, as `faded_frame` takes them.
+        Pressure at 1 m, w = `config.memory_length + config.frame - 1 + config.ahead` samples, as `moving_frame` takes
+        them, and without `config.motion` `faded_frame`.
     """
-    back, ahead = (config.memory_length, config.ahead) if moving else (config.response_length, 0)
-    span = jnp.arange(1 - back, config.frame + ahead, dtype=jnp.int32)
+    span = jnp.arange(1 - config.memory_length, config.frame + config.ahead, dtype=jnp.int32)
 
     def one(row: Array, gain: Array, every: Array, lasts: Array) -> Array:
         played = clips[jnp.maximum(row, 0), (phase + span) % clips.shape[1]]

@@ -1,5 +1,6 @@
 """What can be chosen about sound; all of it is fixed when a step is compiled."""
 
+import math
 from dataclasses import dataclass, field
 
 from home_mjx.audio_jax.base.air import speed_of_sound
@@ -19,7 +20,6 @@ class AudioConfig:
     Attributes:
         timing: Sample rate, and length of one sound frame. Octave bands above half the sample rate carry nothing.
         response_seconds: Length of impulse responses [s]; must hold a whole number of bins.
-        tail_seconds: How long sound rings on beyond that [s], each octave at its last decay; whole frames.
         num_rays: Rays of the late part.
         num_bounces: Reflections traced per ray; what is later is extrapolated.
         num_reflections: Reflections rendered as paths, the shortest first.
@@ -39,6 +39,10 @@ class AudioConfig:
         temperature: [degrees Celsius].
         humidity: Relative humidity [%].
         pressure: [kPa].
+        motion: Whether early paths move within a frame, so that pitch is right at every frequency (Doppler), and rooms
+            ring on for `tail_seconds`. False: whole responses fade from the last to the next, see `sound_frame`.
+        tail_seconds: With `motion`, how long sound rings on beyond `response_seconds` [s], each octave at its last
+            decay; rounded up to halves of a response.
 
     Raises:
         ConfigError: For values that cannot be used.
@@ -65,6 +69,7 @@ class AudioConfig:
     temperature: float = 20.0
     humidity: float = 50.0
     pressure: float = 101.325
+    motion: bool = False
     tail_seconds: float = 1.5
 
     def __post_init__(self) -> None:
@@ -78,6 +83,7 @@ class AudioConfig:
         check_number("reflection_order", self.reflection_order, 1, 3, whole=True)
         for name in ("temperature", "humidity", "ear_angle"):
             check_number(name, getattr(self, name))
+        check_type("motion", self.motion, bool)
         check_number("tail_seconds", self.tail_seconds, 0.0)
         for name in ("response_seconds", "bin_seconds", "detector_radius", "head_radius", "pressure"):
             check_number(name, getattr(self, name))
@@ -124,19 +130,25 @@ class AudioConfig:
         return 1 + self.num_edges + self.num_reflections
 
     @property
+    def half_length(self) -> int:
+        """Samples of a response's second half, which is heard again and again in its tail."""
+        return self.num_bins // 2 * self.bin_samples
+
+    @property
     def num_tail(self) -> int:
-        """Frames after a response in which it is still heard."""
-        return round(self.tail_seconds * self.sample_rate / self.frame)
+        """How often that is, 0 without `motion`."""
+        long = self.motion and self.half_length > 0
+        return math.ceil(self.tail_seconds * self.sample_rate / self.half_length - 1e-9) if long else 0
 
     @property
     def memory_length(self) -> int:
         """Samples of a source's past, this one counting, that are heard."""
-        return self.response_length + self.num_tail * self.frame
+        return self.response_length + self.num_tail * self.half_length
 
     @property
     def ahead(self) -> int:
-        """Samples of a source's future that band-limited delays look at."""
-        return 2 * HALF_WIDTH + round(0.001 * self.sample_rate)
+        """Samples of a source's future that band-limited delays look at, with `motion`."""
+        return 2 * HALF_WIDTH + round(0.001 * self.sample_rate) if self.motion else 0
 
     @property
     def speed_of_sound(self) -> float:

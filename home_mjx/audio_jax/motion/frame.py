@@ -3,12 +3,11 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from home_mjx.audio_jax.auralization.stream import faded_frame
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.motion.early import early_frame, longest_step
 from home_mjx.audio_jax.motion.pairs import paired
-from home_mjx.audio_jax.motion.reception import Reception
-from home_mjx.audio_jax.motion.tail import tail_frame
+from home_mjx.audio_jax.motion.reception import Reception, late_part
+from home_mjx.audio_jax.motion.tail import late_frame, tail_levels
 
 
 def moving_frame(
@@ -26,12 +25,7 @@ def moving_frame(
         new: At its end, which is the next frame's `old`.
         config: Options.
     """
-    past, length, frame = config.memory_length - 1, config.response_length, config.frame
     pairs = paired(old.paths, new.paths, old.quat, new.quat, longest_step(config))
-    heard = source[past - (length - 1) : past + frame]
-    sound = early_frame(source, past, pairs, config) + faded_frame(heard, old.late, new.late, config)
-    if config.num_tail == 0:
-        return sound
-    before, after = (tail_frame(source, past, r.tail, r.quat, r.signs, config) for r in (old, new))
-    fade = jnp.arange(1, frame + 1, dtype=jnp.float32)[None] / frame
-    return sound + before + fade * (after - before)
+    late = jnp.stack([late_part(heard, config) for heard in (old, new)])
+    tail = jnp.stack([tail_levels(heard.energy, config) for heard in (old, new)])
+    return early_frame(source, config.memory_length - 1, pairs, config) + late_frame(source, late, tail, config)

@@ -7,12 +7,12 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float
 
-from home_mjx.audio_jax.auralization.diffuse import num_channels
-from home_mjx.audio_jax.auralization.response import after_direct, ear_gains, late_response
+from home_mjx.audio_jax.auralization.diffuse import Draw, drawn, num_channels
+from home_mjx.audio_jax.auralization.response import after_direct, diffuse_response, ear_gains
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.base.filters import octave_gains
-from home_mjx.audio_jax.motion.tail import continued
+from home_mjx.audio_jax.motion.tail import tail_levels
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.paths import Paths
@@ -29,9 +29,8 @@ class Reception(Pytree):
 
     paths: Paths
     quat: Float[Array, "4"]  # of the head, wxyz
-    late: Float[Array, "2 l"]  # response of both ears without the paths
-    tail: Float[Array, "j 2 bands"]  # energy beyond it, in each of the following frames
-    signs: Float[Array, "j c"]  # of the tail's noise in each frame and channel
+    energy: Float[Array, "k 2 bands"]  # of both ears without the paths, per time bin
+    draw: Draw  # of the noise that carries it
 
 
 def reception(scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig) -> Reception:
@@ -46,8 +45,8 @@ def reception(scene: Scene, source: Source, listener: Listener, key: Array, conf
 
     Example:
         >>> heard = reception(scene, Source(radio), Listener(ears, quat), jax.random.key(0), config)  # doctest: +SKIP
-        >>> heard.late.shape  # doctest: +SKIP
-        (2, 8000)
+        >>> heard.energy.shape  # doctest: +SKIP
+        (125, 2, 7)
     """
     trace_key, noise_key = jax.random.split(key)
     paths = early_paths(scene, source, listener, config)
@@ -60,9 +59,13 @@ def received(
     paths: Paths, energy: Float[Array, "k 2 bands"], head_quat: Float[Array, "4"], key: Array, config: AudioConfig
 ) -> Reception:
     """The same from paths and an energy histogram; `key` chooses the noise."""
-    late = after_direct(late_response(energy, key, config, head_quat), paths, config)
-    signs = jax.random.rademacher(jax.random.fold_in(key, 1), (config.num_tail, num_channels(config)), jnp.float32)
-    return Reception(as_many(paths, config.num_paths), head_quat, late, continued(energy, config), signs)
+    return Reception(as_many(paths, config.num_paths), head_quat, energy, drawn(key, config))
+
+
+def late_part(heard: Reception, config: AudioConfig) -> Float[Array, "2 l"]:
+    """The response of both ears without the paths."""
+    late = diffuse_response(heard.energy, heard.draw, heard.quat, config)
+    return after_direct(late, heard.paths, config)
 
 
 def silence(config: AudioConfig) -> Reception:
@@ -73,9 +76,8 @@ def silence(config: AudioConfig) -> Reception:
     return Reception(
         paths=Paths(distance, jnp.zeros((count, bands), jnp.float32), ahead, name),
         quat=jnp.array([1.0, 0.0, 0.0, 0.0], jnp.float32),
-        late=jnp.zeros((2, config.response_length), jnp.float32),
-        tail=jnp.zeros((config.num_tail, 2, bands), jnp.float32),
-        signs=jnp.ones((config.num_tail, num_channels(config)), jnp.float32),
+        energy=jnp.zeros((config.num_bins, 2, bands), jnp.float32),
+        draw=Draw(jnp.zeros((), jnp.int32), jnp.ones((num_channels(config), bands), jnp.float32)),
     )
 
 
@@ -99,13 +101,19 @@ def as_many(paths: Paths, count: int) -> Paths:
 
 def is_cut(heard: Reception, config: AudioConfig) -> Bool[Array, ""]:
     """Whether all ends before it has fallen by 30 dB from its loudest bin."""
-    bins = jnp.sum(heard.late.reshape(2, config.num_bins, config.bin_samples) ** 2, axis=(0, 2))
     share = jnp.asarray(band_shares(config))
+    bins = jnp.sum(heard.energy @ share, axis=1)
     loudest = jnp.maximum(jnp.max(bins), 2 * jnp.max(heard.paths.gain**2 @ share))
     if config.num_tail == 0:
         return bins[-1] > FALL * loudest
-    end = jnp.sum(heard.tail[-1] @ share) * jnp.float32(config.bin_samples / config.frame)
-    return end > FALL * loudest
+    last = jnp.sum(heard.energy[-1], axis=0) * tail_levels(heard.energy, config)[-1] ** 2
+    return last @ share > FALL * loudest
+
+
+def is_response_cut(response: Float[Array, "2 l"], config: AudioConfig) -> Bool[Array, ""]:
+    """The same of an impulse response."""
+    energy = jnp.sum(response.reshape(2, config.num_bins, config.bin_samples) ** 2, axis=(0, 2))
+    return energy[-1] > FALL * jnp.max(energy)
 
 
 @functools.cache

@@ -1,104 +1,96 @@
-"""What rings on after a response has ended: convolution in partitions, each as long as a frame.
+"""The late part of a frame, and what rings on after a response has ended.
 
-Beyond a response octaves fall exponentially. Its noise is cut into partitions whose spectra are constants, which all
-environments share; only levels per octave and partition differ, and how a head is turned. So a long tail costs products
-of spectra and no transform of a response.
+Beyond a response octaves fall exponentially, so the response's second half is heard again and again, each time softer:
+all of these take one transform of the source each, and none of a response.
 """
 
 import functools
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Complex, Float
 from scipy.fft import next_fast_len
 
-from home_mjx.audio_jax.auralization.diffuse import channel_levels, ear_mix
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.filters import RINGING, high_pass, octave_gains
+from home_mjx.audio_jax.base.filters import octave_gains
 
-READ = 0.5  # share of a histogram, the last one, from which the decay is read
 STEEPEST, FLATTEST = 0.5, 1e-4  # decay per bin, in natural logarithms of energy
 LEAST = 1e-30
+SPREAD = 0.016  # [s], for which octave filters of the tail ring on both sides
 
 
-def continued(energy: Float[Array, "k 2 bands"], config: AudioConfig) -> Float[Array, "j 2 bands"]:
-    """Energy in each frame after a histogram's end, falling on as over its second half.
+def tail_levels(energy: Float[Array, "k 2 bands"], config: AudioConfig) -> Float[Array, "m bands"]:
+    """How loud a histogram's second half is heard again, each time after its own length.
 
-    The decay is that of both ears together, by least squares of logarithms; the level is that of the second half.
+    Octaves fall on as over that half: that of both ears together, by least squares of logarithms.
 
     Args:
         energy: From `energy_histogram`.
         config: For the lengths.
 
     Returns:
-        `config.num_tail` frames.
+        Amplitudes, `config.num_tail` times.
 
     Example:
-        >>> config = AudioConfig(tail_seconds=0.2)
+        >>> config = AudioConfig(motion=True, tail_seconds=0.4)
         >>> bins = jnp.exp(-0.05 * jnp.arange(config.num_bins))
-        >>> tail = continued(jnp.broadcast_to(bins[:, None, None], (config.num_bins, 2, 7)), config)
-        >>> tail.shape, round(float(tail[1, 0, 0] / tail[0, 0, 0]), 4) == round(float(jnp.exp(-0.05 * 25)), 4)
-        ((2, 2, 7), True)
+        >>> tail = tail_levels(jnp.broadcast_to(bins[:, None, None], (config.num_bins, 2, 7)), config)
+        >>> tail.shape, round(float(tail[1, 0]), 4) == round(float(jnp.exp(-0.05 * 62)), 4)
+        ((2, 7), True)
     """
-    count = max(round(READ * config.num_bins), 2)
-    last = energy[-count:]
-    level = jnp.log(jnp.maximum(jnp.sum(last, axis=1), LEAST))
+    count = config.half_length // config.bin_samples
+    level = jnp.log(jnp.maximum(jnp.sum(energy[energy.shape[0] - count :], axis=1), LEAST))
     place = jnp.arange(count, dtype=jnp.float32) - (count - 1) / 2
-    slope = jnp.sum(place[:, None] * level, axis=0) / jnp.sum(place**2)
+    slope = jnp.sum(place[:, None] * level, axis=0) / max((count**3 - count) / 12, 1)
     decay = jnp.clip(-slope, FLATTEST, STEEPEST)
-    falling = jnp.exp(-decay[None] * (place + (count - 1) / 2)[:, None])
-    begin = jnp.sum(last, axis=0) / jnp.sum(falling, axis=0)[None]  # energy per bin where the second half starts
-    bins = config.frame / config.bin_samples  # per frame
-    ago = count + bins * jnp.arange(config.num_tail, dtype=jnp.float32)
-    lived = (1 - jnp.exp(-decay * bins)) / (1 - jnp.exp(-decay))
-    return begin[None] * (jnp.exp(-decay[None] * ago[:, None]) * lived[None])[:, None]
+    times = jnp.arange(1, config.num_tail + 1, dtype=jnp.float32)
+    return jnp.exp(-0.5 * count * times[:, None] * decay[None])
 
 
-def tail_frame(
-    source: Float[Array, " n"],
-    past: int,
-    energy: Float[Array, "j 2 bands"],
-    head_quat: Float[Array, "4"],
-    signs: Float[Array, "j c"],
-    config: AudioConfig,
-) -> Float[Array, "2 m"]:
-    """What both ears hear in a frame of what left the source before a response's length.
+def late_frame(
+    source: Float[Array, " n"], late: Float[Array, "2 2 l"], tail: Float[Array, "2 m bands"], config: AudioConfig
+) -> Float[Array, "2 s"]:
+    """What both ears hear in a frame of late responses and their tails, fading from the first of each to the second.
 
     Args:
-        source: What leaves the source at 1 m.
-        past: Its samples before the frame's first one, at least `config.memory_length` - 1.
-        energy: From `continued`.
-        head_quat: Of the head, wxyz.
-        signs: Of the noise in each partition and channel, by which environments differ.
+        source: What leaves the source at 1 m, as `moving_frame` takes it.
+        late: Responses at the frame's start and end, two ears each.
+        tail: From `tail_levels`, at both.
         config: Options.
     """
-    if config.num_tail == 0:
-        return jnp.zeros((2, config.frame), jnp.float32)
-    size, spread, frame = _size(config), _spread(config), config.frame
-    width = frame + spread + frame + spread - 1  # of what one partition hears
-    begins = [past - config.response_length - (j + 1) * frame - spread + 1 for j in range(config.num_tail)]
-    padded = jnp.pad(source, (max(-begins[-1], 0), 0))
-    offset = max(-begins[-1], 0)
-    windows = jnp.stack([padded[offset + b : offset + b + width] for b in begins])
-    mix = ear_mix(head_quat, config)[None] * signs[:, None]  # (j, ear, channel)
-    table = _partitions(config)
-    fields = [jnp.asarray(part, jnp.float32) for part in (np.real(table), np.imag(table))]
-    real, imag = (jnp.einsum("jec,jcf->jef", mix, f, precision="highest") for f in fields)
-    level = jnp.sqrt(energy / frame) @ jnp.asarray(_octaves(config))
-    spectrum = jnp.fft.rfft(windows, size)[:, None]
-    heard = jnp.sum(spectrum * (level * jax.lax.complex(real, imag)), axis=0)
-    first = frame + spread - 1
-    return jnp.fft.irfft(heard, size)[:, first : first + frame]
+    size, first = _size(config), config.response_length - config.half_length
+    parts = jnp.fft.rfft(late[..., :first], size), jnp.fft.rfft(late[..., first:], size)
+    now, once, *again = _windows(source, config)
+    both = once[None]
+    if again:
+        levels = jnp.einsum("imb,bf->imf", tail, jnp.asarray(_octaves(config)), precision="highest")
+        both = both + sum(levels[:, i] * x[None] for i, x in enumerate(again))
+    old, new = parts[0] * now[None, None] + parts[1] * both[:, None]
+    begin = first - 1 + _spread(config)
+    sound = jnp.fft.irfft(jnp.stack([old, new - old]), size)[..., begin : begin + config.frame]
+    fade = jnp.arange(1, config.frame + 1, dtype=jnp.float32)[None] / config.frame
+    return sound[0] + fade * sound[1]
+
+
+def _windows(source: Float[Array, " n"], config: AudioConfig) -> list[Complex[Array, " f"]]:
+    """Spectra of what is heard through a response's first half, its second one, and that again and again."""
+    first, half, spread = config.response_length - config.half_length, config.half_length, _spread(config)
+    width, before = first - 1 + config.frame + 2 * spread, first - half + spread
+    padded = jnp.pad(source, (before, spread))
+    begins = [before + config.memory_length - first - spread]
+    begins += [begins[0] - first - i * half for i in range(config.num_tail + 1)]
+    windows = jnp.stack([padded[begin : begin + width] for begin in begins])
+    return list(jnp.fft.rfft(windows, _size(config)))
 
 
 def _spread(config: AudioConfig) -> int:
     """Samples by which octave filters ring on both sides."""
-    return round(RINGING * config.sample_rate)
+    return round(SPREAD * config.sample_rate) if config.num_tail else 0
 
 
 def _size(config: AudioConfig) -> int:
-    return int(next_fast_len(2 * (config.frame + _spread(config)), real=True) or 0)
+    first = config.response_length - config.half_length
+    return int(next_fast_len(first - 1 + config.frame + 2 * _spread(config), real=True) or 0)
 
 
 @functools.cache
@@ -110,16 +102,3 @@ def _octaves(config: AudioConfig) -> Float[np.ndarray, "bands f"]:
     near = np.where(place == np.arange(size), place, -place)  # samples before time 0 stand at the end
     fade = np.cos(np.pi / 2 * np.clip(place / spread, 0, 1)) ** 2
     return np.fft.rfft(kernel[:, near] * fade).real.astype(np.float32)
-
-
-@functools.cache
-def _partitions(config: AudioConfig) -> Complex[np.ndarray, "j c f"]:
-    """Spectra of white noise of unit variance in each partition and channel; see `channel_levels`."""
-    frame, count = config.frame, config.num_tail
-    long = int(next_fast_len(count * frame, real=True) or 0)
-    frequency = np.fft.rfftfreq(long, 1 / config.sample_rate)
-    levels = channel_levels(frequency, config) * high_pass(frequency)
-    phase = np.random.default_rng(1).uniform(0, 2 * np.pi, levels.shape)
-    noise = np.fft.irfft(levels * np.exp(1j * phase), long) * np.sqrt(long)
-    parts = noise[:, : count * frame].reshape(-1, count, frame)
-    return np.moveaxis(np.fft.rfft(parts, _size(config)), 1, 0).astype(np.complex64)

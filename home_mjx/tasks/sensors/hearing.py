@@ -6,14 +6,16 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
+from home_mjx.audio_jax.auralization.response import impulse_response
 from home_mjx.audio_jax.auralization.sources import CLIPS, clip_samples
 from home_mjx.audio_jax.auralization.spectra import LEAST, MOST, NUM_MELS, log_mel, spectrum_shape, stft_magnitude
-from home_mjx.audio_jax.auralization.stream import given_off
+from home_mjx.audio_jax.auralization.stream import faded_frame, given_off
+from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Sounds, Source
 from home_mjx.audio_jax.motion.frame import moving_frame
-from home_mjx.audio_jax.motion.reception import Reception, is_cut, reception, silence
+from home_mjx.audio_jax.motion.reception import Reception, is_cut, is_response_cut, reception, silence
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import camera_quat
 from home_mjx.tasks.base.config import EnvConfig
@@ -31,11 +33,12 @@ LOUDEST = 1e6  # [pressure re the source at 1 m]: no sound is louder
 
 
 class Heard(Pytree):
-    """What hearing remembers of each of E sources, frames of M samples."""
+    """What hearing remembers; responses of L samples to each of E sources, frames of M."""
 
     phase: Int[Array, ""]  # [samples], position in the clips at the frame's start
     time: Int[Array, ""]  # [samples], from the episode's start to the frame's
-    reception: Reception  # of each source (a, e, ...) at the frame's end
+    # At the frame's end: impulse response per ear, or with `AudioConfig.motion` what is received, axes (a, e).
+    response: Float[Array, "a e 2 l"] | Reception
     frame: Float[Array, "a 2 m"]  # the last step's sound
     said: Int[Array, "k a"]  # tokens of the last frames, this one first; -1 none. Nothing where nobody can speak
 
@@ -54,33 +57,33 @@ class Hearing(Sensor):
     def init(self, config: EnvConfig) -> Heard:
         """Silence."""
         agents, audio = config.num_agents, config.audio
+        nothing = silence(audio) if audio.motion else jnp.zeros((2, audio.response_length), jnp.float32)
         return Heard(
             phase=jnp.zeros((), jnp.int32),
             time=jnp.zeros((), jnp.int32),
-            reception=jax.tree.map(
-                lambda x: jnp.zeros((agents, config.num_sources, *x.shape), x.dtype), silence(audio)
-            ),
+            response=jax.tree.map(lambda x: jnp.zeros((agents, config.num_sources, *x.shape), x.dtype), nothing),
             frame=jnp.zeros((agents, 2, audio.frame), jnp.float32),
             said=no_words(config),
         )
 
     def update(self, config: EnvConfig, snapshot: Snapshot, state: Heard) -> Heard:
-        """Traces anew; within the frame paths move, and the late part fades, from the last ones to these."""
+        """Traces the responses anew and leads over to them from the last ones, within the frame."""
         clips, row = playable(config, snapshot)
         first, frame = snapshot.step == 0, config.audio.frame
         phase = jnp.where(first, 0, (state.phase + frame) % clips.shape[1])
         time = jnp.where(first, 0, state.time + frame)
-        now = hear(config, snapshot)
-        before = jax.tree.map(lambda new, old: jnp.where(first, new, old), now, state.reception)
+        response = hear(config, snapshot)
+        before = jax.tree.map(lambda new, old: jnp.where(first, new, old), response, state.response)
         sounds, said = as_loud_as_drawn(snapshot), with_words(snapshot, state.said)
-        left = given_off(clips, sounds, row, phase, time, config.audio, moving=True)
+        left = given_off(clips, sounds, row, phase, time, config.audio)
         if config.speech:
             left = left + sounds.gain[:, None] * voices(spoken(snapshot, said), config.audio)
 
         def of_all(old: Any, new: Any) -> Float[Array, "2 m"]:
-            return jnp.sum(jax.vmap(lambda s, a, b: moving_frame(s, a, b, config.audio))(left, old, new), axis=0)
+            between = moving_frame if config.audio.motion else faded_frame
+            return jnp.sum(jax.vmap(lambda s, a, b: between(s, a, b, config.audio))(left, old, new), axis=0)
 
-        return Heard(phase=phase, time=time, reception=now, frame=jax.vmap(of_all)(before, now), said=said)
+        return Heard(phase=phase, time=time, response=response, frame=jax.vmap(of_all)(before, response), said=said)
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: Heard) -> dict[str, Array]:
         """The last step's frame."""
@@ -88,7 +91,7 @@ class Hearing(Sensor):
 
     def status(self, config: EnvConfig, snapshot: Snapshot, state: Heard) -> Int[Array, ""]:
         """Whether a response to something that plays was cut off."""
-        cut = jax.vmap(jax.vmap(lambda r: is_cut(r, config.audio)))(state.reception)
+        cut = jax.vmap(jax.vmap(lambda r: _is_cut(r, config.audio)))(state.response)
         plays = (snapshot.sounds.clip >= 0) | jnp.any(spoken(snapshot, state.said) >= 0, axis=0)
         return flags(RESPONSE_CUT=cut & plays[None])
 
@@ -183,8 +186,9 @@ def spoken(snapshot: Snapshot, said: Int[Array, "k a"]) -> Int[Array, "k e"]:
     return jnp.where(speaks, said[:, jnp.clip(number, 0, agents - 1)], SILENCE)
 
 
-def hear(config: EnvConfig, snapshot: Snapshot, response: Callable[..., Any] = reception) -> Any:
-    """From all sources to every agent: receptions with axes (a, e), or what else is made with the same rays."""
+def hear(config: EnvConfig, snapshot: Snapshot, response: Callable[..., Any] | None = None) -> Any:
+    """From all sources to every agent, axes (a, e): what `Heard` remembers, or what else is made with the same rays."""
+    response = response or (reception if config.audio.motion else impulse_response)
     pose, num_agents, sounds = snapshot.pose, config.num_agents, snapshot.sounds
     # One key per episode, not per step: successive responses stay coherent, so the tail does not flutter.
     keys = jax.random.split(fold(snapshot.key, SOUND), num_agents)
@@ -200,3 +204,8 @@ def hear(config: EnvConfig, snapshot: Snapshot, response: Callable[..., Any] = r
 
     heads = jax.vmap(camera_quat)(pose.yaw, pose.pitch)
     return over_agents(one, eye_position(config, pose), heads, keys, agent_ids(snapshot.bank, num_agents))
+
+
+def _is_cut(response: Any, config: AudioConfig) -> Bool[Array, ""]:
+    """Whether a response ends before it has fallen by 30 dB from its loudest bin."""
+    return is_cut(response, config) if isinstance(response, Reception) else is_response_cut(response, config)

@@ -63,7 +63,7 @@ def num_remembered(config: AudioConfig) -> int:
     """Frames back to the first one, a word of which may still be heard; this frame counts.
 
     Example:
-        >>> num_remembered(AudioConfig(tail_seconds=0.0))
+        >>> num_remembered(AudioConfig())
         7
     """
     window = config.memory_length - 1 + _length(config.sample_rate)
@@ -84,7 +84,7 @@ def voices(said: Int[Array, "k e"], config: AudioConfig) -> Float[Array, "e w"]:
         >>> said = jnp.full((num_remembered(config), 1), -1).at[0, 0].set(7)
         >>> spoken = voices(said, config)
         >>> spoken.shape, bool(jnp.any(spoken[:, : config.memory_length - 1]))
-        ((1, 33647), False)
+        ((1, 9599), False)
     """
     past, length, frame = config.memory_length - 1, _length(config.sample_rate), config.frame
     words = jax.vmap(jax.vmap(lambda token: word_sound(token, config)))(said)

@@ -11,8 +11,8 @@ from home_mjx.audio_jax.auralization.hrtf import sphere_spectrum
 from home_mjx.audio_jax.motion.frame import moving_frame
 from home_mjx.audio_jax.motion.reception import as_many, silence
 
-OMNI = AudioConfig(receiver="omni", response_seconds=0.1, tail_seconds=0.0)
-EARS = AudioConfig(response_seconds=0.1, tail_seconds=0.0)
+OMNI = AudioConfig(receiver="omni", response_seconds=0.1, motion=True, tail_seconds=0.0)
+EARS = AudioConfig(response_seconds=0.1, motion=True, tail_seconds=0.0)
 RATE, SPEED, FRAME = OMNI.sample_rate, OMNI.speed_of_sound, OMNI.frame
 AHEAD = jnp.float32([1, 0, 0, 0])
 

@@ -10,7 +10,7 @@ from scipy.signal import fftconvolve
 from home_mjx.audio_jax import AudioConfig, Paths, moving_frame, received
 from home_mjx.schema.compiled import BANDS
 
-OMNI = AudioConfig(receiver="omni", tail_seconds=2.5)
+OMNI = AudioConfig(receiver="omni", motion=True, tail_seconds=2.5)
 RATE, FRAME = OMNI.sample_rate, OMNI.frame
 AHEAD = jnp.float32([1, 0, 0, 0])
 

@@ -96,7 +96,7 @@ def test_sensors_remember_no_more_than_the_agents_that_act(generated_bank):
         return state.world.sensors
 
     one, three = memory(1), memory(AGENTS)
-    assert one["audio"].reception.late.shape == (1, *three["audio"].reception.late.shape[1:])
+    assert one["audio"].response.shape == (1, *three["audio"].response.shape[1:])
     assert three["gps_compass"].pos.shape == (AGENTS, 3)
     assert one["gps_compass"].pos.shape == (1, 3)
 
