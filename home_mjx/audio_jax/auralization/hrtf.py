@@ -14,19 +14,25 @@ import numpy as np
 from jaxtyping import Array, Complex, Float
 from scipy.special import eval_legendre, spherical_jn, spherical_yn
 
-from home_mjx.audio_jax.base.delays import HALF_WIDTH, windowed_sinc
+from home_mjx.audio_jax.base.delays import HALF_WIDTH, WIDTH, windowed_sinc
 from home_mjx.audio_jax.base.filters import octave_gains
 from home_mjx.core.transforms import quat_matrix
 
 NUM_ANGLES = 181  # every degree
 FINER = 4  # times the sample rate, at which the head's response has next to nothing left to ring with
-EAR_SECONDS = 0.007  # after which a sphere no longer answers
+EAR_SECONDS = 0.007  # after which a sphere no longer answers at all
+EAR_WIDTH = (
+    WIDTH + 24
+)  # of an ear's kernel [samples]: within 0.2 % of the series up to 7 kHz
+ENDING = 21  # [samples], in which kernels fade out
+PHASES = 32  # per sample, between which kernels are interpolated: within 4e-4
+KERNEL_ANGLES = 185  # about every degree; no round angle lies in the middle between two
 
 
 class EarTable(NamedTuple):
     """Response of one ear re the free field at the head's centre, by angle between the source and the ear's axis."""
 
-    spectrum: Complex[np.ndarray, "a f"]  # without its delay; of a kernel that starts `HALF_WIDTH` samples before it
+    spectrum: Complex[np.ndarray, "a f"]  # without its delay
     delay: Float[np.ndarray, " a"]  # [s]; negative on the source's side
     energy: Float[np.ndarray, "a bands"]  # mean |spectrum|² per octave
 
@@ -91,43 +97,72 @@ def diffuse_coherence(
 
 
 @functools.cache
-def ear_table(size: int, sample_rate: int, radius: float, speed: float) -> EarTable:
-    """The table of a spherical head, for transforms of `size` samples.
+def ear_table(taps: int, sample_rate: int, radius: float, speed: float) -> EarTable:
+    """The table of a spherical head.
+
+    Args:
+        taps: Samples of the kernels that will use it.
+        sample_rate: [Hz].
+        radius: [m].
+        speed: Speed of sound [m/s].
+    """
+    frequency = np.fft.rfftfreq(taps, 1 / sample_rate)
+    angle = np.linspace(0, np.pi, NUM_ANGLES)
+    delay = sphere_delay(angle, radius, speed)
+    spectrum = sphere_spectrum(frequency, angle, radius, speed)
+    gains = octave_gains(frequency)
+    energy = np.abs(spectrum) ** 2 @ gains.T / np.maximum(gains.sum(axis=1), 1e-9)
+    aligned = spectrum * np.exp(2j * np.pi * delay[:, None] * frequency)
+    return EarTable(aligned.astype(np.complex64), delay.astype(np.float32), energy.astype(np.float32))
+
+
+def ear_kernel(
+    table: Float[np.ndarray, "a d two t"], angle: Float[Array, "*n"], delay: Float[Array, "*n"]
+) -> Float[Array, "*n t"]:
+    """Response of an ear to a pulse that comes a fraction of a sample late, in its delay of 0 .. 2 samples.
+
+    Args:
+        table: From `ear_kernels`; of its angles the nearest one is taken.
+        angle: Between the source and the ear's axis [rad].
+        delay: [samples].
+
+    Returns:
+        Taps from -HALF_WIDTH + 1 samples on.
+    """
+    angles, delays = table.shape[:2]
+    nearest = jnp.clip(jnp.round(angle * jnp.float32((angles - 1) / math.pi)).astype(jnp.int32), 0, angles - 1)
+    position = delay * PHASES
+    low = jnp.clip(jnp.floor(position), 0, delays - 1)
+    rows = jnp.asarray(table).reshape(angles * delays, *table.shape[2:])[nearest * delays + low.astype(jnp.int32)]
+    return rows[..., 0, :] + (position - low)[..., None] * rows[..., 1, :]
+
+
+@functools.cache
+def ear_kernels(sample_rate: int, radius: float, speed: float) -> Float[np.ndarray, "a d two t"]:
+    """Impulse responses of one ear for each angle and each delay of 0 .. 2 samples, and what leads to the next delay.
 
     The series is summed up to `FINER` times the sample rate and then limited in band by a short filter, so that nothing
     rings for longer than that before the sound comes.
 
     Args:
-        size: Samples of the transforms that will use it, more than `EAR_SECONDS`.
         sample_rate: [Hz].
         radius: [m].
         speed: Speed of sound [m/s].
     """
-    kernel = _ear_kernels(sample_rate, radius, speed)
-    spectrum = np.fft.rfft(kernel, size) * np.exp(2j * np.pi * HALF_WIDTH * np.fft.rfftfreq(size))
-    angle = np.linspace(0, np.pi, NUM_ANGLES)
-    frequency = np.linspace(0, sample_rate / 2, 513)
-    gains = octave_gains(frequency)
-    power = np.abs(sphere_spectrum(frequency, angle, radius, speed)) ** 2
-    energy = power @ gains.T / np.maximum(gains.sum(axis=1), 1e-9)
-    delay = sphere_delay(angle, radius, speed)
-    return EarTable(spectrum.astype(np.complex64), delay.astype(np.float32), energy.astype(np.float32))
-
-
-@functools.cache
-def _ear_kernels(sample_rate: int, radius: float, speed: float) -> Float[np.ndarray, "a n"]:
-    """Impulse responses of one ear, `HALF_WIDTH` samples later than they come, for each angle."""
     last = round(EAR_SECONDS * sample_rate)
     size = 4 * FINER * (HALF_WIDTH + last)
-    angle = np.linspace(0, np.pi, NUM_ANGLES)
+    angle = np.linspace(0, np.pi, KERNEL_ANGLES)
     frequency = np.fft.rfftfreq(size, 1 / (FINER * sample_rate))
-    early = sphere_delay(angle, radius, speed) - HALF_WIDTH / sample_rate
-    aligned = sphere_spectrum(frequency, angle, radius, speed) * np.exp(2j * np.pi * early[:, None] * frequency)
+    ahead = sphere_delay(angle, radius, speed)[:, None]
+    aligned = sphere_spectrum(frequency, angle, radius, speed) * np.exp(2j * np.pi * ahead * frequency)
     place = np.arange(size) / FINER
     low_pass = np.fft.rfft(windowed_sinc(np.minimum(place, size / FINER - place)))
-    kernel = np.fft.irfft(aligned * low_pass, size)[:, ::FINER][:, : HALF_WIDTH + last]
-    end = np.clip(1 - (np.arange(kernel.shape[1]) - HALF_WIDTH - 0.6 * last) / (0.4 * last), 0, 1)
-    return kernel * np.sin(np.pi / 2 * end) ** 2
+    finer = PHASES // FINER
+    fine = np.fft.irfft(aligned * low_pass, size * finer) * finer
+    tap, delay = np.arange(EAR_WIDTH) - HALF_WIDTH + 1, np.arange(2 * PHASES + 1)[:, None]
+    left = EAR_WIDTH - HALF_WIDTH - (tap - delay / PHASES)  # samples until it ends
+    kernel = fine[:, (PHASES * tap - delay) % fine.shape[1]] * np.sin(np.pi / 2 * np.clip(left / ENDING, 0, 1)) ** 2
+    return np.stack([kernel[:, :-1], np.diff(kernel, axis=1)], axis=2).astype(np.float32)
 
 
 def to_head(direction: Float[Array, "n 3"], quat: Float[Array, "4"]) -> Float[Array, "n 3"]:

@@ -8,9 +8,17 @@ import numpy as np
 from jaxtyping import Array, Complex, Float, Int
 
 from home_mjx.audio_jax.auralization.diffuse import KNOTS, Draw, drawn, ear_mix, noise_bins
-from home_mjx.audio_jax.auralization.hrtf import EarTable, ear_angles, ear_energy, ear_spectrum, ear_table, to_head
+from home_mjx.audio_jax.auralization.hrtf import (
+    EAR_WIDTH,
+    ear_angles,
+    ear_energy,
+    ear_kernel,
+    ear_kernels,
+    ear_table,
+    to_head,
+)
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.delays import HALF_WIDTH, delay_kernel
+from home_mjx.audio_jax.base.delays import HALF_WIDTH, WIDTH, delay_kernel
 from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.base.filters import CAUSAL_SECONDS, causal_octaves
 from home_mjx.audio_jax.propagation.early import early_paths
@@ -22,6 +30,7 @@ from home_mjx.schema.compiled import BANDS
 
 QUIETEST = 1e-3  # gain of an octave re the loudest of a path, below which it is taken as this
 SOFTEST = 1e-30  # gain of a path below which it is silent
+EAR_SIZE = 1024  # samples, whose frequencies the energies of ears are means of
 TINY = 1e-36  # power of nothing
 LEAD = 0.001  # [s]: no ear hears sound by more earlier or later than the middle of the head
 
@@ -75,27 +84,34 @@ def ear_gains(
     """Energy gain per octave of both ears for sound from each direction in the world."""
     if config.receiver == "omni":
         return jnp.ones((direction.shape[0], 2, len(BANDS)), jnp.float32)
-    return ear_energy(_ears(_taps(config), config), ear_angles(to_head(direction, head_quat), config.ear_angle))
+    table = ear_table(EAR_SIZE, config.sample_rate, config.head_radius, config.speed_of_sound)
+    return ear_energy(table, head_angles(direction, head_quat, config))
 
 
 def early_response(paths: Paths, head_quat: Float[Array, "4"], config: AudioConfig) -> Float[Array, "2 l"]:
     """Paths as pulses with fractional delays, causal octave filters and the filters of both ears."""
-    taps, length = _taps(config), config.response_length
+    taps, length, reach = _taps(config), config.response_length, _reach(config)
     samples = paths.distance * jnp.float32(config.sample_rate / config.speed_of_sound)
     whole = jnp.floor(samples)
-    kernels = _kernels(paths, samples - whole, head_quat, config)
-    start = jnp.minimum(whole.astype(jnp.int32), length)
-    kernels = jnp.where((start < length)[:, None, None], kernels, 0.0)
+    angle = head_angles(paths.direction, head_quat, config)
+    late = (samples - whole)[:, None] + ear_delays(angle, config)
+    more = jnp.floor(late)
+    pulse = jnp.fft.rfft(pulses(angle, late - more, config), taps)
+    kernels = jnp.fft.irfft(octave_spectra(paths.gain, taps, config)[:, None] * pulse, taps)
+    start = jnp.clip((whole[:, None] + more).astype(jnp.int32) + (reach - HALF_WIDTH + 1), 0, length + reach)
+    kernels = jnp.where((whole < length)[:, None, None], kernels, 0.0)
 
     def add(response: Array, path: tuple[Array, Array]) -> tuple[Array, None]:
         begin, kernel = path
-        there = jax.lax.dynamic_slice_in_dim(response, begin, taps, axis=1)
-        return jax.lax.dynamic_update_slice_in_dim(response, there + kernel, begin, axis=1), None
+        both = []
+        for ear in (0, 1):
+            there = jax.lax.dynamic_slice_in_dim(response[ear], begin[ear], taps)
+            both.append(jax.lax.dynamic_update_slice_in_dim(response[ear], there + kernel[ear], begin[ear], 0))
+        return jnp.stack(both), None
 
     # One path after the other: a scatter would add overlapping kernels in no fixed order on a GPU.
-    response, _ = jax.lax.scan(add, jnp.zeros((2, length + taps), jnp.float32), (start, kernels))
-    early = _reach(config)
-    return response[:, early : early + length]
+    response, _ = jax.lax.scan(add, jnp.zeros((2, length + reach + taps), jnp.float32), (start, kernels))
+    return response[:, reach : reach + length]
 
 
 def late_response(
@@ -137,19 +153,8 @@ def _amplitudes(power: Float[Array, "k 2 bands"], first: Int[Array, ""]) -> Floa
     return knots * jnp.sqrt(there / jnp.maximum(here, TINY))[:, :, None]
 
 
-def path_spectra(
-    gain: Float[Array, "p bands"],
-    direction: Float[Array, "p 3"],
-    head_quat: Float[Array, "4"],
-    size: int,
-    config: AudioConfig,
-) -> tuple[Complex[Array, "p 2 f"], Float[Array, "p 2"]]:
-    """What paths and both ears do to sound, at the frequencies of a transform of `size` samples.
-
-    Returns:
-        Spectra without delays, causal but for the `HALF_WIDTH` samples by which an ear's filter rings before; delays of
-        both ears [samples].
-    """
+def octave_spectra(gain: Float[Array, "p bands"], size: int, config: AudioConfig) -> Complex[Array, "p f"]:
+    """Causal filters with these gains per octave, at the frequencies of a transform of `size` samples."""
     loudest = jnp.max(gain, axis=1, keepdims=True)
     level = jnp.log(jnp.maximum(gain, jnp.maximum(QUIETEST * loudest, SOFTEST)))
     table = causal_octaves(size, config.sample_rate)
@@ -157,53 +162,41 @@ def path_spectra(
         jnp.matmul(level, jnp.asarray(t, jnp.float32), precision="highest") for t in (np.real(table), np.imag(table))
     )
     amplitude = jnp.where(loudest > SOFTEST, jnp.exp(real), 0.0)
-    octaves = jax.lax.complex(amplitude * jnp.cos(phase), amplitude * jnp.sin(phase))[:, None]
-    if config.receiver == "omni":
-        shape = (gain.shape[0], 2)
-        return jnp.broadcast_to(octaves, (*shape, size // 2 + 1)), jnp.zeros(shape, jnp.float32)
-    ears, delay = ear_spectrum(_ears(size, config), ear_angles(to_head(direction, head_quat), config.ear_angle))
-    return octaves * ears, delay * jnp.float32(config.sample_rate)
+    return jax.lax.complex(amplitude * jnp.cos(phase), amplitude * jnp.sin(phase))
 
 
-def ear_delays(
+def head_angles(
     direction: Float[Array, "p 3"], head_quat: Float[Array, "4"], config: AudioConfig
 ) -> Float[Array, "p 2"]:
-    """By how much both ears hear sound from each direction later than the middle of the head would [samples]."""
+    """Angles between directions in the world and the axes of both ears [rad]."""
+    return ear_angles(to_head(direction, head_quat), config.ear_angle)
+
+
+def ear_delays(angle: Float[Array, "*p"], config: AudioConfig) -> Float[Array, "*p"]:
+    """By how much ears hear sound from an angle to their axes later than the middle of the head would [samples]."""
     if config.receiver == "omni":
-        return jnp.zeros((direction.shape[0], 2), jnp.float32)
-    table = _ears(_taps(config), config)
-    _, delay = ear_spectrum(table, ear_angles(to_head(direction, head_quat), config.ear_angle))
-    return delay * jnp.float32(config.sample_rate)
+        return jnp.zeros_like(angle)
+    around = jnp.where(angle < jnp.pi / 2, -jnp.cos(angle), angle - jnp.pi / 2)  # Woodworth's
+    return around * jnp.float32(config.head_radius / config.speed_of_sound * config.sample_rate)
 
 
-def _kernels(
-    paths: Paths, rest: Float[Array, " p"], head_quat: Float[Array, "4"], config: AudioConfig
-) -> Float[Array, "p 2 t"]:
-    """Impulse response of each path and ear, `rest` samples after sample `_reach` of the kernel."""
-    taps, reach = _taps(config), _reach(config)
-    spectrum, delay = path_spectra(paths.gain, paths.direction, head_quat, taps, config)
-    late = rest[:, None] + delay
-    whole = jnp.floor(late)
-    kernel = jnp.fft.rfft(delay_kernel(late - whole), taps)
-    turn = _turn(whole.astype(jnp.int32) + (reach - HALF_WIDTH + 1), taps)
-    return jnp.fft.irfft(spectrum * kernel * turn, taps)
+def pulses(angle: Float[Array, "*p"], delay: Float[Array, "*p"], config: AudioConfig) -> Float[Array, "*p t"]:
+    """What ears hear of pulses from angles to their axes, delayed by 0 .. 2 samples, from -HALF_WIDTH + 1 on."""
+    if config.receiver == "omni":
+        return delay_kernel(delay)
+    table = ear_kernels(config.sample_rate, config.head_radius, config.speed_of_sound)
+    return ear_kernel(table, angle, delay)
 
 
-def _turn(samples: Int[Array, "*n"], size: int) -> Complex[Array, "*n f"]:
-    """Spectrum of a delay by whole samples."""
-    step = (samples[..., None] * jnp.arange(size // 2 + 1, dtype=jnp.int32)[None, None]) % size  # exact
-    angle = step.astype(jnp.float32) * jnp.float32(-2 * math.pi / size)
-    return jax.lax.complex(jnp.cos(angle), jnp.sin(angle))
+def pulse_width(config: AudioConfig) -> int:
+    """Samples of these."""
+    return WIDTH if config.receiver == "omni" else EAR_WIDTH
 
 
 def _reach(config: AudioConfig) -> int:
     """Samples by which a kernel begins before the sound reaches the middle of the head."""
-    return 2 * HALF_WIDTH + math.ceil(LEAD * config.sample_rate)
-
-
-def _ears(size: int, config: AudioConfig) -> EarTable:
-    return ear_table(size, config.sample_rate, config.head_radius, config.speed_of_sound)
+    return HALF_WIDTH + math.ceil(LEAD * config.sample_rate)
 
 
 def _taps(config: AudioConfig) -> int:
-    return 2 ** math.ceil(math.log2(CAUSAL_SECONDS * config.sample_rate + 2 * _reach(config)))
+    return 2 ** math.ceil(math.log2(CAUSAL_SECONDS * config.sample_rate + pulse_width(config)))

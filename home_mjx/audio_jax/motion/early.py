@@ -12,9 +12,9 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 from scipy.fft import next_fast_len
 
-from home_mjx.audio_jax.auralization.response import ear_delays, path_spectra
+from home_mjx.audio_jax.auralization.response import ear_delays, head_angles, octave_spectra, pulse_width, pulses
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.delays import HALF_WIDTH, WIDTH, delay_kernel
+from home_mjx.audio_jax.base.delays import HALF_WIDTH
 from home_mjx.audio_jax.base.filters import CAUSAL_SECONDS
 from home_mjx.audio_jax.motion.pairs import Pairs
 from home_mjx.core.pytree import Pytree
@@ -41,22 +41,25 @@ def early_frame(source: Float[Array, " n"], past: int, pairs: Pairs, config: Aud
         pairs: Paths at the frame's start and end.
         config: Options.
     """
-    delays = path_delays(pairs, config)
+    angles = _ear_angles(pairs, config)
+    delays = path_delays(pairs, angles, config)
     latest = jnp.max(delays.whole, axis=(1, 2))
     filtered = _filtered(source, past, latest, delays, pairs, config)
-    length = BLOCK + 2 * HALF_WIDTH
-    blocks = BLOCK * jnp.arange(delays.whole.shape[2], dtype=jnp.int32)
-    begin = blocks[None, None] + latest[:, None, None] - delays.whole
+    begin = BLOCK * jnp.arange(num_blocks(config), dtype=jnp.int32)[None, None] + latest[:, None, None] - delays.whole
+    width = pulse_width(config)
 
-    def parts(sound: Float[Array, " u"], starts: Int[Array, " b"]) -> Float[Array, "b t"]:
-        return jax.vmap(lambda start: jax.lax.dynamic_slice_in_dim(sound, start, length))(starts)
+    def parts(sound: Float[Array, " u"], starts: Int[Array, "2 b"]) -> Float[Array, "2 b t"]:
+        cut = jax.vmap(lambda start: jax.lax.dynamic_slice_in_dim(sound, start, BLOCK + width - 1))
+        return jax.vmap(cut)(starts)
 
-    read = jax.vmap(jax.vmap(parts))(filtered, begin)
-    first, last = (jnp.flip(delay_kernel(delays.rest[..., i]), -1) for i in (0, 1))
+    read = jax.vmap(parts)(filtered, begin)
+    turned = jnp.clip(_between(angles, _times(config)), 0.0, jnp.pi)
+    ends = (pulses(turned[..., i : i + num_blocks(config)], delays.rest[..., i], config) for i in (0, 1))
+    first, last = (jnp.flip(kernel, -1) for kernel in ends)
     slope = last - first
     share = (jnp.arange(BLOCK, dtype=jnp.float32) / BLOCK)[None, None, None]
     sound = jnp.zeros((*read.shape[:3], BLOCK), jnp.float32)
-    for tap in range(WIDTH):
+    for tap in range(width):
         a, b = first[..., tap, None], slope[..., tap, None]
         sound = sound + read[..., tap : tap + BLOCK] * (a + share * b)
     # A product, as CPUs do not vectorise what is added up on the way.
@@ -64,15 +67,14 @@ def early_frame(source: Float[Array, " n"], past: int, pairs: Pairs, config: Aud
     return jnp.einsum("p,pebs->ebs", paths, sound, precision="highest").reshape(2, -1)[:, : config.frame]
 
 
-def path_delays(pairs: Pairs, config: AudioConfig) -> Delays:
-    """Delays of all paths at both ears, at the ends of blocks.
+def path_delays(pairs: Pairs, angles: Float[Array, "three p 2"], config: AudioConfig) -> Delays:
+    """Delays of all paths at both ears, at the ends of blocks; `angles` are those to the ears' axes.
 
     A path comes from an image of its source, which moves evenly relative to the head, as source and head do: then its
     length is right at every moment, not only at the frame's ends. Delays of ears are a parabola through those at its
     start, middle and end.
     """
-    blocks = num_blocks(config)
-    time = jnp.minimum(jnp.arange(blocks + 1, dtype=jnp.float32) * jnp.float32(BLOCK / config.frame), 1.0)[None]
+    time = _times(config)
     old, new = pairs.old.distance[:, None], pairs.new.distance[:, None]
     step = pairs.new.direction * new - pairs.old.direction * old
     bend = jnp.maximum(jnp.sum(step**2, axis=1, keepdims=True) - (new - old) ** 2, 0.0)
@@ -81,7 +83,7 @@ def path_delays(pairs: Pairs, config: AudioConfig) -> Delays:
     length = line - curve / jnp.maximum(line + jnp.sqrt(jnp.maximum(line**2 - curve, 0.0)), 1e-6)
     samples = length * jnp.float32(config.sample_rate / config.speed_of_sound)
     whole = jnp.floor(samples)
-    rest = (samples - whole)[:, None] + _between(_ear_delays(pairs, config), time)
+    rest = (samples - whole)[:, None] + _between(ear_delays(angles, config), time)
     carry = jnp.floor(rest)
     whole, rest = whole[:, None] + carry, rest - carry
     base = jnp.minimum(whole[..., :-1], whole[..., 1:])
@@ -99,8 +101,14 @@ def longest_step(config: AudioConfig) -> float:
     return FASTEST * config.frame / config.sample_rate
 
 
-def _ear_delays(pairs: Pairs, config: AudioConfig) -> Float[Array, "three p 2"]:
-    """Of both ears, at the start, in the middle and at the end."""
+def _times(config: AudioConfig) -> Float[Array, "1 k"]:
+    """When blocks begin and end, in frames."""
+    ends = jnp.arange(num_blocks(config) + 1, dtype=jnp.float32)
+    return jnp.minimum(ends * jnp.float32(BLOCK / config.frame), 1.0)[None]
+
+
+def _ear_angles(pairs: Pairs, config: AudioConfig) -> Float[Array, "three p 2"]:
+    """Between paths and the axes of both ears, at the start, in the middle and at the end."""
     old, new = pairs.old, pairs.new
     mid = old.direction * old.distance[:, None] + new.direction * new.distance[:, None]
     mid = mid / jnp.maximum(jnp.linalg.norm(mid, axis=1, keepdims=True), 1e-6)
@@ -108,7 +116,7 @@ def _ear_delays(pairs: Pairs, config: AudioConfig) -> Float[Array, "three p 2"]:
     quat = pairs.old_quat + turned
     quat = quat / jnp.maximum(jnp.linalg.norm(quat), 1e-6)
     at = [(old.direction, pairs.old_quat), (mid, quat), (new.direction, pairs.new_quat)]
-    return jnp.stack([ear_delays(direction, quat, config) for direction, quat in at])
+    return jnp.stack([head_angles(direction, quat, config) for direction, quat in at])
 
 
 def _between(ends: Float[Array, "three p 2"], time: Float[Array, "1 k"]) -> Float[Array, "p 2 k"]:
@@ -125,24 +133,25 @@ def _filtered(
     delays: Delays,
     pairs: Pairs,
     config: AudioConfig,
-) -> Float[Array, "p 2 u"]:
+) -> Float[Array, "p u"]:
     """The source's sound through each path's filters; sample 0 is what the frame's first sample reads first."""
-    taps = math.ceil(CAUSAL_SECONDS * config.sample_rate)
+    taps, width = math.ceil(CAUSAL_SECONDS * config.sample_rate), pulse_width(config)
     slack = math.ceil((longest_step(config) / SLOWEST_SOUND + SPREAD) * config.sample_rate)
-    length = num_blocks(config) * BLOCK + slack + 2 * HALF_WIDTH
-    size = int(next_fast_len(length + taps + HALF_WIDTH, real=True) or 0)
-    before, after = taps + 2 * HALF_WIDTH + slack, size
-    padded = jnp.pad(source, (before, after))
-    start = past + before - latest - (HALF_WIDTH + 1) - taps
+    length = num_blocks(config) * BLOCK + slack + width
+    size = int(next_fast_len(length + taps, real=True) or 0)
+    after = width - HALF_WIDTH  # samples that a kernel looks back
+    before = taps + after + slack
+    padded = jnp.pad(source, (before, size))
+    start = past + before - latest - after - taps
     window = jax.vmap(lambda s: jax.lax.dynamic_slice_in_dim(padded, s, size))(jnp.maximum(start, 0))
-    spectrum = jnp.fft.rfft(window, size)[:, None]
-    filters = [
-        path_spectra(paths.gain, paths.direction, quat, size, config)[0]
-        for paths, quat in ((pairs.old, pairs.old_quat), (pairs.new, pairs.new_quat))
-    ]
-    old, new = (jnp.fft.irfft(spectrum * f, size)[..., taps : taps + length] for f in filters)
-    first = (latest[:, None] - delays.whole[..., 0]).astype(jnp.float32)  # where the frame's start and end are read
-    last = (latest[:, None] - delays.whole[..., -1]).astype(jnp.float32) + config.frame
-    place = jnp.arange(length, dtype=jnp.float32)[None, None] - HALF_WIDTH
-    share = (place - first[..., None]) / jnp.maximum(last - first, 1.0)[..., None]
-    return old + jnp.clip(share, 0.0, 1.0) * (new - old)
+    filters = jnp.stack([octave_spectra(paths.gain, size, config) for paths in (pairs.old, pairs.new)])
+    both = jnp.fft.irfft(jnp.fft.rfft(window, size)[None] * filters, size)[..., taps : taps + length]
+    first, last = (jnp.mean((latest[:, None] - x).astype(jnp.float32), axis=1) for x in _ends(delays))
+    place = jnp.arange(length, dtype=jnp.float32)[None] - after
+    share = (place - first[:, None]) / jnp.maximum(last - first + config.frame, 1.0)[:, None]
+    return both[0] + jnp.clip(share, 0.0, 1.0) * (both[1] - both[0])
+
+
+def _ends(delays: Delays) -> tuple[Int[Array, "p 2"], Int[Array, "p 2"]]:
+    """Whole delays of the frame's first and last block."""
+    return delays.whole[..., 0], delays.whole[..., -1]
