@@ -21,12 +21,10 @@ from home_mjx.core.transforms import quat_matrix
 NUM_ANGLES = 181  # every degree
 FINER = 4  # times the sample rate, at which the head's response has next to nothing left to ring with
 EAR_SECONDS = 0.007  # after which a sphere no longer answers at all
-EAR_WIDTH = (
-    WIDTH + 24
-)  # of an ear's kernel [samples]: within 0.2 % of the series up to 7 kHz
+EAR_WIDTH = WIDTH + 24  # of an ear's kernel [samples]: within 0.2 % of the series up to 7 kHz
 ENDING = 21  # [samples], in which kernels fade out
-PHASES = 32  # per sample, between which kernels are interpolated: within 4e-4
-KERNEL_ANGLES = 185  # about every degree; no round angle lies in the middle between two
+PHASES = 16  # per sample, between which kernels are interpolated: within 2e-3 of each other
+KERNEL_ANGLES = 369  # about every half degree; few round angles lie in the middle between two
 
 
 class EarTable(NamedTuple):

@@ -11,6 +11,7 @@ from home_mjx.schema.timing import Timing
 
 RECEIVERS = ("binaural", "omni")
 DETECTORS = ("rain", "sphere")
+TAIL_RINGING = 0.016  # [s]
 
 
 @dataclass(frozen=True)
@@ -143,7 +144,12 @@ class AudioConfig:
     @property
     def memory_length(self) -> int:
         """Samples of a source's past, this one counting, that are heard."""
-        return self.response_length + self.num_tail * self.half_length
+        return self.response_length + self.num_tail * self.half_length + self.tail_ringing
+
+    @property
+    def tail_ringing(self) -> int:
+        """Samples for which octave filters of the tail ring on both sides."""
+        return round(TAIL_RINGING * self.sample_rate) if self.num_tail else 0
 
     @property
     def ahead(self) -> int:

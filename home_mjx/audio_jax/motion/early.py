@@ -42,7 +42,9 @@ def early_frame(source: Float[Array, " n"], past: int, pairs: Pairs, config: Aud
         config: Options.
     """
     angles = _ear_angles(pairs, config)
-    delays = path_delays(pairs, angles, config)
+    turned = jnp.clip(_between(angles, _times(config)), 0.0, jnp.pi)
+    # Compilers would compute these anew for every sample that they are about, and kernels for every product.
+    delays, turned = jax.lax.optimization_barrier((path_delays(pairs, angles, config), turned))
     latest = jnp.max(delays.whole, axis=(1, 2))
     filtered = _filtered(source, past, latest, delays, pairs, config)
     begin = BLOCK * jnp.arange(num_blocks(config), dtype=jnp.int32)[None, None] + latest[:, None, None] - delays.whole
@@ -53,18 +55,17 @@ def early_frame(source: Float[Array, " n"], past: int, pairs: Pairs, config: Aud
         return jax.vmap(cut)(starts)
 
     read = jax.vmap(parts)(filtered, begin)
-    turned = jnp.clip(_between(angles, _times(config)), 0.0, jnp.pi)
     ends = (pulses(turned[..., i : i + num_blocks(config)], delays.rest[..., i], config) for i in (0, 1))
     first, last = (jnp.flip(kernel, -1) for kernel in ends)
-    slope = last - first
+    read, first, slope = jax.lax.optimization_barrier((read, first, last - first))
     share = (jnp.arange(BLOCK, dtype=jnp.float32) / BLOCK)[None, None, None]
     sound = jnp.zeros((*read.shape[:3], BLOCK), jnp.float32)
     for tap in range(width):
         a, b = first[..., tap, None], slope[..., tap, None]
         sound = sound + read[..., tap : tap + BLOCK] * (a + share * b)
-    # A product, as CPUs do not vectorise what is added up on the way.
-    paths = jnp.ones(sound.shape[0], jnp.float32)
-    return jnp.einsum("p,pebs->ebs", paths, sound, precision="highest").reshape(2, -1)[:, : config.frame]
+    # One path after the other: a sum in one go is not vectorised on CPUs, and takes longer than all that it adds up.
+    whole = jax.lax.fori_loop(0, sound.shape[0], lambda i, heard: heard + sound[i], jnp.zeros_like(sound[0]))
+    return whole.reshape(2, -1)[:, : config.frame]
 
 
 def path_delays(pairs: Pairs, angles: Float[Array, "three p 2"], config: AudioConfig) -> Delays:

@@ -24,8 +24,8 @@ def paired(
 ) -> Pairs:
     """Puts paths of the same name side by side.
 
-    Paths that have changed by more than `longest_step` [m], have no partner or are silent at one end stay where they
-    are and fade. Paths without names are told by their place.
+    Paths whose image of the source has moved by more than `longest_step` [m], that have no partner or are silent at one
+    end stay where they are and fade. Paths without names are told by their place.
 
     Args:
         old: At the frame's start.
@@ -50,7 +50,8 @@ def paired(
 def _matches(old: Paths, new: Paths, longest_step: float) -> Bool[Array, "new old"]:
     """Which are the same path, heard at both ends."""
     same = _names(new)[:, None] == _names(old)[None]
-    near = jnp.abs(new.distance[:, None] - old.distance[None]) < longest_step
+    away = [paths.direction * paths.distance[:, None] for paths in (new, old)]
+    near = jnp.linalg.norm(away[0][:, None] - away[1][None], axis=-1) < longest_step
     sounds = (jnp.max(new.gain, axis=1) > 0)[:, None] & (jnp.max(old.gain, axis=1) > 0)[None]
     return same & near & sounds
 

@@ -16,7 +16,6 @@ from home_mjx.audio_jax.base.filters import octave_gains
 
 STEEPEST, FLATTEST = 0.5, 1e-4  # decay per bin, in natural logarithms of energy
 LEAST = 1e-30
-SPREAD = 0.016  # [s], for which octave filters of the tail ring on both sides
 
 
 def tail_levels(energy: Float[Array, "k 2 bands"], config: AudioConfig) -> Float[Array, "m bands"]:
@@ -66,7 +65,7 @@ def late_frame(
         levels = jnp.einsum("imb,bf->imf", tail, jnp.asarray(_octaves(config)), precision="highest")
         both = both + sum(levels[:, i] * x[None] for i, x in enumerate(again))
     old, new = parts[0] * now[None, None] + parts[1] * both[:, None]
-    begin = first - 1 + _spread(config)
+    begin = first - 1 + config.tail_ringing
     sound = jnp.fft.irfft(jnp.stack([old, new - old]), size)[..., begin : begin + config.frame]
     fade = jnp.arange(1, config.frame + 1, dtype=jnp.float32)[None] / config.frame
     return sound[0] + fade * sound[1]
@@ -74,8 +73,8 @@ def late_frame(
 
 def _windows(source: Float[Array, " n"], config: AudioConfig) -> list[Complex[Array, " f"]]:
     """Spectra of what is heard through a response's first half, its second one, and that again and again."""
-    first, half, spread = config.response_length - config.half_length, config.half_length, _spread(config)
-    width, before = first - 1 + config.frame + 2 * spread, first - half + spread
+    first, half, spread = config.response_length - config.half_length, config.half_length, config.tail_ringing
+    width, before = first - 1 + config.frame + 2 * spread, first - half
     padded = jnp.pad(source, (before, spread))
     begins = [before + config.memory_length - first - spread]
     begins += [begins[0] - first - i * half for i in range(config.num_tail + 1)]
@@ -83,20 +82,15 @@ def _windows(source: Float[Array, " n"], config: AudioConfig) -> list[Complex[Ar
     return list(jnp.fft.rfft(windows, _size(config)))
 
 
-def _spread(config: AudioConfig) -> int:
-    """Samples by which octave filters ring on both sides."""
-    return round(SPREAD * config.sample_rate) if config.num_tail else 0
-
-
 def _size(config: AudioConfig) -> int:
     first = config.response_length - config.half_length
-    return int(next_fast_len(first - 1 + config.frame + 2 * _spread(config), real=True) or 0)
+    return int(next_fast_len(first - 1 + config.frame + 2 * config.tail_ringing, real=True) or 0)
 
 
 @functools.cache
 def _octaves(config: AudioConfig) -> Float[np.ndarray, "bands f"]:
-    """Gains of octaves, smooth enough that their filters end after `_spread` samples."""
-    size, spread = _size(config), _spread(config)
+    """Gains of octaves, smooth enough that their filters end after `tail_ringing` samples."""
+    size, spread = _size(config), config.tail_ringing
     kernel = np.fft.irfft(octave_gains(np.fft.rfftfreq(8 * size, 1 / config.sample_rate)), 8 * size)
     place = np.minimum(np.arange(size), size - np.arange(size))
     near = np.where(place == np.arange(size), place, -place)  # samples before time 0 stand at the end

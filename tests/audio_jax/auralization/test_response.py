@@ -11,6 +11,7 @@ from home_mjx.audio_jax.auralization.response import early_response, late_respon
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.filters import octave_gains
 from home_mjx.audio_jax.propagation.paths import Paths
+from home_mjx.core.transforms import camera_quat
 from home_mjx.schema.compiled import BANDS
 
 OMNI, BINAURAL = AudioConfig(receiver="omni"), AudioConfig()
@@ -139,8 +140,11 @@ def test_noise_follows_the_histogram():
 
 
 def test_noise_is_gaussian_flat_and_as_coherent_as_a_diffuse_field():
+    """Of heads that look in several directions, as one noise serves all keys."""
     energy = jnp.ones((BINAURAL.num_bins, 2, 7))
-    late = np.stack([np.asarray(_late[BINAURAL](energy, jax.random.key(k)), float) for k in range(12)])
+    heads = [camera_quat(jnp.float32(yaw), jnp.float32(0)) for yaw in np.arange(12) * np.pi / 6]
+    run = jax.jit(lambda key, quat: late_response(energy, key, BINAURAL, quat))
+    late = np.stack([np.asarray(run(jax.random.key(k), quat), float) for k, quat in enumerate(heads)])
     pooled = late[:, 0].ravel()
     assert np.mean(pooled**4) / np.mean(pooled**2) ** 2 == pytest.approx(3, abs=0.15)
     cut = late.reshape(12, 2, -1, 400)

@@ -42,7 +42,7 @@ click.rooms = (0.5, 1.0, 1.5, 2.0)
 
 @pytest.fixture(scope="module")
 def heard():
-    return click(30)
+    return click(33)
 
 
 @pytest.mark.parametrize(("room", "seconds"), list(enumerate(click.rooms)))
