@@ -8,6 +8,7 @@ from home_mjx.audio_jax.auralization.spectra import log_mel, stft_magnitude
 from home_mjx.audio_jax.auralization.stream import faded_frame, given_off, sound_frame
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Sounds, Source
+from home_mjx.audio_jax.base.presets import PRESETS, audio_preset
 from home_mjx.audio_jax.measures.clarity import c50, c80, centre_time, d50, drr, strength
 from home_mjx.audio_jax.measures.decay import decay_curve, decay_time, edt, t20, t30
 from home_mjx.audio_jax.measures.octaves import octave_responses
@@ -25,6 +26,7 @@ from home_mjx.audio_jax.propagation.tracing import Trace, trace
 
 __all__ = [
     "CLIPS",
+    "PRESETS",
     "AudioConfig",
     "Envelope",
     "Listener",
@@ -36,6 +38,7 @@ __all__ = [
     "Source",
     "Survey",
     "Trace",
+    "audio_preset",
     "band_level",
     "bent_paths",
     "c50",
