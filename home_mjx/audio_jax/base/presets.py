@@ -12,9 +12,9 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.core.checks import check_known
 
 PRESETS: dict[str, dict[str, Any]] = {
-    # T30 within 2 % in even rooms and 5 % in bare ones, but -27 % where absorption is uneven and -22 to +20 % where rooms
-    # are coupled (-53 to +11 % rising scattering, -29 % carpet); EDT within 9 % (-32 %, -4 %); level within 0.5 dB
-    # (-0.8 dB, -0.3 dB). Tones at 1.4 m/s: error below -50 dB. Ends after 0.5 s.
+    # T30 within 2 % in even rooms and 5 % in bare ones, but -27 % where absorption is uneven and -22 to +20 % where two
+    # rooms are coupled (-53 to +11 % rising scattering, -29 % carpet); EDT within 9 % (-32 %, -4 %); level within
+    # 0.5 dB (-0.8 dB, -0.3 dB). Tones at 1.4 m/s: error below -50 dB. Ends after 0.5 s.
     "fast": {"motion": True, "tail_seconds": 0.0},
     # T30 within 6 % (-41 to +21 % rising scattering, -15 % carpet); EDT within 7 % (-30 %, -3 %); level within 0.6 dB
     # (-0.8, -0.3 dB). Tones as above; T30 of 0.5 to 2 s read from the waveform within 5 %.

@@ -99,7 +99,7 @@ def as_many(paths: Paths, count: int) -> Paths:
     )
 
 
-def is_cut(heard: Reception, config: AudioConfig) -> Bool[Array, ""]:
+def ends_early(heard: Reception, config: AudioConfig) -> Bool[Array, ""]:
     """Whether all ends before it has fallen by 30 dB from its loudest bin."""
     share = jnp.asarray(band_shares(config))
     bins = jnp.sum(heard.energy @ share, axis=1)
@@ -108,12 +108,6 @@ def is_cut(heard: Reception, config: AudioConfig) -> Bool[Array, ""]:
         return bins[-1] > FALL * loudest
     last = jnp.sum(heard.energy[-1], axis=0) * tail_levels(heard.energy, config)[-1] ** 2
     return last @ share > FALL * loudest
-
-
-def is_response_cut(response: Float[Array, "2 l"], config: AudioConfig) -> Bool[Array, ""]:
-    """The same of an impulse response."""
-    energy = jnp.sum(response.reshape(2, config.num_bins, config.bin_samples) ** 2, axis=(0, 2))
-    return energy[-1] > FALL * jnp.max(energy)
 
 
 @functools.cache

@@ -15,7 +15,7 @@ from home_mjx.audio_jax.auralization.stream import faded_frame, given_off
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Sounds, Source
 from home_mjx.audio_jax.motion.frame import moving_frame
-from home_mjx.audio_jax.motion.reception import Reception, is_cut, is_response_cut, reception, silence
+from home_mjx.audio_jax.motion.reception import FALL, Reception, ends_early, reception, silence
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import camera_quat
 from home_mjx.tasks.base.config import EnvConfig
@@ -91,7 +91,7 @@ class Hearing(Sensor):
 
     def status(self, config: EnvConfig, snapshot: Snapshot, state: Heard) -> Int[Array, ""]:
         """Whether a response to something that plays was cut off."""
-        cut = jax.vmap(jax.vmap(lambda r: _is_cut(r, config.audio)))(state.response)
+        cut = jax.vmap(jax.vmap(lambda r: is_cut(r, config.audio)))(state.response)
         plays = (snapshot.sounds.clip >= 0) | jnp.any(spoken(snapshot, state.said) >= 0, axis=0)
         return flags(RESPONSE_CUT=cut & plays[None])
 
@@ -206,6 +206,9 @@ def hear(config: EnvConfig, snapshot: Snapshot, response: Callable[..., Any] | N
     return over_agents(one, eye_position(config, pose), heads, keys, agent_ids(snapshot.bank, num_agents))
 
 
-def _is_cut(response: Any, config: AudioConfig) -> Bool[Array, ""]:
+def is_cut(response: Float[Array, "2 l"] | Reception, config: AudioConfig) -> Bool[Array, ""]:
     """Whether a response ends before it has fallen by 30 dB from its loudest bin."""
-    return is_cut(response, config) if isinstance(response, Reception) else is_response_cut(response, config)
+    if isinstance(response, Reception):
+        return ends_early(response, config)
+    energy = jnp.sum(response.reshape(2, config.num_bins, config.bin_samples) ** 2, axis=(0, 2))
+    return energy[-1] > FALL * jnp.max(energy)

@@ -8,6 +8,7 @@ from numpy_measures import t30
 from scipy.signal import fftconvolve
 
 from home_mjx.audio_jax import AudioConfig, Paths, moving_frame, received
+from home_mjx.audio_jax.motion.reception import ends_early
 from home_mjx.schema.compiled import BANDS
 
 OMNI = AudioConfig(receiver="omni", motion=True, tail_seconds=2.5)
@@ -71,3 +72,12 @@ def test_a_still_room_is_one_convolution(heard, rng):
         ours = np.asarray(run(jnp.asarray(part, jnp.float32)), float)[0]
         whole = fftconvolve(noise[: begin + FRAME], heard[3, 0])[begin : begin + FRAME]
         assert np.max(np.abs(ours - whole)) < 1e-5 * np.max(np.abs(whole))
+
+
+@pytest.mark.parametrize(
+    ("tail", "seconds", "cut"), [(0.0, 0.9, False), (0.0, 1.2, True), (1.5, 3.5, False), (1.5, 4.8, True)]
+)
+def test_receptions_that_end_too_early_are_told(tail, seconds, cut):
+    """60 dB in one second fall by 30 dB in half a second, in four by 30 dB in two."""
+    config = AudioConfig(receiver="omni", motion=True, tail_seconds=tail)
+    assert bool(ends_early(decaying(seconds, config), config)) == cut
