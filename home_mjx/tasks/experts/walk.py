@@ -5,7 +5,6 @@ from typing import Protocol, runtime_checkable
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.core.transforms import wrap_angle
@@ -23,10 +22,9 @@ from home_mjx.tasks.rows.machine import advance, conditions
 from home_mjx.tasks.rows.row_task import RowState
 from home_mjx.tasks.rows.words import FAILURE, Feature, Kind, Word
 from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
-from home_mjx.tasks.sensors.sight import clear
+from home_mjx.tasks.sensors.sight import SHIFTS, clear
 
 LAG = 0.2  # [m]: what walks may be so much farther away when `stop` is heard
-SHIFTS = np.array([(0.08, 0, 0), (-0.08, 0, 0), (0, 0.08, 0), (0, -0.08, 0)])  # [m], by which who stops may be off
 MARGIN = 0.1  # [m]: with something in its hand an agent goes so much nearer than it must
 OPENS = 6  # steps between two tries to open a door; in between an agent gets out of its way, or through
 ON_THE_SPOT = 1.0  # [rad], by which who waits turns: there is no action that does nothing
@@ -140,7 +138,7 @@ def lasting(snapshot: Snapshot, state: RowState, looked: Looked) -> Float[Array,
 
     Who is pushed back by what it walks into must not be out of a room by then, and what walks not be hidden or far.
     """
-    values, walks, shifts = looked.values, jnp.any(state.emission.speed > 0), jnp.asarray(SHIFTS, jnp.float32)
+    values, walks, shifts = looked.values, jnp.any(state.emission.speed > 0), jnp.asarray(SHIFTS[1:], jnp.float32)
 
     def shifted(shift: Float[Array, "3"]) -> Bool[Array, "a d"]:
         pose = snapshot.pose.replace(pos=snapshot.pose.pos + shift)

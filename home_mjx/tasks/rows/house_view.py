@@ -111,11 +111,23 @@ class HouseView:
         if kind == Kind.ROOM:
             return self.graph.inside(rooms)
         part = {Use.LOOK: self.beside, Use.TAKE: self.taken, Use.PUT: lambda i: self.put(i, radius)}[use]
-        parts = [part(i) for i in np.flatnonzero(instances).tolist()]
+        which = np.flatnonzero(instances).tolist()
+        parts = self._nearest_of(which) if use == Use.LOOK else [part(i) for i in which]
         if not parts:
             return np.zeros(0, int), np.zeros(0)
         cells, away = (np.concatenate(part) for part in zip(*parts, strict=True))
         return cells, away
+
+    def _nearest_of(self, which: list[int]) -> list[Ends]:
+        """Cells beside each of some instances to which no other of them is nearer: the nearest one must be seen."""
+        parts, boxes = [], self._boxes[which]
+        for at, instance in enumerate(which):
+            cells, away = self.beside(instance)
+            middle = self.graph.place[cells, None] + [0, 0, self.bank.spec.agent_height / 2]
+            gap = np.linalg.norm(np.maximum(boxes[:, 0] - middle, 0) + np.maximum(middle - boxes[:, 1], 0), axis=-1)
+            nearest = gap[:, at] <= gap.min(axis=1)
+            parts.append((cells[nearest], away[nearest]))
+        return parts
 
     def radius(self, instance: int) -> float:
         """How far a movable thing reaches from its middle in the plan [m]; 0 of what does not move."""
@@ -164,7 +176,7 @@ class HouseView:
         return eyes
 
     def beside(self, instance: int) -> Ends:
-        """Cells beside an instance from which it can be seen: the nearest, and those hardly farther away.
+        """Cells beside an instance from all over which it can be seen: the nearest, and those hardly farther away.
 
         None, if it cannot be seen from any of the `CELLS` nearest: a thing behind a wall, or in a chest.
         """
@@ -199,12 +211,7 @@ class HouseView:
 def house_views(bank: HouseBank) -> tuple[HouseView, ...]:
     """A view of each house."""
     geometry = bank.geometry
-
-    def placed(house: Int[Array, ""]) -> Float[Array, "i 2 3"]:
-        model = jnp.maximum(geometry.instance_model[house], 0)
-        return jax.vmap(bounds)(geometry.instance_pose[house], geometry.model_box[model])
-
-    boxes = np.asarray(jax.jit(jax.vmap(placed))(jnp.arange(bank.num_houses)))
+    boxes = np.asarray(_boxes(geometry.instance_pose, geometry.instance_model, geometry.model_box))
     host = bank.replace(geometry=bank.geometry.replace(gpu=None))
     host = host.replace(
         geometry=jax.tree.map(np.asarray, host.geometry),
@@ -212,3 +219,9 @@ def house_views(bank: HouseBank) -> tuple[HouseView, ...]:
         semantics=np.asarray(bank.semantics),
     )
     return tuple(HouseView(host, house, boxes[house], bank) for house in range(bank.num_houses))
+
+
+@jax.jit
+def _boxes(pose: Array, model: Array, model_box: Array) -> Float[Array, "h i 2 3"]:
+    """World bounds of the instances of all houses [m]."""
+    return jax.vmap(jax.vmap(bounds))(pose, model_box[jnp.maximum(model, 0)])

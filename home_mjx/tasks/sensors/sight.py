@@ -19,6 +19,9 @@ from home_mjx.raycast_render.scene.types import Scene
 POINTS = ((0.0, 0.0), (0.0, 0.7), (0.0, -0.7), (0.7, 0.0), (-0.7, 0.0))
 VIEW, FOVY = Lens(64, 64), 90.0  # of the default camera [degrees]
 SLACK = 0.02  # [m]: a box counts as seen if a ray comes as near to it
+ASIDE = 0.08  # [m]: who walks to a place stops so far from it at most
+# Where eyes may be that are to be above a place [m].
+SHIFTS = np.array([(0, 0, 0), (ASIDE, 0, 0), (-ASIDE, 0, 0), (0, ASIDE, 0), (0, -ASIDE, 0)])
 
 
 def look_points(eye: Float[Array, "3"], box: Float[Array, "2 3"]) -> Float[Array, "p 3"]:
@@ -67,16 +70,21 @@ def clear(
 def seen_from(
     bank: HouseBank, house: int, eyes: Float[np.ndarray, "n 3"], box: Float[np.ndarray, "2 3"]
 ) -> Bool[np.ndarray, " n"]:
-    """From which places something with these bounds can be seen, in a house as it begins, doors open."""
+    """From which places, and from all around each, something with these bounds can be seen.
+
+    A house is as it begins, doors open. Nobody stops in the very middle of a place: what is seen from there alone, past
+    an edge, would take luck to be seen.
+    """
     return np.asarray(_seen_from(bank, jnp.int32(house), jnp.asarray(eyes, jnp.float32), jnp.asarray(box, jnp.float32)))
 
 
 @jax.jit
 def _seen_from(bank: HouseBank, house: Array, eyes: Array, box: Array) -> Array:
     scene = as_it_begins(bank, house)
-    points = jax.vmap(look_points, (0, None))(eyes, box)
+    around = eyes[:, None] + jnp.asarray(SHIFTS, jnp.float32)
     look = partial(clear, scene, own=jnp.full((), -1, jnp.int32))
-    return jnp.any(jax.vmap(lambda eye, at: look(eye, box, at))(eyes, points), axis=1)
+    seen = jax.vmap(jax.vmap(lambda eye: jnp.any(look(eye, box, look_points(eye, box)))))(around)
+    return jnp.all(seen, axis=1)
 
 
 def ids_in_view(

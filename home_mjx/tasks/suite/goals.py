@@ -12,11 +12,10 @@ from home_mjx.errors import DatasetError
 from home_mjx.navigation.grid import cell_of, geodesic_distance, near_home, place_position
 from home_mjx.navigation.spawn import random_yaw
 from home_mjx.tasks.base.snapshot import Snapshot
-from home_mjx.tasks.base.state import Episodes
+from home_mjx.tasks.base.state import ON_FLOOR, Episodes
 
 SAME_PLACE = 0.01  # [m]: a goal of the bank is the goal of a file if it is as near
 OTHER_BANK = "Use a bank of the houses that the episodes were drawn in, compiled alike."
-ON_FLOOR = 0.3  # [m]: starts are no farther from a floor
 ASIDE = 0.025  # [m], from the middle of a cell, half of the clearance with which houses are compiled
 ATTEMPTS = 64  # draws per episode
 

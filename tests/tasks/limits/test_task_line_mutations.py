@@ -10,32 +10,16 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from rich_rows import Rich
 
 from home_mjx.errors import ConfigError, HomeMjxError
-from home_mjx.physics import PhysicsConfig
 from home_mjx.schema.compiled import FIELD_FAR
-from home_mjx.tasks import EnvConfig, EnvParams, HouseholdEnv, Status, load_tasks, save_tasks
+from home_mjx.tasks import EnvParams, Status, load_tasks
 from home_mjx.tasks.rows.house_view import house_views
 from home_mjx.tasks.suite import task_lines
 
-SENSORS = ("state", "goal", "goal_words", "instruction", "reply")
-CONFIG = EnvConfig(sensors=SENSORS, actions="discrete", physics=PhysicsConfig(impl="kinematic"))
 FIELDS = 16  # columns of distances, so that all banks run one program
 UNKNOWN = "bogus"
 EPISODE = ("house", "start", "yaw")
-
-
-@pytest.fixture(scope="module")
-def env(generated_bank):
-    return HouseholdEnv(CONFIG, Rich(stop=True, num_tasks=2, min_length=0.0)).bind(generated_bank)
-
-
-@pytest.fixture(scope="module")
-def lines(env, tmp_path_factory):
-    path = tmp_path_factory.mktemp("rich") / "tasks.jsonl"
-    save_tasks(path, env.bank, env.params.tasks)
-    return [json.loads(line) for line in path.read_text().splitlines()]
 
 
 @pytest.fixture
