@@ -103,15 +103,15 @@ def early_response(paths: Paths, head_quat: Float[Array, "4"], config: AudioConf
 
     def add(response: Array, path: tuple[Array, Array]) -> tuple[Array, None]:
         begin, kernel = path
-        both = []
-        for ear in (0, 1):
-            there = jax.lax.dynamic_slice_in_dim(response[ear], begin[ear], taps)
-            both.append(jax.lax.dynamic_update_slice_in_dim(response[ear], there + kernel[ear], begin[ear], 0))
-        return jnp.stack(both), None
+        there = jax.lax.dynamic_slice_in_dim(response, begin, taps)
+        return jax.lax.dynamic_update_slice_in_dim(response, there + kernel, begin, 0), None
 
-    # One path after the other: a scatter would add overlapping kernels in no fixed order on a GPU.
-    response, _ = jax.lax.scan(add, jnp.zeros((2, length + reach + taps), jnp.float32), (start, kernels))
-    return response[:, reach : reach + length]
+    def ear(start: Int[Array, " p"], kernels: Float[Array, "p t"]) -> Float[Array, " l"]:
+        # One path after the other: a scatter would add overlapping kernels in no fixed order on a GPU.
+        response, _ = jax.lax.scan(add, jnp.zeros(length + reach + taps, jnp.float32), (start, kernels))
+        return response[reach : reach + length]
+
+    return jax.vmap(ear, (1, 1))(start, kernels)
 
 
 def late_response(
