@@ -99,6 +99,8 @@ class AudioConfig:
             )
         _whole("bin_seconds", self.bin_seconds * self.sample_rate, "samples")
         _whole("response_seconds", self.response_seconds / self.bin_seconds, "bins of `bin_seconds`")
+        if self.motion and self.num_bins < 2:
+            raise ConfigError("with `motion` a response must have at least two bins: give more `response_seconds`")
         if self.bin_samples % 2:
             raise ConfigError(f"`bin_seconds` must hold an even number of samples, got {self.bin_samples}")
 

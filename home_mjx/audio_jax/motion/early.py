@@ -48,24 +48,35 @@ def early_frame(source: Float[Array, " n"], past: int, pairs: Pairs, config: Aud
     latest = jnp.max(delays.whole, axis=(1, 2))
     filtered = _filtered(source, past, latest, delays, pairs, config)
     begin = BLOCK * jnp.arange(num_blocks(config), dtype=jnp.int32)[None, None] + latest[:, None, None] - delays.whole
+
+    def add(path: Int[Array, ""], heard: Float[Array, "2 b s"]) -> Float[Array, "2 b s"]:
+        return heard + _one_path(filtered[path], begin[path], delays.rest[path], turned[path], config)
+
+    # One path after the other: all that one needs stays near the processor, and a sum in one go would take longer.
+    nothing = jnp.zeros((2, num_blocks(config), BLOCK), jnp.float32)
+    whole = jax.lax.fori_loop(0, filtered.shape[0], add, nothing)
+    return whole.reshape(2, -1)[:, : config.frame]
+
+
+def _one_path(
+    sound: Float[Array, " u"],
+    begin: Int[Array, "2 b"],
+    rest: Float[Array, "2 b two"],
+    angle: Float[Array, "2 k"],
+    config: AudioConfig,
+) -> Float[Array, "2 b s"]:
+    """A path's sound at both ears in all blocks: from where each begins to be read, with delays beyond that."""
     width = pulse_width(config)
-
-    def parts(sound: Float[Array, " u"], starts: Int[Array, "2 b"]) -> Float[Array, "2 b t"]:
-        cut = jax.vmap(lambda start: jax.lax.dynamic_slice_in_dim(sound, start, BLOCK + width - 1))
-        return jax.vmap(cut)(starts)
-
-    read = jax.vmap(parts)(filtered, begin)
-    ends = (pulses(turned[..., i : i + num_blocks(config)], delays.rest[..., i], config) for i in (0, 1))
+    cut = jax.vmap(jax.vmap(lambda start: jax.lax.dynamic_slice_in_dim(sound, start, BLOCK + width - 1)))
+    ends = (pulses(angle[:, i : i + begin.shape[1]], rest[..., i], config) for i in (0, 1))
     first, last = (jnp.flip(kernel, -1) for kernel in ends)
-    read, first, slope = jax.lax.optimization_barrier((read, first, last - first))
-    share = (jnp.arange(BLOCK, dtype=jnp.float32) / BLOCK)[None, None, None]
-    sound = jnp.zeros((*read.shape[:3], BLOCK), jnp.float32)
+    read, first, slope = jax.lax.optimization_barrier((cut(begin), first, last - first))
+    share = (jnp.arange(BLOCK, dtype=jnp.float32) / BLOCK)[None, None]
+    heard = jnp.zeros((*begin.shape, BLOCK), jnp.float32)
     for tap in range(width):
         a, b = first[..., tap, None], slope[..., tap, None]
-        sound = sound + read[..., tap : tap + BLOCK] * (a + share * b)
-    # One path after the other: a sum in one go is not vectorised on CPUs, and takes longer than all that it adds up.
-    whole = jax.lax.fori_loop(0, sound.shape[0], lambda i, heard: heard + sound[i], jnp.zeros_like(sound[0]))
-    return whole.reshape(2, -1)[:, : config.frame]
+        heard = heard + read[..., tap : tap + BLOCK] * (a + share * b)
+    return heard
 
 
 def path_delays(pairs: Pairs, angles: Float[Array, "three p 2"], config: AudioConfig) -> Delays:

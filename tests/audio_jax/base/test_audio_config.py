@@ -25,8 +25,8 @@ def test_lengths_follow_from_rates():
         ({"humidity": 150.0}, "humidity of 0..100 %"),
         ({"receiver": "binural"}, "Did you mean `binaural`"),
         ({"detector": "rein"}, "Did you mean `rain`"),
-        ({"motion": 1}, "motion"),
-        ({"tail_seconds": -0.1}, "`tail_seconds` must be a number of at least 0"),
+        ({"tail_seconds": -0.1}, "`tail_seconds` must be a finite number of at least 0"),
+        ({"motion": True, "response_seconds": 0.004}, "at least two bins"),
     ],
 )
 def test_unusable_values_are_refused(options, message):
