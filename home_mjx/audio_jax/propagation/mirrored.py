@@ -18,7 +18,7 @@ from home_mjx.schema.compiled import Ray
 MOST_MIRRORS = {1: (32, 32), 2: (12, 8), 3: (8, 4)}  # walls and faces of things of which sequences are made, by order
 DEPTH = 0.06  # [m], within which a surface counts as lying in a mirror's plane, as in `scene_compile`
 SHORTEST = 1e-3  # [m], legs that have a direction
-NAMED_APART = 30.0  # per unit of a normal and per metre: planes that differ by less may have one name
+NAMED_APART = 29.37  # steps of names per unit of a normal and per metre; no round one, which planes would lie between
 SAME = 1e-3  # paths whose lengths [m] and directions differ by less are one
 
 
@@ -76,10 +76,10 @@ def mirrored_paths(scene: Scene, source: Source, listener: Listener, config: Aud
     length = jnp.where(possible, found.length, 1.0)
     energy = energy * jnp.exp(-length[:, None] * air_energy(config)[None])
     gain = jnp.sqrt(jnp.maximum(energy, 0.0)) / jnp.maximum(length, NEAREST)[:, None]
-    return Paths(length, jnp.where(possible[:, None], gain, 0.0), direction, _names(found))
+    return Paths(length, jnp.where(possible[:, None], gain, 0.0), direction, names_of(found))
 
 
-def _names(found: Images) -> Int[Array, " p"]:
+def names_of(found: Images) -> Int[Array, " p"]:
     """A number of each path that its planes give: it stays while source and listener move."""
     order = jnp.arange(found.point.shape[1], dtype=jnp.int32)[None]
     depth = jnp.sum(found.normal * found.point, axis=2)
