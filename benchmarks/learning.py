@@ -27,7 +27,7 @@ from home_mjx.cli.learning.named import assignments
 from home_mjx.registry import find_spec
 from home_mjx.tasks import chance, prior_accuracy
 from home_mjx.tasks.base.options import override
-from home_mjx.training import Policy, PPOConfig, RunConfig, evaluate, load_policy, random_policy, summary, train
+from home_mjx.training import Policy, PPOConfig, RunConfig, evaluate, judged, load_policy, random_policy, summary, train
 from home_mjx.training.checkpoint import CHECKPOINT
 from home_mjx.training.records import read_lines
 
@@ -97,6 +97,7 @@ def main() -> None:
     parser.add_argument("--frames", type=float, default=30e6)
     parser.add_argument("--algorithm", default="ppo", help="as of home-mjx train")
     parser.add_argument("--clone", type=float, default=0, help="steps of an expert's advice before PPO's")
+    parser.add_argument("--start", help="checkpoint or agent.npz whose network is where training begins")
     parser.add_argument("--seconds", type=float, default=60.0)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--out", type=Path, help="folder of the run")
@@ -155,13 +156,13 @@ def run_of(args: argparse.Namespace) -> RunConfig:
         split="train",
     )
     ppo = override({"": PPOConfig()}, {"num_timesteps": int(args.frames)} | assignments(args.ppo))[""]
-    return RunConfig(env, ppo, args.seed, args.algorithm, clone_timesteps=int(args.clone), max_seconds=args.seconds)
+    return RunConfig(env, ppo, args.seed, args.algorithm, args.start, int(args.clone), args.seconds)
 
 
 def held_out(run: RunConfig, args: argparse.Namespace, options: dict[str, Any]) -> Any:
     """The environment in houses never trained in."""
-    changed = {**run.env.options, **options}
-    return dataclasses.replace(run.env, options=changed, split="val", num_houses=args.held_out).make()
+    env = judged(run.env, "val", args.held_out)
+    return dataclasses.replace(env, options={**env.options, **options}).make()
 
 
 def without(trained: Callable[[Any], Policy], name: str, low: float) -> Callable[[Any], Policy]:

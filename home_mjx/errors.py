@@ -8,6 +8,7 @@ Each class also derives from the built-in class that other code catches in such 
 | `MissingFileError` | `DatasetError`, `FileNotFoundError` |
 | `UnknownIdError` | `DatasetError`, `KeyError` |
 | `UnknownNameError` | `ConfigError`, `KeyError` |
+| `OutOfRangeError` | `ConfigError`, `IndexError` |
 | `ExecutorError` | `RuntimeError` |
 """
 
@@ -96,6 +97,10 @@ class ConfigError(HomeMjxError, ValueError):
 
 class UnknownNameError(ConfigError, KeyError):
     """A name is none of the known ones: an environment, an option, a sensor, a command."""
+
+
+class OutOfRangeError(ConfigError, IndexError):
+    """A number is that of no row: there are fewer, or it is less than 0."""
 
 
 class CapacityError(HomeMjxError, ValueError):

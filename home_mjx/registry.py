@@ -119,6 +119,16 @@ class EnvSpec:
         with jax.default_device(jax.devices("cpu")[0]):
             return estimate_memory(self.make(progress), num_envs)
 
+    def core(self) -> "HouseholdEnv | None":
+        """The environment's functions, which need no houses; None where the entry point is a function.
+
+        Raises:
+            ConfigError: An option is unknown or cannot be used.
+        """
+        entry_point = _load(self.entry_point)
+        options = {name: value for name, value in self.options.items() if name != "variation"}
+        return _core_of(entry_point, options)[0] if _is_task(entry_point) else None
+
     def make(self, progress: bool | None = None) -> "BoundEnv[HouseholdEnv]":
         """The environment."""
         return _made(self, self.houses, progress)
@@ -281,19 +291,24 @@ def _is_task(entry_point: Callable[..., Any]) -> TypeGuard[type]:
 def _with_task(
     task: type, get_bank: Callable[..., "HouseBank"], options: Mapping[str, Any]
 ) -> "BoundEnv[HouseholdEnv]":
+    core, compiling = _core_of(task, options)  # refuses a wrong option before any house is compiled
+    num_arrangements = NUM_ARRANGEMENTS if core.own_config.arrangement == "random" else 0
+    return core.bind(get_bank(compiling, num_arrangements))
+
+
+def _core_of(task: type, options: Mapping[str, Any]) -> "tuple[HouseholdEnv, CompileOptions]":
+    """Functions of an environment, and how its houses are to be compiled."""
     from home_mjx.scene_compile.pipeline.compile import CompileOptions
     from home_mjx.tasks.base.config import EnvConfig
     from home_mjx.tasks.base.options import override
     from home_mjx.tasks.environment.household import HouseholdEnv
 
     records = {"": EnvConfig(), "task": task(), "compile": CompileOptions()}
-    chosen = override(records, options)  # refuse a wrong option before any house is compiled
+    chosen = override(records, options)
     core = HouseholdEnv(chosen[""], chosen["task"])
     body, compiling = chosen[""].body, chosen["compile"]
     walkable = dataclasses.replace(compiling.navigation, agent_radius=body.radius, agent_height=body.height)
-    compiling = dataclasses.replace(compiling, navigation=walkable)
-    num_arrangements = NUM_ARRANGEMENTS if chosen[""].arrangement == "random" else 0
-    return core.bind(get_bank(compiling, num_arrangements))
+    return core, dataclasses.replace(compiling, navigation=walkable)
 
 
 def _arranged(bank: "HouseBank", num_arrangements: int, progress: bool) -> "HouseBank":

@@ -25,10 +25,11 @@ BUILT_IN = {
     errors.UnknownIdError: {ValueError, KeyError},
     errors.ConfigError: {ValueError},
     errors.UnknownNameError: {ValueError, KeyError},
+    errors.OutOfRangeError: {ValueError, IndexError},
     errors.CapacityError: {ValueError},
     errors.ExecutorError: {RuntimeError},
 }
-CAUGHT = (ValueError, KeyError, OSError, FileNotFoundError, RuntimeError, TypeError)
+CAUGHT = (ValueError, KeyError, IndexError, OSError, FileNotFoundError, RuntimeError, TypeError)
 EXPECTED = "expected 3, got 1 (in room.obj, at line 7). Export it again."
 
 

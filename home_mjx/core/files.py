@@ -13,7 +13,7 @@ from typing import IO, Any, TypeVar
 
 import numpy as np
 
-from home_mjx.errors import ConfigError, DatasetError, MissingFileError
+from home_mjx.errors import ConfigError, DatasetError, HomeMjxError, MissingFileError
 
 Row = TypeVar("Row")
 
@@ -165,14 +165,9 @@ def write_whole(path: Path) -> Iterator[IO[bytes]]:
         ...     file.write(b"{}")
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=TEMPORARY)
-    try:
-        with os.fdopen(handle, "wb") as file:
-            yield file
-        os.replace(temporary, path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
+    handle, beside = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=TEMPORARY)
+    with _in_place(path, Path(beside), os.fdopen(handle, "wb")) as file:
+        yield file
 
 
 @contextmanager
@@ -194,18 +189,80 @@ def write_durably(path: Path, what: str, hint: str | None = None) -> Iterator[IO
         ...     file.write(b"{}")
     """
     beside = path.with_name(f".{path.name}.new")
+    with writing(what, path, hint), _in_place(path, beside, beside.open("wb")) as file:
+        yield file
+        file.flush()
+        os.fsync(file.fileno())
+
+
+@contextmanager
+def _in_place(path: Path, beside: Path, file: IO[bytes]) -> Iterator[IO[bytes]]:
+    """An open file that takes the place of another one when the block ends, and is gone if that raises."""
     try:
-        with beside.open("wb") as file:
+        with file:
             yield file
-            file.flush()
-            os.fsync(file.fileno())
         beside.replace(path)
-    except BaseException as error:
+    except BaseException:
         with suppress(OSError):
             beside.unlink(missing_ok=True)
-        if isinstance(error, OSError):
-            raise unwritable(what, path, error, hint) from error
         raise
+
+
+@contextmanager
+def write_together(folder: Path, what: str) -> Iterator[Path]:
+    """A folder to write files to; all of them take their places in another one when the block ends, or none does.
+
+    Args:
+        folder: Where they are to be; made if need be.
+        what: What they are, for messages.
+
+    Raises:
+        ConfigError: They cannot be written there.
+
+    Example:
+        >>> with write_together(Path("play"), "film") as beside:  # doctest: +SKIP
+        ...     (beside / "film.jsonl").write_text("{}")
+    """
+    with writing(what, folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        # In it, not in the system's folder: from another disk, files would be copied, and could come half.
+        beside = tempfile.TemporaryDirectory(dir=folder, prefix=".", suffix=TEMPORARY)
+    with beside:
+        yield Path(beside.name)
+        with writing(what, folder):
+            for file in sorted(Path(beside.name).iterdir()):
+                file.replace(folder / file.name)
+
+
+@contextmanager
+def writing(what: str, path: Path, hint: str | None = None) -> Iterator[None]:
+    """Where the system refuses to write, the block raises what `unwritable` gives."""
+    try:
+        yield
+    except HomeMjxError:  # a missing file of a dataset is an `OSError` as well
+        raise
+    except OSError as error:
+        raise unwritable(what, path, error, hint) from error
+
+
+def as_path(path: object, what: str) -> Path:
+    """The path of a file, as users give it.
+
+    Args:
+        path: Text or a path.
+        what: What the file is, for messages.
+
+    Raises:
+        ConfigError: It is neither.
+
+    Example:
+        >>> as_path("runs/tasks.jsonl", "tasks").name
+        'tasks.jsonl'
+    """
+    if isinstance(path, str | os.PathLike):
+        return Path(path)
+    message = f"expected the path of a file of {what}, got {path!r:.60}"
+    raise ConfigError(message, hint='Write its name, such as "runs/tasks.jsonl".')
 
 
 def unwritable(what: str, path: Path, error: OSError, hint: str | None = None) -> ConfigError:

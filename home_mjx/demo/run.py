@@ -14,8 +14,8 @@ import numpy as np
 from tqdm import tqdm
 
 from home_mjx.bench import timing
+from home_mjx.core.files import write_together
 from home_mjx.demo.drawing import Walk, draw
-from home_mjx.demo.output import moved_when_done
 from home_mjx.demo.search import film_search
 from home_mjx.errors import ConfigError
 from home_mjx.navigation.path_follower import Walker, make_walker
@@ -95,7 +95,7 @@ def _run(options: DemoOptions, steps: tqdm) -> dict[str, Any]:
         "triangles": int(env.bank.geometry.triangle.shape[0]),
         "bank_bytes": sum(leaf.nbytes for leaf in jax.tree.leaves(env.bank)),
     }
-    with moved_when_done(options.out) as folder:
+    with write_together(options.out, "demo") as folder:
         draw(env, views, walk, folder, steps)
         steps.set_description("searching")
         report["search"] = searched(folder, options)

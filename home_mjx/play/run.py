@@ -12,6 +12,7 @@ import jax
 import numpy as np
 from tqdm import tqdm
 
+from home_mjx.core.files import write_durably, write_together
 from home_mjx.play.camera import FilmCamera, Sight, without_agents
 from home_mjx.play.episode import Game, Outcome, Step, said
 from home_mjx.play.film import Film, frame
@@ -75,7 +76,7 @@ def run_play(options: PlayOptions, tell: Callable[[str], Any] = tqdm.write, keys
 
     Returns:
         How each episode has ended. With `out`, its folder has a film, a picture with the end of each episode, and
-        their outcomes as JSON lines, all named after task and agent.
+        their outcomes as JSON lines, all named after task and agent: all of these, or none on a full disk.
 
     Raises:
         ConfigError: A checkpoint is missing, or given for another agent or task; or no expert is known for the task.
@@ -121,9 +122,9 @@ def film_checkpoint(
     Returns:
         How each episode has ended; nothing is printed.
     """
-    from home_mjx.training import read_config  # needs the extra `train`
+    from home_mjx.training import judged, read_config  # needs the extra `train`
 
-    env = dataclasses.replace(read_config(checkpoint).env, split=split, num_houses=num_houses)
+    env = judged(read_config(checkpoint).env, split, num_houses)
     return run_play(PlayOptions(env, "trained", checkpoint, episodes, seed, greedy, out), lambda line: None)
 
 
@@ -195,9 +196,11 @@ class _Reporter:
         """Writes the film and the outcomes."""
         out, name = self.options.out, self.options.name
         if out is not None:
-            self.film.write(out, name)
             lines = (json.dumps(dataclasses.asdict(outcome)) for outcome in outcomes)
-            (out / f"{name}.jsonl").write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
+            with write_together(out, "film") as beside:
+                self.film.write(beside, name)
+                with write_durably(beside / f"{name}.jsonl", "outcomes") as file:
+                    file.write("".join(f"{line}\n" for line in lines).encode())
 
     def _frame(self, status: str, success: bool | None = None) -> np.ndarray:
         return frame(self.sights[-1].view, self.top, self.asked.text, status, success)

@@ -5,6 +5,9 @@ from dataclasses import dataclass
 from home_mjx.core.checks import check_number
 from home_mjx.errors import ConfigError
 
+LONGEST = 3600.0  # [s], of a step
+FASTEST = 10**7  # [Hz]
+
 
 @dataclass(frozen=True)
 class Timing:
@@ -29,9 +32,9 @@ class Timing:
     sample_rate: int = 16000
 
     def __post_init__(self) -> None:
-        check_number("ctrl_dt", self.ctrl_dt, 1e-6)
-        check_number("sim_dt", self.sim_dt, 1e-6)
-        check_number("sample_rate", self.sample_rate, 1, whole=True)
+        for name in ("ctrl_dt", "sim_dt"):
+            check_number(name, getattr(self, name), 1e-6, LONGEST)
+        check_number("sample_rate", self.sample_rate, 1, FASTEST, whole=True)
         if self.substeps < 1 or abs(self.substeps * self.sim_dt - self.ctrl_dt) > 1e-9 * self.ctrl_dt:
             raise ConfigError(
                 f"`ctrl_dt` {self.ctrl_dt} s is not a whole number of `sim_dt` {self.sim_dt} s",

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     )
     from home_mjx.training.cloning import Advised, Cloning
     from home_mjx.training.config import CPU_CONFIG, PPOConfig, RunConfig
-    from home_mjx.training.evaluation import evaluate, expert_policy, random_policy, summary
+    from home_mjx.training.evaluation import evaluate, expert_policy, judged, random_policy, summary
     from home_mjx.training.networks import NetworkConfig, RecurrentAgent
     from home_mjx.training.ppo import PPO, TrainState
     from home_mjx.training.rollout import Policy
@@ -41,6 +41,7 @@ __all__ = [
     "evaluate",
     "evaluate_checkpoint",
     "expert_policy",
+    "judged",
     "load_checkpoint",
     "load_net",
     "load_policy",
@@ -64,7 +65,7 @@ _MODULES = {
     ),
     "cloning": ("Advised", "Cloning"),
     "config": ("CPU_CONFIG", "PPOConfig", "RunConfig"),
-    "evaluation": ("evaluate", "expert_policy", "random_policy", "summary"),
+    "evaluation": ("evaluate", "expert_policy", "judged", "random_policy", "summary"),
     "networks": ("NetworkConfig", "RecurrentAgent"),
     "ppo": ("PPO", "TrainState"),
     "rollout": ("Policy",),

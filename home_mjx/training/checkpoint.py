@@ -8,7 +8,7 @@ from typing import Any
 import jax
 import numpy as np
 
-from home_mjx.core.files import read_arrays, write_durably
+from home_mjx.core.files import as_path, read_arrays, write_durably
 from home_mjx.core.jsonable import from_json, to_json
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.tasks.environment.household import HouseholdEnv
@@ -37,7 +37,7 @@ def save_checkpoint(path: str | Path, state: Any, config: RunConfig) -> None:
     Raises:
         ConfigError: The file cannot be written, or the configuration is not made of numbers, text and dataclasses.
     """
-    _save(Path(path), _named(state), config)
+    _save(as_path(path, "a checkpoint"), _named(state), config)
 
 
 def save_net(path: str | Path, net: Any, config: RunConfig) -> None:
@@ -52,7 +52,7 @@ def save_net(path: str | Path, net: Any, config: RunConfig) -> None:
         ConfigError: As of `save_checkpoint`.
     """
     half = jax.tree.map(lambda x: np.asarray(x).astype(np.float16), net)
-    _save(Path(path), {NET + name: x for name, x in _named(half).items()}, config)
+    _save(as_path(path, "a checkpoint"), {NET + name: x for name, x in _named(half).items()}, config)
 
 
 def _named(tree: Any) -> dict[str, np.ndarray]:
@@ -185,4 +185,4 @@ def _load(path: str | Path, like: Any, below: str) -> Any:
 
 
 def _read(path: str | Path, names: list[str]) -> list[np.ndarray]:
-    return read_arrays(Path(path), names, "checkpoint", NAME_ONE)
+    return read_arrays(as_path(path, "a checkpoint"), names, "checkpoint", NAME_ONE)

@@ -1,5 +1,6 @@
 """How good a policy is: whole episodes, each house as often as any other, beside an agent that acts at random."""
 
+import dataclasses
 from collections.abc import Callable
 from typing import Any
 
@@ -10,6 +11,7 @@ from jaxtyping import Array, Float, Int, UInt32
 
 from home_mjx.core.checks import check_number
 from home_mjx.core.pytree import Pytree
+from home_mjx.registry import EnvSpec
 from home_mjx.tasks.base.state import EnvParams, State
 from home_mjx.tasks.environment.autoreset import where_envs
 from home_mjx.tasks.environment.bound import BoundEnv
@@ -22,6 +24,26 @@ MAX_EPISODES = 1_000_000  # of one evaluation: their rows are drawn beforehand, 
 MAX_BATCH = 256  # episodes that are played at once
 
 Results = dict[str, np.ndarray]  # by name, one number per episode
+
+
+FOR_TRAINING = ("mistakes_end",)  # options that make a task easier to learn, and are not part of it
+
+
+def judged(spec: EnvSpec, split: str | None = "val", num_houses: int = 16) -> EnvSpec:
+    """What an agent of an environment is judged by: other houses, and none of the options that are for training only.
+
+    Args:
+        spec: What it has trained in.
+        split: Part of the dataset.
+        num_houses: How many.
+
+    Example:
+        >>> spec = EnvSpec("ObjectNav-v0", "home_mjx.tasks:ObjectNav", {"stop": True, "mistakes_end": False})
+        >>> judged(spec).options, judged(spec).split
+        ({'stop': True}, 'val')
+    """
+    options = {name: value for name, value in spec.options.items() if name not in FOR_TRAINING}
+    return dataclasses.replace(spec, options=options, split=split, num_houses=num_houses)
 
 
 class Play(Pytree):

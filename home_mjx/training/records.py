@@ -5,13 +5,12 @@ import math
 import socket
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
+from contextlib import AbstractContextManager, nullcontext, suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from home_mjx.core.files import read_text, unwritable, write_durably
+from home_mjx.core.files import read_text, write_durably, writing
 from home_mjx.errors import ConfigError, DatasetError, install_hint
 
 CURVES = (
@@ -71,7 +70,7 @@ class Records:
         """Writes a line; what is not a number is left out of it."""
         line = {name: x for name, x in line.items() if not isinstance(x, float) or math.isfinite(x)}
         self.lines.append(line)
-        with _writing("metrics", self.path), self.path.open("a", encoding="utf-8") as file:
+        with writing("metrics", self.path, FREE_SPACE), self.path.open("a", encoding="utf-8") as file:
             file.write(json.dumps(line) + "\n")
         for name, x in line.items():
             if isinstance(x, float):
@@ -131,15 +130,7 @@ class Events:
             self._writer.write(self._proto.Event(wall_time=time.time(), **event).SerializeToString())
 
     def _writing(self) -> AbstractContextManager[None]:
-        return _writing("events of TensorBoard", self.path)
-
-
-@contextmanager
-def _writing(what: str, path: Path) -> Iterator[None]:
-    try:
-        yield
-    except OSError as error:
-        raise unwritable(what, path, error, FREE_SPACE) from error
+        return writing("events of TensorBoard", self.path, FREE_SPACE)
 
 
 def read_lines(path: Path) -> list[Line]:

@@ -1,6 +1,5 @@
 """A training run from options to files: checkpoints, records, and an evaluation in houses never trained in."""
 
-import dataclasses
 import time
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager, nullcontext
@@ -32,7 +31,7 @@ from home_mjx.training.checkpoint import (
 )
 from home_mjx.training.cloning import Advised, Cloning
 from home_mjx.training.config import RunConfig
-from home_mjx.training.evaluation import check_episodes, evaluate, random_policy, summary
+from home_mjx.training.evaluation import check_episodes, evaluate, judged, random_policy, summary
 from home_mjx.training.ppo import PPO, TrainState
 from home_mjx.training.progress import Clock, Sums, progress_bar
 from home_mjx.training.records import Records
@@ -87,6 +86,10 @@ def train(
 
 def _updates_done(path: Path, config: RunConfig, resume: bool) -> int:
     """What an earlier part of the run has done; refuses a run that could not begin, before any house is made."""
+    core = config.env.core()
+    for _, options in config.stages:
+        if core is not None:
+            options.check_devices(len(jax.devices()), core.num_agents)
     if not path.exists():
         if config.start is not None:
             read_config(config.start)
@@ -212,7 +215,7 @@ def evaluate_checkpoint(
     """
     check_episodes(num_episodes)
     spec = read_config(path).env
-    spec = spec if split is None else dataclasses.replace(spec, split=split, num_houses=num_houses)
+    spec = spec if split is None else judged(spec, split, num_houses)
     env = made(spec, progress)
     policy = load_policy(path, env.core, greedy)
     begun = time.perf_counter()

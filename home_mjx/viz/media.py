@@ -9,12 +9,18 @@ import numpy as np
 from jaxtyping import Float, UInt8
 from PIL import Image
 
+from home_mjx.core.files import write_durably, writing
 from home_mjx.errors import HomeMjxError
 
 
 def write_png(path: Path, image: UInt8[np.ndarray, "h w 3"]) -> None:
-    """Writes a picture."""
-    Image.fromarray(image).save(path)
+    """Writes a picture.
+
+    Raises:
+        ConfigError: It cannot be written, such as on a full disk; nothing of it is left.
+    """
+    with write_durably(path, "picture") as file:
+        Image.fromarray(image).save(file, format="PNG")
 
 
 def write_wav(path: Path, samples: Float[np.ndarray, "2 n"], sample_rate: int) -> float:
@@ -22,10 +28,13 @@ def write_wav(path: Path, samples: Float[np.ndarray, "2 n"], sample_rate: int) -
 
     Returns:
         The gain that was applied.
+
+    Raises:
+        ConfigError: It cannot be written, such as on a full disk; nothing of it is left.
     """
     gain = 0.9 / max(float(np.abs(samples).max()), 1e-9)
     pcm = np.round(samples.T * gain * 32767).astype("<i2")
-    with wave.open(str(path), "wb") as out:
+    with write_durably(path, "sound") as file, wave.open(file, "wb") as out:
         out.setnchannels(2)
         out.setsampwidth(2)
         out.setframerate(sample_rate)
@@ -37,13 +46,21 @@ def write_mp4(path: Path, frames: UInt8[np.ndarray, "t h w 3"], fps: float, wav:
     """Writes a film, with the sound of `wav` if given.
 
     Raises:
-        HomeMjxError: ffmpeg failed; the message quotes it.
+        HomeMjxError: ffmpeg failed, such as on a full disk; the message quotes it. Nothing is left of the film then.
     """
     _, height, width, _ = frames.shape
     video = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", str(fps), "-i", "-"]
     audio = ["-i", str(wav), "-c:a", "aac", "-b:a", "160k"] if wav else []
     command = [imageio_ffmpeg.get_ffmpeg_exe(), "-y", "-loglevel", "error", *video, *audio]
-    command += ["-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "18", str(path)]
-    done = subprocess.run(command, input=frames.tobytes(), capture_output=True, check=False)
-    if done.returncode != 0:
-        raise HomeMjxError(f"ffmpeg could not write the film: {done.stderr.decode(errors='replace')}", file=path)
+    command += ["-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "18"]
+    beside = path.with_name(f".new.{path.name}")  # ffmpeg knows the format by the end of the name
+    try:
+        done = subprocess.run([*command, str(beside)], input=frames.tobytes(), capture_output=True, check=False)
+        if done.returncode != 0:
+            said = done.stderr.decode(errors="replace").strip() or f"it ended with code {done.returncode}"
+            hint = "If the disk is full, free some space, or name another folder."
+            raise HomeMjxError(f"ffmpeg could not write the film: {said}", file=path, hint=hint)
+        with writing("film", path):
+            beside.replace(path)
+    finally:
+        beside.unlink(missing_ok=True)

@@ -27,7 +27,7 @@ def test_check_env(generated_bank):
 
 def test_check_env_where_the_task_leads_the_other_agents(generated_bank):
     """There is one agent for whoever learns: no axis of agents, no reward per agent."""
-    options = {"impl": "kinematic", "num_tasks": 2, "sensors": ("state",), "episode_length": 5}
+    options = {"impl": "kinematic", "num_tasks": 2, "sensors": ("state",), "episode_length": 5, "follow_steps": 3}
     env = GymEnv("PiedPiper-v0", houses=generated_bank, **options)
     assert env.action_space == gymnasium.spaces.Discrete(6)
     assert env.observation_space["state"].shape == (10,)

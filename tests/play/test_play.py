@@ -9,13 +9,15 @@ from pathlib import Path
 import imageio_ffmpeg
 import numpy as np
 import pytest
+from full_disk import full_disk
 from PIL import Image
 
 from home_mjx.cli import main
 from home_mjx.datasets import generate_dataset
-from home_mjx.errors import ConfigError
+from home_mjx.errors import ConfigError, HomeMjxError
+from home_mjx.play.episode import Outcome
 from home_mjx.play.film import Film, fitted, frame
-from home_mjx.play.run import PlayOptions, run_play
+from home_mjx.play.run import PlayOptions, _Reporter, run_play
 from home_mjx.registry import EnvSpec, find_spec
 
 
@@ -49,6 +51,24 @@ def test_a_film_runs_in_real_time_with_sound_and_never_slower_than_can_be_follow
         assert len(frames) == len(film.frames) == 1 + round(1.5 * film.fps)
         assert (frames[0].mean() < 20, frames[-1].mean() > 180) == (True, True)
     assert sum(sound.shape[1] for sound in heard.sounds) == 16000 * 0.3 * len(heard.frames)
+
+
+@pytest.mark.parametrize("size", [0, 1000, 50_000, 10**7])
+def test_a_full_disk_leaves_all_of_a_film_or_nothing(tmp_path: Path, rng: np.random.Generator, size: int):
+    """Half a film was left, or one without its picture and its outcomes."""
+    reporter, film = object.__new__(_Reporter), Film(0.3)
+    film.end(np.zeros((64, 64, 3), np.uint8))
+    film.ends = [rng.integers(0, 255, (200, 300, 3), np.uint8)]  # a picture much larger than the film
+    reporter.options, reporter.film = PlayOptions(find_spec("PointNav-v0"), out=tmp_path), film
+    outcome = Outcome(1, "PointNav", "", "a", 1.0, 1.0, 2, 3.0)
+    if size == 10**7:
+        reporter.write([outcome])
+        assert {path.suffix for path in tmp_path.iterdir()} == {".mp4", ".png", ".jsonl"}
+        return
+    with full_disk(size), pytest.raises(HomeMjxError, match="writ") as raised:
+        reporter.write([outcome])
+    assert raised.value.hint
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize(

@@ -34,6 +34,9 @@ def test_impossible_bodies_are_refused(options, words):
         ({"sim_dt": 0.0}, "`sim_dt`"),
         ({"sample_rate": 22050, "ctrl_dt": 0.033, "sim_dt": 0.033}, "whole number of samples, got 727.65"),
         ({"sample_rate": 0}, "`sample_rate`"),
+        ({"sample_rate": 10**30}, "`sample_rate`"),
+        ({"ctrl_dt": 1e308}, "`ctrl_dt`"),
+        ({"ctrl_dt": 1e308, "sim_dt": 1e308}, "`ctrl_dt`"),
     ],
 )
 def test_impossible_clocks_are_refused(options, words):

@@ -152,7 +152,7 @@ def test_any_environment_can_be_learned_in(generated_bank, options: dict, final_
 @pytest.mark.parametrize("final_obs", ["cheap", "all"])
 def test_agents_that_the_task_leads_are_no_rows_to_learn_from(generated_bank, final_obs: str):
     options = {"sensors": ("state", "depth"), "width": 16, "height": 16, "impl": "kinematic", "num_tasks": 2}
-    env = home_mjx.make("PiedPiper-v0", generated_bank, episode_length=4, **options)
+    env = home_mjx.make("PiedPiper-v0", generated_bank, episode_length=4, follow_steps=2, **options)
     ppo = PPO(env.core, dataclasses.replace(SMALL, final_obs=final_obs), ONE)
     state = ppo.init(env.params, jax.random.key(0))
     new, metrics = ppo.update(env.params, state)

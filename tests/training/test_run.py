@@ -3,7 +3,6 @@
 import contextlib
 import dataclasses
 import json
-import resource
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -14,6 +13,8 @@ import numpy as np
 import pytest
 
 pytest.importorskip("tensorboardX", reason="needs the extra `train`")
+
+from full_disk import full_disk
 
 import home_mjx
 from home_mjx.errors import ConfigError, DatasetError, HomeMjxError, MissingFileError
@@ -78,17 +79,6 @@ def files(out: Path) -> set[str]:
 def plain(out: Path) -> list[dict]:
     timed = ("seconds", "compile_seconds", "steps_per_second")
     return [{k: v for k, v in line.items() if k not in timed} for line in read_lines(out / "metrics.jsonl")]
-
-
-@contextlib.contextmanager
-def full_disk(size: int) -> Iterator[None]:
-    """No file can be longer than this."""
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
 def raised_in_time(function: Callable[[], object]) -> BaseException | None:
@@ -252,3 +242,18 @@ def test_a_state_of_other_parts_is_not_gone_on_with(tmp_path: Path):
     save_checkpoint(tmp_path / "checkpoint.npz", state.replace(net={"count": jnp.zeros(5)}, updates=3), CONFIG)
     with pytest.raises(DatasetError, match="expected float32"):
         train(tmp_path, resume=True)
+
+
+def test_numbers_that_do_not_divide_are_refused_before_any_house_is_made(tmp_path: Path, monkeypatch):
+    def made(spec, progress):
+        raise AssertionError("houses were made")
+
+    monkeypatch.setattr(run, "made", made)
+    for changes, said in (({"num_envs": 9}, "multiple of the 2 devices"), ({"num_minibatches": 3}, "must divide 4")):
+        config = dataclasses.replace(CONFIG, ppo=dataclasses.replace(SMALL, **changes))
+        with pytest.raises(ConfigError, match=said):
+            train(tmp_path, config)
+    two = dataclasses.replace(CONFIG.env, options={**CONFIG.env.options, "num_agents": 2})
+    with pytest.raises(AssertionError, match="houses were made"):  # 8 environments of 2 agents on 2 devices
+        train(tmp_path, RunConfig(two, dataclasses.replace(SMALL, num_minibatches=8)))
+    assert files(tmp_path) == set()

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from home_mjx.audio_jax.base.air import speed_of_sound
 from home_mjx.core.checks import check_known, check_number, check_type
 from home_mjx.errors import ConfigError
-from home_mjx.schema.timing import Timing
+from home_mjx.schema.timing import LONGEST, Timing
 
 RECEIVERS = ("binaural", "omni")
 DETECTORS = ("rain", "sphere")
@@ -77,6 +77,8 @@ class AudioConfig:
             check_number(name, getattr(self, name))
         for name in ("response_seconds", "bin_seconds", "detector_radius", "head_radius", "pressure"):
             check_number(name, getattr(self, name))
+            if name.endswith("_seconds"):
+                check_number(name, getattr(self, name), most=LONGEST)
             if getattr(self, name) <= 0:
                 raise ConfigError(f"`{name}` must be positive, got {getattr(self, name)}")
         if not 0 <= self.humidity <= 100 or not -70 <= self.temperature <= 70:

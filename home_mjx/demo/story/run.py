@@ -6,7 +6,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from home_mjx.demo.output import moved_when_done
+from home_mjx.core.files import write_together
 from home_mjx.demo.story.film import Film
 from home_mjx.demo.story.house import write_story_house
 from home_mjx.demo.story.places import Places
@@ -51,6 +51,6 @@ def run_story(options: StoryOptions) -> float:
             steps.update()
 
         play(env, told)
-        with moved_when_done(options.out) as folder:
+        with write_together(options.out, "story") as folder:
             film.write(folder)
     return len(film.shots) * env.dt

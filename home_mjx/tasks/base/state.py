@@ -9,6 +9,7 @@ from jaxtyping import Array, Bool, Float, Int, UInt32
 from home_mjx.audio_jax.base.endpoints import Sounds
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.pytree import Pytree
+from home_mjx.errors import ConfigError, OutOfRangeError
 from home_mjx.tasks.variation.draw import Drawn
 from home_mjx.tasks.variation.ranges import Variation
 
@@ -29,17 +30,30 @@ class Episodes(Pytree):
     def pick(self, index: Int[Array, "..."] | int) -> "Episodes":
         """One episode, or some; also inside `jit`.
 
-        An index out of range raises `IndexError` on the host and takes the nearest row inside `jit`.
+        Inside `jit`, an index out of range takes the nearest row.
+
+        Raises:
+            OutOfRangeError: An index is out of range; it is an `IndexError`, too.
+            ConfigError: It is no whole number.
         """
-        if not isinstance(index, jax.core.Tracer) and np.size(index):  # pyright: ignore[reportAttributeAccessIssue]
-            low, high = int(np.min(index)), int(np.max(index))
-            if low < 0 or high >= len(self):
-                raise IndexError(f"there are episodes 0 to {len(self) - 1}, asked for {low} to {high}")
+        if not isinstance(index, jax.core.Tracer):  # pyright: ignore[reportAttributeAccessIssue]
+            check_rows(index, len(self))
         return jax.tree.map(lambda rows: rows[index], self)
 
     def __len__(self) -> int:
         """Number of rows."""
         return self.house.shape[0]
+
+
+def check_rows(index: Any, count: int) -> None:
+    """Raises `ConfigError` unless `index` is the number of one of so many rows, or an array of such."""
+    array = np.asarray(index)
+    if array.dtype.kind not in "biu":
+        hint = "Write tasks.pick(jnp.array([0, 2])), or tasks.where(mask) for those for which a comparison holds."
+        raise ConfigError(f"expected numbers of rows, got {index!r:.60}", hint=hint)
+    if array.size and not 0 <= array.min() <= array.max() < count:
+        message = f"there are episodes 0 to {count - 1}, asked for {array.min()} to {array.max()}"
+        raise OutOfRangeError(message, hint="Their number is the `len` of what they are picked from.")
 
 
 class EnvParams(Pytree):

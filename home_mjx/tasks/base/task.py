@@ -78,6 +78,11 @@ class Task:
         return None
 
     @property
+    def stops_for_good(self) -> bool:
+        """Whether who has chosen the discrete action `stop` does nothing more; else it is as if it had stood still."""
+        return True
+
+    @property
     def columns(self) -> tuple[str, ...]:
         """Names of what an episode of this task needs besides house, start and yaw."""
         return ()

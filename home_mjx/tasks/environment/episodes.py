@@ -10,8 +10,8 @@ import numpy as np
 from jaxtyping import Array, Bool
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.core.checks import check_number
-from home_mjx.core.files import read_json_lines
+from home_mjx.core.checks import check_number, check_type
+from home_mjx.core.files import as_path, read_json_lines, write_durably
 from home_mjx.errors import ConfigError, DatasetError, UnknownIdError
 from home_mjx.tasks.base.state import Episodes
 from home_mjx.tasks.base.task import Task
@@ -70,6 +70,9 @@ def sample_episodes(
 
 def save_episodes(path: str | Path, bank: HouseBank, episodes: Episodes, task: Task = POINT_NAV) -> None:
     """Writes episodes as JSON lines, with ids and places instead of indices, so that any bank of the houses will do."""
+    as_path(path, "episodes")
+    check_type("bank", bank, HouseBank)
+    check_type("episodes", episodes, Episodes)
     ids, host = bank.house_ids, jax.tree.map(np.asarray, episodes)
     lines = []
     for i in range(len(host)):
@@ -77,10 +80,8 @@ def save_episodes(path: str | Path, bank: HouseBank, episodes: Episodes, task: T
         columns = {name: values[i] for name, values in host.columns.items()}
         own = {"house": ids[house], "start": host.start[i].tolist(), "yaw": float(host.yaw[i])}
         lines.append(json.dumps(own | task.to_json(bank, house, columns)))
-    try:
-        Path(path).write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
-    except OSError as error:
-        raise ConfigError(f"episodes cannot be written: {error.strerror}", file=path) from None
+    with write_durably(as_path(path, "episodes"), "episodes") as file:
+        file.write("".join(f"{line}\n" for line in lines).encode())
 
 
 def load_episodes(path: str | Path, bank: HouseBank, task: Task = POINT_NAV) -> Episodes:
@@ -95,8 +96,10 @@ def load_episodes(path: str | Path, bank: HouseBank, task: Task = POINT_NAV) -> 
         DatasetError: A line is broken, names a house that the bank lacks or a goal that the house lacks, or starts
             where no way leads to the goal.
     """
+    file = as_path(path, "episodes")
+    check_type("bank", bank, HouseBank)
     index = {name: i for i, name in enumerate(bank.house_ids)}
-    rows = list(read_json_lines(Path(path), "episode", lambda line: _row(line, bank, index, task), MAX_BYTES))
+    rows = list(read_json_lines(file, "episode", lambda line: _row(line, bank, index, task), MAX_BYTES))
     if not rows:
         hint = "Write one JSON object a line, see `save_episodes`."
         raise DatasetError("file holds no episode", file=path, hint=hint)

@@ -225,7 +225,7 @@ class HouseholdEnv:
         and `World.faults` tell of it.
         """
         bank, template = params.bank, self.template(params.bank)
-        moves = moves_of(self.config, action, state.world.stopped, self.num_agents)
+        moves = moves_of(self.config, action, self._stopped(state), self.num_agents)
         moves = with_noise(self.config, self._led(params, state, moves), state.world)
         before = self._use_hands(params, self._set_off(params, state, moves), moves)
         data, lost = physics.step_checked(template, bank, state.world.house, before, moves.drive)
@@ -284,7 +284,12 @@ class HouseholdEnv:
         if type(self.task).lead is Task.lead:
             return moves
         led = self.task.lead(self.snapshot(params, state), state.task)
-        return moves if led is None else with_led(self.config, moves, state.world.stopped, *led)
+        return moves if led is None else with_led(self.config, moves, self._stopped(state), *led)
+
+    def _stopped(self, state: State) -> Array:
+        """Agents that do nothing any more."""
+        stopped = state.world.stopped
+        return stopped if self.task.stops_for_good else jnp.zeros_like(stopped)
 
     def _set_off(self, params: EnvParams, state: State, moves: Moves) -> State:
         """Agents at the speed of their discrete action: it takes them exactly as far as it says."""

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.typing import ArrayLike
 
-from home_mjx.core.files import read_arrays, write_durably
+from home_mjx.core.files import as_path, read_arrays, write_durably
 from home_mjx.errors import DatasetError
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.base.status import Status
@@ -123,11 +123,11 @@ def _by_place(states: State) -> dict[str, np.ndarray]:
 
 
 def _write(path: str | Path, arrays: dict[str, np.ndarray]) -> None:
-    with write_durably(Path(path), "states") as file:
+    with write_durably(as_path(path, "states"), "states") as file:
         np.savez_compressed(file, **arrays)  # pyright: ignore[reportArgumentType]
 
 
 def _read(path: str | Path, names: list[str]) -> list[np.ndarray]:
     return read_arrays(
-        Path(path), names, "file of states", "Name one that `save_states` or `dump_flagged` has written."
+        as_path(path, "states"), names, "file of states", "Name one that `save_states` or `dump_flagged` has written."
     )

@@ -200,10 +200,6 @@ class PiedPiper(Navigation):
         reward = super().reward(snapshot, before, state)
         return jnp.where(jnp.arange(len(reward)) == FOLLOWER, reward, 0.0)
 
-    def terminated(self, snapshot: Snapshot, state: PiedPiperState) -> Bool[Array, ""]:
-        """It has followed for long enough, or has stopped."""
-        return (state.stage < 0) | snapshot.stopped[FOLLOWER]
-
     def metrics(self, snapshot: Snapshot, state: PiedPiperState) -> dict[str, Float[Array, ""]]:
         """Success, distance from the follower to the piper [m], part of the steps near it, collisions, stage."""
         steps = jnp.maximum(snapshot.step, 1).astype(jnp.float32)

@@ -9,7 +9,9 @@ from jaxtyping import Bool, Float
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.tasks.base.state import Episodes
+from home_mjx.tasks.limits.starts import can_stand
 from home_mjx.tasks.limits.table import MEANT, Range
+from home_mjx.tasks.limits.waiting import least_steps
 from home_mjx.tasks.rows.program import OF_ONE, OF_TWO
 from home_mjx.tasks.rows.words import NUM_CONDITIONS, Feature, Kind, Word
 from home_mjx.tasks.sounds.row import VOICED
@@ -42,6 +44,7 @@ def first_fault(
     limits: Mapping[str, Range],
     features: Float[np.ndarray, "features 2"],
     hints: Mapping[str, str],
+    most_steps: float = np.inf,
 ) -> Fault | None:
     """The first fault that rows have; None: they have none.
 
@@ -51,13 +54,14 @@ def first_fault(
         limits: What columns may hold, see `limits`.
         features: What values features can have, see `feature_limits`.
         hints: What to do about a column, or a feature, by name in small letters.
+        most_steps: Of an episode.
     """
     columns = numbers_of(rows)
     ranges = {name: limits[name] for name in columns if name in limits}
     ranges |= {"house": Range(0, bank.num_houses - 1, whole=True)}
-    found = _out_of_range(columns, ranges, hints) or _outside(columns, bank)
+    found = _out_of_range(columns, ranges, hints) or _outside(columns, bank) or _stuck(columns, bank)
     if found is None and "needs" in columns:
-        found = next(_of_programs(columns, features, hints), None)
+        found = next(_of_programs(columns, features, hints), None) or _too_late(columns, most_steps)
     return found
 
 
@@ -97,6 +101,28 @@ def _outside(columns: Columns, bank: HouseBank) -> Fault | None:
         return None
     place = ", ".join(f"{x:g}" for x in start[at[0]])
     return Fault(at[0], "start", f"`start` ({place}) is not in its house", "Begin on the floor of a room [m].")
+
+
+def _stuck(columns: Columns, bank: HouseBank) -> Fault | None:
+    at = _first(~can_stand(bank, columns["house"], columns["start"]))
+    return None if at is None else no_room(at[0], columns["start"][at[0]])
+
+
+def no_room(row: int, start: Float[np.ndarray, "3"]) -> Fault:
+    """What is wrong with a row that begins where nobody can stand."""
+    place = ", ".join(f"{x:g}" for x in start)
+    return Fault(row, "start", f"nobody can stand at `start` ({place})", "Begin on a free piece of floor [m].")
+
+
+def _too_late(columns: Columns, most_steps: float) -> Fault | None:
+    steps = least_steps(columns)
+    at_once = dict(columns) | {"least": np.zeros_like(columns["least"])}
+    late = steps > most_steps
+    at = _first(late & np.isfinite(least_steps(at_once))) if late.any() else None
+    if at is None:
+        return None
+    message = f"success takes {steps[at[0]]:g} steps of `time` at least, an episode has {most_steps:g}"
+    return Fault(at[0], "needs", message, "Give a longer episode_length, or let the task ask for less `time`.")
 
 
 def _of_programs(

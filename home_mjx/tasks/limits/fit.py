@@ -108,6 +108,6 @@ def _check_rows(config: EnvConfig, bank: HouseBank, rows: Episodes, ranges: dict
         ("agent", "meant.agent", "told"), f"There are {config.num_agents} agents: see num_agents=..."
     )
     hints |= {"held": "Give hands=True.", "stopped": 'Give actions="discrete".', "said": "Give speech=(...)."}
-    fault = first_fault(rows, bank, ranges, feature_limits(config), hints)
+    fault = first_fault(rows, bank, ranges, feature_limits(config), hints, config.episode_length)
     if fault is not None:
         raise ConfigError(fault.message, element=f"task {fault.row}, {fault.field}", hint=fault.hint)

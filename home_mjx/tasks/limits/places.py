@@ -5,14 +5,13 @@ from jaxtyping import UInt16
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.schema.compiled import FIELD_FAR, FIELD_UNIT
-from home_mjx.tasks.base.state import ON_FLOOR
-from home_mjx.tasks.limits.faults import Fault
+from home_mjx.tasks.limits.faults import Fault, no_room
+from home_mjx.tasks.limits.starts import can_stand
 from home_mjx.tasks.rows.build import can_be_done
 from home_mjx.tasks.rows.house_view import HouseView
 from home_mjx.tasks.rows.meaning import means_on_host
 from home_mjx.tasks.rows.words import Kind, Word
 
-BESIDE = 1.5  # cells: starts are no farther from the middle of one
 NAMED = (Kind.OBJECT, Kind.ROOM)
 
 
@@ -33,11 +32,10 @@ def first_impossible(
     lost = np.isin(descriptor[..., Word.KIND], NAMED) & ~there
     home = view.graph.place
     nearest = fields[: len(home)].min(axis=0, initial=FIELD_FAR) * FIELD_UNIT
+    stands = can_stand(bank, np.full(len(rows), view.house), np.stack([row["start"] for row in rows]))
     for number, row in enumerate(rows):
-        if not _stands(view, row["start"]):
-            place = ", ".join(f"{x:g}" for x in row["start"])
-            message = f"nobody can stand at `start` ({place})"
-            return Fault(number, "start", message, "Begin on a free piece of floor [m].")
+        if not stands[number]:
+            return no_room(number, row["start"])
         if lost[number].any():
             name = f"meant[{np.argmax(lost[number])}]"
             return Fault(number, name, "the house has nothing that this means", "`HouseView.things` lists what it has.")
@@ -45,9 +43,3 @@ def first_impossible(
             message = "no way leads to what the task asks for, or none as near to it"
             return Fault(number, "meant", message, "Name another goal, or let `most` of `distance` be greater.")
     return None
-
-
-def _stands(view: HouseView, start: np.ndarray) -> bool:
-    """Whether a place is in or beside a cell from which ways lead to everything."""
-    reach = np.array([BESIDE, BESIDE, 0]) * view.bank.spec.cell + [0, 0, ON_FLOOR]
-    return bool(np.any(np.all(np.abs(view.graph.place - start) < reach, axis=1)))

@@ -19,7 +19,7 @@ from home_mjx.tasks.rows.machine import advance, conditions
 from home_mjx.tasks.rows.meaning import Means, means
 from home_mjx.tasks.rows.program import Program
 from home_mjx.tasks.rows.task_bank import TaskBank, program_of
-from home_mjx.tasks.rows.words import ANY, NUM_TOKENS, SUCCESS, Feature, Word
+from home_mjx.tasks.rows.words import ANY, FAILURE, NUM_TOKENS, SUCCESS, Feature, Word
 from home_mjx.tasks.sounds.emit import emitted
 from home_mjx.tasks.sounds.row import Emission, emission_of, is_audible
 from home_mjx.tasks.speech.talk import NONE, Talk, as_observed, is_told, of_others, replies, talk_of
@@ -53,6 +53,7 @@ class RowState(Pytree):
     reply: Int[Array, " a"]  # token, of the oracle in the last step; -1 none
     asked: Int[Array, ""]  # questions that the oracle has answered
     spoken: Int[Array, ""]  # words that were said
+    mistakes: Int[Array, ""]  # such as wrong stops and answers: one at most where they end the episode
     looked: Looked | None  # what the last transition was decided by, if `RowTask.keep_looks`
 
 
@@ -69,8 +70,9 @@ class RowTask(Task):
         step_cost: Taken every step.
         contact_cost: Taken while touching anything but the floor.
         question_cost: Taken for each question that an oracle answers.
-        failure_cost: Taken where an episode ends by a mistake, such as a wrong `stop` or answer; running out of time is
-            none. Without it, agents that are not yet good at going on learn to stop at once.
+        failure_cost: Taken for a mistake, such as a wrong `stop` or answer; running out of time is none. Without it,
+            agents that are not yet good at going on learn to stop at once.
+        mistakes_end: A mistake ends the episode. False, for training: it costs, and the episode goes on.
         keep_looks: States keep what conditions have looked at, so that experts need not look again: `with_expert`
             wants it.
     """
@@ -84,14 +86,21 @@ class RowTask(Task):
     contact_cost: float = 0.01
     question_cost: float = 0.05
     failure_cost: float = 0.0
+    mistakes_end: bool = True
     keep_looks: bool = False
 
     def __post_init__(self) -> None:
         check_number("num_tasks", self.num_tasks, 1, whole=True)
         check_number("task_seed", self.task_seed, 0, whole=True)
         check_flag("keep_looks", self.keep_looks)
+        check_flag("mistakes_end", self.mistakes_end)
         for name in ("min_length", "max_length", "progress_reward", *COSTS):
             check_number(name, getattr(self, name), 0)
+
+    @property
+    def stops_for_good(self) -> bool:
+        """Where mistakes end episodes."""
+        return self.mistakes_end
 
     @property
     def generators(self) -> tuple[Generator, ...]:
@@ -160,6 +169,7 @@ class RowTask(Task):
             reply=jnp.full(agents, NONE, jnp.int32),
             asked=zero,
             spoken=zero,
+            mistakes=zero,
             looked=looked if self.keep_looks else None,
         )
 
@@ -169,6 +179,10 @@ class RowTask(Task):
         time = snapshot.step - state.since
         looked = look(snapshot, state.program, state.means, snapshot.tasks.field, time)
         stage, gained, taken = advance(state.program, state.stage, conditions(state.program, looked.values))
+        mistaken = (stage == FAILURE) | (_have_stopped(self, snapshot) & (stage != SUCCESS))
+        if not self.mistakes_end:
+            forgiven = stage == FAILURE
+            stage, taken = jnp.where(forgiven, state.stage, stage), taken & ~forgiven
         moved = jnp.linalg.norm(snapshot.pose.pos - state.place, axis=-1)
         reply = replies(state.talk, snapshot.said)
         return state.replace(
@@ -182,6 +196,7 @@ class RowTask(Task):
             reply=reply,
             asked=state.asked + jnp.sum(reply >= 0, dtype=jnp.int32),
             spoken=state.spoken + jnp.sum(snapshot.said >= 0, dtype=jnp.int32),
+            mistakes=state.mistakes + mistaken,
             looked=looked if self.keep_looks else None,
         )
 
@@ -214,13 +229,12 @@ class RowTask(Task):
         progress = jnp.where(guide < 0, 0.0, jnp.clip(progress, -LEAP, LEAP))
         costs = jnp.float32(self.step_cost) + jnp.float32(self.contact_cost) * snapshot.contact.astype(jnp.float32)
         costs = costs + jnp.float32(self.question_cost) * (state.reply >= 0)
-        failed = self.terminated(snapshot, state) & (state.stage != SUCCESS)
-        costs = costs + jnp.float32(self.failure_cost) * failed
+        costs = costs + jnp.float32(self.failure_cost) * (state.mistakes - before.mistakes)
         return jnp.float32(self.progress_reward) * progress + state.gained - costs
 
     def terminated(self, snapshot: Snapshot, state: RowState) -> Bool[Array, ""]:
         """A stage that ends the episode, or all agents that act have stopped."""
-        return (state.stage < 0) | jnp.all(snapshot.stopped[: self.num_acting])
+        return (state.stage < 0) | (_have_stopped(self, snapshot) & self.mistakes_end)
 
     def metrics(self, snapshot: Snapshot, state: RowState) -> dict[str, Float[Array, ""]]:
         """Habitat's: success, SPL, soft SPL, distance to the goal [m], collisions; and the stage.
@@ -249,6 +263,10 @@ class RowTask(Task):
             return {}
         answered = (state.spoken > 0) & (state.talk.answer >= 0)
         return {"answered": answered.astype(jnp.float32), "questions": state.asked.astype(jnp.float32)}
+
+
+def _have_stopped(task: RowTask, snapshot: Snapshot) -> Bool[Array, ""]:
+    return jnp.all(snapshot.stopped[: task.num_acting])
 
 
 def _followed(snapshot: Snapshot, state: RowState) -> Program:

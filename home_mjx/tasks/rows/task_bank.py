@@ -38,9 +38,9 @@ class TaskBank(Pytree):
         return len(self.rows)
 
     def pick(self, index: Int[Array, "..."]) -> "TaskBank":
-        """Some rows, such as those of a split; the others are gone, the fields stay."""
-        weights = None if self.weights is None else self.weights[index]
-        return self.replace(rows=self.rows.pick(index), weights=weights)
+        """Some rows, such as those of a split; the others are gone, the fields stay; errors as of `Episodes.pick`."""
+        rows = self.rows.pick(index)
+        return self.replace(rows=rows, weights=None if self.weights is None else self.weights[index])
 
     def weighted(self, weights: Any) -> "TaskBank":
         """The same rows, drawn as often as weights say; also inside `jit`, where their number alone is checked.

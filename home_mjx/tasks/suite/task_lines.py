@@ -11,7 +11,8 @@ from jaxtyping import UInt16
 
 from home_mjx.audio_jax.auralization.sources import CLIPS
 from home_mjx.bank.bank import HouseBank
-from home_mjx.core.files import read_json_lines
+from home_mjx.core.checks import check_type
+from home_mjx.core.files import as_path, read_json_lines, write_durably
 from home_mjx.errors import ConfigError, DatasetError, UnknownIdError
 from home_mjx.scene_compile.semantics.vocabulary import number_of, vocabularies
 from home_mjx.tasks.language.phrases import COLUMN
@@ -46,6 +47,9 @@ def save_tasks(path: str | Path, bank: HouseBank, tasks: TaskBank) -> None:
     Example:
         >>> save_tasks("tasks.jsonl", env.params.bank, env.params.tasks)  # doctest: +SKIP
     """
+    as_path(path, "tasks")
+    check_type("bank", bank, HouseBank)
+    check_type("tasks", tasks, TaskBank)
     ids, host = bank.house_ids, jax.tree.map(np.asarray, tasks.rows)
     lines = []
     for at in range(len(host)):
@@ -56,10 +60,8 @@ def save_tasks(path: str | Path, bank: HouseBank, tasks: TaskBank) -> None:
         line |= {"sounds": sounds} if (sounds := _sounds(row)) else {}
         line |= _talk(row)
         lines.append(json.dumps(line))
-    try:
-        Path(path).write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
-    except OSError as error:
-        raise ConfigError(f"tasks cannot be written: {error.strerror}", file=path) from None
+    with write_durably(as_path(path, "tasks"), "tasks") as file:
+        file.write("".join(f"{line}\n" for line in lines).encode())
 
 
 def load_tasks(path: str | Path, bank: HouseBank) -> TaskBank:
@@ -76,9 +78,11 @@ def load_tasks(path: str | Path, bank: HouseBank) -> TaskBank:
     Example:
         >>> env = env.with_tasks(load_tasks("tasks.jsonl", env.params.bank))  # doctest: +SKIP
     """
+    file = as_path(path, "tasks")
+    check_type("bank", bank, HouseBank)
     index = {name: number for number, name in enumerate(bank.house_ids)}
     names: dict[str, int] = {}
-    rows = list(read_json_lines(Path(path), "task", lambda line: _row(line, index, names), MAX_BYTES))
+    rows = list(read_json_lines(file, "task", lambda line: _row(line, index, names), MAX_BYTES))
     if not rows:
         raise DatasetError("file holds no task", file=path, hint="Write one JSON object a line, see `save_tasks`.")
     fields = {}

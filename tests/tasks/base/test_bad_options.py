@@ -14,6 +14,7 @@ from home_mjx.raycast_render.cameras.camera import Lens
 from home_mjx.raycast_render.shading.preset import Lit
 from home_mjx.scene_compile.collision.movables import MovableOptions
 from home_mjx.scene_compile.navigation.free_space import NavigationOptions
+from home_mjx.scene_compile.semantics.looks.options import SemanticOptions
 from home_mjx.tasks.base.config import AgentCamera
 from home_mjx.tasks.base.options import make_config
 from home_mjx.tasks.base.status import Status
@@ -26,7 +27,9 @@ REFUSED = {
         ("width", 0), ("episode_length", 0), ("depth_max", -1.0), ("depth_max", NAN), ("eye_height", NAN),
         ("source_height", INF), ("pitch_max", 10.0), ("executor", "gpu"), ("fovy", 180.0), ("num_agents", 0),
         ("agent_mass", NAN), ("num_rays", 0), ("humidity", NAN),
+        ("response_seconds", 1e308), ("bin_seconds", 1e308), ("ctrl_dt", 1e308),
     ],
+    SemanticOptions: [("share", 0.0), ("share", -1.0), ("share", NAN), ("share", 1e308)],
     NavigationOptions: [
         ("cell", 0.0), ("cell", -0.1), ("step", NAN), ("agent_height", NAN), ("agent_height", -2.0),
         ("agent_radius", -1.0), ("margin", -1.0), ("num_goals", 0), ("num_starts", 0),
@@ -54,6 +57,8 @@ def test_cameras_that_cannot_give_what_they_should_are_refused():
 
 
 WRONG_TYPES = """
+import tempfile
+from pathlib import Path
 from home_mjx import AutoReset, BoundEnv, HouseBank, HouseFilter, HouseholdEnv, HouseStream, make
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render import Lens
@@ -62,7 +67,8 @@ from home_mjx.scene_compile import CompileOptions
 from home_mjx.scene_compile import MovableOptions
 from home_mjx.scene_compile import NavigationOptions
 from home_mjx.datasets import ReadOptions
-from home_mjx.tasks import AgentCamera, make_config
+from home_mjx.tasks import AgentCamera, Episodes, TaskBank, make_config
+from home_mjx.tasks import load_episodes, load_tasks, save_episodes, save_tasks
 
 options = [
     ("width", 3.5), ("width", "64"), ("width", True), ("height", float("nan")), ("samples", 1.5), ("look_rate", "x"),
@@ -104,7 +110,22 @@ calls |= {
     "rooms": lambda: HouseFilter(rooms=5),
     "category": lambda: HouseFilter(categories="bed"),
     "a bank as options": lambda: HouseholdEnv(HouseBank.__new__(HouseBank)),
+    "a part in words": lambda: make("PointNav-v0", **{"compile.semantics.share": "half"}),
     "a bound environment": lambda: AutoReset(BoundEnv.__new__(BoundEnv)),
+}
+bank, path = HouseBank.__new__(HouseBank), Path(tempfile.mkdtemp()) / "tasks.jsonl"
+for name, call in {
+    "save_tasks": lambda path, bank: save_tasks(path, bank, TaskBank.__new__(TaskBank)), "load_tasks": load_tasks,
+    "save_episodes": lambda path, bank: save_episodes(path, bank, Episodes.__new__(Episodes)),
+    "load_episodes": load_episodes,
+}.items():
+    calls |= {
+        f"{name} of no file": lambda call=call: call(None, bank),
+        f"{name} of no houses": lambda call=call: call(path, None),
+    }
+calls |= {
+    "no tasks": lambda: save_tasks(path, bank, None),
+    "no episodes": lambda: save_episodes(path, bank, 5),
 }
 for name, call in calls.items():
     try:

@@ -9,7 +9,7 @@ from checked import checked
 from handmade import Furniture, shoebox
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.errors import ConfigError, DatasetError
+from home_mjx.errors import ConfigError, DatasetError, OutOfRangeError
 from home_mjx.navigation.grid import geodesic_distance
 from home_mjx.tasks.base.options import make_config
 from home_mjx.tasks.environment.autoreset import AutoReset
@@ -129,7 +129,7 @@ def test_episodes_out_of_range_are_refused(bank):
     episodes = sample_episodes(bank, 8)
     assert episodes.pick(7).house.shape == ()
     for index in (8, -1, jnp.array([0, 100])):
-        with pytest.raises(IndexError, match="episodes 0 to 7"):
+        with pytest.raises(OutOfRangeError, match="episodes 0 to 7"):
             episodes.pick(index)
 
 

@@ -8,13 +8,15 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy.ndimage import distance_transform_edt
 
-from home_mjx.errors import ConfigError, DatasetError
+from home_mjx.errors import ConfigError, DatasetError, OutOfRangeError
 from home_mjx.physics import PhysicsConfig
 from home_mjx.tasks import (
     AutoReset,
     EnvConfig,
     EnvParams,
+    Feature,
     HouseholdEnv,
     HouseTasks,
     InstructionFollowing,
@@ -27,6 +29,10 @@ from home_mjx.tasks import (
     new_combinations,
     sample_episodes,
 )
+from home_mjx.tasks.base.state import check_rows
+from home_mjx.tasks.limits.starts import can_stand
+from home_mjx.tasks.limits.waiting import least_steps
+from home_mjx.tasks.rows.fields import CellGraph
 from home_mjx.tasks.suite.navigation import mixable
 
 KINEMATIC = PhysicsConfig(impl="kinematic")
@@ -127,6 +133,100 @@ def test_a_task_of_nothing_but_time_needs_no_distances(env, lines, tmp_path):
     assert bool(jnp.isfinite(jax.jit(loaded.reset)(jax.random.key(0)).metrics["distance"]))
 
 
+def in_a_wall(bank, house):
+    """A place in the plan of a house that is far from where agents fit, and in one of its rooms."""
+    navigation, cell = bank.navigation, bank.spec.cell
+    region, room = (np.asarray(x[house, 0]) for x in (navigation.region, navigation.room))
+    away = distance_transform_edt(region != 0)
+    row, column = np.unravel_index(np.argmax(np.where(room >= 0, away, 0)), region.shape)
+    assert away[row, column] > 2
+    plan = np.asarray(navigation.origin[house]) + (np.array([column, row]) + 0.5) * cell
+    return jnp.array([*plan, navigation.floor[house, 0]], jnp.float32)
+
+
+def test_where_agents_can_stand_is_where_cells_of_ways_are(generated_bank, rng):
+    """Against the cells of `CellGraph`, one place after the other."""
+    places = []
+    for house in range(generated_bank.num_houses):
+        graph = CellGraph(generated_bank, house).place
+        low, high = graph.min(axis=0) - 0.8, graph.max(axis=0) + 0.8
+        places += [(house, rng.uniform(low, high)) for _ in range(300)]
+        shifts = rng.normal(0, [0.1, 0.1, 0.2], (300, 3))
+        places += [(house, graph[rng.integers(len(graph))] + shift) for shift in shifts]
+    houses, starts = np.array([house for house, _ in places]), np.stack([place for _, place in places])
+    found = can_stand(generated_bank, houses, starts)
+    reach = np.array([1.5 * generated_bank.spec.cell, 1.5 * generated_bank.spec.cell, 0.3])
+    for house in range(generated_bank.num_houses):
+        graph = CellGraph(generated_bank, house).place
+        for place, stands in zip(starts[houses == house], found[houses == house], strict=True):
+            assert stands == np.any(np.all(np.abs(graph - place) < reach, axis=1)), place
+    assert 0.2 < found.mean() < 0.8
+    assert not can_stand(generated_bank, np.zeros(2, int), np.array([[1e6, 0, 0], [0, -1e6, 0]])).any()
+
+
+def brief(columns, stage=0, waited=0.0, seen=()):
+    """Fewest steps to success, by trying all ways."""
+    if stage in seen:
+        return math.inf
+    found = [math.inf]
+    for needs, after in zip(columns["needs"][stage], columns["next"][stage], strict=True):
+        if needs < 0 or after == -2:
+            continue
+        asked = [c for c in range(8) if needs >> c & 1 and columns["feature"][c] == Feature.TIME]
+        total = waited + max([0.0, *(columns["least"][c] for c in asked)])
+        found.append(total if after == -1 else brief(columns, after, total, (*seen, stage)))
+    return min(found)
+
+
+def test_waiting_is_counted_along_the_shortest_way(rng):
+    rows = {
+        "needs": np.where(rng.random((200, 6, 3)) < 0.4, -1, rng.integers(0, 256, (200, 6, 3))),
+        "next": rng.choice([-2, -1, 0, 1, 2, 3, 4, 5], (200, 6, 3), p=[0.1, 0.1] + [0.8 / 6] * 6),
+        "feature": rng.choice([Feature.TIME, Feature.SEEN], (200, 8)),
+        "least": rng.choice([-np.inf, 3.0, 10.0, 50.0, np.inf], (200, 8)),
+    }
+    steps = least_steps(rows)
+    assert steps.tolist() == [brief({name: x[t].tolist() for name, x in rows.items()}) for t in range(200)]
+    assert len(np.unique(steps)) > 5
+
+
+@pytest.mark.parametrize(
+    ("waits", "fits"), [((500,), True), ((501,), False), ((250, 251), False), ((math.inf,), False)]
+)
+def test_success_after_the_end_of_an_episode_is_refused(env, lines, tmp_path, waits, fits):
+    """`TIME` counts from the begin of a stage, so waits add up."""
+    numbers = [*range(1, len(waits)), "success"]
+    stages = [
+        {"ways": [{"next": after, "needs": [{"feature": "time", "least": wait}]}]}
+        for after, wait in zip(numbers, waits, strict=True)
+    ]
+    file = tmp_path / "tasks.jsonl"
+    file.write_text(json.dumps(lines[0] | {"stages": stages}) + "\n")
+    tasks = load_tasks(file, env.bank)
+    if fits:
+        env.with_tasks(tasks)
+        return
+    with pytest.raises(
+        ConfigError, match=r"steps of `time` at least, an episode has 500 \(at task 0, needs.* episode_length"
+    ):
+        env.with_tasks(tasks)
+
+
+@pytest.mark.parametrize("index", [4, -1, jnp.array([0, 100]), [0, 4]])
+def test_rows_out_of_range_are_refused(env, index):
+    for tasks in (env.params.tasks, env.params.tasks.weighted([1, 2, 3, 4]), env.params.tasks.rows):
+        with pytest.raises(OutOfRangeError, match="there are episodes 0 to 3") as raised:
+            tasks.pick(jnp.asarray(index))
+        assert raised.value.hint
+        assert isinstance(raised.value, IndexError)
+
+
+@pytest.mark.parametrize("index", [jnp.array([0.5]), jnp.ones(2, complex)])
+def test_what_is_no_number_of_a_row_is_refused(env, index):
+    with pytest.raises(ConfigError, match="expected numbers of rows"):
+        check_rows(index, 4)
+
+
 def test_empty_and_foreign_tasks_are_refused(env, generated_bank):
     tasks = env.params.tasks
     rows, columns = tasks.rows, tasks.rows.columns
@@ -143,6 +243,7 @@ def test_empty_and_foreign_tasks_are_refused(env, generated_bank):
         (tasks.replace(rows=rows.replace(columns=short)), "`reward` must have the shape"),
         (tasks.replace(rows=rows.replace(house=rows.house + 100)), "`house` must be a whole number from 0 to 1"),
         (tasks.replace(rows=rows.replace(start=rows.start.at[1].add(500.0))), "not in its house .at task 1, start"),
+        (tasks.replace(rows=rows.replace(start=rows.start.at[1, 2].add(1.0))), "nobody can stand .* .at task 1, start"),
         (tasks.replace(rows=rows.replace(yaw=rows.yaw.at[2].set(jnp.nan))), "`yaw` .* got nan .at task 2"),
         (tasks.replace(names=()).replace(weights=jnp.zeros(4)), "weights of all 4 tasks are 0"),
     ):
@@ -157,6 +258,8 @@ def test_empty_and_foreign_tasks_are_refused(env, generated_bank):
         env.with_tasks(None)
     points = HouseholdEnv(CONFIG, PointNav()).bind(generated_bank)
     points.with_tasks(point)
+    with pytest.raises(ConfigError, match=r"nobody can stand .* \(at task 1, start"):
+        points.with_tasks(point.replace(start=point.start.at[1].set(in_a_wall(generated_bank, int(point.house[1])))))
     with pytest.raises(ConfigError, match="`goal` must be"):
         points.with_tasks(point.replace(columns=point.columns | {"goal": jnp.array([0, 999])}))
     with pytest.raises(ConfigError, match="lack what PointNav needs: goal"):

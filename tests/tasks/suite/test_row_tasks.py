@@ -110,6 +110,27 @@ def test_rows_are_of_all_houses_and_tasks_and_begin_on_their_floors(env, bank, r
     assert (length - told)[parts > 1].mean() > 1.0
 
 
+def test_mistakes_cost_and_end_episodes_only_if_told_to(bank):
+    anywhere = PointGoals(stop=True, success_distance=1000.0)
+    task = HouseTasks(tasks=(anywhere, ObjectNav(**STOPS)), num_tasks=2, failure_cost=0.25)
+    for ends in (True, False):
+        env = HouseholdEnv(CONFIG, dataclasses.replace(task, mistakes_end=ends)).bind(bank)
+        states, names, step = begun(env), env.core.action_names, jax.jit(jax.vmap(env.core.step, in_axes=(None, 0, 0)))
+        num = len(states.reward)
+        stays, stops, goes = (np.full(num, names.index(name)) for name in ("look_up", "stop", "move_forward"))
+        quiet, stopped = step(env.params, states, stays), step(env.params, states, stops)
+        right = np.asarray(states.task.task) == env.params.tasks.names.index("PointGoals")
+        assert right.any()
+        assert not right.all()
+        np.testing.assert_array_equal(stopped.terminated, right | ends)
+        np.testing.assert_array_equal(np.asarray(stopped.metrics["success"]) == 1, right)
+        lost = np.asarray(quiet.reward - stopped.reward)[~right]
+        np.testing.assert_allclose(lost, task.failure_cost, atol=1e-5)
+        moved = step(env.params, stopped, goes)
+        gone = np.linalg.norm(np.asarray(moved.task.place - stopped.task.place)[:, 0], axis=-1) > 0.1
+        assert gone[~right].any() != ends
+
+
 def test_a_file_of_tasks_holds_all_of_them(env, bank, tmp_path):
     path, tasks = tmp_path / "tasks.jsonl", env.params.tasks
     save_tasks(path, bank, tasks)

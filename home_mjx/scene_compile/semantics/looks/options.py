@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from home_mjx.core.checks import check_known
+from home_mjx.core.checks import check_known, check_number
 from home_mjx.errors import ConfigError
 
 COLOR_RULES = ("look", "home")
@@ -37,8 +37,9 @@ class SemanticOptions:
         check_known("colour rule", (self.color,), COLOR_RULES)
         check_known("material rule", (self.material,), MATERIAL_RULES)
         check_known("size rule", (self.size,), SIZE_RULES)
-        if not 0 < self.share <= 1:
-            raise ConfigError(f"the share must be in (0, 1], got {self.share}")
+        check_number("share", self.share, 0, 1)
+        if not self.share:
+            raise ConfigError("`share` must be more than 0", hint="It is the least part of the area, such as 0.2.")
 
 
 HOME = SemanticOptions(color="home", material="share", size="home")  # as HoME's code did in 2017

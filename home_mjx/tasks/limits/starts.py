@@ -1,0 +1,37 @@
+"""Where episodes may begin, on the host."""
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.tasks.base.state import ON_FLOOR
+
+AROUND = [(row, column) for row in (-1, 0, 1) for column in (-1, 0, 1)]
+
+
+def can_stand(bank: HouseBank, house: Int[np.ndarray, " t"], start: Float[np.ndarray, "t 3"]) -> Bool[np.ndarray, " t"]:
+    """Whether an agent fits at a place, and ways lead from there to everything.
+
+    It does in or beside a cell of the home region, which has room for the body that the houses were compiled for.
+
+    Args:
+        bank: The houses.
+        house: Which of them, of each place.
+        start: [m], on the floor.
+    """
+    navigation = bank.navigation
+    numbers, height = np.asarray(navigation.cell), np.asarray(navigation.height)
+    levels, *size = numbers.shape[1:]
+    first = np.asarray(navigation.first_cell)[house]
+    end = first + np.asarray(navigation.num_cells)[house]
+    plan = np.floor((start[:, :2] - np.asarray(navigation.origin)[house]) / bank.spec.cell)
+    column, row = np.clip(plan, -2, np.array(size[::-1]) + 1).astype(int).T  # far outside is as good as just outside
+    found = np.zeros(len(house), bool)
+    for level in range(levels):
+        for away in AROUND:
+            at = row + away[0], column + away[1]
+            inside = (at[0] >= 0) & (at[0] < size[0]) & (at[1] >= 0) & (at[1] < size[1])
+            number = numbers[house, level, np.clip(at[0], 0, size[0] - 1), np.clip(at[1], 0, size[1] - 1)]
+            near = np.abs(height[np.maximum(number, 0)] - start[:, 2]) < ON_FLOOR
+            found |= inside & (number >= first) & (number < end) & near
+    return found
