@@ -83,7 +83,7 @@ NEED = ("stages", 0, "ways", 0, "needs", 0)
         (("meant", 2, "place"), GONE, "meant"),
         (("meant", 3, "agent"), GONE, "has no `agent`"),
         (("meant", 0), {"kind": "nothing"}, "no way leads"),
-        (("stages", 0, "ways"), [], "expected 1 to 3 of these, got 0"),
+        (("stages", 0, "ways"), [], "expected 1 to 4 of these, got 0"),
         (("stages", 0, "ways", 0, "next"), 1.5, "expected the number of a stage, success or failure"),
         (("stages", 0, "ways", 0, "next"), 4, "stage 4"),
         (("stages", 0, "guide"), math.inf, "stages[0].guide"),
