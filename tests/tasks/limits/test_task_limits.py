@@ -29,6 +29,7 @@ from home_mjx.tasks import (
     new_combinations,
     sample_episodes,
     save_episodes,
+    save_tasks,
 )
 from home_mjx.tasks.base.state import check_rows
 from home_mjx.tasks.limits.starts import can_stand
