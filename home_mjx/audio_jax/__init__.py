@@ -8,12 +8,15 @@ from home_mjx.audio_jax.auralization.spectra import log_mel, stft_magnitude
 from home_mjx.audio_jax.auralization.stream import faded_frame, given_off, sound_frame
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Sounds, Source
+from home_mjx.audio_jax.base.presets import PRESETS, audio_preset
 from home_mjx.audio_jax.measures.clarity import c50, c80, centre_time, d50, drr, strength
 from home_mjx.audio_jax.measures.decay import decay_curve, decay_time, edt, t20, t30
 from home_mjx.audio_jax.measures.octaves import octave_responses
 from home_mjx.audio_jax.measures.spatial import iacc, lateral_fraction
 from home_mjx.audio_jax.measures.survey import Survey, survey_room
 from home_mjx.audio_jax.measures.table import RoomMeasures, measure_energy, measure_response
+from home_mjx.audio_jax.motion.frame import moving_frame
+from home_mjx.audio_jax.motion.reception import Reception, received, reception
 from home_mjx.audio_jax.propagation.diffraction import bent_paths
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
@@ -23,16 +26,19 @@ from home_mjx.audio_jax.propagation.tracing import Trace, trace
 
 __all__ = [
     "CLIPS",
+    "PRESETS",
     "AudioConfig",
     "Envelope",
     "Listener",
     "PathProducer",
     "Paths",
+    "Reception",
     "RoomMeasures",
     "Sounds",
     "Source",
     "Survey",
     "Trace",
+    "audio_preset",
     "band_level",
     "bent_paths",
     "c50",
@@ -62,7 +68,10 @@ __all__ = [
     "measure_energy",
     "measure_response",
     "mirrored_paths",
+    "moving_frame",
     "octave_responses",
+    "received",
+    "reception",
     "reflected_paths",
     "sound_frame",
     "stft_magnitude",
