@@ -7,6 +7,10 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 export PIP_DISABLE_PIP_VERSION_CHECK=1
 
+# The time of the last change instead of today's: equal sources give equal wheels.
+SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git -C "$root" log -1 --format=%ct 2>/dev/null || echo 315532800)}
+export SOURCE_DATE_EPOCH
+
 rm -rf "$root/build"  # setuptools would pack what a former build left there
 "$python" -m pip wheel -qq --no-deps --no-build-isolation --wheel-dir "$work" "$root"
 "$python" -m venv "$work/venv"

@@ -100,7 +100,7 @@ def test_package_is_typed():
 def test_wheel_holds_every_tracked_file_of_the_package(tmp_path: Path):
     tracked = tracked_files()
     for name in tracked:
-        if name.startswith("home_mjx/") or name in ("pyproject.toml", "README.md", "LICENSE"):
+        if name.startswith("home_mjx/") or name in ("pyproject.toml", "README.md", "LICENSE", "NOTICE"):
             (tmp_path / "source" / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(ROOT / name, tmp_path / "source" / name)
     build = ["-m", "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation"]
@@ -108,7 +108,7 @@ def test_wheel_holds_every_tracked_file_of_the_package(tmp_path: Path):
     (wheel,) = tmp_path.glob("*.whl")
     inside = set(zipfile.ZipFile(wheel).namelist())
     assert {name for name in tracked if name.startswith("home_mjx/")} <= inside
-    assert any(name.endswith("licenses/LICENSE") for name in inside)
+    assert {name.rpartition("/")[2] for name in inside if "/licenses/" in name} == {"LICENSE", "NOTICE"}
 
 
 def test_no_committed_file_names_a_package_registry():
@@ -137,6 +137,23 @@ def test_pins_are_names_and_versions_only_and_cover_the_requirements():
         r for name in ("multiagent", "test", "train", "view", "dev") for r in extras[name]
     ]
     assert {normalised(r) for r in wanted} - {"home-mjx"} <= pinned
+
+
+def test_the_lowest_jax_is_one_that_is_tested():
+    """Others were declared once, with which the `cpu` executor does not work."""
+    matrix = (ROOT / "scripts" / "test_matrix.sh").read_text()
+    lowest = re.findall(r"^jax[0-9.]+ *\|[0-9.]+\|([0-9.]+) *\|", matrix, re.MULTILINE)[0]
+    assert f"jax>={lowest}" in PROJECT["dependencies"]
+    assert PROJECT["optional-dependencies"]["cuda"] == [f"jax[cuda12]>={lowest}"]
+
+
+def test_the_notice_names_every_file_of_data():
+    data = [
+        name for name in tracked_files() if name.startswith("home_mjx/") and name.endswith((".csv", ".json", ".npz"))
+    ]
+    assert len(data) >= 5
+    notice = (ROOT / "NOTICE").read_text(encoding="utf-8")
+    assert [name for name in data if f"\n{name}\n" not in notice] == []
 
 
 def test_every_hard_dependency_is_defended_in_the_docs():

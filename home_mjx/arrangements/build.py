@@ -79,7 +79,7 @@ def settled_poses(
     entry = _entry(bank, num_arrangements, words)
     try:
         arrays, _ = read_entry(entry)
-        poses, settled = jnp.asarray(arrays.pop("poses")), Settled(**arrays)
+        poses, settled = jnp.asarray(_checked(arrays.pop("poses"), bank, num_arrangements)), Settled(**arrays)
         return _with(bank, poses), settled
     except FileNotFoundError:
         pass
@@ -91,6 +91,14 @@ def settled_poses(
     except OSError as error:
         log.warning("arrangements are not cached: %s", error)
     return _with(bank, poses), settled
+
+
+def _checked(poses: np.ndarray, bank: HouseBank, num: int) -> np.ndarray:
+    """Raises `ValueError` unless they are numbers, of all bodies of the bank's houses."""
+    places, bodies = bank.physics.body_pos.shape[:2]
+    if poses.shape != (places, num, bodies, 7) or poses.dtype != np.float32 or not np.isfinite(poses).all():
+        raise ValueError(f"arrangements are {poses.dtype} {poses.shape}")
+    return poses
 
 
 def _with(bank: HouseBank, poses: Float[Array, "h p k 7"]) -> HouseBank:

@@ -11,12 +11,15 @@ from home_mjx.audio_jax.baking.bake import BakeOptions
 from home_mjx.audio_jax.baking.store import with_late_sound
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Sounds, Source
+from home_mjx.audio_jax.base.presets import PRESETS, audio_preset
 from home_mjx.audio_jax.measures.clarity import c50, c80, centre_time, d50, drr, strength
 from home_mjx.audio_jax.measures.decay import decay_curve, decay_time, edt, t20, t30
 from home_mjx.audio_jax.measures.octaves import octave_responses
 from home_mjx.audio_jax.measures.spatial import iacc, lateral_fraction
 from home_mjx.audio_jax.measures.survey import Survey, survey_room
 from home_mjx.audio_jax.measures.table import RoomMeasures, measure_energy, measure_response
+from home_mjx.audio_jax.motion.frame import moving_frame
+from home_mjx.audio_jax.motion.reception import Reception, received, reception
 from home_mjx.audio_jax.propagation.diffraction import bent_paths
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
@@ -26,17 +29,20 @@ from home_mjx.audio_jax.propagation.tracing import Trace, trace
 
 __all__ = [
     "CLIPS",
+    "PRESETS",
     "AudioConfig",
     "BakeOptions",
     "Envelope",
     "Listener",
     "PathProducer",
     "Paths",
+    "Reception",
     "RoomMeasures",
     "Sounds",
     "Source",
     "Survey",
     "Trace",
+    "audio_preset",
     "baked_sound",
     "band_level",
     "bent_paths",
@@ -67,7 +73,10 @@ __all__ = [
     "measure_energy",
     "measure_response",
     "mirrored_paths",
+    "moving_frame",
     "octave_responses",
+    "received",
+    "reception",
     "reflected_paths",
     "sound_frame",
     "stft_magnitude",

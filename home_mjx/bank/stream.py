@@ -117,6 +117,7 @@ class HouseStream:
             self.bank, *self._prepare(first[0], 0)[1:]
         )  # compiled now, so that the first swap does not wait
         self._calls, self._used, self._closed = 0, None, False
+        self._num_envs = 0  # of which there were indices; 0: not known yet
         self._worker = ThreadPoolExecutor(1, "house-stream")
         self._active = list(range(num_slots))
         self._retiring: list[_Retiring] = []
@@ -131,9 +132,14 @@ class HouseStream:
 
         Returns:
             The bank for the next steps; do not use an earlier one.
+
+        Raises:
+            ConfigError: The stream is closed; or there are indices of more or fewer environments than before, so that a
+                house that somebody is in could be written over.
         """
         if self._closed:
             raise ConfigError("the stream is closed: no house comes any more", hint="Step inside its `with` block.")
+        self._check_all(houses.size)
         used = self._used  # of the last call: it is known by now, so nothing waits for the device
         self._calls += 1
         self._used = (self._calls, _slots_in_use(houses, self.bank.num_houses))
@@ -143,6 +149,13 @@ class HouseStream:
                 if item.since < call and not in_use[item.house_slot] and item.house.done():
                     self._exchange(item)
         return self.bank
+
+    def _check_all(self, count: int) -> None:
+        """Refuses indices of some of the environments; without any there are none to be hurt."""
+        known = self._num_envs = self._num_envs or count
+        if count not in (0, known):
+            message = f"expected the house of every environment, of which there were {known}, got {count}"
+            raise ConfigError(message, hint="Give states.world.house of all; open another stream for another batch.")
 
     def close(self) -> None:
         """Ends the thread."""

@@ -6,6 +6,7 @@ import shutil
 import stat
 import tempfile
 import uuid
+import zipfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -20,6 +21,7 @@ Row = TypeVar("Row")
 # The largest SUNCG file is a few MB and has 130,000 lines; anything larger is a mistake or an attack.
 MAX_BYTES = 1 << 25
 MAX_LINES = 1 << 20
+MAX_UNPACKED = 1 << 32  # [bytes], of arrays of one file
 TEMPORARY = ".tmp"  # how names of files end that are not yet whole; they begin with a dot
 
 
@@ -95,14 +97,39 @@ def read_arrays(path: Path, names: Sequence[str], what: str, hint: str) -> list[
         DatasetError: It is broken, or lacks a name.
     """
     try:
-        with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
+        with open_regular(path) as opened, np.load(opened, allow_pickle=False) as file:
+            _check_unpacked(file.zip, names, path)
             return [file[name] for name in names]
+    except DatasetError:  # of `_check_unpacked`
+        raise
     except FileNotFoundError:
         raise MissingFileError(f"there is no {what}", file=path, hint=hint) from None
     except KeyError as error:
         raise DatasetError(f"file lacks {error.args[0]}", file=path, hint="Another version made it.") from None
     except Exception as error:  # a made-up file can make NumPy and zipfile raise nearly anything, MemoryError too
         raise DatasetError(f"file is no {what}: {error}", file=path, hint=hint) from None
+
+
+def open_regular(path: Path) -> IO[bytes]:
+    """Opens a regular file for reading; never waits, as a pipe would have it.
+
+    Raises:
+        OSError: It is no regular file, or cannot be read.
+    """
+    handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+    if stat.S_ISREG(os.fstat(handle).st_mode):
+        return os.fdopen(handle, "rb")
+    os.close(handle)
+    raise OSError(f"{path} is not a regular file")
+
+
+def _check_unpacked(archive: zipfile.ZipFile, names: Sequence[str], path: Path) -> None:
+    """Refuses arrays that a small file would unpack to more than anyone writes."""
+    sizes = {info.filename.removesuffix(".npy"): info.file_size for info in archive.infolist()}
+    total = sum(sizes.get(name, 0) for name in names)
+    if total > MAX_UNPACKED:
+        message = f"arrays have {total} bytes when they are unpacked, at most {MAX_UNPACKED} are read"
+        raise DatasetError(message, file=path, hint="Write it again, in several files.")
 
 
 def is_file(path: Path) -> bool:
@@ -165,8 +192,8 @@ def write_whole(path: Path) -> Iterator[IO[bytes]]:
         ...     file.write(b"{}")
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, beside = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=TEMPORARY)
-    with _in_place(path, Path(beside), os.fdopen(handle, "wb")) as file:
+    beside = path.with_name(f".{uuid.uuid4().hex}{TEMPORARY}")
+    with _in_place(path, beside, beside.open("xb")) as file:  # not private, so that others can read it
         yield file
 
 
@@ -193,6 +220,7 @@ def write_durably(path: Path, what: str, hint: str | None = None) -> Iterator[IO
         yield file
         file.flush()
         os.fsync(file.fileno())
+    _sync_folder(path.parent)
 
 
 @contextmanager
@@ -206,6 +234,16 @@ def _in_place(path: Path, beside: Path, file: IO[bytes]) -> Iterator[IO[bytes]]:
         with suppress(OSError):
             beside.unlink(missing_ok=True)
         raise
+
+
+def _sync_folder(folder: Path) -> None:
+    """Forces a folder's list of names to the disk; some systems cannot."""
+    with suppress(OSError):
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
 
 
 @contextmanager

@@ -1,7 +1,7 @@
 """Affine maps as 3x4 matrices (linear part and translation), quaternions (w, x, y, z) and angles."""
 
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 
 def wrap_angle(angle: Float[Array, "*n"]) -> Float[Array, "*n"]:
@@ -34,6 +34,19 @@ def quat_multiply(a: Float[Array, "4"], b: Float[Array, "4"]) -> Float[Array, "4
     w = a[0] * b[0] - jnp.dot(a[1:], b[1:])
     xyz = a[0] * b[1:] + b[0] * a[1:] + jnp.cross(a[1:], b[1:])
     return jnp.concatenate([w[None], xyz])
+
+
+UNIT_SLACK = 1e-2  # of the squared length of a quaternion
+
+
+def is_unit(quat: Float[Array, "*n 4"]) -> Bool[Array, "*n"]:
+    """Whether quaternions have unit length, but for rounding; rotations by others would scale.
+
+    Example:
+        >>> is_unit(jnp.array([[1.0, 0, 0, 0], [1.05, 0, 0, 0]])).tolist()
+        [True, False]
+    """
+    return jnp.abs(jnp.sum(quat * quat, axis=-1) - 1) < UNIT_SLACK
 
 
 def quat_matrix(quat: Float[Array, "4"]) -> Float[Array, "3 3"]:

@@ -20,7 +20,9 @@ def usable_cores() -> int:
 
 @contextmanager
 def worker_pool(workers: int) -> Iterator[ProcessPoolExecutor]:
-    """A pool of freshly started processes. Work that has not begun when the block ends is dropped.
+    """A pool of freshly started processes.
+
+    Work that has not begun when the block ends is dropped; of an interrupted block, also what has begun.
 
     Args:
         workers: How many.
@@ -33,6 +35,10 @@ def worker_pool(workers: int) -> Iterator[ProcessPoolExecutor]:
     pool = ProcessPoolExecutor(workers, context, initializer=_leave_with_parent)
     try:
         yield pool
+    except KeyboardInterrupt:  # what they are at is written whole or not at all
+        for process in [*(pool._processes or {}).values()]:
+            process.terminate()
+        raise
     finally:
         pool.shutdown(cancel_futures=True)
 

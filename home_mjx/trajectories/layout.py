@@ -11,9 +11,11 @@ from typing import Any
 import gymnasium
 import numpy as np
 
+from home_mjx.core.files import writing
 from home_mjx.errors import ConfigError, DatasetError, MissingFileError
 
 DATA, METADATA, PART = "data", "metadata.json", "part-0.arrow"
+FREE_SPACE = "Free some space, then go on with --resume; or name another folder."
 MINARI_VERSION = "0.5.4"  # whose layout this is; the first with images that are not JPEG
 
 
@@ -58,10 +60,15 @@ def read_metadata(folder: Path) -> dict[str, Any]:
 
 
 def write_metadata(folder: Path, content: dict[str, Any]) -> None:
-    """Writes metadata in one move, so that a killed process leaves the old ones or the new ones."""
-    beside = folder / f".{METADATA}.new"
-    beside.write_text(json.dumps(content, default=_plain), encoding="utf-8")
-    beside.replace(folder / METADATA)
+    """Writes metadata in one move, so that a killed process leaves the old ones or the new ones.
+
+    Raises:
+        ConfigError: They cannot be written.
+    """
+    beside, path = folder / f".{METADATA}.new", folder / METADATA
+    with writing("metadata", path, FREE_SPACE):
+        beside.write_text(json.dumps(content, default=_plain), encoding="utf-8")
+        beside.replace(path)
 
 
 def _plain(value: Any) -> Any:

@@ -12,11 +12,13 @@ import numpy as np
 import pyarrow as pa
 
 from home_mjx.adapters.spaces import action_space, observation_space
+from home_mjx.core.files import unwritable
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.household import HouseholdEnv
 from home_mjx.trajectories.layout import (
     DATA,
+    FREE_SPACE,
     METADATA,
     MINARI_VERSION,
     PART,
@@ -113,7 +115,7 @@ def _raised(done: "Future[None]") -> None:
     try:
         done.result()
     except OSError as error:
-        raise ConfigError(f"an episode cannot be written: {error.strerror}", file=error.filename) from None
+        raise unwritable("an episode", Path(error.filename or DATA), error, FREE_SPACE) from None
 
 
 def _metadata(env: BoundEnv[HouseholdEnv], agent: str, without: tuple[str, ...]) -> dict[str, Any]:

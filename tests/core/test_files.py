@@ -1,9 +1,14 @@
 """Files and folders written whole or not at all."""
 
+import os
+import zipfile
+
+import numpy as np
 import pytest
 
-from home_mjx.core.files import replace_folder, write_durably, write_together, write_whole
-from home_mjx.errors import ConfigError, MissingFileError
+from home_mjx.core import files
+from home_mjx.core.files import read_arrays, read_bytes, replace_folder, write_durably, write_together, write_whole
+from home_mjx.errors import ConfigError, DatasetError, MissingFileError
 
 
 def test_a_file_takes_its_place_when_it_is_whole(tmp_path):
@@ -46,6 +51,56 @@ def test_a_folder_is_replaced_with_all_that_was_in_it(tmp_path):
         replace_folder(target, {"c": b"4", "c/d": b"5"})
     assert (target / "c").read_bytes() == b"3"
     assert list(tmp_path.iterdir()) == [target]
+
+
+@pytest.mark.parametrize(("umask", "mode"), [(0o022, 0o644), (0o002, 0o664), (0o077, 0o600)])
+def test_files_have_the_permissions_that_the_user_wants(tmp_path, umask, mode):
+    """So that a cache can be shared; temporary files of Python's own are private."""
+    before = os.umask(umask)
+    try:
+        with write_whole(tmp_path / "a") as file:
+            file.write(b"1")
+        with write_durably(tmp_path / "b", "test") as file:
+            file.write(b"1")
+    finally:
+        os.umask(before)
+    assert [(tmp_path / name).stat().st_mode & 0o777 for name in "ab"] == [mode, mode]
+
+
+def test_what_must_last_is_forced_to_the_disk_before_it_takes_its_place(tmp_path, monkeypatch):
+    calls = []
+    sync, replace = os.fsync, files.Path.replace
+    monkeypatch.setattr(os, "fsync", lambda handle: (calls.append("sync"), sync(handle)))
+    monkeypatch.setattr(files.Path, "replace", lambda a, b: (calls.append("replace"), replace(a, b)))
+    with write_durably(tmp_path / "a", "test") as file:
+        file.write(b"1")
+    assert calls == ["sync", "replace", "sync"]  # the file, then the folder's list of names
+
+
+def test_pipes_are_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(DatasetError, match="not a regular file"):
+        read_bytes(tmp_path / "pipe")
+    with pytest.raises(DatasetError, match="not a regular file"):
+        read_arrays(tmp_path / "pipe", ["a"], "checkpoint", "Name one.")
+
+
+def test_arrays_that_unpack_to_too_much_are_refused(tmp_path, monkeypatch):
+    np.savez_compressed(tmp_path / "a.npz", a=np.zeros(1 << 20), b=np.ones(2))
+    assert (tmp_path / "a.npz").stat().st_size < 1 << 14
+    monkeypatch.setattr(files, "MAX_UNPACKED", 1 << 16)
+    with pytest.raises(DatasetError, match=r"8388736 bytes when they are unpacked, at most 65536 are read"):
+        read_arrays(tmp_path / "a.npz", ["a"], "checkpoint", "Name one.")
+    assert read_arrays(tmp_path / "a.npz", ["b"], "checkpoint", "Name one.")[0].tolist() == [1, 1]
+
+
+def test_a_made_up_size_takes_no_memory(tmp_path):
+    """The header of an array says that it is 80 TB large."""
+    head = b"{'descr': '<f8', 'fortran_order': False, 'shape': (10000000000000,), }".ljust(117) + b"\n"
+    with zipfile.ZipFile(tmp_path / "a.npz", "w") as archive:
+        archive.writestr("a.npy", b"\x93NUMPY\x01\x00" + len(head).to_bytes(2, "little") + head)
+    with pytest.raises(DatasetError, match="file is no checkpoint"):
+        read_arrays(tmp_path / "a.npz", ["a"], "checkpoint", "Name one.")
 
 
 def test_a_file_is_written_durably_or_the_error_says_what(tmp_path):

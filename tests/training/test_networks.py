@@ -9,10 +9,16 @@ from scipy import stats
 pytest.importorskip("flax", reason="needs the extra `train`")
 
 from home_mjx.errors import ConfigError
+from home_mjx.scene_compile.semantics.vocabulary import vocabularies
+from home_mjx.schema.categories import COARSE
+from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.base.specs import ArraySpec
+from home_mjx.tasks.language.vocabulary import spoken, tokenize
+from home_mjx.tasks.rows.words import Word
 from home_mjx.training.networks import Categorical, Gaussian, NetworkConfig, RecurrentAgent, distribution_of
 from home_mjx.training.networks.encoders import Encoder, SpectraEncoder, WordEncoder, id_codes, kind_of, squash
 from home_mjx.training.networks.images import Search
+from home_mjx.training.networks.mentions import column_of, mentioned, said_by
 
 SPECS = {
     "pixels/head_rgb": ArraySpec((16, 16, 3), "uint8", 0, 255),
@@ -68,6 +74,32 @@ def test_blanks_do_not_drown_words():
     np.testing.assert_allclose(read, encoder.apply(net, jnp.roll(words, 9, axis=-1)), atol=1e-5)
     assert float(jnp.linalg.norm(read[0] - read[1]) / jnp.linalg.norm(read[0])) > 0.3
     assert np.all(np.isfinite(encoder.apply(net, words * 0)))
+
+
+def test_pixels_are_marked_that_words_name(rng: np.random.Generator):
+    """Against a loop over pixels and words; early words weigh more, and what has no name is never marked."""
+    text = tokenize("find the gray picture_frame and then walk to the table in the kitchen")
+    said = jnp.asarray([*text, *[0] * (32 - len(text))])[None]
+    for name in ("ids/head_coarse", "ids/head_color", "ids/head_room_type"):
+        column = column_of(name)
+        names = vocabularies()[column]
+        ids = rng.integers(-1, len(names) + 2, (1, 6, 7))
+        found = np.asarray(mentioned(jnp.asarray(ids), column, said))[0]
+        for at, number in np.ndenumerate(ids[0]):
+            token = tokenize(spoken(names[number]))[0] if 0 <= number < len(names) else None
+            told = (1.0, 1 - text.index(token) / 32) if token in text else (0.0, 0.0)
+            np.testing.assert_allclose(found[at], told, atol=1e-6)
+    assert [column_of(name) for name in ("ids/head_instance", "ids/head_level", "pixels/head_rgb")] == [None] * 3
+
+
+def test_descriptors_name_what_their_columns_hold():
+    """A category in the first columns of `goal_words` marks the same pixels as its name in a sentence."""
+    table = COARSE.index("table")
+    words = jnp.full((1, len(Word)), -1).at[0, Word.COARSE].set(table).at[0, Word.KIND].set(0)
+    ids = jnp.arange(-1, len(COARSE)).reshape(1, 1, -1)
+    marked = np.asarray(mentioned(ids, Semantic.COARSE, said_by("goal_words", words)))[0, 0, :, 0]
+    np.testing.assert_array_equal(marked, np.asarray(ids[0, 0]) == table)
+    assert said_by("goal_words", words)[0, Word.KIND] == -1
 
 
 def test_a_search_multiplies_each_place_by_a_query(rng: np.random.Generator):

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from full_disk import full_disk
 
 pytest.importorskip("pyarrow", reason="needs the extra `data`")
 
@@ -95,6 +96,29 @@ def test_a_killed_process_loses_only_what_was_not_whole(env: BoundEnv, rng: np.r
     same(data[2], episodes[2])
     assert not list((folder / "data").glob(".*"))
     assert num_complete(folder / "data") == 4
+
+
+def test_a_full_disk_is_said_and_writing_goes_on_later(env: BoundEnv, rng: np.random.Generator, tmp_path: Path):
+    short, long = (drawn(env, rng, length) for length in (1, 40))
+
+    def write(episode: dict, resume: bool) -> None:
+        with Writer(tmp_path, env, "expert", resume=resume) as writer:
+            writer.add(episode, {})
+
+    write(short, False)
+    with (
+        full_disk(400_000),
+        pytest.raises(ConfigError, match="an episode cannot be written") as raised,
+    ):
+        write(long, True)
+    assert "--resume" in raised.value.hint
+    assert len(Trajectories(tmp_path)) == 1
+    write(long, True)
+    for read, episode in zip(Trajectories(tmp_path), (short, long), strict=True):
+        same(read, episode)
+    with full_disk(100), pytest.raises(ConfigError, match="metadata cannot be written"):
+        write(short, True)
+    assert len(Trajectories(tmp_path)) == 2
 
 
 def test_mistakes_are_refused(env: BoundEnv, written, tmp_path: Path):

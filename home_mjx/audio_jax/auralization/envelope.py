@@ -20,7 +20,7 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS
 
-TAPS = 64  # of the head's table, only delays of which are read
+TAPS = 256  # of the head's table, only delays of which are read
 
 
 class Envelope(Pytree):

@@ -1,18 +1,27 @@
 """Impulse responses of two ears, from paths and an energy histogram."""
 
-import functools
 import math
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Complex, Float
+from jaxtyping import Array, Complex, Float, Int
 
-from home_mjx.audio_jax.auralization.hrtf import EarTable, ear_angles, ear_energy, ear_spectrum, ear_table, to_head
+from home_mjx.audio_jax.auralization.diffuse import KNOTS, Draw, drawn, ear_mix, noise_bins
+from home_mjx.audio_jax.auralization.hrtf import (
+    EAR_WIDTH,
+    ear_angles,
+    ear_energy,
+    ear_kernel,
+    ear_kernels,
+    ear_table,
+    to_head,
+)
 from home_mjx.audio_jax.baked.reading import baked_sound
 from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.delays import HALF_WIDTH, WIDTH, delay_kernel
 from home_mjx.audio_jax.base.endpoints import Listener, Source
-from home_mjx.audio_jax.base.filters import high_pass, octave_gains
+from home_mjx.audio_jax.base.filters import CAUSAL_SECONDS, causal_octaves
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.paths import Paths
@@ -21,8 +30,11 @@ from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS
 
 EVERYWHERE = 64  # directions whose mean stands for all
-KERNEL_SECONDS = 0.032  # resolves the octaves at 125 and 250 Hz
-NOISE_LENGTH = 4  # the noise of all environments is this many responses long
+QUIETEST = 1e-3  # gain of an octave re the loudest of a path, below which it is taken as this
+SOFTEST = 1e-30  # gain of a path below which it is silent
+EAR_SIZE = 1024  # samples, whose frequencies the energies of ears are means of
+TINY = 1e-36  # power of nothing
+LEAD = 0.001  # [s]: no ear hears sound by more earlier or later than the middle of the head
 
 
 def impulse_response(
@@ -80,7 +92,8 @@ def baked_histogram(
     late = baked_sound(scene, source.pos, listener.pos, config)
     length = jnp.linalg.norm(late.comes_from)
     toward = late.comes_from / jnp.maximum(length, 1e-6)
-    around = jnp.mean(ear_gains(jnp.asarray(spread(EVERYWHERE)), listener.quat, config), axis=0)
+    upright = jnp.array([1.0, 0.0, 0.0, 0.0], jnp.float32)  # heads hear the same from everywhere, however they turn
+    around = jnp.mean(ear_gains(jnp.asarray(spread(EVERYWHERE)), upright, config), axis=0)
     gain = (1 - length) * around + length * ear_gains(toward[None], listener.quat, config)[0]
     return late.energy[:, None] * gain[None], late.comes_from
 
@@ -97,11 +110,15 @@ def with_late(
     paths: Paths, energy: Float[Array, "k 2 bands"], head_quat: Float[Array, "4"], key: Array, config: AudioConfig
 ) -> Float[Array, "2 l"]:
     """Paths, and noise that follows a histogram of energy from the direct sound on."""
-    late = late_response(energy, key, config)
+    late = late_response(energy, key, config, head_quat)
+    return early_response(paths, head_quat, config) + after_direct(late, paths, config)
+
+
+def after_direct(late: Float[Array, "2 l"], paths: Paths, config: AudioConfig) -> Float[Array, "2 l"]:
+    """A late part without what would overtake the direct sound."""
     onset = (paths.distance[0] - config.head_radius) * jnp.float32(config.sample_rate / config.speed_of_sound)
-    # nothing overtakes the direct sound
     heard = jnp.arange(config.response_length, dtype=jnp.int32) >= onset.astype(jnp.int32)
-    return early_response(paths, head_quat, config) + jnp.where(heard[None], late, 0.0)
+    return jnp.where(heard[None], late, 0.0)
 
 
 def ear_gains(
@@ -110,91 +127,119 @@ def ear_gains(
     """Energy gain per octave of both ears for sound from each direction in the world."""
     if config.receiver == "omni":
         return jnp.ones((direction.shape[0], 2, len(BANDS)), jnp.float32)
-    return ear_energy(_ears(config), ear_angles(to_head(direction, head_quat), config.ear_angle))
+    table = ear_table(EAR_SIZE, config.sample_rate, config.head_radius, config.speed_of_sound)
+    return ear_energy(table, head_angles(direction, head_quat, config))
 
 
 def early_response(paths: Paths, head_quat: Float[Array, "4"], config: AudioConfig) -> Float[Array, "2 l"]:
-    """Paths as pulses with fractional delays, octave gains and the filters of both ears."""
-    taps = _taps(config)
+    """Paths as pulses with fractional delays, causal octave filters and the filters of both ears."""
+    taps, length, reach = _taps(config), config.response_length, _reach(config)
     samples = paths.distance * jnp.float32(config.sample_rate / config.speed_of_sound)
     whole = jnp.floor(samples)
-    kernels = _kernels(paths, samples - whole, head_quat, config)
-    length = config.response_length
-    start = jnp.minimum(whole.astype(jnp.int32), length)
-    kernels = jnp.where((start < length)[:, None, None], kernels, 0.0)
+    angle = head_angles(paths.direction, head_quat, config)
+    late = (samples - whole)[:, None] + ear_delays(angle, config)
+    more = jnp.floor(late)
+    pulse = jnp.fft.rfft(pulses(angle, late - more, config), taps)
+    kernels = jnp.fft.irfft(octave_spectra(paths.gain, taps, config)[:, None] * pulse, taps)
+    start = jnp.clip((whole[:, None] + more).astype(jnp.int32) + (reach - HALF_WIDTH + 1), 0, length + reach)
+    kernels = jnp.where((whole < length)[:, None, None], kernels, 0.0)
 
     def add(response: Array, path: tuple[Array, Array]) -> tuple[Array, None]:
         begin, kernel = path
-        there = jax.lax.dynamic_slice_in_dim(response, begin, taps, axis=1)
-        return jax.lax.dynamic_update_slice_in_dim(response, there + kernel, begin, axis=1), None
+        there = jax.lax.dynamic_slice_in_dim(response, begin, taps)
+        return jax.lax.dynamic_update_slice_in_dim(response, there + kernel, begin, 0), None
 
-    # One path after the other: a scatter would add overlapping kernels in no fixed order on a GPU.
-    response, _ = jax.lax.scan(add, jnp.zeros((2, length + taps), jnp.float32), (start, kernels))
-    return response[:, taps // 2 : taps // 2 + length]
+    def ear(start: Int[Array, " p"], kernels: Float[Array, "p t"]) -> Float[Array, " l"]:
+        # One path after the other: a scatter would add overlapping kernels in no fixed order on a GPU.
+        response, _ = jax.lax.scan(add, jnp.zeros(length + reach + taps, jnp.float32), (start, kernels))
+        return response[reach : reach + length]
+
+    return jax.vmap(ear, (1, 1))(start, kernels)
 
 
-def late_response(energy: Float[Array, "k 2 bands"], key: Array, config: AudioConfig) -> Float[Array, "2 l"]:
+def late_response(
+    energy: Float[Array, "k 2 bands"], key: Array, config: AudioConfig, head_quat: Float[Array, "4"] | None = None
+) -> Float[Array, "2 l"]:
     """Noise that follows an energy histogram in each octave and ear.
 
-    The energy runs linearly from the middle of one bin to that of the next. One long noise serves everybody, each
-    environment from its own place on.
+    The energy runs linearly from the middle of one bin to that of the next. The noise stays where it is in the world
+    while the head turns, see `ear_mix`.
     """
-    noise = jnp.asarray(_noise(config))
-    start = jax.random.randint(key, (), 0, noise.shape[-1] - config.response_length, jnp.int32)
-    noise = jax.lax.dynamic_slice_in_dim(noise, start, config.response_length, axis=2)
-    size = config.bin_samples
-    power = jnp.moveaxis(jnp.pad(energy, ((1, 1), (0, 0), (0, 0)), mode="edge"), 0, -1)[..., None] / size
-    place = (jnp.arange(size, dtype=jnp.float32) + 0.5)[None, None, None] / size - 0.5  # re the bin's middle
-    before, after = jnp.maximum(-place, 0.0), jnp.maximum(place, 0.0)
-    power = power[:, :, :-2] * before + power[:, :, 1:-1] * (1 - before - after) + power[:, :, 2:] * after
-    return jnp.sum(noise * jnp.sqrt(power).reshape(noise.shape), axis=1)
+    head_quat = jnp.array([1.0, 0.0, 0.0, 0.0], jnp.float32) if head_quat is None else head_quat
+    return diffuse_response(energy, drawn(key, config), head_quat, config)
 
 
-def _kernels(
-    paths: Paths, rest: Float[Array, " p"], head_quat: Float[Array, "4"], config: AudioConfig
-) -> Float[Array, "p 2 t"]:
-    """Impulse response of each path and ear around the middle of the kernel, `rest` samples after it."""
-    taps = _taps(config)
-    frequency = np.fft.rfftfreq(taps, 1 / config.sample_rate)
-    bands = jnp.asarray(octave_gains(frequency), jnp.float32)
-    spectrum, delay = _ear_filters(paths.direction, head_quat, config)
-    shift = taps // 2 + rest[:, None] + delay * jnp.float32(config.sample_rate)
-    angle = shift[..., None] * jnp.asarray(-2 * np.pi * frequency / config.sample_rate, jnp.float32)[None, None]
-    gain = jnp.einsum("pb,bf->pf", paths.gain, bands, precision="highest")
-    turn = jax.lax.complex(jnp.cos(angle), jnp.sin(angle))
-    return jnp.fft.irfft(gain[:, None].astype(jnp.complex64) * spectrum * turn, taps)
+def diffuse_response(
+    energy: Float[Array, "k 2 bands"], draw: Draw, head_quat: Float[Array, "4"], config: AudioConfig
+) -> Float[Array, "2 l"]:
+    """The same with noise that was drawn before."""
+    bins = config.num_bins
+    mix = ear_mix(head_quat, config)[:, :, None] * draw.sign[None]  # (ear, channel, octave)
+    amplitude = _amplitudes(jnp.roll(energy, draw.start, axis=0) / config.bin_samples, draw.start)
+    each = (amplitude[:, :, :, None] * mix[None, :, None]).reshape(bins, 2, -1)
+    sound = jnp.einsum("kem,kms->eks", each, jnp.asarray(noise_bins(config)), precision="highest")
+    return jnp.roll(sound, -draw.start, axis=1).reshape(2, -1)
 
 
-def _ear_filters(
+def _amplitudes(power: Float[Array, "k 2 bands"], first: Int[Array, ""]) -> Float[Array, "k 2 knots bands"]:
+    """Amplitudes at the start, the middle and the end of bins, of which `first` is where a response begins.
+
+    Between knots they run linearly, which is less than the root of a power that does; each bin is made up for it.
+    """
+    number = jnp.arange(power.shape[0], dtype=jnp.int32)[:, None, None]
+    before = jnp.where(number == first, power, jnp.roll(power, 1, axis=0))
+    after = jnp.where(number == (first - 1) % power.shape[0], power, jnp.roll(power, -1, axis=0))
+    knots = jnp.sqrt(jnp.stack([(before + power) / 2, power, (power + after) / 2], axis=2))
+    low, mid, high = (knots[:, :, i] for i in range(KNOTS))
+    here = (low * low + low * mid + 2 * mid * mid + mid * high + high * high) / 6
+    there = (before + 6 * power + after) / 8
+    return knots * jnp.sqrt(there / jnp.maximum(here, TINY))[:, :, None]
+
+
+def octave_spectra(gain: Float[Array, "p bands"], size: int, config: AudioConfig) -> Complex[Array, "p f"]:
+    """Causal filters with these gains per octave, at the frequencies of a transform of `size` samples."""
+    loudest = jnp.max(gain, axis=1, keepdims=True)
+    level = jnp.log(jnp.maximum(gain, jnp.maximum(QUIETEST * loudest, SOFTEST)))
+    table = causal_octaves(size, config.sample_rate)
+    real, phase = (
+        jnp.matmul(level, jnp.asarray(t, jnp.float32), precision="highest") for t in (np.real(table), np.imag(table))
+    )
+    amplitude = jnp.where(loudest > SOFTEST, jnp.exp(real), 0.0)
+    return jax.lax.complex(amplitude * jnp.cos(phase), amplitude * jnp.sin(phase))
+
+
+def head_angles(
     direction: Float[Array, "p 3"], head_quat: Float[Array, "4"], config: AudioConfig
-) -> tuple[Complex[Array, "p 2 f"], Float[Array, "p 2"]]:
-    """Spectrum without delay, and delay [s], of both ears."""
+) -> Float[Array, "p 2"]:
+    """Angles between directions in the world and the axes of both ears [rad]."""
+    return ear_angles(to_head(direction, head_quat), config.ear_angle)
+
+
+def ear_delays(angle: Float[Array, "*p"], config: AudioConfig) -> Float[Array, "*p"]:
+    """By how much ears hear sound from an angle to their axes later than the middle of the head would [samples]."""
     if config.receiver == "omni":
-        shape = (direction.shape[0], 2)
-        return jnp.ones((*shape, _taps(config) // 2 + 1), jnp.complex64), jnp.zeros(shape, jnp.float32)
-    return ear_spectrum(_ears(config), ear_angles(to_head(direction, head_quat), config.ear_angle))
+        return jnp.zeros_like(angle)
+    around = jnp.where(angle < jnp.pi / 2, -jnp.cos(angle), angle - jnp.pi / 2)  # Woodworth's
+    return around * jnp.float32(config.head_radius / config.speed_of_sound * config.sample_rate)
 
 
-def _ears(config: AudioConfig) -> EarTable:
-    return ear_table(_taps(config), config.sample_rate, config.head_radius, config.speed_of_sound)
+def pulses(angle: Float[Array, "*p"], delay: Float[Array, "*p"], config: AudioConfig) -> Float[Array, "*p t"]:
+    """What ears hear of pulses from angles to their axes, delayed by 0 .. 2 samples, from -HALF_WIDTH + 1 on."""
+    if config.receiver == "omni":
+        return delay_kernel(delay)
+    table = ear_kernels(config.sample_rate, config.head_radius, config.speed_of_sound)
+    return ear_kernel(table, angle, delay)
+
+
+def pulse_width(config: AudioConfig) -> int:
+    """Samples of these."""
+    return WIDTH if config.receiver == "omni" else EAR_WIDTH
+
+
+def _reach(config: AudioConfig) -> int:
+    """Samples by which a kernel begins before the sound reaches the middle of the head."""
+    return HALF_WIDTH + math.ceil(LEAD * config.sample_rate)
 
 
 def _taps(config: AudioConfig) -> int:
-    return 2 ** math.ceil(math.log2(KERNEL_SECONDS * config.sample_rate))
-
-
-@functools.cache
-def _noise(config: AudioConfig) -> Float[np.ndarray, "2 bands n"]:
-    """White noise of unit variance for both ears, split into octaves that are independent of each other.
-
-    The ears' noises are as coherent as the pressures of a diffuse field at two points a head apart: sin(kd) / kd.
-    """
-    length = NOISE_LENGTH * 2 ** math.ceil(math.log2(config.response_length))
-    frequency = np.fft.rfftfreq(length, 1 / config.sample_rate)
-    phase = np.random.default_rng(0).uniform(0, 2 * np.pi, (2, len(BANDS), frequency.size))
-    left, other = np.exp(1j * phase)
-    spacing = 0.0 if config.receiver == "omni" else 2 * config.head_radius
-    coherence = np.sinc(2 * frequency * spacing / config.speed_of_sound)
-    ears = np.stack([left, coherence * left + np.sqrt(1 - coherence**2) * other])
-    bands = np.sqrt(octave_gains(frequency)) * high_pass(frequency)
-    return (np.fft.irfft(ears * bands, length) * np.sqrt(length)).astype(np.float32)
+    return 2 ** math.ceil(math.log2(CAUSAL_SECONDS * config.sample_rate + pulse_width(config)))

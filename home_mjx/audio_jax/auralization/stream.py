@@ -62,12 +62,14 @@ def given_off(
         config: For the lengths.
 
     Returns:
-        Pressure at 1 m, w = `config.response_length + config.frame - 1` samples, as `faded_frame` takes them.
+        Pressure at 1 m, w = `config.memory_length + config.frame - 1 + config.ahead` samples, as `moving_frame` takes
+        them, and without `config.motion` `faded_frame`.
     """
+    span = jnp.arange(1 - config.memory_length, config.frame + config.ahead, dtype=jnp.int32)
 
     def one(row: Array, gain: Array, every: Array, lasts: Array) -> Array:
-        played = clips[jnp.maximum(row, 0), _times(phase, config) % clips.shape[1]]
-        on = loudness(_times(time, config), every, lasts, config.sample_rate)
+        played = clips[jnp.maximum(row, 0), (phase + span) % clips.shape[1]]
+        on = loudness(time + span, every, lasts, config.sample_rate)
         return jnp.where(row < 0, 0.0, gain * on * played)
 
     return jax.vmap(one)(row, sounds.gain, sounds.every, sounds.lasts)

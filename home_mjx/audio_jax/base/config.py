@@ -1,8 +1,10 @@
 """What can be chosen about sound; all of it is fixed when a step is compiled."""
 
+import math
 from dataclasses import dataclass, field
 
 from home_mjx.audio_jax.base.air import speed_of_sound
+from home_mjx.audio_jax.base.delays import HALF_WIDTH
 from home_mjx.core.checks import check_known, check_number, check_type
 from home_mjx.errors import ConfigError
 from home_mjx.schema.timing import LONGEST, Timing
@@ -11,6 +13,7 @@ RECEIVERS = ("binaural", "omni")
 DETECTORS = ("rain", "sphere")
 LATE = ("traced", "baked")
 BAKED = {"bin_seconds": 0.004, "reflection_order": 1, "temperature": 20.0, "humidity": 50.0, "pressure": 101.325}
+TAIL_RINGING = 0.016  # [s]
 
 
 @dataclass(frozen=True)
@@ -42,6 +45,10 @@ class AudioConfig:
         late: Where late sound comes from. "traced": rays, in every step. "baked": what the bank has of it, see
             `with_late_sound`; `num_rays`, `num_bounces` and the detector then play no part, and the bins, the order of
             reflections and the air must be the default's, with which it was baked.
+        motion: Whether early paths move within a frame, so that pitch is right at every frequency (Doppler), and rooms
+            ring on for `tail_seconds`. False: whole responses fade from the last to the next, see `sound_frame`.
+        tail_seconds: With `motion`, how long sound rings on beyond `response_seconds` [s], each octave at its last
+            decay; rounded up to halves of a response.
 
     Raises:
         ConfigError: For values that cannot be used.
@@ -69,6 +76,8 @@ class AudioConfig:
     humidity: float = 50.0
     pressure: float = 101.325
     late: str = "traced"
+    motion: bool = False
+    tail_seconds: float = 1.5
 
     def __post_init__(self) -> None:
         check_type("timing", self.timing, Timing)
@@ -82,6 +91,8 @@ class AudioConfig:
         check_number("reflection_order", self.reflection_order, 1, 3, whole=True)
         for name in ("temperature", "humidity", "ear_angle"):
             check_number(name, getattr(self, name))
+        check_type("motion", self.motion, bool)
+        check_number("tail_seconds", self.tail_seconds, 0.0)
         for name in ("response_seconds", "bin_seconds", "detector_radius", "head_radius", "pressure"):
             check_number(name, getattr(self, name))
             if name.endswith("_seconds"):
@@ -95,6 +106,8 @@ class AudioConfig:
             )
         _whole("bin_seconds", self.bin_seconds * self.sample_rate, "samples")
         _whole("response_seconds", self.response_seconds / self.bin_seconds, "bins of `bin_seconds`")
+        if self.motion and self.num_bins < 2:
+            raise ConfigError("with `motion` a response must have at least two bins: give more `response_seconds`")
         if self.bin_samples % 2:
             raise ConfigError(f"`bin_seconds` must hold an even number of samples, got {self.bin_samples}")
         if self.late == "baked":
@@ -133,6 +146,37 @@ class AudioConfig:
     def response_length(self) -> int:
         """Samples of an impulse response."""
         return self.num_bins * self.bin_samples
+
+    @property
+    def num_paths(self) -> int:
+        """Early paths that move, the direct one among them."""
+        return 1 + self.num_edges + self.num_reflections
+
+    @property
+    def half_length(self) -> int:
+        """Samples of a response's second half, which is heard again and again in its tail."""
+        return self.num_bins // 2 * self.bin_samples
+
+    @property
+    def num_tail(self) -> int:
+        """How often that is, 0 without `motion`."""
+        long = self.motion and self.half_length > 0
+        return math.ceil(self.tail_seconds * self.sample_rate / self.half_length - 1e-9) if long else 0
+
+    @property
+    def memory_length(self) -> int:
+        """Samples of a source's past, this one counting, that are heard."""
+        return self.response_length + self.num_tail * self.half_length + self.tail_ringing
+
+    @property
+    def tail_ringing(self) -> int:
+        """Samples for which octave filters of the tail ring on both sides."""
+        return round(TAIL_RINGING * self.sample_rate) if self.num_tail else 0
+
+    @property
+    def ahead(self) -> int:
+        """Samples of a source's future that band-limited delays look at, with `motion`."""
+        return 2 * HALF_WIDTH + round(0.001 * self.sample_rate) if self.motion else 0
 
     @property
     def speed_of_sound(self) -> float:

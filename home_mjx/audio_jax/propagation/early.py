@@ -9,7 +9,7 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.propagation.diffraction import bent_paths
 from home_mjx.audio_jax.propagation.mirrored import mirrored_paths
-from home_mjx.audio_jax.propagation.paths import PathProducer, Paths, direct_path, reflected_paths
+from home_mjx.audio_jax.propagation.paths import MOST_NAMES, PathProducer, Paths, direct_path, reflected_paths
 from home_mjx.raycast_render.scene.types import Scene
 
 
@@ -49,5 +49,12 @@ def early_paths(
         >>> paths.distance.shape  # doctest: +SKIP
         (9,)
     """
-    found = [find(scene, source, listener, config) for find in producers or producers_of(config)]
+    each = enumerate(producers or producers_of(config))
+    found = [_named(find(scene, source, listener, config), number) for number, find in each]
     return jax.tree.map(lambda *parts: jnp.concatenate(parts), *found)
+
+
+def _named(paths: Paths, producer: int) -> Paths:
+    """With names that no other producer gives."""
+    number = jnp.arange(paths.distance.size, dtype=jnp.int32) if paths.name is None else paths.name
+    return paths.replace(name=number + producer * MOST_NAMES)

@@ -3,13 +3,13 @@
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.propagation.diffraction import house_boxes
 from home_mjx.audio_jax.propagation.images import Images, Mirrors, find_images, nearest_mirrors
-from home_mjx.audio_jax.propagation.paths import NEAREST, SKIN, Paths, air_energy, no_paths
+from home_mjx.audio_jax.propagation.paths import MOST_NAMES, NEAREST, SKIN, Paths, air_energy, no_paths
 from home_mjx.audio_jax.propagation.surfaces import surface_at
 from home_mjx.raycast_render.casting.cast import cast, occluded
 from home_mjx.raycast_render.scene.types import Scene
@@ -18,6 +18,7 @@ from home_mjx.schema.compiled import Ray
 MOST_MIRRORS = {1: (32, 32), 2: (12, 8), 3: (8, 4)}  # walls and faces of things of which sequences are made, by order
 DEPTH = 0.06  # [m], within which a surface counts as lying in a mirror's plane, as in `scene_compile`
 SHORTEST = 1e-3  # [m], legs that have a direction
+NAMED_APART = 29.37  # steps of names per unit of a normal and per metre; no round one, which planes would lie between
 SAME = 1e-3  # paths whose lengths [m] and directions differ by less are one
 
 
@@ -75,7 +76,17 @@ def mirrored_paths(scene: Scene, source: Source, listener: Listener, config: Aud
     length = jnp.where(possible, found.length, 1.0)
     energy = energy * jnp.exp(-length[:, None] * air_energy(config)[None])
     gain = jnp.sqrt(jnp.maximum(energy, 0.0)) / jnp.maximum(length, NEAREST)[:, None]
-    return Paths(length, jnp.where(possible[:, None], gain, 0.0), direction)
+    return Paths(length, jnp.where(possible[:, None], gain, 0.0), direction, names_of(found))
+
+
+def names_of(found: Images) -> Int[Array, " p"]:
+    """A number of each path that its planes give: it stays while source and listener move."""
+    order = jnp.arange(found.point.shape[1], dtype=jnp.int32)[None]
+    depth = jnp.sum(found.normal * found.point, axis=2)
+    plane = jnp.concatenate([found.normal, depth[:, :, None]], axis=2)
+    parts = jnp.round(plane * NAMED_APART).astype(jnp.int32) * jnp.array([1, 73, 5419, 401_231], jnp.int32)
+    each = jnp.sum(parts, axis=2) * (2 * order + 1) + order
+    return jnp.abs(jnp.sum(jnp.where(order < found.order[:, None], each, 0), axis=1)) % MOST_NAMES
 
 
 def _reflected(scene: Scene, source: Source, listener: Listener, found: Images) -> Float[Array, "p bands"]:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.audio_jax.base.air import air_absorption, energy_attenuation
 from home_mjx.audio_jax.base.config import AudioConfig
@@ -20,6 +20,7 @@ from home_mjx.schema.compiled import BANDS, Ray
 SKIN = 1e-4  # [m], by which rays start off a surface and end before one
 MIRROR_DEPTH = 0.03  # [m], within which a surface counts as lying in the mirror plane
 NEAREST = 0.05  # [m], distances are taken as at least this
+MOST_NAMES = 1 << 24  # of one producer's paths
 
 
 class Paths(Pytree):
@@ -28,6 +29,9 @@ class Paths(Pytree):
     distance: Float[Array, " p"]  # [m], travelled
     gain: Float[Array, "p bands"]  # pressure per octave re the source at 1 m; 0 for no path
     direction: Float[Array, "p 3"]  # unit vector from the listener to where the sound comes from, world
+    # The same number for the same path from step to step, such as that of its mirror plane, so that its delay can run
+    # from the one to the other; unique within what one producer gives, which None numbers in order.
+    name: Int[Array, " p"] | None = None
 
 
 PathProducer = Callable[[Scene, Source, Listener, AudioConfig], Paths]
@@ -35,7 +39,8 @@ PathProducer = Callable[[Scene, Source, Listener, AudioConfig], Paths]
 
 def no_paths() -> Paths:
     """Paths of shape (0,)."""
-    return Paths(jnp.zeros(0, jnp.float32), jnp.zeros((0, len(BANDS)), jnp.float32), jnp.zeros((0, 3), jnp.float32))
+    none = jnp.zeros(0, jnp.float32)
+    return Paths(none, jnp.zeros((0, len(BANDS)), jnp.float32), jnp.zeros((0, 3), jnp.float32), none.astype(jnp.int32))
 
 
 def air_energy(config: AudioConfig) -> Float[np.ndarray, " bands"]:
@@ -138,7 +143,7 @@ def reflected_paths(scene: Scene, source: Source, listener: Listener, config: Au
     if config.num_reflections == 0:
         return no_paths()
     start, end = source.pos, listener.pos
-    point, distance = _nearest_mirrors(scene, start, end, config.num_reflections)
+    point, distance, plane = _nearest_mirrors(scene, start, end, config.num_reflections)
     to_listener = jnp.linalg.norm(point - end[None], axis=1)
     to_source = jnp.linalg.norm(point - start[None], axis=1)
     direction = (point - end[None]) / jnp.maximum(to_listener, NEAREST)[:, None]
@@ -164,13 +169,13 @@ def reflected_paths(scene: Scene, source: Source, listener: Listener, config: Au
     length = jnp.where(possible, distance, 1.0)
     energy = (1 - met.absorption) * (1 - met.scattering) * jnp.exp(-length[:, None] * air_energy(config)[None])
     gain = jnp.sqrt(jnp.maximum(energy, 0.0)) / jnp.maximum(length, NEAREST)[:, None]
-    return Paths(length, jnp.where(heard[:, None], gain, 0.0), direction)
+    return Paths(length, jnp.where(heard[:, None], gain, 0.0), direction, plane)
 
 
 def _nearest_mirrors(
     scene: Scene, source: Float[Array, "3"], listener: Float[Array, "3"], count: int
-) -> tuple[Float[Array, "r 3"], Float[Array, " r"]]:
-    """Points where the shortest reflections meet their planes, and their path lengths; inf for none."""
+) -> tuple[Float[Array, "r 3"], Float[Array, " r"], Int[Array, " r"]]:
+    """Points where the shortest reflections meet their planes, their path lengths, inf for none, and the planes."""
     planes = scene.bank.acoustics
     center, normal = planes.plane_center[scene.house], planes.plane_normal[scene.house]
     before_source = jnp.sum((source[None] - center) * normal, axis=1)
@@ -182,7 +187,7 @@ def _nearest_mirrors(
     valid = planes.plane_valid[scene.house] & (before_source > 0) & (before_listener > 0) & inside
     distance = jnp.where(valid, jnp.linalg.norm(image - listener[None], axis=1), jnp.inf)
     _, nearest = jax.lax.top_k(-distance, min(count, distance.size))
-    return point[nearest], distance[nearest]
+    return point[nearest], distance[nearest], nearest.astype(jnp.int32)
 
 
 def _within(offset: Float[Array, "p 3"], half: Float[Array, "p 3"]) -> Bool[Array, " p"]:

@@ -6,7 +6,6 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from PIL import Image
 
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import number, positive_int
@@ -54,6 +53,7 @@ def run(args: argparse.Namespace) -> int:
 
     from home_mjx.raycast_render.cameras.camera import Camera, Lens, camera_rays
     from home_mjx.raycast_render.images.render import render
+    from home_mjx.viz.media import write_png
     from home_mjx.viz.top_view import in_wall
 
     make_folder(args.out)
@@ -68,7 +68,7 @@ def run(args: argparse.Namespace) -> int:
         images["rgb"] = np.where(cut[..., None], CUT_WALL, images["rgb"])
     for kind in KINDS:
         path = args.out / f"{kind}.png"
-        Image.fromarray(_colours(kind, images[kind])).save(path)
+        write_png(path, _colours(kind, images[kind]))
         sys.stdout.write(f"{path}\n")
     return 0
 

@@ -8,9 +8,9 @@ import logging
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from home_mjx.core.files import write_whole
+from home_mjx.core.files import read_text, write_whole
 from home_mjx.core.paths import cache_folder
-from home_mjx.errors import ExecutorError, install_hint
+from home_mjx.errors import DatasetError, ExecutorError, install_hint
 
 OPTIONS = ("--std=c++17",)
 NAMES = ("libnvrtc.so.13", "libnvrtc.so.12", "libnvrtc.so")  # for the loader's own search
@@ -125,10 +125,10 @@ def _check(library: ctypes.CDLL, status: int) -> None:
 def _read(entry: Path) -> str | None:
     """The cached PTX; None if there is none, or a broken entry."""
     try:
-        head, _, ptx = entry.read_text().partition("\n")
+        head, _, ptx = read_text(entry).partition("\n")
     except FileNotFoundError:
         return None
-    except (OSError, UnicodeDecodeError) as error:
+    except DatasetError as error:
         log.warning("broken cache entry %s is made again: %s", entry, error)
         return None
     if head != MARK + _digest(ptx):

@@ -20,10 +20,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from home_mjx.core.files import write_whole
+from home_mjx.core.files import read_bytes, write_whole
 from home_mjx.core.paths import cache_folder
 
 FORMAT = 1
+MAX_BYTES = 1 << 28  # of an index: a million files
 RECHECK_VARIABLE = "HOME_MJX_RECHECK"
 YOUNG_SECONDS = 2.0  # the coarsest clock of a file system in use (FAT) ticks every two seconds
 
@@ -103,7 +104,7 @@ def _encode(known: dict[str, tuple[Stamp, Facts]]) -> bytes:
 
 def _read(path: Path) -> dict[str, tuple[Stamp, Facts]]:
     try:
-        check, _, text = path.read_bytes().partition(b"\n")
+        check, _, text = read_bytes(path, most=MAX_BYTES).partition(b"\n")
         if int(check, 16) != zlib.crc32(text):
             return {}
         content: dict[str, Any] = json.loads(text)

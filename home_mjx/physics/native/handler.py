@@ -9,6 +9,7 @@ from numba import carray, cfunc, njit, types  # pyright: ignore[reportPrivateImp
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from home_mjx.core.native import ffi, memory
+from home_mjx.core.native.kept import with_checked_cache
 from home_mjx.core.native.memory import pointer_to, symbol_address
 from home_mjx.physics.base import servo, state, touch
 from home_mjx.physics.native import constraint, contacts, forces, motion, sleep, solver, step
@@ -89,6 +90,7 @@ def sources_digest() -> int:
     return ffi.digest(*(part.__file__ for part in parts))
 
 
+@with_checked_cache
 def build_handler() -> tuple[Any, Any]:
     """The task and the handler, compiled or loaded from Numba's cache on disk; keep both as long as XLA may call."""
     digest = sources_digest()

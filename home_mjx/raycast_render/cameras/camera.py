@@ -2,14 +2,16 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.pytree import Pytree
-from home_mjx.core.transforms import quat_matrix
+from home_mjx.core.transforms import UNIT_SLACK, is_unit, quat_matrix
 from home_mjx.errors import ConfigError
 from home_mjx.schema.choices import CAMERA_MODELS
 
@@ -94,6 +96,39 @@ class Lens:
     def shape(self) -> tuple[int, ...]:
         """Leading shape of the images."""
         return (6, self.height, self.width) if self.model == "cube" else (self.height, self.width)
+
+
+def is_usable(camera: Camera, lens: Lens) -> Bool[Array, ""]:
+    """Whether the camera gives an image: numbers, a unit quaternion, and a field of view that there can be."""
+    finite = [jnp.all(jnp.isfinite(leaf)) for leaf in jax.tree.leaves(camera)]
+    return jnp.all(jnp.stack([*finite, is_unit(camera.quat), _is_view(camera.fovy, lens)]))
+
+
+def check_camera(camera: Camera, lens: Lens) -> None:
+    """Refuses a camera that gives no image, where its numbers are known: not while a program is traced.
+
+    Raises:
+        ConfigError: Its quaternion is not of unit length, or its field of view cannot be, such as one in degrees.
+    """
+    leaves = jax.tree.leaves(camera)
+    if any(isinstance(x, jax.core.Tracer) for x in leaves) or not all(np.isfinite(x).all() for x in leaves):  # pyright: ignore
+        return  # poses that are no numbers give images without hits
+    # In NumPy: JAX's operations on numbers give tracers, too, while something else is traced.
+    norm, fovy = float(np.linalg.norm(camera.quat)), float(camera.fovy)
+    if abs(norm**2 - 1) >= UNIT_SLACK:
+        hint = "Divide it by its length; (1, 0, 0, 0) turns nothing."
+        raise ConfigError(f"a camera's quaternion must have unit length, got {norm:.4g}", hint=hint)
+    if not _is_view(fovy, lens):
+        what = "height [m] above 0" if lens.model == "orthographic" else "field of view [rad] between 0 and pi"
+        hint = "Write jnp.deg2rad(degrees)." if fovy > np.pi else "Give a positive one."
+        raise ConfigError(f"`fovy` of a camera must be a {what}, got {fovy:g}", hint=hint)
+
+
+def _is_view(fovy: Any, lens: Lens) -> Any:
+    """Whether a number, or an array of one, is a field of view that there can be; others than these two have none."""
+    if lens.model == "pinhole":
+        return (fovy > 0) & (fovy < np.pi)
+    return fovy > 0 if lens.model == "orthographic" else fovy == fovy
 
 
 def has_intrinsics(lens: Lens) -> bool:

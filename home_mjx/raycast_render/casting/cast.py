@@ -7,10 +7,11 @@ import jax.numpy as jnp
 from jax import lax
 from jaxtyping import Array, Bool, Float, Int
 
+from home_mjx.bank.records import Geometry
 from home_mjx.core.native.forked import refuse_forked
 from home_mjx.raycast_render.casting.flat import flat_cast
 from home_mjx.raycast_render.casting.hit_gradient import differentiable
-from home_mjx.raycast_render.scene.types import Hit, Rays, Scene
+from home_mjx.raycast_render.scene.types import Hit, Moving, Rays, Scene
 from home_mjx.schema.compiled import Ray
 
 Distance = Float[Array, "..."] | float
@@ -119,7 +120,15 @@ def _run(scene: Scene, rays: Rays, shared: tuple[str, ...], executor: str | None
     count = rays.t_min.size
     flat = jax.tree.map(lambda x: x.reshape(1, count, *x.shape[rays.t_min.ndim :]), rays)
     flat = flat.replace(**{name: getattr(flat, name)[:, :1] for name in shared})
-    house = scene.geometry.known_house(scene.house)  # native code would read past its arrays
-    args = scene.geometry, house[None], jax.tree.map(lambda x: x[None], scene.moving), flat
+    house, moving = scene.geometry.known_house(scene.house), _known(scene.geometry, scene.moving)
+    args = scene.geometry, house[None], jax.tree.map(lambda x: x[None], moving), flat
     hits = flat_cast(executor or scene.executor, any_hit)(*jax.tree.map(lax.stop_gradient, args))
     return tuple(x[0] for x in hits)
+
+
+def _known(geometry: Geometry, moving: Moving) -> Moving:
+    """What moves, with the nearest models and materials that there are: native code would read past its arrays."""
+    models, materials = geometry.model_root.shape[0], geometry.material_mask.shape[0]
+    return moving.replace(
+        model=jnp.clip(moving.model, 0, models - 1), material=jnp.clip(moving.material, 0, materials - 1)
+    )

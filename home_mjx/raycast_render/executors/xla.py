@@ -8,7 +8,7 @@ Sources: S. Woop, C. Benthin, I. Wald, "Watertight ray/triangle intersection", J
 traversal", JCGT 2(2), 2013.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -95,8 +95,8 @@ def _start(world: _Operands) -> _State:
     none, weight = zero - 1, zero.astype(jnp.float32)
     alive = rays.t_min <= rays.t_max
 
-    def add(slot: Array, carry: tuple[Array, Array]) -> tuple[Array, Array]:
-        slot = slot.astype(jnp.int32)
+    def add(slot: Any, carry: tuple[Array, Array]) -> tuple[Array, Array]:
+        slot = jnp.asarray(slot, jnp.int32)  # a Python number where jit is disabled
         near = _slab(world.moving.box[world.env, slot].reshape(n, 6), rays.origin, rays.direction, rays.t_min)
         meets = alive & (near <= rays.t_max) & (world.moving.instance[world.env, slot] >= 0)
         return _push(*carry, jnp.where(meets, _leaf(world.geometry.instance_model.shape[1] + slot, 1), EMPTY))

@@ -4,7 +4,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from home_mjx.core.checks import check_names, check_number, check_type
-from home_mjx.raycast_render.cameras.camera import Camera, Lens
+from home_mjx.raycast_render.cameras.camera import Camera, Lens, check_camera
 from home_mjx.raycast_render.images.view import View
 from home_mjx.raycast_render.scene import surface
 from home_mjx.raycast_render.scene.types import Scene
@@ -51,7 +51,8 @@ def render(
     * fine, coarse, nyu40, room, level, partition, room_type, size, color (of 16): int32 (H, W), columns of
       `scene.bank.semantics`; -1 for none and on a miss.
     * material: int32 (H, W), rows of `scene.bank.materials`; -1 on a miss.
-    * valid: bool (), whether the camera's and all objects' poses are finite; if not, the image shows only misses.
+    * valid: bool (), whether the camera's and all objects' poses are finite, their quaternions of unit length and the
+      field of view one that there can be; if not, the image shows only misses.
 
     Args:
         scene: The environment, whose `executor` casts the rays.
@@ -63,7 +64,8 @@ def render(
         depth_max: Greatest value of depth and distance images [m]; None leaves them as they are.
 
     Raises:
-        ConfigError: A kind, a preset or the scene's executor is unknown, or `depth_max` is negative.
+        ConfigError: A kind, a preset or the scene's executor is unknown, or `depth_max` is negative; outside of `jit`
+            also a camera that gives no image, see `check_camera`.
 
     Example:
         >>> images = render(scene, camera, Lens(64, 64), kinds=("rgb", "depth", "fine"))  # doctest: +SKIP
@@ -74,6 +76,7 @@ def render(
     check_type("lens", lens, Lens)
     if depth_max is not None:
         check_number("depth_max", depth_max, 0)
+    check_camera(camera, lens)
     scene = scene.replace(house=scene.bank.known_house(scene.house))
     view = View(scene, camera, lens, resolve(preset), exclude)
     images = _Images(view, depth_max)

@@ -9,7 +9,7 @@ from jaxtyping import Array, Bool, Float, Int, UInt8
 
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.cameras import sampling
-from home_mjx.raycast_render.cameras.camera import Camera, Lens, camera_rays, pixel_width
+from home_mjx.raycast_render.cameras.camera import Camera, Lens, camera_rays, is_usable, pixel_width
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.scene import surface
 from home_mjx.raycast_render.scene.look import exposed
@@ -41,9 +41,8 @@ class View:
 
     @cached_property
     def valid(self) -> Bool[Array, ""]:
-        """Whether the poses of the camera and of everything that moves are numbers."""
-        leaves = [*jax.tree.leaves(self.camera), self.scene.moving.pose]
-        return jnp.all(jnp.stack([jnp.all(jnp.isfinite(leaf)) for leaf in leaves]))
+        """Whether the camera can be used, and the poses of everything that moves are numbers."""
+        return is_usable(self.camera, self.lens) & jnp.all(jnp.isfinite(self.scene.moving.pose))
 
     @cached_property
     def middle(self) -> CameraRays:

@@ -10,7 +10,7 @@ from jaxtyping import Array, Float, Int
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.packing.agent_model import HEIGHT, RADIUS
 from home_mjx.bank.records import Geometry
-from home_mjx.core.transforms import bounds, compose, invert, rigid
+from home_mjx.core.transforms import bounds, compose, invert, is_unit, rigid
 from home_mjx.raycast_render.scene.look import Look
 from home_mjx.raycast_render.scene.types import Moving, Scene
 from home_mjx.schema.agent import Body
@@ -37,7 +37,7 @@ def make_scene(
         bank: The houses.
         house: Which of them; the nearest, if there is none.
         body_pos: Position of every movable body, its box's middle [m]; rows beyond the house's bodies do not count.
-        body_quat: Orientation of every movable body, unit quaternions (w, x, y, z).
+        body_quat: Orientation of every movable body, unit quaternions (w, x, y, z); any other makes the scene invalid.
         agent_pos: Middle of every agent's capsule [m].
         agent_quat: Orientation of every agent, unit quaternions (w, x, y, z).
         executor: Of all rays in the scene, see `cast`.
@@ -69,8 +69,13 @@ def agent_sizes(bodies: Sequence[Body]) -> Float[Array, "a 2"] | None:
 def _bodies(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "k 3"], quat: Float[Array, "k 4"]) -> Moving:
     valid = bank.physics.body_valid[house]
     instance = jnp.where(valid, bank.physics.body_instance[house], -1)
-    pose = jax.vmap(compose)(jax.vmap(rigid)(pos, quat), bank.physics.body_from_model[house])
+    pose = jax.vmap(compose)(_placed(pos, quat), bank.physics.body_from_model[house])
     return _instances(bank, house, instance, pose)
+
+
+def _placed(pos: Float[Array, "n 3"], quat: Float[Array, "n 4"]) -> Float[Array, "n 3 4"]:
+    """Poses; no numbers where a quaternion is not of unit length, which would make things larger or smaller."""
+    return jnp.where(is_unit(quat)[:, None, None], jax.vmap(rigid)(pos, quat), jnp.nan)
 
 
 def _doors(bank: HouseBank, house: Int[Array, ""], angle: Float[Array, " h"]) -> Moving:
@@ -114,7 +119,7 @@ def _instances(
 def _agents(
     geometry: Geometry, pos: Float[Array, "a 3"], quat: Float[Array, "a 4"], size: Float[Array, "a 2"] | None
 ) -> Moving:
-    count, pose = pos.shape[0], jax.vmap(rigid)(pos, quat)
+    count, pose = pos.shape[0], _placed(pos, quat)
     if size is not None:
         wide, tall = size[:, 0] / jnp.float32(RADIUS), size[:, 1] / jnp.float32(HEIGHT)
         pose = pose * jnp.stack([wide, wide, tall, jnp.ones_like(wide)], axis=-1)[:, None]

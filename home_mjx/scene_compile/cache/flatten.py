@@ -3,7 +3,7 @@
 import dataclasses
 import functools
 import typing
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, TypeVar
 
 import numpy as np
@@ -53,9 +53,11 @@ def rebuild(cls: type[T], arrays: Mapping[str, np.ndarray], notes: Notes, prefix
 
     Raises:
         KeyError: A field is missing.
+        ValueError: An array has another type or shape than its field.
     """
     hints = _hints(cls)
     values = dict(given)
+    lengths = _numbered(cls).copy()
     for field in dataclasses.fields(typing.cast(Any, cls)):
         name = prefix + field.name
         if field.name in given:
@@ -63,10 +65,20 @@ def rebuild(cls: type[T], arrays: Mapping[str, np.ndarray], notes: Notes, prefix
         if dataclasses.is_dataclass(hints[field.name]):
             values[field.name] = rebuild(hints[field.name], arrays, notes, f"{name}.")
         elif name in arrays:
-            values[field.name] = arrays[name]
+            values[field.name] = _checked(arrays[name], hints[field.name], name, lengths)
         else:
             values[field.name] = _from_note(name, notes[name], hints[field.name], arrays)
     return cls(**values)
+
+
+@functools.cache
+def _numbered(cls: type) -> dict[str, int]:
+    return _numbers(hint for hint in _hints(cls).values() if hasattr(hint, "dim_str"))
+
+
+def _numbers(hints: Iterable[Any]) -> dict[str, int]:
+    """Lengths of axes by name: those that are numbers."""
+    return {axis: int(axis) for hint in hints for axis in _axes(hint) if axis.isdigit()}
 
 
 @functools.cache
@@ -77,4 +89,29 @@ def _hints(cls: type) -> dict[str, Any]:
 def _from_note(name: str, note: Any, hint: Any, arrays: Mapping[str, np.ndarray]) -> Any:
     if typing.get_origin(hint) is not tuple:
         return note
-    return tuple(note) if isinstance(note, list) else tuple(arrays[f"{name}.{i}"] for i in range(note))
+    if isinstance(note, list):
+        return tuple(note)
+    each = typing.get_args(hint)[0]
+    return tuple(_checked(arrays[f"{name}.{i}"], each, name, _numbers((each,))) for i in range(note))
+
+
+def _checked(array: np.ndarray, hint: Any, name: str, lengths: dict[str, int]) -> np.ndarray:
+    """The array, if its type is the hint's, and axes of one name in a record are of one length."""
+    axes, shape = _axes(hint), array.shape
+    fits = len(axes) == len(shape) and _fits(array.dtype, hint)
+    for axis, n in zip(axes, shape, strict=False):
+        fits = fits and lengths.setdefault(axis, n) == n
+    if not fits:
+        raise ValueError(f"`{name}` is {array.dtype} {shape}, expected {axes}")
+    return array
+
+
+@functools.cache
+def _axes(hint: Any) -> tuple[str, ...]:
+    """Names of axes, see `_numbers`."""
+    return tuple(hint.dim_str.split())
+
+
+@functools.cache
+def _fits(dtype: np.dtype, hint: Any) -> bool:
+    return dtype.name in hint.dtypes

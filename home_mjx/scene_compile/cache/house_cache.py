@@ -8,14 +8,17 @@ import hashlib
 import logging
 import os
 import weakref
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
+from home_mjx.core.files import below
 from home_mjx.datasets.suncg.dataset import Dataset
 from home_mjx.datasets.suncg.digests import Inputs
 from home_mjx.scene_compile.cache.entry import BROKEN, SUFFIX, read_entry, read_notes, write_entry
 from home_mjx.scene_compile.cache.flatten import Notes, flatten, rebuild
 from home_mjx.scene_compile.cache.selection import HouseContents, contents_of
+from home_mjx.scene_compile.cache.soundness import check_house, check_models
 from home_mjx.scene_compile.cache.version import claim, mark_used, version_folder
 from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS, CompileOptions, compile_house
 from home_mjx.schema.compiled import CompiledHouse, Model, Rooms
@@ -47,6 +50,7 @@ class HouseCache:
         self.options = options
         self.library: dict[str, Model] = {} if library is None else library
         self.compiled = 0  # houses that were not in the cache
+        self.unwritten: OSError | None = None  # why the last one that was compiled is not in it
         self._root = str(dataset.root)
         self._inputs = Inputs(dataset.root)
         weakref.finalize(self, self._inputs.save)
@@ -65,7 +69,7 @@ class HouseCache:
         entry = self.entry(house_id)
         broken = False
         try:
-            return self._read(entry)
+            return self._read(house_id, entry)
         except FileNotFoundError:
             pass
         except BROKEN as error:
@@ -100,23 +104,29 @@ class HouseCache:
 
     def model(self, key: str) -> Model:
         """A library model that a compiled house names; raises as `entry.read_entry`."""
-        if key not in self.library:
-            self.library[key] = rebuild(Model, *read_entry(self._model_path(key)))
-        return self.library[key]
+        return self._models((key,))[key]
+
+    def _models(self, keys: Iterable[str]) -> dict[str, Model]:
+        keys = dict.fromkeys(keys)
+        fresh = {key: rebuild(Model, *read_entry(self._model_path(key))) for key in keys if key not in self.library}
+        check_models(fresh)
+        self.library |= fresh
+        return {key: self.library[key] for key in keys}
 
     def entry(self, house_id: str) -> Path:
         """Where the house is in the cache, or would be."""
         key = hashlib.sha256(repr((house_id, self.options)).encode() + self._inputs.house(house_id)).hexdigest()
         return self._folder / "houses" / f"{key}{SUFFIX}"
 
-    def _read(self, entry: Path) -> CompiledHouse:
+    def _read(self, house_id: str, entry: Path) -> CompiledHouse:
         """Raises `FileNotFoundError` if there is no entry, or if an image that it shows is not as it was."""
         arrays, notes = read_entry(entry)
         textures = {self._absolute(path): digest for path, digest in notes.pop("textures").items()}
         if any(self._inputs.texture(path) != digest for path, digest in textures.items()):
             raise FileNotFoundError(entry)
-        models = {key: self.model(key) for key in dict.fromkeys(notes["instances.model"])}
+        models = self._models(notes["instances.model"])
         house = rebuild(CompiledHouse, arrays, notes, models=models)
+        check_house(house, house_id)
         texture = tuple(map(self._absolute, house.materials.texture))
         return replace(house, materials=replace(house.materials, texture=texture))
 
@@ -125,8 +135,10 @@ class HouseCache:
         compiled = compile_house(house, self.dataset.metadata, self.options)
         self.compiled += 1
         try:
+            self.unwritten = None
             self._write(compiled, entry, broken)
         except OSError as error:
+            self.unwritten = error
             log.warning("compiled house is not cached: %s", error)
         models = {key: self.library.setdefault(key, model) for key, model in compiled.models.items()}
         return replace(compiled, models=models)
@@ -150,6 +162,8 @@ class HouseCache:
         return str(Path(path).relative_to(root)) if path and Path(path).is_relative_to(root) else path
 
     def _absolute(self, path: str) -> str:
+        if path and below(self.dataset.root, self.dataset.root, path) is None:
+            raise ValueError(f"a texture lies outside of the dataset: {path!s:.80}")
         return os.path.join(self._root, path) if path else ""
 
     def _model_path(self, key: str) -> Path:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
+from home_mjx.core.files import unwritable
 from home_mjx.core.paths import CACHE_VARIABLE, cache_folder
 from home_mjx.datasets.suncg.dataset import Dataset, open_dataset
 from home_mjx.errors import ConfigError
@@ -18,6 +19,7 @@ from home_mjx.scene_compile.cache.report import (
     CACHED,
     COMPILED,
     FAILED,
+    FREE,
     Outcome,
     Summary,
     described,
@@ -136,7 +138,7 @@ def compile_one(root: Path, options: CompileOptions, run: str, house_id: str) ->
             _houses.cache_clear()
         path = houses.entry(house_id)
         if not path.is_file():
-            raise OSError("the cache folder cannot be written to")
+            raise unwritable("compiled house", path, houses.unwritten or OSError("it is gone"), FREE)
         entry = str(path.relative_to(cache_folder()))
     except Exception as problem:  # one house of 45,000 must not stop the run, whatever is wrong with it
         status, error = FAILED, described(problem)

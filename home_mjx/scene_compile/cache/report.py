@@ -9,11 +9,13 @@ from pathlib import Path
 from typing import Any
 from zipfile import is_zipfile
 
+from home_mjx.core.files import unwritable
 from home_mjx.core.paths import cache_folder
 from home_mjx.errors import ConfigError, HomeMjxError
 from home_mjx.scene_compile.cache.version import version_folder
 from home_mjx.scene_compile.pipeline.compile import CompileOptions
 
+FREE = "Free some space and start it again with --resume: what is done stays."
 COMPILED, CACHED, FAILED = "compiled", "cached", "failed"
 
 
@@ -100,7 +102,9 @@ def journal(path: Path, append: bool) -> Iterator[Callable[[Outcome], None]]:
     """Notes outcomes in a report; each is one write, so that a kill cuts at most the last line."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        report = path.open("ab" if append else "wb", buffering=0)
+        if not append:
+            path.write_bytes(b"")
+        report = path.open("ab", buffering=0)  # two runs into one report do not write over each other's lines
     except OSError as error:
         raise ConfigError(f"report cannot be written: {error.strerror}", file=path, hint="Name a new file.") from None
     with report as file:
@@ -108,6 +112,9 @@ def journal(path: Path, append: bool) -> Iterator[Callable[[Outcome], None]]:
             file.write(b"\n")  # the last line may be cut
 
         def note(outcome: Outcome) -> None:
-            file.write((json.dumps(asdict(outcome)) + "\n").encode())
+            try:
+                file.write((json.dumps(asdict(outcome)) + "\n").encode())
+            except OSError as error:
+                raise unwritable("report", path, error, FREE) from None
 
         yield note

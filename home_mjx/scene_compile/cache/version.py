@@ -13,13 +13,14 @@ from pathlib import Path
 from home_mjx.core.files import TEMPORARY
 from home_mjx.core.paths import cache_folder
 
-FORMAT = 6
+FORMAT = 7
 PACKAGE = Path(__file__).parents[2]
 # What makes an entry: a change of any of these makes all houses anew. A test holds it against the imports.
 COMPILER = (
     "core/color.py",
     "core/files.py",
     "core/images.py",
+    "core/native/kept.py",
     "datasets/options.py",
     "datasets/seeds.py",
     "datasets/shapes",

@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from numba import njit
 
+from home_mjx.core.native.kept import with_cache_checked_once
 from home_mjx.errors import CapacityError, ConfigError, DatasetError
 from home_mjx.schema.compiled import Tree
 
@@ -44,7 +45,7 @@ def build_tree(boxes: Float[np.ndarray, "n 2 3"], leaf_size: int = 4) -> tuple[T
         ([0, 1], [0, 1])
     """
     _check(boxes, leaf_size)
-    box, child, order, count = _build(np.asarray(boxes, np.float32).reshape(-1, 6), leaf_size)
+    box, child, order, count = _built(np.asarray(boxes, np.float32).reshape(-1, 6), leaf_size)
     slack = np.float32(SLACK * np.abs(boxes).max(initial=0))
     return Tree(box=box[:count] + np.repeat([-slack, slack], 3), child=child[:count]), order
 
@@ -66,6 +67,12 @@ def _check(boxes: Float[np.ndarray, "n 2 3"], leaf_size: int) -> None:
     if bad.any():
         row = int(bad.argmax())
         raise DatasetError(f"expected a finite box with min <= max, got {boxes[row].tolist()}", element=f"boxes[{row}]")
+
+
+@with_cache_checked_once
+@no_type_check
+def _built(bounds, leaf_size):
+    return _build(bounds, leaf_size)
 
 
 @njit(cache=True)

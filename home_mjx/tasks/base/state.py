@@ -45,14 +45,15 @@ class Episodes(Pytree):
         return self.house.shape[0]
 
 
-def check_rows(index: Any, count: int) -> None:
+def check_rows(index: Any, count: int, what: str = "episodes") -> None:
     """Raises `ConfigError` unless `index` is the number of one of so many rows, or an array of such."""
     array = np.asarray(index)
     if array.dtype.kind not in "biu":
         hint = "Write tasks.pick(jnp.array([0, 2])), or tasks.where(mask) for those for which a comparison holds."
         raise ConfigError(f"expected numbers of rows, got {index!r:.60}", hint=hint)
     if array.size and not 0 <= array.min() <= array.max() < count:
-        message = f"there are episodes 0 to {count - 1}, asked for {array.min()} to {array.max()}"
+        there = f"{what} 0 to {count - 1}" if count else f"no {what}"
+        message = f"there are {there}, asked for {array.min()} to {array.max()}"
         raise OutOfRangeError(message, hint="Their number is the `len` of what they are picked from.")
 
 

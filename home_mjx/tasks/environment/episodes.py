@@ -13,7 +13,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_number, check_type
 from home_mjx.core.files import as_path, read_json_lines, write_durably
 from home_mjx.errors import ConfigError, DatasetError, UnknownIdError
-from home_mjx.tasks.base.state import Episodes
+from home_mjx.tasks.base.state import Episodes, check_rows
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.suite.goals import OTHER_BANK
 from home_mjx.tasks.suite.point_nav import PointNav
@@ -69,11 +69,16 @@ def sample_episodes(
 
 
 def save_episodes(path: str | Path, bank: HouseBank, episodes: Episodes, task: Task = POINT_NAV) -> None:
-    """Writes episodes as JSON lines, with ids and places instead of indices, so that any bank of the houses will do."""
+    """Writes episodes as JSON lines, with ids and places instead of indices, so that any bank of the houses will do.
+
+    Raises:
+        ConfigError: The file cannot be written, or the episodes are of other houses.
+    """
     as_path(path, "episodes")
     check_type("bank", bank, HouseBank)
     check_type("episodes", episodes, Episodes)
     ids, host = bank.house_ids, jax.tree.map(np.asarray, episodes)
+    check_rows(host.house, len(ids), "houses")
     lines = []
     for i in range(len(host)):
         house = int(host.house[i])

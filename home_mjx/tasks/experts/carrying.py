@@ -9,9 +9,11 @@ from jaxtyping import Array, Bool, Float, Int
 from home_mjx.physics.hands import CARRY
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.environment.handling import carried_ids
+from home_mjx.tasks.environment.moves import action_names
 from home_mjx.tasks.sensors.reaching import footprints, plan_radius
 
 PARTS = 8  # of a turn that are looked at
+BOUND = 0.4  # [rad]: who has turned too far by less than that turns back
 AROUND = 0.05  # [m], between what is carried and what stands beside the way
 
 
@@ -55,7 +57,6 @@ def clear_turns(snapshot: Snapshot, turn: Float[Array, " a"]) -> Float[Array, " 
         snapshot: The environment; agents have hands.
         turn: Of each agent, to the left [rad]; less than a half one.
     """
-    other = turn - jnp.sign(turn) * jnp.float32(2 * math.pi)
     radius = jnp.array([body.radius for body in snapshot.config.physics.agents], jnp.float32)
     part = jnp.linspace(0.0, 1.0, PARTS + 1, dtype=jnp.float32)[1:]
 
@@ -66,5 +67,32 @@ def clear_turns(snapshot: Snapshot, turn: Float[Array, " a"]) -> Float[Array, " 
         return jnp.any(meets(snapshot, agent, snapshot.pose.pos[agent] + way))
 
     agents = jnp.arange(turn.shape[0])
-    short, long = (jax.vmap(meets_any)(agents, way) for way in (turn, other))
-    return jnp.where(short & ~long, other, turn)
+    short, long = (jax.vmap(meets_any)(agents, way) for way in (turn, other_way(turn)))
+    return way_round(turn, short & ~long, jnp.where(snapshot.held >= 0, _turning(snapshot), 0.0))
+
+
+def other_way(turn: Float[Array, " a"]) -> Float[Array, " a"]:
+    """Turns that end alike, the other way round [rad]."""
+    return turn - jnp.sign(turn) * jnp.float32(2 * math.pi)
+
+
+def way_round(turn: Float[Array, " a"], blocked: Bool[Array, " a"], turning: Float[Array, " a"]) -> Float[Array, " a"]:
+    """Turns [rad], the other way round where this one is blocked; but who has begun with one goes on with it.
+
+    A step farther the other way round may look better, and from there this one again.
+
+    Args:
+        turn: The shorter way round, to the left [rad].
+        blocked: Whether the other one is better.
+        turning: Which way round each agent turns: 1 to the left, -1 to the right, 0 neither.
+    """
+    back = (turning * turn < 0) & (jnp.abs(turn) > jnp.float32(BOUND))
+    return jnp.where(jnp.where(turning == 0, blocked, back), other_way(turn), turn)
+
+
+def _turning(snapshot: Snapshot) -> Float[Array, " a"]:
+    """Which way round agents have turned in the last step: 1 to the left, -1 to the right, 0 neither."""
+    names, action = action_names(snapshot.config), snapshot.action
+    if snapshot.config.discrete is None:
+        return jnp.round(action[:, names.index("turn_left")])
+    return action[:, names.index("turn_left")] - action[:, names.index("turn_right")]

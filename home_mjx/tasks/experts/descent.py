@@ -100,10 +100,12 @@ def _path(snapshot: Snapshot, agent: Int[Array, ""], far: Far) -> Int[Array, "k 
     places, inside = window_places(at, numbers.shape)
     cell = numbers[places[:, 0], places[:, 1], places[:, 2]]
     home = inside & is_home(bank, house, cell)
+    room = bank.navigation.room[house]
+    elsewhere = room[places[:, 0], places[:, 1], places[:, 2]] != room[at[0], at[1], at[2]]
     middle = jax.vmap(lambda p: place_position(bank, house, p))(places)
     known = jnp.where(home, far(places, cell).astype(jnp.float32), jnp.inf)
     length = jnp.float32(bank.spec.cell) * slowness(snapshot, middle, agent)
-    return at + descend_window(window_distances(known, length), nearest_free(known), LOOK_AHEAD)
+    return at + descend_window(window_distances(known, length), nearest_free(known, elsewhere), LOOK_AHEAD)
 
 
 def _ways(

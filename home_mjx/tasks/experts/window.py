@@ -9,6 +9,7 @@ HALF = 14  # cells, from the middle of a window to its edge: more than it takes 
 WIDTH = 2 * HALF + 1
 ROUNDS = 64  # cells of the longest way within a window
 SHORTER, SHORTEST = 0.05, 20.0  # cells that a way shorter by 1 m is worth, and the way up to which that counts [m]
+WALL = 10.0  # cells that a way into another room counts more: there may be a wall between
 # [m]: where no way is known; of cells that are equally far agents prefer the one where they are.
 BEYOND, STAYS = 1e4, 1e-2
 OFFSETS = np.array([(y, x) for y in (-1, 0, 1) for x in (-1, 0, 1)])
@@ -58,13 +59,18 @@ def _costs(free: Bool[Array, "w w"], length: Float[Array, "w w"]) -> Float[Array
     return jnp.stack(steps)
 
 
-def nearest_free(known: Float[Array, " n"]) -> Int[Array, "2"]:
+def nearest_free(known: Float[Array, " n"], elsewhere: Bool[Array, " n"]) -> Int[Array, "2"]:
     """Row and column of the cell that agents can cross and that is nearest to the middle of a window.
 
     An agent may stand beside such cells: close to furniture, or at what it has pushed aside.
+
+    Args:
+        known: Distances of cells [m]; inf where agents cannot stand.
+        elsewhere: Which cells are in another room than the middle.
     """
     away = jnp.asarray(np.hypot(*np.meshgrid(*[np.arange(WIDTH) - HALF] * 2)), jnp.float32).reshape(-1)
-    rank = jnp.where(jnp.isfinite(known), away + SHORTER * jnp.minimum(known, SHORTEST), jnp.inf)
+    rank = away + SHORTER * jnp.minimum(known, SHORTEST) + WALL * elsewhere
+    rank = jnp.where(jnp.isfinite(known), rank, jnp.inf)
     best = jnp.argmin(rank.at[WIDTH * HALF + HALF].add(-1.0)).astype(jnp.int32)
     return jnp.stack([best // WIDTH, best % WIDTH])
 

@@ -140,7 +140,7 @@ def written(descriptors: Sequence[Meant], stages: Sequence[Stage]) -> dict[str, 
         >>> there = When(Feature.DISTANCE, 0, most=0.2), When(Feature.STOPPED, least=1)
         >>> stages = [Stage((Go(SUCCESS, there, reward=2.5),), guide=0)]
         >>> written([Meant.at((1, 2, 0))], stages)["next"][0].tolist()
-        [-1, -1, -1]
+        [-1, -1, -1, -1]
     """
     known: dict[When, int] = {}
     for stage in stages:

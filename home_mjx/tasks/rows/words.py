@@ -5,7 +5,7 @@ from enum import IntEnum
 NUM_DESCRIPTORS = 4  # things, rooms or places that a row speaks of
 NUM_CONDITIONS = 8
 NUM_STAGES = 6
-NUM_TRANSITIONS = 3  # out of each stage
+NUM_TRANSITIONS = 4  # out of each stage
 NUM_TOKENS = 32  # of the instruction
 
 ANY = -1  # in a descriptor: whatever it is; elsewhere: none

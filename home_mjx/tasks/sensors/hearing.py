@@ -14,6 +14,8 @@ from home_mjx.audio_jax.auralization.spectra import LEAST, MOST, NUM_MELS, log_m
 from home_mjx.audio_jax.auralization.stream import faded_frame, given_off
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Sounds, Source
+from home_mjx.audio_jax.motion.frame import moving_frame
+from home_mjx.audio_jax.motion.reception import FALL, Reception, ends_early, reception, silence
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import camera_quat
 from home_mjx.tasks.base.config import EnvConfig
@@ -28,7 +30,6 @@ from home_mjx.tasks.sounds.row import VOICED
 from home_mjx.tasks.sounds.voice import SILENCE, num_remembered, voices
 
 LOUDEST = 1e6  # [pressure re the source at 1 m]: no sound is louder
-FALL = 1e-3  # -30 dB
 
 
 class Heard(Pytree):
@@ -36,7 +37,8 @@ class Heard(Pytree):
 
     phase: Int[Array, ""]  # [samples], position in the clips at the frame's start
     time: Int[Array, ""]  # [samples], from the episode's start to the frame's
-    response: Float[Array, "a e 2 l"]  # impulse response per ear at the frame's end
+    # At the frame's end: impulse response per ear, or with `AudioConfig.motion` what is received, axes (a, e).
+    response: Float[Array, "a e 2 l"] | Reception
     frame: Float[Array, "a 2 m"]  # the last step's sound
     said: Int[Array, "k a"]  # tokens of the last frames, this one first; -1 none. Nothing where nobody can speak
 
@@ -55,29 +57,31 @@ class Hearing(Sensor):
     def init(self, config: EnvConfig) -> Heard:
         """Silence."""
         agents, audio = config.num_agents, config.audio
+        nothing = silence(audio) if audio.motion else jnp.zeros((2, audio.response_length), jnp.float32)
         return Heard(
             phase=jnp.zeros((), jnp.int32),
             time=jnp.zeros((), jnp.int32),
-            response=jnp.zeros((agents, config.num_sources, 2, audio.response_length), jnp.float32),
+            response=jax.tree.map(lambda x: jnp.zeros((agents, config.num_sources, *x.shape), x.dtype), nothing),
             frame=jnp.zeros((agents, 2, audio.frame), jnp.float32),
             said=no_words(config),
         )
 
     def update(self, config: EnvConfig, snapshot: Snapshot, state: Heard) -> Heard:
-        """Traces the responses anew and fades to them from the last ones, within the frame."""
+        """Traces the responses anew and leads over to them from the last ones, within the frame."""
         clips, row = playable(config, snapshot)
         first, frame = snapshot.step == 0, config.audio.frame
         phase = jnp.where(first, 0, (state.phase + frame) % clips.shape[1])
         time = jnp.where(first, 0, state.time + frame)
         response = hear(config, snapshot)
-        before = jnp.where(first, response, state.response)
+        before = jax.tree.map(lambda new, old: jnp.where(first, new, old), response, state.response)
         sounds, said = as_loud_as_drawn(snapshot), with_words(snapshot, state.said)
         left = given_off(clips, sounds, row, phase, time, config.audio)
         if config.speech:
             left = left + sounds.gain[:, None] * voices(spoken(snapshot, said), config.audio)
 
-        def of_all(old: Float[Array, "e 2 l"], new: Float[Array, "e 2 l"]) -> Float[Array, "2 m"]:
-            return jnp.sum(jax.vmap(lambda s, a, b: faded_frame(s, a, b, config.audio))(left, old, new), axis=0)
+        def of_all(old: Any, new: Any) -> Float[Array, "2 m"]:
+            between = moving_frame if config.audio.motion else faded_frame
+            return jnp.sum(jax.vmap(lambda s, a, b: between(s, a, b, config.audio))(left, old, new), axis=0)
 
         return Heard(phase=phase, time=time, response=response, frame=jax.vmap(of_all)(before, response), said=said)
 
@@ -182,8 +186,9 @@ def spoken(snapshot: Snapshot, said: Int[Array, "k a"]) -> Int[Array, "k e"]:
     return jnp.where(speaks, said[:, jnp.clip(number, 0, agents - 1)], SILENCE)
 
 
-def hear(config: EnvConfig, snapshot: Snapshot, response: Callable[..., Any] = impulse_response) -> Any:
-    """From all sources to every agent: impulse responses (a, e, 2, l), or what else is made with the same rays."""
+def hear(config: EnvConfig, snapshot: Snapshot, response: Callable[..., Any] | None = None) -> Any:
+    """From all sources to every agent, axes (a, e): what `Heard` remembers, or what else is made with the same rays."""
+    response = response or (reception if config.audio.motion else impulse_response)
     pose, num_agents, sounds = snapshot.pose, config.num_agents, snapshot.sounds
     # One key per episode, not per step: successive responses stay coherent, so the tail does not flutter.
     keys = jax.random.split(fold(snapshot.key, SOUND), num_agents)
@@ -197,11 +202,13 @@ def hear(config: EnvConfig, snapshot: Snapshot, response: Callable[..., Any] = i
 
         return over_agents(from_source, sounds.pos, sounds.body, each)
 
-    heads = jax.vmap(camera_quat)(pose.yaw, jnp.zeros_like(pose.pitch))
+    heads = jax.vmap(camera_quat)(pose.yaw, pose.pitch)
     return over_agents(one, eye_position(config, pose), heads, keys, agent_ids(snapshot.bank, num_agents))
 
 
-def is_cut(response: Float[Array, "2 l"], config: AudioConfig) -> Bool[Array, ""]:
+def is_cut(response: Float[Array, "2 l"] | Reception, config: AudioConfig) -> Bool[Array, ""]:
     """Whether a response ends before it has fallen by 30 dB from its loudest bin."""
+    if isinstance(response, Reception):
+        return ends_early(response, config)
     energy = jnp.sum(response.reshape(2, config.num_bins, config.bin_samples) ** 2, axis=(0, 2))
     return energy[-1] > FALL * jnp.max(energy)

@@ -21,6 +21,7 @@ ABOVE = 0.6  # [m], over a piece of furniture, from where its top is looked for
 FAR = 1000.0  # [m]
 APART = 0.03  # [m], at least, between what is put down and what stands there
 FLAT = 0.015  # [m]
+OVER = 0.75  # of half a surface that is narrower than what is put there, or hardly wider: its edge is farther than that
 LEVEL = 0.7  # least upward part of the normal of a surface
 REST = 0.03  # [m]: what is so much above the top of something still lies on it
 SLACK = 0.03  # [m]
@@ -105,12 +106,23 @@ def footprints(scene: Scene, carried: Int[Array, ""]) -> Footprints:
 def room_at(
     boxes: Footprints, plan: Float[Array, "n 2"], height: Float[Array, " n"], radius: Float[Array, ""]
 ) -> tuple[Bool[Array, " n"], Bool[Array, " n"]]:
-    """At which places of a height [m] a box bears what is put there, and where it would touch none."""
+    """At which places of a height [m] a box bears what is put there, and where it would touch none.
+
+    It lies within the box's edges, so far as the box is large enough for that: hands let go 3 cm from a spot, and what
+    has its middle near an edge slides and falls.
+
+    Args:
+        boxes: All that things meet.
+        plan: The places [m].
+        height: Of what is beneath [m].
+        radius: Of what is put there [m].
+    """
     x, y = plan[:, :1] - boxes.x, plan[:, 1:] - boxes.y
     u = jnp.abs(boxes.cos * x + boxes.sin * y) - boxes.half_u
     v = jnp.abs(boxes.cos * y - boxes.sin * x) - boxes.half_v
     away = jnp.hypot(jnp.maximum(u, 0), jnp.maximum(v, 0))
-    bears = (away == 0) & (jnp.abs(boxes.top - height[:, None]) < FLAT)
+    inner = (u <= -jnp.minimum(radius, OVER * boxes.half_u)) & (v <= -jnp.minimum(radius, OVER * boxes.half_v))
+    bears = inner & (jnp.abs(boxes.top - height[:, None]) < FLAT)
     meets = (away < radius) & (boxes.top > height[:, None] + FLAT) & (boxes.bottom < height[:, None] + ABOVE)
     return jnp.any(bears, axis=1), ~jnp.any(meets, axis=1)
 

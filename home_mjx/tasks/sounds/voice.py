@@ -66,12 +66,12 @@ def num_remembered(config: AudioConfig) -> int:
         >>> num_remembered(AudioConfig())
         7
     """
-    window = config.response_length - 1 + _length(config.sample_rate)
+    window = config.memory_length - 1 + _length(config.sample_rate)
     return 1 + (window - 1) // config.frame
 
 
 def voices(said: Int[Array, "k e"], config: AudioConfig) -> Float[Array, "e w"]:
-    """What leaves mouths in this frame, and before it for as long as a response lasts; as `given_off` gives clips.
+    """What leaves mouths in this frame, and before it for as long as it rings on; as `given_off` for `moving_frame`.
 
     A word begins with the frame in which it is said. Who speaks again before a word has ended says both at once.
 
@@ -83,16 +83,16 @@ def voices(said: Int[Array, "k e"], config: AudioConfig) -> Float[Array, "e w"]:
         >>> config = AudioConfig()
         >>> said = jnp.full((num_remembered(config), 1), -1).at[0, 0].set(7)
         >>> spoken = voices(said, config)
-        >>> spoken.shape, bool(jnp.any(spoken[:, : config.response_length - 1]))
+        >>> spoken.shape, bool(jnp.any(spoken[:, : config.memory_length - 1]))
         ((1, 9599), False)
     """
-    past, length, frame = config.response_length - 1, _length(config.sample_rate), config.frame
+    past, length, frame = config.memory_length - 1, _length(config.sample_rate), config.frame
     words = jax.vmap(jax.vmap(lambda token: word_sound(token, config)))(said)
     whole = jnp.zeros((said.shape[1], length + past + frame + length), jnp.float32)
     for ago in range(said.shape[0]):
         begin = length + past - ago * frame
         whole = whole.at[:, begin : begin + length].add(words[ago])
-    return whole[:, length : length + past + frame]
+    return whole[:, length : length + past + frame + config.ahead]
 
 
 def voice_power(said: Int[Array, "k e"], config: AudioConfig) -> Float[Array, "e w bands"]:

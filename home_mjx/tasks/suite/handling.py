@@ -5,7 +5,7 @@ Szot et al., "Habitat 2.0: Training Home Assistants to Rearrange their Habitat",
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -192,19 +192,24 @@ class Rearrange(Handling):
         return Row(meant, self._stages(len(chosen)), tokens=tokens, then=range(1, len(meant)))
 
     def _stages(self, count: int) -> list[Stage]:
-        """Two per thing: take it, put it down. What comes undone is to be done again, and its reward is paid back."""
+        """Two per thing: take it, put it down. What comes undone is to be done again, and its reward is paid back.
+
+        Also what was put down before: to that one goes back with an empty hand.
+        """
         held = [When(Feature.HELD, 2 * k, least=1) for k in range(count)]
         on = [When(Feature.ON, 2 * k, 2 * k + 1, least=1) for k in range(count)]
         part, stages = self.success_reward / (2 * count), []
         wrong = (Go(FAILURE, (STOPPED,)),) if self.stop else ()
         for k in range(count):
             done = Go(2 * k + 1, (on[k],), (held[k],), reward=part)  # it is where it should be
-            stages.append(Stage((Go(2 * k + 1, (held[k],), reward=part), done, *wrong), guide=2 * k))
+            off = [Go(2 * j, bars=(on[j],), reward=-2 * (k - j) * part) for j in range(k)]
+            stages.append(Stage((Go(2 * k + 1, (held[k],), reward=part), done, *wrong, *off), guide=2 * k))
             back = Go(2 * k, bars=(held[k], on[k]), reward=-part)
+            off = [replace(way, bars=(*way.bars, held[k]), reward=way.reward - part) for way in off]
             if k < count - 1:
                 ways = (Go(2 * k + 2, (on[k],), (held[k],), reward=part), back, *wrong)
             else:
                 said = (STOPPED,) if self.stop else ()
                 ways = (Go(SUCCESS, (*on, *said), tuple(held), reward=part), *wrong, back)
-            stages.append(Stage(ways, guide=2 * k + 1))
+            stages.append(Stage((*ways, *off), guide=2 * k + 1))
         return stages

@@ -15,6 +15,7 @@ from home_mjx.core.checks import check_type
 from home_mjx.core.files import as_path, read_json_lines, write_durably
 from home_mjx.errors import ConfigError, DatasetError, UnknownIdError
 from home_mjx.scene_compile.semantics.vocabulary import number_of, vocabularies
+from home_mjx.tasks.base.state import check_rows
 from home_mjx.tasks.language.phrases import COLUMN
 from home_mjx.tasks.language.vocabulary import detokenize, tokenize
 from home_mjx.tasks.limits.faults import first_fault
@@ -42,7 +43,7 @@ def save_tasks(path: str | Path, bank: HouseBank, tasks: TaskBank) -> None:
         tasks: What `Task.task_bank` or `build_task_bank` has drawn.
 
     Raises:
-        ConfigError: The file cannot be written.
+        ConfigError: The file cannot be written, or the tasks are of other houses, or have no names.
 
     Example:
         >>> save_tasks("tasks.jsonl", env.params.bank, env.params.tasks)  # doctest: +SKIP
@@ -51,6 +52,8 @@ def save_tasks(path: str | Path, bank: HouseBank, tasks: TaskBank) -> None:
     check_type("bank", bank, HouseBank)
     check_type("tasks", tasks, TaskBank)
     ids, host = bank.house_ids, jax.tree.map(np.asarray, tasks.rows)
+    check_rows(host.house, len(ids), "houses")
+    check_rows(host.columns["task"], len(tasks.names), "names of tasks")
     lines = []
     for at in range(len(host)):
         row = {name: values[at] for name, values in host.columns.items()}

@@ -10,7 +10,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from home_mjx.core.checks import check_known, check_number
+from home_mjx.core.checks import check_flag, check_known, check_number
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.specs import ArraySpec
 from home_mjx.training.networks.distributions import Distribution, distribution_of
@@ -29,6 +29,7 @@ class NetworkConfig:
         memory: Numbers that the GRU keeps.
         channels: Of the blocks that read images.
         dtype: Type in which images are convolved: "float32" or "bfloat16". Everything else is float32.
+        mentions: Mark in images of ids what instructions name, see `mentioned`. Without, each word has to be learned.
 
     Raises:
         ConfigError: A value cannot be used.
@@ -38,9 +39,11 @@ class NetworkConfig:
     memory: int = 512
     channels: tuple[int, ...] = (32, 64, 128)
     dtype: str = "float32"
+    mentions: bool = True
 
     def __post_init__(self) -> None:
         check_known("dtype", [self.dtype], DTYPES)
+        check_flag("network.mentions", self.mentions)
         for name, value in (("features", self.features), ("memory", self.memory)):
             check_number(f"network.{name}", value, 1, whole=True)
         if not isinstance(self.channels, tuple) or not self.channels:
@@ -108,7 +111,8 @@ class RecurrentAgent(nn.Module):
             The memory after the last step, parameters of the distribution, and values.
         """
         dtype = jnp.dtype(self.config.dtype)
-        seen = Encoder(self.specs, self.config.features, self.config.channels, dtype)(obs)
+        sizes = self.config.features, self.config.channels
+        seen = Encoder(self.specs, *sizes, dtype, self.config.mentions)(obs)
         memory, x = Memory(self.config.memory)(memory, (seen, begins))
         return memory, self._policy(x), self._value(x)
 

@@ -12,9 +12,11 @@ from jaxtyping import Array, Float, Int
 from home_mjx.tasks.base.specs import ArraySpec
 from home_mjx.tasks.experts.teacher import EXPERT
 from home_mjx.training.networks.images import ImageEncoder
+from home_mjx.training.networks.mentions import column_of, mentioned, said_by
 
 NUM_IDS = 1024  # rows of the tables of ids and words; greater ids are counted around
 ID_CHANNELS = 12
+NEIGHBOURS = 3  # words that are read at once
 LOUD = 50.0  # [dB]: levels are told in such parts
 APART = 10.0  # [dB]: and differences between ears in such
 QUIET = 1e-4  # pressure below which loudness is not told apart
@@ -98,10 +100,10 @@ class SpectraEncoder(nn.Module):
 
 
 class WordEncoder(nn.Module):
-    """Features of a short row of words: each is looked up by place and word, then those that are there are averaged.
+    """Features of a short row of words: each is read with its neighbours; of all, the greatest of a feature is kept.
 
     Attributes:
-        blank: What stands where there is no word. Counted like words, the many blanks would drown the few.
+        blank: What stands where there is no word. The many blanks must not drown the few words.
         features: Size of the result.
     """
 
@@ -110,12 +112,13 @@ class WordEncoder(nn.Module):
 
     @nn.compact
     def __call__(self, words: Int[Array, "*b n"]) -> Float[Array, "*b f"]:
-        """Order counts through the table of places."""
+        """Order counts by neighbours and through the table of places."""
         places = self.param("places", nn.initializers.normal(0.02), (words.shape[-1], self.features))
-        looked_up = nn.relu(nn.Dense(self.features)(nn.Embed(NUM_IDS, self.features)(_row(words)) + places))
-        there = (words != self.blank).astype(jnp.float32)[..., None]
+        there = (words != self.blank)[..., None]
+        looked_up = jnp.where(there, nn.Embed(NUM_IDS, self.features)(_row(words)) + places, 0.0)
+        read = jnp.where(there, nn.relu(nn.Conv(self.features, (NEIGHBOURS,))(looked_up)), 0.0)
         # Of size 1: short embeddings would leave all gates half open for long.
-        return nn.LayerNorm()(jnp.sum(looked_up * there, axis=-2) / jnp.maximum(jnp.sum(there, axis=-2), 1))
+        return nn.LayerNorm()(jnp.max(read, axis=-2))
 
 
 @functools.cache
@@ -134,24 +137,28 @@ def _row(ids: Int[Array, "*b"]) -> Int[Array, "*b"]:
 class Encoder(nn.Module):
     """One vector from all observations of an agent.
 
-    Images of one size, ids among them, are stacked and read by one `ImageEncoder`, which words tell what to look for.
-    Vectors are squashed, joined and read by two layers.
+    Images of one size, ids among them, are stacked and read by one `ImageEncoder`, which words tell what to look for;
+    where ids have names, what words name is marked. Vectors are squashed, joined and read by two layers.
 
     Attributes:
         specs: Name and spec of every observation of one agent.
         features: Size of the result, and of the two layers.
         channels: Of `ImageEncoder`.
         dtype: Type of the convolutions of images.
+        mentions: Mark what words name, see `mentioned`.
     """
 
     specs: tuple[tuple[str, ArraySpec], ...]
     features: int = 256
     channels: tuple[int, ...] = (32, 64, 128)
     dtype: Any = jnp.float32
+    mentions: bool = True
 
     @nn.compact
     def __call__(self, obs: dict[str, Array]) -> Float[Array, "*b f"]:
         """Leading axes of the observations are kept."""
+        said = [said_by(name, obs[name]) for name, spec in self.specs if kind_of(name, spec) == "words"]
+        said = jnp.concatenate(said, axis=-1) if said and self.mentions else None
         images: dict[tuple[int, ...], list[Array]] = defaultdict(list)
         vectors, parts, asked = [], [], []
         for name, spec in self.specs:
@@ -161,6 +168,8 @@ class Encoder(nn.Module):
                 images[image.shape[-3:-1]].append(image)
             elif kind == "ids":
                 images[spec.shape].append(jnp.asarray(id_codes(), self.dtype)[_row(x)])
+                if said is not None and (column := column_of(name)) is not None:
+                    images[spec.shape].append(mentioned(x, column, said).astype(self.dtype))
             elif kind == "sound":
                 parts.append(SoundEncoder()(x))
             elif kind == "spectra":

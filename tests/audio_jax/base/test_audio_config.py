@@ -3,6 +3,7 @@
 import pytest
 
 from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.presets import PRESETS, audio_preset
 from home_mjx.errors import ConfigError
 from home_mjx.schema import Timing
 
@@ -28,6 +29,8 @@ def test_lengths_follow_from_rates():
         ({"late": "baked", "bin_seconds": 0.002}, "late='baked' has no sound for bin_seconds=0.002"),
         ({"late": "baked", "reflection_order": 2}, "late='baked' has no sound for reflection_order=2"),
         ({"late": "baked", "num_reflections": 0}, "late='baked' needs reflections"),
+        ({"tail_seconds": -0.1}, "`tail_seconds` must be a finite number of at least 0"),
+        ({"motion": True, "response_seconds": 0.004}, "at least two bins"),
     ],
 )
 def test_unusable_values_are_refused(options, message):
@@ -38,3 +41,22 @@ def test_unusable_values_are_refused(options, message):
 def test_configs_are_hashable_and_compare_by_value():
     assert hash(AudioConfig()) == hash(AudioConfig(timing=Timing(sample_rate=16000)))
     assert AudioConfig() != AudioConfig(num_rays=65)
+
+
+def test_memory_of_what_moves():
+    """A response of 125 bins of 64 samples; 62 of them ring on twice in 0.4 s, and filters of the tail for 16 ms."""
+    assert AudioConfig(tail_seconds=0.4).memory_length == AudioConfig().response_length == 8000
+    assert AudioConfig(motion=True, tail_seconds=0.0).memory_length == 8000
+    assert AudioConfig(motion=True, tail_seconds=0.4).memory_length == 8000 + 2 * 62 * 64 + 256
+
+
+def test_presets():
+    """Each traces more than the one before; options may differ; others are refused."""
+    rays = [audio_preset(name).num_rays * audio_preset(name).num_bounces for name in PRESETS]
+    assert rays == sorted(rays)
+    assert len(set(rays)) == 3
+    assert audio_preset("balanced", num_edges=0) == AudioConfig(**{**PRESETS["balanced"], "num_edges": 0})
+    with pytest.raises(ConfigError, match="Did you mean `fast`"):
+        audio_preset("fats")
+    with pytest.raises(ConfigError, match="num_rays"):
+        audio_preset("fast", num_rays=0)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from home_mjx.audio_jax.propagation.images import Mirrors, find_images, nearest_mirrors
+from home_mjx.audio_jax.propagation.mirrored import names_of
 
 
 def mirrors(center, normal, u, v) -> Mirrors:
@@ -105,3 +106,16 @@ def test_the_mirrors_that_are_kept_are_the_nearest():
     assert np.all(kept.valid)
     behind = nearest_mirrors(room, jnp.float32([30, 0, 0]), jnp.float32([31, 0, 0]), 6)
     assert int(behind.valid.sum()) == 5  # the back of the near end says nothing
+
+
+def test_names_stay_while_source_and_listener_move():
+    """Each of the 24 reflections in a box has a name of its own, the same after both have moved by 0.1 m."""
+    room = box((4.0, 5.0, 2.7))
+    places = jnp.array([[0.3, 1.2, 0.2], [-1.1, -0.7, 0.4]])
+    found = [find_images(room, *(places + step), 2) for step in (0.0, 0.1)]
+    there = [np.isfinite(np.asarray(f.length)) for f in found]
+    before, after = (np.asarray(names_of(f)) for f in found)
+    assert there[0].sum() == 24
+    assert len(set(before[there[0]])) == 24
+    same = there[0] & there[1]
+    np.testing.assert_array_equal(before[same], after[same])

@@ -323,12 +323,57 @@ def test_two_processes_may_mark_the_same_new_folder(tmp_path):
     assert json.loads((tmp_path / dataset.MARKER).read_text())["generator"] == "home_mjx"
 
 
-def test_a_house_that_was_cut_is_written_anew(root, tmp_path):
-    shutil.copytree(root, tmp_path / "cut")
-    path = tmp_path / "cut" / "house" / house_id(3) / "house.json"
-    path.write_bytes(path.read_bytes()[:500])
-    generate_dataset(tmp_path / "cut", SEEDS)
-    assert digests(tmp_path / "cut") == digests(root)
+CUT = (
+    "house/{}/house.json",
+    "house/{}/sha256.json",
+    "room/{}/*.obj",
+    "object/gen_door_1/*.obj",
+    "texture/*.png",
+    "metadata/*",
+)
+
+
+@pytest.fixture(scope="module")
+def copied(root, tmp_path_factory):
+    return shutil.copytree(root, tmp_path_factory.mktemp("copied") / "houses")
+
+
+@pytest.mark.parametrize("name", CUT)
+def test_a_file_that_was_cut_is_written_anew(root, copied, name, monkeypatch):
+    """Half a door's OBJ is an OBJ of half a door."""
+    monkeypatch.setattr(dataset, "build_house", built)
+    path = min(copied.glob(name.format(house_id(3))))
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    assert digests(copied) != digests(root)
+    generate_dataset(copied, SEEDS)
+    assert digests(copied) == digests(root)
+
+
+def test_a_house_of_a_former_version_is_kept(root, copied):
+    (copied / "house" / house_id(1) / "sha256.json").unlink()
+    before = (copied / "house" / house_id(1) / "house.json").stat().st_mtime_ns
+    generate_dataset(copied, SEEDS)
+    assert (copied / "house" / house_id(1) / "house.json").stat().st_mtime_ns == before
+
+
+def test_what_killed_writers_left_is_swept(copied):
+    leftovers = [copied / f"{writer.PARTIAL}old", copied / f".{dataset.MARKER}.77"]
+    leftovers[0].mkdir()
+    leftovers[1].write_text("{")
+    young = copied / f"{writer.PARTIAL}young"
+    young.mkdir()
+    for path in leftovers:
+        os.utime(path, times=(0, 0))
+    generate_dataset(copied, [3])
+    assert [path.exists() for path in (*leftovers, young)] == [False, False, True]
+
+
+def test_a_broken_marker_in_the_cache_says_what_to_remove(tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path))
+    (tmp_path / "generated-v1").mkdir()
+    (tmp_path / "generated-v1" / dataset.MARKER).write_text('{"gener')
+    with pytest.raises(DatasetError, match=r"broken generated.json.*Remove that folder: it is made again"):
+        dataset._claim(tmp_path / "generated-v1")
 
 
 def test_a_folder_of_the_cache_without_its_marker_may_be_removed(tmp_path, monkeypatch):

@@ -130,6 +130,18 @@ def test_64_bit_mode_changes_nothing(case, executor):
         np.testing.assert_array_equal(b, c)
 
 
+@pytest.mark.parametrize("executor", EXECUTORS)
+def test_without_jit_nothing_changes(case, executor):
+    """As users look for their own mistakes."""
+    _, scene, origin, direction = case
+    expected = in_jit(cast, scene, f32(origin[:2]), f32(direction[:2]), mask=7, executor=executor)
+    with jax.disable_jit():
+        hit = cast(scene, f32(origin[:2]), f32(direction[:2]), mask=7, executor=executor)
+    np.testing.assert_array_equal(hit.instance, expected.instance)
+    np.testing.assert_array_equal(hit.triangle, expected.triangle)
+    np.testing.assert_allclose(hit.t, expected.t, rtol=1e-5)
+
+
 def test_any_leading_shape_and_scalars(case):
     _, scene, origin, direction = case
     flat = in_jit(cast, scene, f32(origin[:24]), f32(direction[:24]), mask=7)

@@ -10,7 +10,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.packing.texture_layers import mip_levels
 from home_mjx.errors import ConfigError
 from home_mjx.navigation.grid import geodesic_distance, random_position, room_of
-from home_mjx.raycast_render.cameras.camera import Camera, Lens
+from home_mjx.raycast_render.cameras.camera import Camera, Lens, is_usable
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.images.render import KINDS, SEMANTIC_KINDS, render
 from home_mjx.raycast_render.scene.scene import make_scene
@@ -236,3 +236,20 @@ def test_unknown_kind_is_refused_with_a_hint(bank):
     camera = Camera(jnp.zeros(3), jnp.asarray(LEVEL, jnp.float32), jnp.float32(1.0))
     with pytest.raises(ConfigError, match="Did you mean `depth`"):
         render(place(bank), camera, kinds=("deptth",))
+
+
+@pytest.mark.parametrize(
+    "change", [{"quat": 1.05 * LEVEL}, {"quat": 0 * LEVEL}, {"fovy": 90.0}, {"fovy": -1.0}], ids=str
+)
+def test_cameras_that_cannot_be_are_refused_and_inside_jit_flagged(bank, look, change):
+    quat, fovy = change.get("quat", LEVEL), change.get("fovy", 1.0)
+    camera = Camera(jnp.zeros(3), jnp.asarray(quat, jnp.float32), jnp.float32(fovy))
+    with pytest.raises(ConfigError, match=r"unit length, got|field of view \[rad\] between 0 and pi, got"):
+        render(place(bank), camera)
+    assert not is_usable(camera, Lens())
+    if "quat" in change:
+        images = look(quat=quat)
+        assert not images["valid"]
+        assert (images["instance"] == -1).all()
+    else:
+        assert is_usable(camera, Lens(model="panorama")), "it has no field of view"

@@ -92,3 +92,11 @@ def test_maps(rng):
     box = np.sort(rng.normal(size=(2, 3)), axis=0).astype(np.float32)
     corners = np.stack(np.meshgrid(*box.T), axis=-1).reshape(-1, 3) @ np.asarray(pose[:, :3]).T + np.asarray(pose[:, 3])
     np.testing.assert_allclose(bounds(pose, jnp.asarray(box)), [corners.min(axis=0), corners.max(axis=0)], atol=1e-5)
+
+
+def test_a_quaternion_that_is_not_of_unit_length_makes_no_larger_body(bank):
+    pos, quat = bank.physics.body_pos[0], np.array(bank.physics.body_quat[0])
+    quat[1] *= 2
+    moving = place(bank, pos, jnp.asarray(quat))
+    assert np.isnan(moving.pose[1]).all()
+    assert np.isfinite(np.delete(moving.pose, 1, axis=0)).all()

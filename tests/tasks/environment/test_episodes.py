@@ -169,3 +169,13 @@ def test_starts_are_settled(generated_bank):
     moved = np.linalg.norm(bodies[0] - bodies[1], axis=-1)[valid]
     assert np.quantile(moved, 0.95) < 0.02
     assert moved.max() < 0.05
+
+
+def test_episodes_of_other_houses_are_refused(bank, env):
+    """Their numbers fit, but their starts stand in something that these houses have."""
+    episodes = sample_episodes(bank, 8)
+    assert env.with_tasks(episodes).params.tasks is episodes
+    inside = episodes.start.at[2].set(jnp.array([0.0, 0.5, 0.0]))
+    assert int(episodes.house[2]) == 0
+    with pytest.raises(ConfigError, match=r"nobody can stand at `start` \(0, 0.5, 0\) \(at task 2"):
+        env.with_tasks(episodes.replace(start=inside))

@@ -7,7 +7,7 @@ import pytest
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
-from home_mjx.tasks.experts.window import HALF, WIDTH, descend_window, window_distances
+from home_mjx.tasks.experts.window import HALF, WIDTH, descend_window, nearest_free, window_distances
 
 CELL = 0.1
 
@@ -81,3 +81,18 @@ def slowed(far: np.ndarray) -> np.ndarray:
     slow = np.ones(far.shape, np.float32)
     slow[8:11, 2:20] = 16.0
     return slow
+
+
+def test_who_stands_beside_the_cells_goes_back_into_the_room_that_it_is_in():
+    """There are cells behind the wall that are nearer, and nearer to the end."""
+    known, behind = np.full((WIDTH, WIDTH), np.inf, np.float32), np.zeros((WIDTH, WIDTH), bool)
+    known[HALF + 7], known[HALF - 4] = 12.0, 4.0
+    behind[: HALF - 2] = True
+
+    def nearest(elsewhere):
+        return nearest_free(jnp.asarray(known.ravel()), jnp.asarray(elsewhere.ravel())).tolist()
+
+    assert nearest(behind) == [HALF + 7, HALF]
+    assert nearest(np.zeros_like(behind)) == [HALF - 4, HALF]
+    known[HALF + 7] = np.inf  # there is no other way
+    assert nearest(behind) == [HALF - 4, HALF]

@@ -28,6 +28,8 @@ from home_mjx.tasks import (
     mentions,
     new_combinations,
     sample_episodes,
+    save_episodes,
+    save_tasks,
 )
 from home_mjx.tasks.base.state import check_rows
 from home_mjx.tasks.limits.starts import can_stand
@@ -83,7 +85,7 @@ NEED = ("stages", 0, "ways", 0, "needs", 0)
         (("meant", 2, "place"), GONE, "meant"),
         (("meant", 3, "agent"), GONE, "has no `agent`"),
         (("meant", 0), {"kind": "nothing"}, "no way leads"),
-        (("stages", 0, "ways"), [], "expected 1 to 3 of these, got 0"),
+        (("stages", 0, "ways"), [], "expected 1 to 4 of these, got 0"),
         (("stages", 0, "ways", 0, "next"), 1.5, "expected the number of a stage, success or failure"),
         (("stages", 0, "ways", 0, "next"), 4, "stage 4"),
         (("stages", 0, "guide"), math.inf, "stages[0].guide"),
@@ -131,6 +133,20 @@ def test_a_task_of_nothing_but_time_needs_no_distances(env, lines, tmp_path):
     file.write_text(json.dumps(line) + "\n")
     loaded = env.with_tasks(load_tasks(file, env.bank))
     assert bool(jnp.isfinite(jax.jit(loaded.reset)(jax.random.key(0)).metrics["distance"]))
+
+
+def test_tasks_of_other_houses_or_without_names_are_not_saved(env, generated_bank, tmp_path):
+    tasks, point = env.params.tasks, sample_episodes(generated_bank, 2)
+    far = tasks.rows.house + 2
+    for wrong, said in (
+        (tasks.replace(names=()), "no names of tasks"),
+        (tasks.replace(rows=tasks.rows.replace(house=far)), "houses 0 to 1, asked for 2"),
+    ):
+        with pytest.raises(OutOfRangeError, match=said):
+            save_tasks(tmp_path / "tasks.jsonl", generated_bank, wrong)
+    with pytest.raises(OutOfRangeError, match="houses 0 to 1, asked for -1"):
+        save_episodes(tmp_path / "episodes.jsonl", generated_bank, point.replace(house=point.house - 1))
+    assert list(tmp_path.iterdir()) == []
 
 
 def in_a_wall(bank, house):

@@ -186,7 +186,6 @@ def test_two_things_one_after_the_other():
     assert told(program, 1, on0=True) == (2, quarter)
     assert told(program, 2, on0=True, held2=True) == (3, quarter)
     assert told(program, 3, on0=True, on2=True) == (SUCCESS, quarter)
-    assert told(program, 3, on2=True)[0] == 3  # the first one has come off again
 
 
 def test_what_is_undone_is_paid_back():
@@ -196,6 +195,23 @@ def test_what_is_undone_is_paid_back():
     assert stage == 0
     assert gained + lost == 0
     assert told(program, 0, on0=True) == (1, pytest.approx(gained))  # also if it got there otherwise
+
+
+@pytest.mark.parametrize("stop", [False, True])
+def test_what_is_put_down_and_falls_is_to_be_put_back(stop):
+    """Rewards of the second thing are paid back as well, and paid again for what has stayed done."""
+    program = one_program(Rearrange(num_things=2, stop=stop), 2)
+    part = pytest.approx(2.5 / 4)
+    assert told(program, 2) == (0, -2 * part.expected)  # nothing in the hand: first things first
+    assert told(program, 2, held2=True) == (3, part)
+    assert told(program, 3, held2=True) == (3, 0.0)  # that one is put down first
+    stage, lost = told(program, 3, on2=True)
+    assert (stage, lost) == (0, pytest.approx(-3 * part.expected))
+    stage, first = told(program, stage, on2=True, held0=True)
+    stage, second = told(program, stage, on0=True, on2=True)
+    stage, third = told(program, stage, on0=True, on2=True)
+    assert stage == 3
+    assert first + second + third == pytest.approx(-lost)
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,10 @@
 The writer takes the records that the reader returns, so any `House` can be written.
 """
 
+import hashlib
+import io
 import json
+import logging
 import os
 import shutil
 import tempfile
@@ -15,10 +18,16 @@ import numpy as np
 from jaxtyping import Float, UInt8
 from PIL import Image
 
+from home_mjx.core.files import read_bytes, read_text, write_whole
 from home_mjx.datasets.suncg.write.metadata import LibraryModel, categories_csv, lights_json, sizes_csv
 from home_mjx.datasets.suncg.write.obj import mtl_text, obj_text
 from home_mjx.errors import DatasetError
 from home_mjx.schema.house import Box, Ground, House, Level, Material, Mesh, Node, Object, Room
+
+DIGESTS = "sha256.json"  # in a house's folder: of its files
+PARTIAL = ".partial-"  # how names of folders begin that are not yet whole
+
+log = logging.getLogger(__name__)
 
 Bounds = Float[np.ndarray, "2 3"]
 _BOX_CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
@@ -45,15 +54,41 @@ def write_house(root: Path, house: House) -> None:
         for name, text in ((f"{stem}.obj", obj_text(mesh, f"{stem}.mtl")), (f"{stem}.mtl", mtl_text(mesh.materials)))
     }
     document = json.dumps(house_document(house), separators=(",", ":"))
+    digests = {f"room/{name}": _digest(text) for name, text in files.items()} | {"house.json": _digest(document)}
     # house.json last: readers list houses by it, so no house is ever seen without its rooms
     _write_folder(root, Path("room") / house.id, files)
-    _write_folder(root, Path("house") / house.id, {"house.json": document})
+    _write_folder(root, Path("house") / house.id, {"house.json": document, DIGESTS: json.dumps(digests)})
+
+
+def is_whole_house(root: Path, house_id: str) -> bool:
+    """Whether a house is there as `write_house` wrote it, by the digests of its files.
+
+    Without digests, as former versions wrote houses, whether its `house.json` is JSON.
+
+    Args:
+        root: Dataset root.
+        house_id: Which house.
+    """
+    folder, rooms = root / "house" / house_id, root / "room" / house_id
+    try:
+        if not (folder / DIGESTS).is_file():
+            json.loads(read_text(folder / "house.json"))
+            return rooms.is_dir()
+        digests: dict[str, str] = json.loads(read_text(folder / DIGESTS))
+        places = {name: rooms / name[5:] if name.startswith("room/") else folder / name for name in digests}
+        return all(_digest(read_text(path)) == digests[name] for name, path in places.items())
+    except (DatasetError, ValueError, TypeError, AttributeError, RecursionError):
+        return False
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def write_library(
     root: Path, models: Sequence[LibraryModel], textures: Mapping[str, UInt8[np.ndarray, "h w 3"]]
 ) -> None:
-    """Writes `object/`, `texture/` and, as the last, `metadata/` below a dataset root.
+    """Writes `object/`, `texture/` and, as the last, `metadata/` below a dataset root; what differs is written again.
 
     Args:
         root: Dataset root.
@@ -67,24 +102,31 @@ def write_library(
         key = model.info.model_id
         meshes = {key: model.mesh, **model.variants}
         files = {f"{stem}.obj": obj_text(mesh, f"{key}.mtl") for stem, mesh in meshes.items()}
-        _write_folder(root, Path("object") / key, {**files, f"{key}.mtl": mtl_text(model.mesh.materials)})
-    _write_folder(root, Path("texture"), {f"{name}.png": image for name, image in textures.items()})
+        _write_folder(root, Path("object") / key, {**files, f"{key}.mtl": mtl_text(model.mesh.materials)}, mend=True)
+    _write_folder(root, Path("texture"), {f"{name}.png": image for name, image in textures.items()}, mend=True)
     tables = {
         "ModelCategoryMapping.csv": categories_csv(models),
         "models.csv": sizes_csv(models),
         "suncgModelLights.json": lights_json(models),
     }
-    _write_folder(root, Path("metadata"), tables)
+    _write_folder(root, Path("metadata"), tables, mend=True)
 
 
-def _write_folder(root: Path, folder: Path, files: Mapping[str, str | UInt8[np.ndarray, "h w 3"]]) -> None:
-    """Fills a temporary folder and renames it, so that `folder` appears complete; an existing one is kept."""
+def _write_folder(
+    root: Path, folder: Path, files: Mapping[str, str | UInt8[np.ndarray, "h w 3"]], mend: bool = False
+) -> None:
+    """Fills a temporary folder and renames it, so that `folder` appears complete.
+
+    An existing one is kept; with `mend` its files that differ are written again, one by one.
+    """
     target = root / folder
-    if target.is_dir():
-        return
     try:
+        if target.is_dir():
+            for name, content in files.items() if mend else ():
+                _mend(target / name, content)
+            return
         target.parent.mkdir(parents=True, exist_ok=True)
-        temporary = Path(tempfile.mkdtemp(prefix=".partial-", dir=root))
+        temporary = Path(tempfile.mkdtemp(prefix=PARTIAL, dir=root))
         try:
             for name, content in files.items():
                 _write_file(temporary / name, content)
@@ -95,6 +137,28 @@ def _write_folder(root: Path, folder: Path, files: Mapping[str, str | UInt8[np.n
     except OSError as error:
         hint = "Choose a folder that you may write to, with enough space."
         raise DatasetError(f"cannot write {folder}: {error.strerror}", file=root, hint=hint) from None
+
+
+def _mend(path: Path, content: str | UInt8[np.ndarray, "h w 3"]) -> None:
+    """Writes a file again that is not what it should be; whole or not at all, since others may be reading it."""
+    if not _holds(path, content):
+        log.warning("broken file %s is made again", path)
+        with write_whole(path) as file:
+            if isinstance(content, str):
+                file.write(content.encode())
+            else:
+                Image.fromarray(content).save(file, "png", optimize=False)
+
+
+def _holds(path: Path, content: str | UInt8[np.ndarray, "h w 3"]) -> bool:
+    try:
+        data = read_bytes(path)
+        if isinstance(content, str):
+            return data == content.encode()
+        with Image.open(io.BytesIO(data)) as image:
+            return np.array_equal(np.asarray(image), content)
+    except (DatasetError, OSError, ValueError, SyntaxError):  # of Pillow, for what is no image
+        return False
 
 
 def _write_file(path: Path, content: str | UInt8[np.ndarray, "h w 3"]) -> None:

@@ -9,6 +9,7 @@ from numba import cfunc, njit, types
 
 from home_mjx.core.native import ffi
 from home_mjx.core.native import memory as native_memory
+from home_mjx.core.native.kept import with_checked_cache
 from home_mjx.core.native.memory import stack_of, symbol_address
 from home_mjx.raycast_render.executors.native import intersect as native_intersect
 from home_mjx.raycast_render.executors.native import lanes
@@ -29,6 +30,7 @@ task_address = symbol_address(TASK)
 compiled = njit(error_model="numpy")
 
 
+@with_checked_cache
 def build_handler() -> tuple[Any, Any]:
     """The task and the handler, compiled or loaded from Numba's cache on disk; keep both as long as XLA may call."""
     # The cache watches this file only. That the functions name the digest makes it tell versions of the rest apart.

@@ -1,0 +1,98 @@
+"""The late part of a frame, and what rings on after a response has ended.
+
+Beyond a response octaves fall exponentially, so the response's second half is heard again and again, each time softer:
+all of these take one transform of the source each, and none of a response.
+"""
+
+import functools
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Complex, Float
+from scipy.fft import next_fast_len
+
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.filters import octave_gains
+
+STEEPEST, FLATTEST = 0.5, 1e-4  # decay per bin, in natural logarithms of energy
+LEAST = 1e-30
+
+
+def tail_levels(energy: Float[Array, "k 2 bands"], config: AudioConfig) -> Float[Array, "m bands"]:
+    """How loud a histogram's second half is heard again, each time after its own length.
+
+    Octaves fall on as over that half: that of both ears together, by least squares of logarithms.
+
+    Args:
+        energy: From `energy_histogram`.
+        config: For the lengths.
+
+    Returns:
+        Amplitudes, `config.num_tail` times.
+
+    Example:
+        >>> config = AudioConfig(motion=True, tail_seconds=0.4)
+        >>> bins = jnp.exp(-0.05 * jnp.arange(config.num_bins))
+        >>> tail = tail_levels(jnp.broadcast_to(bins[:, None, None], (config.num_bins, 2, 7)), config)
+        >>> tail.shape, round(float(tail[1, 0]), 4) == round(float(jnp.exp(-0.05 * 62)), 4)
+        ((2, 7), True)
+    """
+    count = config.half_length // config.bin_samples
+    level = jnp.log(jnp.maximum(jnp.sum(energy[energy.shape[0] - count :], axis=1), LEAST))
+    place = jnp.arange(count, dtype=jnp.float32) - (count - 1) / 2
+    slope = jnp.sum(place[:, None] * level, axis=0) / max((count**3 - count) / 12, 1)
+    decay = jnp.clip(-slope, FLATTEST, STEEPEST)
+    times = jnp.arange(1, config.num_tail + 1, dtype=jnp.float32)
+    return jnp.exp(-0.5 * count * times[:, None] * decay[None])
+
+
+def late_frame(
+    source: Float[Array, " n"], late: Float[Array, "2 2 l"], tail: Float[Array, "2 m bands"], config: AudioConfig
+) -> Float[Array, "2 s"]:
+    """What both ears hear in a frame of late responses and their tails, fading from the first of each to the second.
+
+    Args:
+        source: What leaves the source at 1 m, as `moving_frame` takes it.
+        late: Responses at the frame's start and end, two ears each.
+        tail: From `tail_levels`, at both.
+        config: Options.
+    """
+    size, first = _size(config), config.response_length - config.half_length
+    parts = jnp.fft.rfft(late[..., :first], size), jnp.fft.rfft(late[..., first:], size)
+    now, once, *again = _windows(source, config)
+    both = once[None]
+    if again:
+        levels = jnp.einsum("imb,bf->imf", tail, jnp.asarray(_octaves(config)), precision="highest")
+        both = both + sum(levels[:, i] * x[None] for i, x in enumerate(again))
+    old, new = parts[0] * now[None, None] + parts[1] * both[:, None]
+    begin = first - 1 + config.tail_ringing
+    sound = jnp.fft.irfft(jnp.stack([old, new - old]), size)[..., begin : begin + config.frame]
+    fade = jnp.arange(1, config.frame + 1, dtype=jnp.float32)[None] / config.frame
+    return sound[0] + fade * sound[1]
+
+
+def _windows(source: Float[Array, " n"], config: AudioConfig) -> list[Complex[Array, " f"]]:
+    """Spectra of what is heard through a response's first half, its second one, and that again and again."""
+    first, half, spread = config.response_length - config.half_length, config.half_length, config.tail_ringing
+    width, before = first - 1 + config.frame + 2 * spread, first - half
+    padded = jnp.pad(source, (before, spread))
+    begins = [before + config.memory_length - first - spread]
+    begins += [begins[0] - first - i * half for i in range(config.num_tail + 1)]
+    windows = jnp.stack([padded[begin : begin + width] for begin in begins])
+    return list(jnp.fft.rfft(windows, _size(config)))
+
+
+def _size(config: AudioConfig) -> int:
+    first = config.response_length - config.half_length
+    return int(next_fast_len(first - 1 + config.frame + 2 * config.tail_ringing, real=True) or 0)
+
+
+@functools.cache
+def _octaves(config: AudioConfig) -> Float[np.ndarray, "bands f"]:
+    """Gains of octaves, smooth enough that their filters end after `tail_ringing` samples."""
+    size, spread = _size(config), config.tail_ringing
+    kernel = np.fft.irfft(octave_gains(np.fft.rfftfreq(8 * size, 1 / config.sample_rate)), 8 * size)
+    place = np.minimum(np.arange(size), size - np.arange(size))
+    near = np.where(place == np.arange(size), place, -place)  # samples before time 0 stand at the end
+    fade = np.cos(np.pi / 2 * np.clip(place / spread, 0, 1)) ** 2
+    return np.fft.rfft(kernel[:, near] * fade).real.astype(np.float32)

@@ -1,0 +1,83 @@
+"""Where an image of ids has what words name: ids and words of one language have their names in common.
+
+Who learns each word's look from rewards needs to be told of each thing many times, and knows nothing of a pair of words
+that it has not been told. Agents that are pretrained on pictures and their captions have the same start (such as
+arXiv:2203.10421). What words mean together, and what to do about it, is left to be learned.
+"""
+
+import functools
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from home_mjx.raycast_render.images.render import SEMANTIC_KINDS
+from home_mjx.scene_compile.semantics.vocabulary import vocabularies
+from home_mjx.schema.semantic import Semantic
+from home_mjx.tasks.language.phrases import COLUMN
+from home_mjx.tasks.language.vocabulary import spoken, tokenize
+from home_mjx.tasks.rows.words import Word
+
+NOT_SAID = -1  # token of what has no name
+
+
+@functools.cache
+def name_tokens(column: Semantic) -> Int[np.ndarray, " n"]:
+    """The token of each name of a vocabulary.
+
+    Example:
+        >>> name_tokens(Semantic.SIZE).tolist() == [
+        ...     tokenize(size)[0] for size in ("tiny", "small", "normal", "large", "huge")
+        ... ]
+        True
+    """
+    return np.array([tokenize(spoken(name))[0] for name in vocabularies()[column]], np.int32)
+
+
+def column_of(observation: str) -> Semantic | None:
+    """The vocabulary of the ids of an observation; None: they have no names.
+
+    Example:
+        >>> column_of("ids/head_coarse"), column_of("ids/head_instance")
+        (<Semantic.COARSE: 2>, None)
+    """
+    found = [kind for kind in SEMANTIC_KINDS if observation.startswith("ids/") and observation.endswith(f"_{kind}")]
+    column = SEMANTIC_KINDS[max(found, key=len)] if found else None
+    return column if column in COLUMN.values() else None
+
+
+def said_by(observation: str, words: Int[Array, "*b n"]) -> Int[Array, "*b n"]:
+    """Tokens of an observation of words; of `goal_words`, whose columns hold ids, the tokens of their names."""
+    if observation != "goal_words":
+        return words.astype(jnp.int32)
+    said = jnp.full(words.shape, NOT_SAID, jnp.int32)
+    for word, column in COLUMN.items():
+        tokens, number = jnp.asarray(name_tokens(column)), words[..., word].astype(jnp.int32)
+        token = jnp.where(number >= 0, tokens[jnp.clip(number, 0, len(tokens) - 1)], NOT_SAID)
+        said = said.at[..., Word(word)].set(token)
+    return said
+
+
+def mentioned(ids: Int[Array, "*b h w"], column: Semantic, said: Int[Array, "*b n"]) -> Float[Array, "*b h w 2"]:
+    """Which pixels a text names, and how early: 1 and from 1, its first word, down to 1 / n; else zeros.
+
+    Args:
+        ids: Of a vocabulary; -1 is a miss.
+        column: The vocabulary.
+        said: Tokens of the text.
+
+    Example:
+        >>> ids = jnp.array([[[0, 3, -1]]])  # tiny, large, a miss
+        >>> said = jnp.array([tokenize("the large bed")])
+        >>> mentioned(ids, Semantic.SIZE, said)[0, 0, :, 0].tolist()
+        [0.0, 1.0, 0.0]
+    """
+    tokens = np.append(name_tokens(column), np.int32(NOT_SAID - 1))  # nobody says what a miss is
+    where = said[..., None, :] == jnp.asarray(tokens)[:, None]  # (*b, names, n)
+    named = jnp.any(where, axis=-1).astype(jnp.float32)
+    early = 1 - jnp.argmax(where, axis=-1) / said.shape[-1]
+    table = jnp.stack([named, named * early], axis=-1)
+    last = len(tokens) - 1
+    row = jnp.where((ids >= 0) & (ids < last), ids, last).astype(jnp.int32)
+    found = jnp.take_along_axis(table, row.reshape(*ids.shape[:-2], -1, 1), axis=-2)
+    return found.reshape(*ids.shape, 2)

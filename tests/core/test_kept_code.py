@@ -1,0 +1,73 @@
+"""Numba's cache on disk: a damaged file of machine code is compiled anew and never run."""
+
+import importlib.util
+from pathlib import Path
+
+import pytest
+
+from home_mjx.core.native import kept
+
+SOURCE = """
+from numba import cfunc, types
+from home_mjx.core.native.kept import with_checked_cache
+
+@with_checked_cache
+def build():
+    @cfunc(types.intp(types.intp), cache=True)
+    def double(x):
+        return 2 * x
+    return double
+"""
+
+
+@pytest.fixture
+def build(tmp_path: Path):
+    (tmp_path / "code.py").write_text(SOURCE)
+    spec = importlib.util.spec_from_file_location("code_of_a_test", tmp_path / "code.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module.build
+
+
+def files(tmp_path: Path) -> list[Path]:
+    return sorted((tmp_path / "__pycache__").glob("code.*.nb[ic]"))
+
+
+def test_sound_code_is_loaded(build, tmp_path):
+    assert build().cache_hits == 0
+    assert len(files(tmp_path)) == 2
+    assert build().cache_hits == 1
+
+
+@pytest.mark.parametrize("damage", ["flip", "cut", "empty", "not noted"])
+@pytest.mark.parametrize("which", [0, 1], ids=["code", "index"])
+def test_damaged_code_is_made_again(build, tmp_path, damage, which):
+    build()
+    path = files(tmp_path)[which]
+    data = bytearray(path.read_bytes())
+    if damage == "flip":
+        data[len(data) // 2] ^= 0x55
+    path.write_bytes({"cut": data[: len(data) // 2], "empty": b""}.get(damage, data))
+    if damage == "not noted":
+        (tmp_path / "__pycache__" / "code.sha256.json").write_text("[")
+    again = build()
+    assert (again.cache_hits, again.ctypes(21)) == (0, 42)
+    assert build().cache_hits == 1
+
+
+def test_a_folder_that_cannot_be_written_to_only_costs_time(build, monkeypatch):
+    def nowhere(*_: object):
+        raise RuntimeError("cannot cache: no locator available")
+
+    monkeypatch.setattr("home_mjx.core.native.kept.FunctionCache", nowhere)
+    assert build().ctypes(4) == 8
+
+
+def test_code_of_the_compiler_of_houses_is_checked_once(monkeypatch):
+    """Its functions are called for every model."""
+    checks = []
+    monkeypatch.setattr(kept, "drop_unsound", lambda *place: checks.append(place))
+    double = kept.with_cache_checked_once(lambda x: 2 * x)
+    monkeypatch.setattr(kept, "_place", lambda _: (Path("/nowhere"), "code"))
+    assert [double(x) for x in (1, 2, 3)] == [2, 4, 6]
+    assert len(checks) == 1
