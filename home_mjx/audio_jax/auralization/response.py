@@ -87,15 +87,18 @@ def baked_histogram(
 ) -> tuple[Float[Array, "k 2 bands"], Float[Array, "3"]]:
     """Baked late energy per time bin, ear and octave, as `energy_histogram` gives it; and where it comes from.
 
-    As much of it as its mean direction is long comes from there, the rest from everywhere.
+    Of each span of time as much as its mean direction is long comes from there, the rest from everywhere.
     """
     late = baked_sound(scene, source.pos, listener.pos, config)
-    length = jnp.linalg.norm(late.comes_from)
+    length = jnp.linalg.norm(late.comes_from, axis=1, keepdims=True)  # (spans, 1)
     toward = late.comes_from / jnp.maximum(length, 1e-6)
     upright = jnp.array([1.0, 0.0, 0.0, 0.0], jnp.float32)  # heads hear the same from everywhere, however they turn
     around = jnp.mean(ear_gains(jnp.asarray(spread(EVERYWHERE)), upright, config), axis=0)
-    gain = (1 - length) * around + length * ear_gains(toward[None], listener.quat, config)[0]
-    return late.energy[:, None] * gain[None], late.comes_from
+    there = ear_gains(toward, listener.quat, config) - around[None]
+    gain = around[None] + jnp.einsum("ks,seb->keb", late.span * length.T, there, precision="highest")
+    whole = jnp.einsum("kb,ks->s", late.energy, late.span, precision="highest")
+    mean = jnp.sum(whole[:, None] * late.comes_from, axis=0) / jnp.maximum(jnp.sum(late.energy), 1e-30)
+    return late.energy[:, None] * gain, mean
 
 
 def assembled(

@@ -2,10 +2,11 @@
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float, Int
 
 from home_mjx.audio_jax.baked.balance import balance
-from home_mjx.audio_jax.baked.spans import between, span_of
+from home_mjx.audio_jax.baked.spans import SPANS, between, span_of
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records.sound import LateSound
@@ -20,7 +21,8 @@ class Arrivals(Pytree):
     """Late sound at a listener, whatever its ears."""
 
     energy: Float[Array, "k bands"]  # per time bin, re the free field of the source at 1 m
-    comes_from: Float[Array, "3"]  # mean direction to where it comes from, world; 0 from everywhere, 1 from one side
+    comes_from: Float[Array, "spans 3"]  # mean direction to where it comes from, world; 0 everywhere, 1 one side
+    span: Float[Array, "k spans"]  # share of each bin that is in each span
 
 
 class _Place(Pytree):
@@ -65,10 +67,13 @@ def baked_sound(scene: Scene, source: Float[Array, "3"], listener: Float[Array, 
     level = jnp.einsum("ij,ijsb->sb", both, level, precision="highest")
     way = jnp.sum(both * late.distance[pair].astype(jnp.float32))
     way = jnp.maximum(way, jnp.linalg.norm(source - listener))
-    comes_from = jnp.einsum("ij,ijx->x", both, late.comes_from[pair].astype(jnp.float32) / 127, precision="highest")
-    energy = _shape(late, house, start, end, bins) * level[jnp.asarray(span_of(bins))]
+    comes_from = late.comes_from[pair].astype(jnp.float32) / 127
+    comes_from = jnp.einsum("ij,ijsx->sx", both, comes_from, precision="highest")
+    member = jnp.asarray(np.eye(len(SPANS), dtype=np.float32)[span_of(bins)])
+    energy = _shape(late, house, start, end, bins) * jnp.matmul(member, level, precision="highest")
     rooms = balance(late, scene, start.room, end.room, bins, metres)
-    return Arrivals(_delayed(energy, way / metres) * rooms.kept + rooms.added, comes_from)
+    heard = _delayed(energy, way / metres) * rooms.kept + rooms.added
+    return Arrivals(heard, comes_from, _delayed(member, way / metres))
 
 
 def _shape(late: LateSound, house: Int[Array, ""], start: _Place, end: _Place, bins: int) -> Float[Array, "k bands"]:
@@ -104,7 +109,7 @@ def _around(late: LateSound, house: Int[Array, ""], point: Float[Array, "3"]) ->
     return _Place(cell, weight, jnp.matmul(weight, member, precision="highest"))
 
 
-def _delayed(energy: Float[Array, "k bands"], bins: Float[Array, ""]) -> Float[Array, "k bands"]:
+def _delayed(energy: Float[Array, "k n"], bins: Float[Array, ""]) -> Float[Array, "k n"]:
     """Energies later by some bins, shared between the two nearest ones."""
     count = energy.shape[0]
     below = jnp.floor(bins)

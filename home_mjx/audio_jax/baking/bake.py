@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from home_mjx.audio_jax.baked.spans import BINS, at_knots
+from home_mjx.audio_jax.baked.spans import BINS, SPANS, at_knots
 from home_mjx.audio_jax.baking.cells import Cells, divide
 from home_mjx.audio_jax.baking.fit import Tally
 from home_mjx.audio_jax.baking.flight import Flown, Grid, fly
@@ -22,7 +22,7 @@ from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS, CompiledHouse
 
-SHORT = 0.02  # share of rays that may have ended before the traced time does
+TRACED = 0.8  # of the median way of rays: nearly all flew so far, but for those that are caught under furniture
 NARROW = 0.3  # [m]: portals that agents cannot cross count as so wide
 AT_ONCE = {"gpu": 16}  # sources whose rays fly together; elsewhere one
 
@@ -42,8 +42,8 @@ class BakeOptions:
     """
 
     size: float = 1.0
-    rays: int = 300
-    bounces: int = 100
+    rays: int = 200
+    bounces: int = 250
     seed: int = 0
 
     def __post_init__(self) -> None:
@@ -76,12 +76,13 @@ def bake_house(
     scene, cells = open_scene(bank or HouseBank.from_compiled([house]), index), divide(house, options.size)
     rng = np.random.default_rng(options.seed)
     cells = replace(cells, center=clear_points(scene, cells, rng))
-    distance = ways(cells.center, in_view(scene, cells.center, cells.center))
+    seen = in_view(scene, cells.center, cells.center)
+    distance = ways(cells.center, seen)
     config = AudioConfig(num_bounces=options.bounces, response_seconds=BINS * AudioConfig.bin_seconds)
     tally = Tally(cells.room, distance, len(BANDS), BINS, config.bin_seconds * config.speed_of_sound)
     starts, free = start_points(scene, cells, options.rays, rng)
     total = _fly_all(scene, _grid(cells, free, len(house.rooms.type)), starts, cells.room, config, tally, options.seed)
-    level, shape = tally.finish()
+    level, shape = tally.finish(seen)
     heard = {
         "distance": distance,
         "level": level,
@@ -128,12 +129,13 @@ def _fly(
     grid: Grid,
     start: Float[Array, "s r 3"],
     room: Int[Array, " s"],
+    arrival: Int[Array, "s c"],
     key: Array,
     config: AudioConfig,
     bins: int,
 ) -> Flown:
     """Several sources at once."""
-    return jax.vmap(lambda p, r, k: fly(scene, grid, p, r, k, config, bins))(start, room, key)
+    return jax.vmap(lambda p, r, a, k: fly(scene, grid, p, r, a, k, config, bins))(start, room, arrival, key)
 
 
 def _fly_all(
@@ -148,19 +150,20 @@ def _fly_all(
     """Fills the tally; mean directions from cell to cell, and sums over all rays."""
     count, at_once = len(starts), AT_ONCE.get(jax.default_backend(), 1)
     keys = jax.random.split(jax.random.key(seed), count)
-    comes_from = np.zeros((count, count, 3), np.int8)
+    comes_from = np.zeros((count, count, len(SPANS), 3), np.int8)
+    arrival = np.pad(tally.arrival, ((0, 0), (0, len(grid.room) - count))).astype(np.int32)
     total: dict[str, np.ndarray] = {}
     for first in range(0, count, at_once):
         rows = np.minimum(np.arange(first, first + at_once), count - 1)
         points = jnp.asarray(starts[rows], jnp.float32)
-        found = jax.device_get(
-            _fly(scene, grid, points, jnp.asarray(room[rows], jnp.int32), keys[rows], config, tally.bins)
-        )
+        source = jnp.asarray(room[rows], jnp.int32), jnp.asarray(arrival[rows])
+        found = jax.device_get(_fly(scene, grid, points, *source, keys[rows], config, tally.bins))
         for row, source in enumerate(rows[: count - first]):
             heard = found.energy[row, :, :count].astype(float)
-            tally.add(int(source), heard, float(np.quantile(found.distance[row], SHORT)))
-            whole = np.maximum(heard.sum(axis=(0, 2)), 1e-30)[:, None]
-            comes_from[source] = np.round(np.clip(-127 * found.way[row, :count] / whole, -127, 127))
+            tally.add(int(source), heard, TRACED * float(np.median(found.distance[row])))
+            whole = np.maximum(tally.pair[source].sum(axis=2), 1e-30)
+            way = np.moveaxis(found.way[row, :, :count], 0, 1) / whole[..., None]
+            comes_from[source] = np.round(np.clip(-127 * way, -127, 127))
             for name in ("lived", "lost", "moved", "through"):
                 total[name] = total.get(name, 0.0) + getattr(found, name)[row].astype(float)
     return total | {"comes_from": comes_from}

@@ -24,6 +24,7 @@ class Tally:
         self, room: Int[np.ndarray, " n"], distance: Float[np.ndarray, "n n"], bands: int, bins: int, metres: float
     ) -> None:
         self.room, self.distance, self.metres, self.bins = room, distance, metres, bins
+        self.arrival = np.floor(distance / metres).astype(int)  # bin of the first possible arrival
         count, rooms = len(room), room.max() + 1
         self.pair = np.zeros((count, count, len(SPANS), bands))
         self.shape = np.zeros((rooms, rooms, bands, bins))
@@ -31,17 +32,22 @@ class Tally:
 
     def add(self, source: int, heard: Float[np.ndarray, "bands n k"], flown: float) -> None:
         """Energy from one cell to all, up to a distance that nearly all rays flew [m]."""
-        shift = np.floor(self.distance[source] / self.metres).astype(int)
         self.valid.append(int((flown - self.distance.max()) / self.metres))
-        for cell, late in enumerate(shift):
+        for cell, late in enumerate(self.arrival[source]):
             after = np.zeros(heard.shape[::2])
             after[:, : heard.shape[2] - late] = heard[:, cell, late:]
             after[:, 0] += heard[:, cell, :late].sum(axis=1)
             self.pair[source, cell] = np.add.reduceat(after, SPANS, axis=1).T
             self.shape[self.room[source], self.room[cell]] += after
 
-    def finish(self) -> tuple[Float[np.ndarray, "n n s b"], Float[np.ndarray, "r r b k"]]:
-        """Logarithms of the energy per pair, span and octave, and the shapes of the decays."""
+    def finish(
+        self, seen: Bool[np.ndarray, "n n"] | None = None
+    ) -> tuple[Float[np.ndarray, "n n s b"], Float[np.ndarray, "r r b k"]]:
+        """Logarithms of the energy per pair, span and octave, and the shapes of the decays.
+
+        Args:
+            seen: Which cells see which; pairs of rooms of which none does are smoothed, see `apart`. None: all do.
+        """
         shape = self.shape + np.swapaxes(self.shape, 0, 1)
         valid = int(np.clip(np.median(self.valid), 3 * SPANS[-1], shape.shape[3]))
         rooms = np.arange(len(shape))
@@ -50,7 +56,7 @@ class Tally:
         for index in np.ndindex(*shape.shape[:3]):
             longer[index] = _extend(shape[index], valid, slowest[index[2]])
         pair = self.pair + np.swapaxes(self.pair, 0, 1)
-        pair /= 2
+        pair = apart(pair / 2, self.room, seen) if seen is not None else pair / 2
         a, b = self.room[:, None], self.room[None]
         pair[:, :, -1] *= longer[a, b]
         spans = np.add.reduceat(shape, SPANS, axis=3)  # (r, r, bands, spans)
@@ -59,6 +65,26 @@ class Tally:
         width = np.diff([*SPANS, shape.shape[3]])
         shape /= np.maximum(np.repeat(spans, width, axis=3), SILENT)
         return np.log(np.maximum(pair, SILENT)), shape
+
+
+def apart(
+    pair: Float[np.ndarray, "n n s b"], room: Int[np.ndarray, " n"], seen: Bool[np.ndarray, "n n"]
+) -> Float[np.ndarray, "n n s b"]:
+    """Energies between rooms that do not see each other, as a factor of either cell: sound goes through other rooms.
+
+    Where it comes out of one doorway, it does not matter in which cell of the far room it began but for how loud that
+    doorway is from there; so few rays tell many pairs.
+    """
+    out = pair.copy()
+    for a, b in np.argwhere(np.triu(np.ones((room.max() + 1,) * 2), 1)):
+        rows, columns = np.flatnonzero(room == a), np.flatnonzero(room == b)
+        block = np.ix_(rows, columns)
+        if not len(rows) or not len(columns) or seen[block].any() or seen.T[block].any():
+            continue
+        of, to = pair[block].sum(axis=1, keepdims=True), pair[block].sum(axis=0, keepdims=True)
+        out[block] = of * to / np.maximum(of.sum(axis=0, keepdims=True), SILENT**2)
+        out[np.ix_(columns, rows)] = np.swapaxes(out[block], 0, 1)
+    return out
 
 
 def _dense(decay: Float[np.ndarray, " k"], valid: int) -> int:

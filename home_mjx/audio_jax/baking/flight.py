@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
+from home_mjx.audio_jax.baked.spans import SPANS
 from home_mjx.audio_jax.baking.cells import FROM_FLOOR
 from home_mjx.audio_jax.baking.split import share_out
 from home_mjx.audio_jax.base.config import AudioConfig
@@ -41,7 +42,7 @@ class Flown(NamedTuple):
     """What the rays of one source gave, or several; sums over rays are in no unit, only their ratios count."""
 
     energy: Float[Array, "bands c k"]  # re the free field of the source at 1 m, per octave, cell and time bin
-    way: Float[Array, "c 3"]  # sum of directions in which it came, by energy
+    way: Float[Array, "spans c 3"]  # sum of directions in which it came in each span, by energy
     distance: Float[Array, " n"]  # [m], that each ray flew
     lived: Float[Array, "bands r"]  # energy times way [m] in each room
     lost: Float[Array, "bands r"]  # energy that surfaces and air have taken
@@ -60,7 +61,7 @@ class _Ray(NamedTuple):
 
 class _Sums(NamedTuple):
     heard: Float[Array, " x"]
-    way: Float[Array, "c 3"]
+    way: Float[Array, "spans c 3"]
     lived: Float[Array, "bands r"]
     lost: Float[Array, "bands r"]
     moved: Float[Array, "bands r r"]
@@ -72,6 +73,7 @@ def fly(
     grid: Grid,
     start: Float[Array, "r 3"],
     room: Int[Array, ""],
+    arrival: Int[Array, " c"],
     key: Array,
     config: AudioConfig,
     bins: int,
@@ -88,6 +90,7 @@ def fly(
         grid: Its cells.
         start: Where rays of every octave start [m].
         room: In which room that is.
+        arrival: Bin in which sound can first arrive in each cell.
         key: Random key.
         config: `num_bounces`, `bin_seconds` and the air.
         bins: Number of time bins.
@@ -107,14 +110,19 @@ def fly(
     )
     metres = config.bin_seconds * config.speed_of_sound
     late = jax.random.uniform(jitter, octave.shape, jnp.float32)
-    hear = partial(_hear, grid=grid, octave=octave, late=late, metres=metres)
+    hear = partial(_hear, grid=grid, octave=octave, late=late, arrival=arrival, metres=metres)
     walk = _Walk(scene, grid, octave, jnp.asarray(air_energy(config))[octave], config.num_reflections > 0, hear)
-    shapes = (len(BANDS) * cells * bins,), (cells, 3), *(2 * [(7, grid.rooms)]), *(2 * [(7, grid.rooms, grid.rooms)])
+    shapes = (
+        (len(BANDS) * cells * bins,),
+        (len(SPANS), cells, 3),
+        *(2 * [(7, grid.rooms)]),
+        *(2 * [(7, grid.rooms, grid.rooms)]),
+    )
     nothing = _Sums(*(jnp.zeros(shape, jnp.float32) for shape in shapes))
     (ray, sums), _ = jax.lax.scan(walk.bounce, (first, nothing), jax.random.split(draws, config.num_bounces))
     scale = 4 * jnp.pi * metres / rays / grid.volume
     energy = sums.heard.reshape(len(BANDS), cells, bins) * scale[None, :, None]
-    return Flown(energy, sums.way * scale[:, None], ray.travelled, *sums[2:])
+    return Flown(energy, sums.way * scale[None, :, None], ray.travelled, *sums[2:])
 
 
 class _Walk(NamedTuple):
@@ -209,6 +217,7 @@ def _hear(
     grid: Grid,
     octave: Int[Array, " n"],
     late: Float[Array, " n"],
+    arrival: Int[Array, " c"],
     metres: float,
 ) -> _Sums:
     """Adds what cells hear of each ray's segment at the times (k + late) bins that fall into it."""
@@ -224,9 +233,11 @@ def _hear(
         inside = (along < length) & (cell >= 0) & (index < bins) & (ray.counts > 0)
         inside = inside & (point[:, 2] >= grid.low[cell]) & (point[:, 2] < grid.high[cell])
         energy = jnp.where(inside, ray.energy * jnp.exp(-air * along), 0.0)
-        place = (octave * cells + cell) * bins + index.astype(jnp.int32)
+        index = index.astype(jnp.int32)
+        place = (octave * cells + cell) * bins + index
         heard = heard.at[jnp.where(inside, place, heard.shape[0])].add(energy, mode="drop")
-        way = way.at[jnp.where(inside, cell, cells)].add(energy[:, None] * ray.direction, mode="drop")
+        span = jnp.sum((index - arrival[cell])[:, None] >= jnp.asarray(SPANS[1:], jnp.int32)[None], axis=1)
+        way = way.at[span, jnp.where(inside, cell, cells)].add(energy[:, None] * ray.direction, mode="drop")
     return sums._replace(heard=heard, way=way)
 
 

@@ -39,7 +39,7 @@ class LateField:
 
     distance: Float[np.ndarray, "n n"]
     level: Float[np.ndarray, "n n spans bands"]
-    comes_from: Int8[np.ndarray, "n n 3"]
+    comes_from: Int8[np.ndarray, "n n spans 3"]
     room: Int[np.ndarray, " n"]
     shape: Float[np.ndarray, "r r bands knots"]
     near: UInt8[np.ndarray, "levels rows columns e"]

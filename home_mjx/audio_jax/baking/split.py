@@ -6,7 +6,7 @@ from jaxtyping import Array, Float, Int
 
 from home_mjx.schema.compiled import BANDS
 
-EVEN = 0.5  # 0: as many rays in a room as it has energy; 1: as many in each
+EVEN = 0.7  # 0: as many rays in a room as it has energy; 1: as many in each
 
 
 def share_out(
@@ -30,7 +30,7 @@ def share_out(
         >>> room = (jnp.arange(700) % 100 == 0).astype(jnp.int32)  # one ray of a hundred is in the second room
         >>> pick, energy = share_out(jnp.ones(700), room, octave, 2, jax.random.key(0))
         >>> int(room[pick].sum()) // 7, round(float(jnp.where(room[pick] == 1, energy, 0).sum()))
-        (9, 7)
+        (20, 7)
     """
     count = energy.size // len(BANDS)
     held = jnp.zeros((len(BANDS), rooms), jnp.float32).at[octave, room].add(energy)

@@ -58,7 +58,7 @@ class LateSound(Pytree):
 
     distance: Float[Array, "h n n"]  # [m], from cell to cell around what stands in between
     level: Float[Array, "h n n spans bands"]  # logarithm of the energy re the free field at 1 m
-    comes_from: Int8[Array, "h n n 3"]  # mean direction to where the second cell hears the first from, in 1 / 127
+    comes_from: Int8[Array, "h n n spans 3"]  # mean direction in which the second cell hears the first, in 1 / 127
     room: Int[Array, "h n"]  # of each cell
     shape: Float[Array, "h r r bands knots"]  # logarithm of the energy per time bin, of which each span holds 1
     near: UInt8[Array, "h levels rows columns e"]  # cells around each place

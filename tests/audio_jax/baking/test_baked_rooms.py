@@ -31,8 +31,8 @@ def scene_with(house: CompiledHouse, field: LateField) -> Scene:
     return open_scene(bank.replace(late=stacked([field], [rows])), 0)
 
 
-def baked(house: CompiledHouse, **options: float) -> Scene:
-    return scene_with(house, bake_house(house, BakeOptions(**options)))
+def baked(house: CompiledHouse, options: BakeOptions) -> Scene:
+    return scene_with(house, bake_house(house, options))
 
 
 @jax.jit
@@ -57,7 +57,7 @@ def means(energy: np.ndarray, read) -> np.ndarray:
 @pytest.fixture(scope="module")
 def uneven() -> tuple[rooms.KnownRoom, Scene]:
     room = rooms.uneven()
-    return room, baked(room.house, size=1.5, rays=300)
+    return room, baked(room.house, BakeOptions(size=1.5, rays=300, bounces=100))
 
 
 def test_an_uneven_room_decays_as_it_should(uneven):
@@ -117,10 +117,10 @@ def test_sealed_rooms_are_as_far_apart_as_their_wall_says(loss, sealed):
     bank = scene.bank.replace(late=scene.bank.late.replace(wall=rows))
     table = bank.materials.transmission * 10 ** (-(loss - 15) / 10)
     scene = scene.replace(bank=bank.replace(materials=bank.materials.replace(transmission=table)))
-    level = [
-        10 * np.log10(np.mean([np.asarray(whole_energy(scene, source, p)).sum(axis=0) for p in group], axis=0))
-        for group in listeners
+    total = [
+        np.mean([np.asarray(whole_energy(scene, source, p)).sum(axis=0) for p in group], axis=0) for group in listeners
     ]
+    level = 10 * np.log10(np.stack(total))
     wanted = loss - 10 * np.log10(15 / (0.1 * 94))
     np.testing.assert_allclose((level[0] - level[1])[:6], wanted, atol=1.5)
 
@@ -128,7 +128,7 @@ def test_sealed_rooms_are_as_far_apart_as_their_wall_says(loss, sealed):
 @pytest.fixture(scope="module")
 def sealed() -> tuple[Scene, jax.Array, list]:
     """Two rooms 4 x 5 x 3 m of absorption 0.1, a wall of 15 dB between them."""
-    scene = baked(two_rooms(absorption=0.1, transmission=10**-1.5), size=2.0, rays=150)
+    scene = baked(two_rooms(absorption=0.1, transmission=10**-1.5), BakeOptions(size=2.0, rays=150, bounces=100))
     places = np.array([[-3.3, 1.0, 1.2], [-1.2, -1.5, 1.7], [-2.0, 1.9, 2.2], [-3.5, -1.8, 0.8]], np.float32)
     return scene, jnp.float32([-2.6, -0.4, 1.4]), [list(places), list(places * np.float32([-1, 1, 1]))]
 
@@ -140,7 +140,7 @@ def test_coupled_rooms_keep_both_slopes():
     And sound in the other room comes out of the doorway.
     """
     room = rooms.coupled()
-    scene = baked(room.house, rays=300, bounces=150)
+    scene = baked(room.house, BakeOptions(rays=400, bounces=150))
     ours = heard(room, scene)
     truth = fly(room.blocks, room.source, room.listeners, 2.0, particles=60_000, radius=0.5).energy
     slopes = [decay_time(e[:3, MID].mean(axis=0), DT, -25, -45) for e in (ours, truth)]
@@ -148,9 +148,12 @@ def test_coupled_rooms_keep_both_slopes():
     for group in (slice(0, 3), slice(3, 6)):
         np.testing.assert_allclose(means(ours[group], t30)[:6], means(truth[group], t30)[:6], rtol=0.12)
         level = 10 * np.log10(ours[group].mean(axis=0).sum(axis=1) / truth[group].mean(axis=0).sum(axis=1))
-        np.testing.assert_allclose(level, 0, atol=0.5)
+        np.testing.assert_allclose(level, 0, atol=0.6)
     for place in room.listeners[3:]:
         found = baked_sound(scene, jnp.asarray(room.source, jnp.float32), jnp.asarray(place, jnp.float32), CONFIG)
         door = np.array([6.0, 0.0, 1.0]) - place
-        cosine = np.asarray(found.comes_from) @ door / np.linalg.norm(door) / np.linalg.norm(found.comes_from)
-        assert cosine > 0.8
+        first, last = np.asarray(found.comes_from)[[0, -1]]
+        near = np.linalg.norm(door) < 3  # farther in, walls answer within the first span
+        assert first @ door / np.linalg.norm(door) > (0.4 if near else 0.1)
+        assert first @ door / np.linalg.norm(door) / np.linalg.norm(first) > 0.8
+        assert np.linalg.norm(last) < 0.2

@@ -12,7 +12,7 @@ from handmade import shoebox
 from home_mjx.audio_jax.baked.reading import _delayed
 from home_mjx.audio_jax.baked.spans import BINS, KNOTS, SPANS, at_knots, between
 from home_mjx.audio_jax.baking.cells import FROM_CEILING, FROM_FLOOR, MOST_CELLS, divide
-from home_mjx.audio_jax.baking.fit import Tally, neighbours
+from home_mjx.audio_jax.baking.fit import Tally, apart, neighbours
 from home_mjx.audio_jax.baking.split import share_out
 
 
@@ -101,6 +101,24 @@ def test_splitting_keeps_the_energy_of_each_room():
     assert np.array_equal(
         np.asarray(octave)[np.asarray(share_out(energy, room, octave, 2, jax.random.key(2))[0])], octave
     )
+
+
+def test_rooms_apart_are_smoothed_without_losing_energy():
+    """Noise of a block of equal factors falls; its sum stays, and blocks in view stay as they are."""
+    rng = np.random.default_rng(0)
+    room = np.repeat([0, 1], 10)
+    exact = np.outer(rng.uniform(1, 2, 20), np.ones(20))
+    exact = (exact * exact.T)[:, :, None, None]
+    noisy = exact * rng.exponential(size=exact.shape)
+    noisy = (noisy + noisy.swapaxes(0, 1)) / 2
+    seen = room[:, None] == room[None]
+    out = apart(noisy, room, seen)
+    far = np.ix_(room == 0, room == 1)
+    assert np.array_equal(out[:10, :10], noisy[:10, :10])
+    np.testing.assert_allclose(out[far].sum(), noisy[far].sum(), rtol=1e-9)
+    assert np.std(out[far] / exact[far]) < 0.6 * np.std(noisy[far] / exact[far])
+    np.testing.assert_allclose(out, out.swapaxes(0, 1))
+    assert np.array_equal(apart(noisy, room, np.ones((20, 20), bool)), noisy)
 
 
 def test_weights_are_those_of_cells_in_view():

@@ -127,8 +127,7 @@ def _in_room(house, room):
 
     navigation = house.navigation
     level = int(np.argmax((navigation.room == room).any(axis=(1, 2))))
-    row, column = np.unravel_index(
-        np.argmax(distance_transform_edt(navigation.room[level] == room)), navigation.room[level].shape
-    )
+    inside = np.asarray(distance_transform_edt(navigation.room[level] == room))
+    row, column = np.unravel_index(np.argmax(inside), inside.shape)
     plan = navigation.origin + (np.array([column, row]) + 0.5) * navigation.cell
     return jnp.asarray([*plan, house.rooms.floor[room] + 1.5], jnp.float32)
