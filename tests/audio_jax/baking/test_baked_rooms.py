@@ -130,7 +130,7 @@ def sealed() -> tuple[Scene, jax.Array, list]:
     """Two rooms 4 x 5 x 3 m of absorption 0.1, a wall of 15 dB between them."""
     scene = baked(two_rooms(absorption=0.1, transmission=10**-1.5), BakeOptions(size=2.0, rays=150, bounces=100))
     places = np.array([[-3.3, 1.0, 1.2], [-1.2, -1.5, 1.7], [-2.0, 1.9, 2.2], [-3.5, -1.8, 0.8]], np.float32)
-    return scene, jnp.float32([-2.6, -0.4, 1.4]), [list(places), list(places * np.float32([-1, 1, 1]))]
+    return scene, jnp.float32([-2.6, -0.4, 1.4]), [list(places), list(places * np.array([-1, 1, 1], np.float32))]
 
 
 @pytest.mark.slow
