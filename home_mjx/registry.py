@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from home_mjx.scene_compile.cache.house_set import HouseSet
     from home_mjx.scene_compile.cache.selection import HouseFilter
     from home_mjx.scene_compile.pipeline.compile import CompileOptions
+    from home_mjx.schema.compiled import CompiledHouse
     from home_mjx.tasks.environment.bound import BoundEnv
     from home_mjx.tasks.environment.household import HouseholdEnv
     from home_mjx.tasks.environment.memory import MemoryEstimate
@@ -256,8 +257,10 @@ def _made(spec: EnvSpec, houses: Any, progress: bool | None) -> "BoundEnv[Househ
     variation = _ranges(options.pop("variation", None))
     shown = sys.stderr.isatty() if progress is None else progress
 
-    def get_bank(compile_options: "CompileOptions | None" = None, num_arrangements: int = 0) -> "HouseBank":
-        bank = as_bank(houses, spec.num_houses, shown, spec.split, spec.where, compile_options)
+    def get_bank(
+        compile_options: "CompileOptions | None" = None, num_arrangements: int = 0, late_sound: bool = False
+    ) -> "HouseBank":
+        bank = as_bank(houses, spec.num_houses, shown, spec.split, spec.where, compile_options, late_sound)
         return _arranged(bank, num_arrangements, shown) if num_arrangements and bank is not houses else bank
 
     if _is_task(entry_point):
@@ -293,7 +296,7 @@ def _with_task(
 ) -> "BoundEnv[HouseholdEnv]":
     core, compiling = _core_of(task, options)  # refuses a wrong option before any house is compiled
     num_arrangements = NUM_ARRANGEMENTS if core.own_config.arrangement == "random" else 0
-    return core.bind(get_bank(compiling, num_arrangements))
+    return core.bind(get_bank(compiling, num_arrangements, core.config.audio.late == "baked"))
 
 
 def _core_of(task: type, options: Mapping[str, Any]) -> "tuple[HouseholdEnv, CompileOptions]":
@@ -348,8 +351,9 @@ def as_bank(
     split: str | None = None,
     where: "HouseFilter | None" = None,
     compile_options: "CompileOptions | None" = None,
+    late_sound: bool = False,
 ) -> "HouseBank":
-    """A `HouseBank` from what `make` takes as `houses`.
+    """A `HouseBank` from what `make` takes as `houses`; `late_sound` is baked unless it is a bank already.
 
     Raises:
         ConfigError: `houses` is something else, or a filter was given for generated houses.
@@ -369,7 +373,16 @@ def as_bank(
         chosen = dataclasses.replace(chosen, options=options) if chosen.options == DEFAULT_OPTIONS else chosen
     else:
         chosen = HouseSet(houses, split=split, where=where, num_houses=num_houses, options=options)
+    if late_sound:
+        return _with_sound(chosen.load(progress), progress)
     return HouseBank.from_dataset(chosen, progress=progress)
+
+
+def _with_sound(houses: "list[CompiledHouse]", progress: bool) -> "HouseBank":
+    from home_mjx.audio_jax import with_late_sound
+    from home_mjx.bank.bank import HouseBank
+
+    return with_late_sound(HouseBank.from_compiled(houses), houses, progress=progress)
 
 
 register("PointNav-v0", "home_mjx.tasks:PointNav")

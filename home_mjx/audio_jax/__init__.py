@@ -6,6 +6,9 @@ from home_mjx.audio_jax.auralization.schedule import loudness
 from home_mjx.audio_jax.auralization.sources import CLIPS, clip_samples
 from home_mjx.audio_jax.auralization.spectra import log_mel, stft_magnitude
 from home_mjx.audio_jax.auralization.stream import faded_frame, given_off, sound_frame
+from home_mjx.audio_jax.baked.reading import baked_sound
+from home_mjx.audio_jax.baking.bake import BakeOptions
+from home_mjx.audio_jax.baking.store import with_late_sound
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Sounds, Source
 from home_mjx.audio_jax.base.presets import PRESETS, audio_preset
@@ -28,6 +31,7 @@ __all__ = [
     "CLIPS",
     "PRESETS",
     "AudioConfig",
+    "BakeOptions",
     "Envelope",
     "Listener",
     "PathProducer",
@@ -39,6 +43,7 @@ __all__ = [
     "Survey",
     "Trace",
     "audio_preset",
+    "baked_sound",
     "band_level",
     "bent_paths",
     "c50",
@@ -80,4 +85,5 @@ __all__ = [
     "t20",
     "t30",
     "trace",
+    "with_late_sound",
 ]

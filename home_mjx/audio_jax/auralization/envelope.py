@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from home_mjx.audio_jax.auralization.hrtf import ear_angles, ear_spectrum, ear_table, to_head
-from home_mjx.audio_jax.auralization.response import ear_gains
+from home_mjx.audio_jax.auralization.response import baked_histogram, ear_gains
 from home_mjx.audio_jax.auralization.sources import clip_samples
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
@@ -47,17 +47,31 @@ def energy_response(scene: Scene, source: Source, listener: Listener, key: Array
         >>> 10 * jnp.log10(envelope.energy.sum(axis=0))  # doctest: +SKIP
     """
     rays, _ = jax.random.split(key)  # as there
-    paths, traced = early_paths(scene, source, listener, config), trace(scene, source, listener, rays, config)
-    late = energy_histogram(traced, ear_gains(traced.direction, listener.quat, config), config)
+    paths = early_paths(scene, source, listener, config)
+    late, directions, weights = _late(scene, source, listener, rays, config)
     power = paths.gain**2
     bins = (paths.distance / (config.bin_seconds * config.speed_of_sound)).astype(jnp.int32)
     member = (bins[None] == jnp.arange(config.num_bins, dtype=jnp.int32)[:, None]).astype(jnp.float32)
     heard = power[:, None] * ear_gains(paths.direction, listener.quat, config)
     early = jnp.einsum("kp,peb->keb", member, heard, precision="highest")
-    direction = jnp.concatenate([paths.direction, traced.direction])
-    weight = jnp.concatenate([power, jnp.sum(traced.energy, axis=0)])
+    direction = jnp.concatenate([paths.direction, directions])
+    weight = jnp.concatenate([power, weights])
     lead = jnp.einsum("n,nb->b", _leads(direction, listener, config), weight, precision="highest")
     return Envelope(energy=early + late, lead=lead / jnp.maximum(jnp.sum(weight, axis=0), 1e-30))
+
+
+def _late(
+    scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig
+) -> tuple[Float[Array, "k 2 bands"], Float[Array, "n 3"], Float[Array, "n bands"]]:
+    """Late energy at both ears; directions in which it comes, and how much from each. All others cancel out."""
+    if config.late == "baked":
+        late, toward = baked_histogram(scene, source, listener, config)
+        whole, length = 0.5 * jnp.sum(late, axis=(0, 1)), jnp.linalg.norm(toward)
+        ends = jnp.stack([toward, -toward]) / jnp.maximum(length, 1e-6)
+        return late, ends, 0.5 * jnp.stack([1 + length, 1 - length])[:, None] * whole[None]
+    traced = trace(scene, source, listener, key, config)
+    late = energy_histogram(traced, ear_gains(traced.direction, listener.quat, config), config)
+    return late, traced.direction, jnp.sum(traced.energy, axis=0)
 
 
 def band_level(envelope: Float[Array, "k 2 bands"], power: Float[Array, "w bands"]) -> Float[Array, "2 bands"]:

@@ -17,6 +17,7 @@ from home_mjx.audio_jax.auralization.hrtf import (
     ear_table,
     to_head,
 )
+from home_mjx.audio_jax.baked.reading import baked_sound
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.delays import HALF_WIDTH, WIDTH, delay_kernel
 from home_mjx.audio_jax.base.endpoints import Listener, Source
@@ -24,10 +25,11 @@ from home_mjx.audio_jax.base.filters import CAUSAL_SECONDS, causal_octaves
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.paths import Paths
-from home_mjx.audio_jax.propagation.tracing import Trace, trace
+from home_mjx.audio_jax.propagation.tracing import Trace, spread, trace
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS
 
+EVERYWHERE = 64  # directions whose mean stands for all
 QUIETEST = 1e-3  # gain of an octave re the loudest of a path, below which it is taken as this
 SOFTEST = 1e-30  # gain of a path below which it is silent
 EAR_SIZE = 1024  # samples, whose frequencies the energies of ears are means of
@@ -58,8 +60,42 @@ def impulse_response(
     """
     trace_key, noise_key = jax.random.split(key)
     paths = early_paths(scene, source, listener, config)
-    traced = trace(scene, source, listener, trace_key, config)
-    return assembled(paths, traced, listener.quat, noise_key, config)
+    energy = late_energy(scene, source, listener, trace_key, config)
+    return with_late(paths, energy, listener.quat, noise_key, config)
+
+
+def late_energy(
+    scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig
+) -> Float[Array, "k 2 bands"]:
+    """Late energy per time bin, ear and octave, re the free field of the source at 1 m: traced or baked.
+
+    Args:
+        scene: The environment.
+        source: Who sounds.
+        listener: Who hears.
+        key: Of the rays; of no use if late sound is baked.
+        config: `late` says which.
+    """
+    if config.late == "baked":
+        return baked_histogram(scene, source, listener, config)[0]
+    rays = trace(scene, source, listener, key, config)
+    return energy_histogram(rays, ear_gains(rays.direction, listener.quat, config), config)
+
+
+def baked_histogram(
+    scene: Scene, source: Source, listener: Listener, config: AudioConfig
+) -> tuple[Float[Array, "k 2 bands"], Float[Array, "3"]]:
+    """Baked late energy per time bin, ear and octave, as `energy_histogram` gives it; and where it comes from.
+
+    As much of it as its mean direction is long comes from there, the rest from everywhere.
+    """
+    late = baked_sound(scene, source.pos, listener.pos, config)
+    length = jnp.linalg.norm(late.comes_from)
+    toward = late.comes_from / jnp.maximum(length, 1e-6)
+    upright = jnp.array([1.0, 0.0, 0.0, 0.0], jnp.float32)  # heads hear the same from everywhere, however they turn
+    around = jnp.mean(ear_gains(jnp.asarray(spread(EVERYWHERE)), upright, config), axis=0)
+    gain = (1 - length) * around + length * ear_gains(toward[None], listener.quat, config)[0]
+    return late.energy[:, None] * gain[None], late.comes_from
 
 
 def assembled(
@@ -67,6 +103,13 @@ def assembled(
 ) -> Float[Array, "2 l"]:
     """The response that paths and rays make at a head, see `impulse_response`; `key` chooses the noise."""
     energy = energy_histogram(traced, ear_gains(traced.direction, head_quat, config), config)
+    return with_late(paths, energy, head_quat, key, config)
+
+
+def with_late(
+    paths: Paths, energy: Float[Array, "k 2 bands"], head_quat: Float[Array, "4"], key: Array, config: AudioConfig
+) -> Float[Array, "2 l"]:
+    """Paths, and noise that follows a histogram of energy from the direct sound on."""
     late = late_response(energy, key, config, head_quat)
     return early_response(paths, head_quat, config) + after_direct(late, paths, config)
 

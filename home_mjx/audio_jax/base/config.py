@@ -11,6 +11,8 @@ from home_mjx.schema.timing import LONGEST, Timing
 
 RECEIVERS = ("binaural", "omni")
 DETECTORS = ("rain", "sphere")
+LATE = ("traced", "baked")
+BAKED = {"bin_seconds": 0.004, "reflection_order": 1, "temperature": 20.0, "humidity": 50.0, "pressure": 101.325}
 TAIL_RINGING = 0.016  # [s]
 
 
@@ -40,6 +42,9 @@ class AudioConfig:
         temperature: [degrees Celsius].
         humidity: Relative humidity [%].
         pressure: [kPa].
+        late: Where late sound comes from. "traced": rays, in every step. "baked": what the bank has of it, see
+            `with_late_sound`; `num_rays`, `num_bounces` and the detector then play no part, and the bins, the order of
+            reflections and the air must be the default's, with which it was baked.
         motion: Whether early paths move within a frame, so that pitch is right at every frequency (Doppler), and rooms
             ring on for `tail_seconds`. False: whole responses fade from the last to the next, see `sound_frame`.
         tail_seconds: With `motion`, how long sound rings on beyond `response_seconds` [s], each octave at its last
@@ -70,6 +75,7 @@ class AudioConfig:
     temperature: float = 20.0
     humidity: float = 50.0
     pressure: float = 101.325
+    late: str = "traced"
     motion: bool = False
     tail_seconds: float = 1.5
 
@@ -77,6 +83,7 @@ class AudioConfig:
         check_type("timing", self.timing, Timing)
         check_known("receiver", [self.receiver], RECEIVERS)
         check_known("detector", [self.detector], DETECTORS)
+        check_known("late", [self.late], LATE)
         for name in ("num_rays", "num_bounces", "max_crossings"):
             check_number(name, getattr(self, name), 1, whole=True)
         for name in ("num_reflections", "num_edges"):
@@ -103,6 +110,17 @@ class AudioConfig:
             raise ConfigError("with `motion` a response must have at least two bins: give more `response_seconds`")
         if self.bin_samples % 2:
             raise ConfigError(f"`bin_seconds` must hold an even number of samples, got {self.bin_samples}")
+        if self.late == "baked":
+            self._check_baked()
+
+    def _check_baked(self) -> None:
+        for name, value in BAKED.items():
+            if getattr(self, name) != value:
+                hint = f"Leave it at {value}, or use late='traced'."
+                raise ConfigError(f"late='baked' has no sound for {name}={getattr(self, name)}", hint=hint)
+        if not self.num_reflections:
+            hint = "Use at least 1: early paths render what baking leaves out."
+            raise ConfigError("late='baked' needs reflections", hint=hint)
 
     @property
     def sample_rate(self) -> int:

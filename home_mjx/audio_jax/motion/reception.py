@@ -8,15 +8,13 @@ import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from home_mjx.audio_jax.auralization.diffuse import Draw, drawn, num_channels
-from home_mjx.audio_jax.auralization.response import after_direct, diffuse_response, ear_gains
+from home_mjx.audio_jax.auralization.response import after_direct, diffuse_response, late_energy
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.base.filters import octave_gains
 from home_mjx.audio_jax.motion.tail import tail_levels
 from home_mjx.audio_jax.propagation.early import early_paths
-from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.paths import Paths
-from home_mjx.audio_jax.propagation.tracing import trace
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS
@@ -50,8 +48,7 @@ def reception(scene: Scene, source: Source, listener: Listener, key: Array, conf
     """
     trace_key, noise_key = jax.random.split(key)
     paths = early_paths(scene, source, listener, config)
-    rays = trace(scene, source, listener, trace_key, config)
-    energy = energy_histogram(rays, ear_gains(rays.direction, listener.quat, config), config)
+    energy = late_energy(scene, source, listener, trace_key, config)
     return received(paths, energy, listener.quat, noise_key, config)
 
 

@@ -61,7 +61,7 @@ def trace(scene: Scene, source: Source, listener: Listener, key: Array, config: 
     shape = (config.num_bounces, config.num_rays)
     turn = jax.random.normal(turn_key, (4,), jnp.float32)  # a uniform rotation once normalised
     turn = quat_matrix(turn / jnp.linalg.norm(turn))
-    direction = jnp.matmul(jnp.asarray(_spread(config.num_rays)), turn, precision="highest")
+    direction = jnp.matmul(jnp.asarray(spread(config.num_rays)), turn, precision="highest")
     scattered = jax.random.normal(scatter_key, (*shape, 3), jnp.float32)
     draws = (jnp.arange(shape[0], dtype=jnp.int32), jax.random.uniform(choice_key, shape, jnp.float32), scattered)
     walk = _Walk(scene, source.pos, config, jnp.int32(listener.body), jnp.int32(source.body))
@@ -170,7 +170,7 @@ def _reflect(
     return jnp.where(scatters, lambert, mirror), jnp.where(scatters, 0.0, weight), random
 
 
-def _spread(count: int) -> Float[np.ndarray, "n 3"]:
+def spread(count: int) -> Float[np.ndarray, "n 3"]:
     """Evenly spread unit vectors: a Fibonacci lattice."""
     index = np.arange(count) + 0.5
     z, turn = 1 - 2 * index / count, index * np.pi * (3 - np.sqrt(5))

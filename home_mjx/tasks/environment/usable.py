@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
+from home_mjx.audio_jax.baked.reading import late_of
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_number
 from home_mjx.errors import ConfigError
@@ -94,13 +95,16 @@ def check_fit(config: EnvConfig, task: Task) -> None:
 
 
 def check_bank(config: EnvConfig, bank: HouseBank) -> None:
-    """Refuses houses that were compiled for another body, and those without the arrangements that are asked for.
+    """Refuses houses that were compiled for another body, and those without the arrangements or the sound asked for.
 
     Raises:
-        ConfigError: Agents would start inside walls, or be seen smaller than they are; or there is no arrangement.
+        ConfigError: Agents would start inside walls, or be seen smaller than they are; or there is no arrangement, or
+            no baked sound.
     """
     if config.arrangement == "random":
         check_arrangements(bank)
+    if config.audio.late == "baked":
+        late_of(bank)
     compiled = {name: getattr(bank.spec, f"agent_{name}") for name in ("radius", "height")}
     wrong = {name: x for name, x in compiled.items() if abs(x - getattr(config.body, name)) > 1e-6}
     if wrong:

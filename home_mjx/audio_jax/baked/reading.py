@@ -1,0 +1,116 @@
+"""Baked late sound between any two points of an environment."""
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+
+from home_mjx.audio_jax.baked.balance import balance
+from home_mjx.audio_jax.baked.spans import between, span_of
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.bank.bank import HouseBank
+from home_mjx.bank.records.sound import LateSound
+from home_mjx.core.pytree import Pytree
+from home_mjx.errors import ConfigError
+from home_mjx.raycast_render.scene.types import Scene
+
+TOP_ROOMS = 2  # between which decays are interpolated
+
+
+class Arrivals(Pytree):
+    """Late sound at a listener, whatever its ears."""
+
+    energy: Float[Array, "k bands"]  # per time bin, re the free field of the source at 1 m
+    comes_from: Float[Array, "3"]  # mean direction to where it comes from, world; 0 from everywhere, 1 from one side
+
+
+class _Place(Pytree):
+    cell: Int[Array, " e"]
+    weight: Float[Array, " e"]
+    room: Float[Array, " r"]  # weight of each room
+
+
+def late_of(bank: HouseBank) -> LateSound:
+    """The baked sound of a bank.
+
+    Raises:
+        ConfigError: There is none.
+    """
+    if bank.late is None:
+        hint = "Add it with `bank = with_late_sound(bank, houses)` of home_mjx.audio_jax, or use late='traced'."
+        raise ConfigError("AudioConfig(late='baked') needs a bank with baked sound", hint=hint)
+    return bank.late
+
+
+def baked_sound(scene: Scene, source: Float[Array, "3"], listener: Float[Array, "3"], config: AudioConfig) -> Arrivals:
+    """Late sound between two points, without direct sound and first-order reflections in architecture.
+
+    Levels are those between the cells around both points; decays those between their rooms; then come doors as they
+    stand, and walls.
+
+    Args:
+        scene: An environment whose bank has baked sound.
+        source: [m].
+        listener: [m].
+        config: `num_bins` and the speed of sound; the rest of it must be as it was baked, which it checks itself.
+
+    Raises:
+        ConfigError: The bank has no baked sound.
+    """
+    late, house = late_of(scene.bank), scene.house
+    metres, bins = config.bin_seconds * config.speed_of_sound, config.num_bins
+    start, end = _around(late, house, source), _around(late, house, listener)
+    both = start.weight[:, None] * end.weight[None]
+    pair = house, start.cell[:, None], end.cell[None]
+    level = jnp.exp(late.level[pair].astype(jnp.float32))
+    level = jnp.einsum("ij,ijsb->sb", both, level, precision="highest")
+    way = jnp.sum(both * late.distance[pair].astype(jnp.float32))
+    way = jnp.maximum(way, jnp.linalg.norm(source - listener))
+    comes_from = jnp.einsum("ij,ijx->x", both, late.comes_from[pair].astype(jnp.float32) / 127, precision="highest")
+    energy = _shape(late, house, start, end, bins) * level[jnp.asarray(span_of(bins))]
+    rooms = balance(late, scene, start.room, end.room, bins, metres)
+    return Arrivals(_delayed(energy, way / metres) * rooms.kept + rooms.added, comes_from)
+
+
+def _shape(late: LateSound, house: Int[Array, ""], start: _Place, end: _Place, bins: int) -> Float[Array, "k bands"]:
+    """Energy per bin between the rooms of two places, of which each span holds 1."""
+    count = min(TOP_ROOMS, late.volume.shape[1])
+    (from_weight, from_room), (to_weight, to_room) = (jax.lax.top_k(place.room, count) for place in (start, end))
+    share = from_weight[:, None] * to_weight[None]
+    share = share / jnp.maximum(jnp.sum(share), 1e-6)
+    knots = late.shape[house, from_room[:, None], to_room[None]].astype(jnp.float32)
+    decay = jnp.exp(jnp.einsum("rqbn,kn->rqkb", knots, jnp.asarray(between(bins), jnp.float32), precision="highest"))
+    return jnp.einsum("rq,rqkb->kb", share, decay, precision="highest")
+
+
+def _around(late: LateSound, house: Int[Array, ""], point: Float[Array, "3"]) -> _Place:
+    """Cells around a point and their weights, between the four nearest places of its storey."""
+    floor = late.floor[house]
+    level = jnp.maximum(jnp.sum(floor <= point[2], dtype=jnp.int32) - 1, 0)
+    at = (point[:2] - late.origin[house]) / late.step[house] - 0.5
+    whole = jnp.floor(at)
+    rest = at - whole
+    near, weight = late.near, late.weight
+    cells, weights = [], []
+    for right in (0, 1):
+        for up in (0, 1):
+            share = jnp.abs(1 - right - rest[0]) * jnp.abs(1 - up - rest[1])
+            column = jnp.clip(whole[0].astype(jnp.int32) + right, 0, near.shape[3] - 1)
+            row = jnp.clip(whole[1].astype(jnp.int32) + up, 0, near.shape[2] - 1)
+            cells.append(near[house, level, row, column].astype(jnp.int32))
+            weights.append(share * weight[house, level, row, column].astype(jnp.float32))
+    cell, weight = jnp.concatenate(cells), jnp.concatenate(weights)
+    weight = weight / jnp.maximum(jnp.sum(weight), 1e-6)
+    member = jax.nn.one_hot(late.room[house, cell], late.volume.shape[1], dtype=jnp.float32)
+    return _Place(cell, weight, jnp.matmul(weight, member, precision="highest"))
+
+
+def _delayed(energy: Float[Array, "k bands"], bins: Float[Array, ""]) -> Float[Array, "k bands"]:
+    """Energies later by some bins, shared between the two nearest ones."""
+    count = energy.shape[0]
+    below = jnp.floor(bins)
+    whole, rest = below.astype(jnp.int32), bins - below
+    padded = jnp.concatenate([jnp.zeros_like(energy), energy])
+    start = jnp.clip(count - whole, 1, count)
+    first = jax.lax.dynamic_slice_in_dim(padded, start, count)
+    second = jax.lax.dynamic_slice_in_dim(padded, start - 1, count)
+    return (1 - rest) * first + rest * second

@@ -1,0 +1,86 @@
+"""Cells of a house's rooms, between which late sound is baked; host side."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from home_mjx.errors import ConfigError
+from home_mjx.schema.compiled import CompiledHouse
+
+FROM_FLOOR = 0.9  # [m]: cells begin above most furniture
+FROM_CEILING = 0.2  # [m]
+MOST_CELLS = 160  # whose pairs still fit into 3 MB
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Upright boxes over pieces of the floor, where ears and sources may be.
+
+    Attributes:
+        room: Of each cell.
+        center: [m].
+        low: Height at which a cell begins [m].
+        high: Height at which it ends [m].
+        volume: [m³].
+        lookup: Cell over each place of the navigation grids; -1 none.
+        origin: [m], corner of place (0, 0) of the grids.
+        step: [m], between places.
+    """
+
+    room: Int[np.ndarray, " n"]
+    center: Float[np.ndarray, "n 3"]
+    low: Float[np.ndarray, " n"]
+    high: Float[np.ndarray, " n"]
+    volume: Float[np.ndarray, " n"]
+    lookup: Int[np.ndarray, "levels rows columns"]
+    origin: Float[np.ndarray, " 2"]
+    step: float
+
+
+def divide(house: CompiledHouse, size: float = 1.0) -> Cells:
+    """Divides each room into equal rows and columns of about `size` metres.
+
+    Args:
+        house: Any.
+        size: Wanted edge of a cell [m]; taken larger where there would be more than `MOST_CELLS`.
+
+    Raises:
+        ConfigError: The house has no room.
+    """
+    grid = house.navigation.room
+    if not (grid >= 0).any():
+        raise ConfigError(f"house {house.id} has no room: there is nothing to bake sound for")
+    lookup = _numbered(grid, house.navigation.cell, size)
+    while lookup.max() >= MOST_CELLS:
+        size *= 1.1
+        lookup = _numbered(grid, house.navigation.cell, size)
+    level, row, column = np.nonzero(lookup >= 0)
+    cell, count = lookup[level, row, column], lookup.max() + 1
+    area = np.bincount(cell, minlength=count)
+    middle = [np.bincount(cell, axis + 0.5, count) / area * house.navigation.cell for axis in (column, row)]
+    room = np.zeros(count, int)
+    room[cell] = grid[level, row, column]
+    low = house.rooms.floor[room] + FROM_FLOOR
+    high = np.maximum(house.rooms.ceiling[room] - FROM_CEILING, low + 0.2)
+    center = np.stack(
+        [*(np.asarray(m) + o for m, o in zip(middle, house.navigation.origin, strict=True)), (low + high) / 2], 1
+    )
+    volume = area * house.navigation.cell**2 * (high - low)
+    return Cells(room, center, low, high, volume, lookup, house.navigation.origin, house.navigation.cell)
+
+
+def _numbered(grid: Int[np.ndarray, "l ny nx"], step: float, size: float) -> Int[np.ndarray, "l ny nx"]:
+    """Cell over each place, numbered room by room."""
+    lookup, first = np.full(grid.shape, -1), 0
+    for room in np.unique(grid[grid >= 0]):
+        level, row, column = np.nonzero(grid == room)
+        part = []
+        for axis in (row, column):
+            extent = np.ptp(axis) + 1
+            pieces = max(round(extent * step / size), 1)
+            part.append((axis - axis.min()) * pieces // extent)
+        _, number = np.unique(part[0] * 10_000 + part[1], return_inverse=True)
+        lookup[level, row, column] = first + number
+        first += number.max() + 1
+    return lookup

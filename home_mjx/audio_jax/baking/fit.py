@@ -1,0 +1,131 @@
+"""From what cells heard to a late field: spans of time, shapes of decays, and what lies beyond the traced time."""
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from home_mjx.audio_jax.baked.spans import SILENT, SPANS
+
+BLOCK = 10  # bins
+PRIOR = 0.05  # share of a pair's energy that is spread over the spans as between all cells of its rooms
+
+
+class Tally:
+    """Sums over sources: one call of `add` for each cell that sounded.
+
+    Args:
+        room: Of each cell.
+        distance: From cell to cell [m].
+        bands: Octaves.
+        bins: Of time.
+        metres: That sound travels in one bin.
+    """
+
+    def __init__(
+        self, room: Int[np.ndarray, " n"], distance: Float[np.ndarray, "n n"], bands: int, bins: int, metres: float
+    ) -> None:
+        self.room, self.distance, self.metres, self.bins = room, distance, metres, bins
+        count, rooms = len(room), room.max() + 1
+        self.pair = np.zeros((count, count, len(SPANS), bands))
+        self.shape = np.zeros((rooms, rooms, bands, bins))
+        self.valid: list[int] = []
+
+    def add(self, source: int, heard: Float[np.ndarray, "bands n k"], flown: float) -> None:
+        """Energy from one cell to all, up to a distance that nearly all rays flew [m]."""
+        shift = np.floor(self.distance[source] / self.metres).astype(int)
+        self.valid.append(int((flown - self.distance.max()) / self.metres))
+        for cell, late in enumerate(shift):
+            after = np.zeros(heard.shape[::2])
+            after[:, : heard.shape[2] - late] = heard[:, cell, late:]
+            after[:, 0] += heard[:, cell, :late].sum(axis=1)
+            self.pair[source, cell] = np.add.reduceat(after, SPANS, axis=1).T
+            self.shape[self.room[source], self.room[cell]] += after
+
+    def finish(self) -> tuple[Float[np.ndarray, "n n s b"], Float[np.ndarray, "r r b k"]]:
+        """Logarithms of the energy per pair, span and octave, and the shapes of the decays."""
+        shape = self.shape + np.swapaxes(self.shape, 0, 1)
+        valid = int(np.clip(np.median(self.valid), 3 * SPANS[-1], shape.shape[3]))
+        rooms = np.arange(len(shape))
+        slowest = [_rate(band, valid) for band in shape[rooms, rooms].sum(axis=0)]
+        longer = np.ones(shape.shape[:3])
+        for index in np.ndindex(*shape.shape[:3]):
+            longer[index] = _extend(shape[index], valid, slowest[index[2]])
+        pair = self.pair + np.swapaxes(self.pair, 0, 1)
+        pair /= 2
+        a, b = self.room[:, None], self.room[None]
+        pair[:, :, -1] *= longer[a, b]
+        spans = np.add.reduceat(shape, SPANS, axis=3)  # (r, r, bands, spans)
+        form = np.moveaxis(spans / np.maximum(spans.sum(axis=3, keepdims=True), SILENT), 3, 2)[a, b]
+        pair = (pair + PRIOR * pair.sum(axis=2, keepdims=True) * form) / (1 + PRIOR)
+        width = np.diff([*SPANS, shape.shape[3]])
+        shape /= np.maximum(np.repeat(spans, width, axis=3), SILENT)
+        return np.log(np.maximum(pair, SILENT)), shape
+
+
+def _dense(decay: Float[np.ndarray, " k"], valid: int) -> int:
+    """End of the part up to `valid` in which no block of ten bins is mostly empty, but for the first span's."""
+    blocks = decay[: valid // BLOCK * BLOCK].reshape(-1, BLOCK) > 0
+    empty = np.flatnonzero(blocks.mean(axis=1) < 0.7)
+    empty = empty[empty > SPANS[-1] // BLOCK]
+    return int(empty[0] * BLOCK) if empty.size else valid
+
+
+def _rate(decay: Float[np.ndarray, " k"], end: int) -> float:
+    """How fast a decay falls before `end` [per bin]; 0 if it does not.
+
+    The half before is divided in two; the ratio of their energies is what falls in so much time.
+    """
+    half = (end - max(end // 2, SPANS[-1])) // 2
+    if half < 1:
+        return 0.0
+    before, after = decay[end - 2 * half : end - half].sum(), decay[end - half : end].sum()
+    return float(np.log(before / after) / half) if before > after > 0 else 0.0
+
+
+def _extend(decay: Float[np.ndarray, " k"], valid: int, slowest: float) -> float:
+    """Continues a decay in place beyond what rays have found, as it fell before; by how much its last span grew.
+
+    Args:
+        decay: Energy per bin between two rooms.
+        valid: Bin up to which nearly all rays flew.
+        slowest: Rate at which the rooms themselves fall in the end [per bin]: none that they feed falls more slowly.
+    """
+    old = decay[SPANS[-1] :].sum()
+    end = _dense(decay, valid)
+    first, rate = max(end - (end - SPANS[-1]) // 4, SPANS[-1]), max(_rate(decay, end), slowest)
+    if old <= 0 or rate <= 0 or end <= first:
+        return 1.0
+    width = (end - first) / 2
+    mean = np.sinh(rate * width) / (rate * width)  # of an exponential over the last quarter, re its middle
+    time = np.arange(end, len(decay)) - (first + end - 1) / 2
+    decay[end:] = decay[first:end].mean() / mean * np.exp(-rate * time)
+    return float(decay[SPANS[-1] :].sum() / old)
+
+
+def neighbours(
+    center: Float[np.ndarray, "n 3"],
+    place: Float[np.ndarray, "p 3"],
+    seen: Bool[np.ndarray, "p n"],
+    reach: float,
+    count: int,
+) -> tuple[Int[np.ndarray, "p e"], Float[np.ndarray, "p e"]]:
+    """Cells around each place, those in view, and their weights: (1 − d / reach)², which add up to 1.
+
+    A place that sees no cell within reach takes the nearest one.
+
+    Args:
+        center: Of the cells [m].
+        place: [m].
+        seen: Whether a place sees a cell's middle.
+        reach: At which a cell's weight ends [m].
+        count: Of cells kept.
+    """
+    apart = np.linalg.norm(place[:, None, :2] - center[None, :, :2], axis=2) + 100 * (
+        np.abs(place[:, None, 2] - center[None, :, 2]) > 2
+    )
+    weight = np.where(seen, np.maximum(1 - apart / reach, 0) ** 2, 0)
+    alone = weight.sum(axis=1) <= 0
+    weight[alone, np.argmin(np.where(seen, apart, apart + 1000), axis=1)[alone]] = 1
+    count = min(count, len(center))
+    near = np.argsort(-weight, axis=1, kind="stable")[:, :count]
+    weight = np.take_along_axis(weight, near, 1)
+    return near, weight / weight.sum(axis=1, keepdims=True)

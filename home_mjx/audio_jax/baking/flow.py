@@ -1,0 +1,60 @@
+"""How rooms lose and exchange energy, from what rays found."""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float, Int
+
+
+class Flow(NamedTuple):
+    """What rays found of rooms, per octave; from sums of `flight.Flown` over all sources."""
+
+    loss: Float[np.ndarray, "r bands"]
+    opening: Float[np.ndarray, "r r bands"]
+    wall: Float[np.ndarray, "r r bands"]
+
+
+def flow_of(
+    volume: Float[np.ndarray, " r"],
+    lived: Float[np.ndarray, "bands r"],
+    lost: Float[np.ndarray, "bands r"],
+    moved: Float[np.ndarray, "bands r r"],
+    through: Float[np.ndarray, "bands r r"],
+    joined: Int[np.ndarray, "p 2"],
+) -> Flow:
+    """Losses and exchange of rooms, as many square metres one way as the other.
+
+    Args:
+        volume: Of the rooms [m³].
+        lived: See `Flown`.
+        lost: See `Flown`.
+        moved: See `Flown`.
+        through: See `Flown`.
+        joined: Pairs of rooms that have a portal. Where there are any, what flew through a third room counts as having
+            been there.
+    """
+    rate = volume / np.maximum(lived, 1e-30)  # (bands, r)
+    exchange = [np.moveaxis(_both_ways(x * rate[:, :, None]), 0, -1) for x in (moved, through)]
+    return Flow((lost / np.maximum(lived, 1e-30)).T, _stepwise(exchange[0], joined), exchange[1])
+
+
+def _both_ways(flow: Float[np.ndarray, "bands r r"]) -> Float[np.ndarray, "bands r r"]:
+    return 0.5 * (flow + np.swapaxes(flow, 1, 2))
+
+
+def _stepwise(
+    exchange: Float[np.ndarray, "r r bands"], joined: Int[np.ndarray, "p 2"]
+) -> Float[np.ndarray, "r r bands"]:
+    """Exchange of rooms that have no portal in common goes over the room that joins both best."""
+    if not len(joined):
+        return exchange
+    near = np.zeros(exchange.shape[:2], bool)
+    near[tuple(joined.T)] = near[tuple(joined.T[::-1])] = True
+    total, out = exchange.sum(axis=-1), np.where(near[..., None], exchange, 0.0)
+    for a, b in np.argwhere(np.triu(~near & (total > 0), 1)):
+        over = np.where(near[a] & near[b], np.minimum(total[a], total[b]), 0.0)
+        if over.max() > 0:
+            c = int(np.argmax(over))
+            for one, other in ((a, c), (c, a), (b, c), (c, b)):
+                out[one, other] += exchange[a, b]
+    return out

@@ -1,0 +1,94 @@
+"""Points of cells, and what they see; host side, but for the rays."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float
+from scipy.sparse.csgraph import dijkstra
+
+from home_mjx.audio_jax.baking.cells import Cells
+from home_mjx.audio_jax.baking.fit import neighbours
+from home_mjx.raycast_render.casting.cast import occluded
+from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.schema.compiled import CompiledHouse, Ray
+
+NEAR = 4  # cells that matter at one place
+REACH = 1.7  # [sizes of a cell], within which a cell matters
+PLACE = 0.2  # [m], between the places at which weights are kept
+EARS = 1.4  # [m], above the floor, from which places see cells
+CANDIDATES = 8  # points of a cell that are tried for one that is clear
+
+
+def clear_points(scene: Scene, cells: Cells, rng: np.random.Generator) -> Float[np.ndarray, "n 3"]:
+    """A point of each cell that stands in nothing: of some, the one that sees most others of its room."""
+    tried = np.stack([random_points(cells, cell, CANDIDATES, rng) for cell in range(len(cells.room))])
+    tried[:, 0] = cells.center
+    flat = tried.reshape(-1, 3)
+    room = np.repeat(cells.room, CANDIDATES)
+    score = (in_view(scene, flat, flat) & (room[:, None] == room[None])).sum(axis=1)
+    return tried[np.arange(len(tried)), np.argmax(score.reshape(tried.shape[:2]), axis=1)]
+
+
+def start_points(
+    scene: Scene, cells: Cells, count: int, rng: np.random.Generator
+) -> tuple[Float[np.ndarray, "n r 3"], Float[np.ndarray, " n"]]:
+    """Random points in the free part of each cell, and how large that part is: what the middle of the cell sees."""
+    points, free = [], []
+    tried = np.stack([random_points(cells, cell, 2 * count, rng) for cell in range(len(cells.room))])
+    for seen, some in zip(_own_view(scene, cells.center, tried), tried, strict=True):
+        good = some[seen] if seen.any() else some
+        points.append(good[np.arange(count) % len(good)])
+        free.append(max(seen.mean(), 0.1))
+    return np.stack(points), np.array(free)
+
+
+def random_points(cells: Cells, cell: int, count: int, rng: np.random.Generator) -> Float[np.ndarray, "r 3"]:
+    """Random points of a cell."""
+    _, row, column = np.nonzero(cells.lookup == cell)
+    pick = rng.integers(len(row), size=count)
+    plan = cells.origin + (np.stack([column[pick], row[pick]], 1) + rng.random((count, 2))) * cells.step
+    return np.concatenate([plan, cells.low[cell] + rng.random((count, 1)) * (cells.high - cells.low)[cell]], axis=1)
+
+
+def in_view(scene: Scene, start: Float[np.ndarray, "p 3"], end: Float[np.ndarray, "n 3"]) -> Bool[np.ndarray, "p n"]:
+    """Which points see which."""
+    return ~np.asarray(_hidden(scene, jnp.asarray(start, jnp.float32)[:, None], jnp.asarray(end, jnp.float32)[None]))
+
+
+def ways(center: Float[np.ndarray, "n 3"], seen: Bool[np.ndarray, "n n"]) -> Float[np.ndarray, "n n"]:
+    """Shortest ways from cell to cell, from one to another in view; where there is none, the straight line."""
+    straight = np.linalg.norm(center[:, None] - center[None], axis=2)
+    found = dijkstra(np.where(seen | seen.T, straight, 0), directed=False)
+    return np.where(np.isfinite(found), found, straight)
+
+
+def places(house: CompiledHouse, scene: Scene, cells: Cells, size: float) -> dict[str, np.ndarray]:
+    """Cells around the points of a lattice, and their weights: fields of a `LateField`."""
+    stride = max(round(PLACE / cells.step), 1)
+    levels, rows, columns = cells.lookup.shape
+    down, across = np.arange(stride // 2, rows, stride), np.arange(stride // 2, columns, stride)
+    x, y = cells.origin[0] + (across + 0.5) * cells.step, cells.origin[1] + (down + 0.5) * cells.step
+    floor = house.navigation.floor[:levels]
+    place = np.stack(np.broadcast_arrays(x[None, None], y[None, :, None], floor[:, None, None] + EARS), -1)
+    flat = place.reshape(-1, 3)
+    near, weight = neighbours(cells.center, flat, in_view(scene, flat, cells.center), REACH * size, NEAR)
+    return {
+        "near": near.reshape(*place.shape[:3], -1).astype(np.uint8),
+        "weight": weight.reshape(*place.shape[:3], -1),
+        "floor": floor,
+        "origin": np.array([x[0], y[0]]) - stride * cells.step / 2,
+        "step": np.asarray(stride * cells.step),
+    }
+
+
+@jax.jit
+def _hidden(scene: Scene, start: Float[Array, "*p 3"], end: Float[Array, "*q 3"]) -> Bool[Array, "..."]:
+    return occluded(scene, start, end - start, t_max=1.0, mask=int(Ray.SOUND))
+
+
+def _own_view(
+    scene: Scene, center: Float[np.ndarray, "n 3"], points: Float[np.ndarray, "n r 3"]
+) -> Bool[np.ndarray, "n r"]:
+    """Which points of each cell its middle sees."""
+    start, end = jnp.asarray(center, jnp.float32)[:, None], jnp.asarray(points, jnp.float32)
+    return ~np.asarray(_hidden(scene, start, end))

@@ -1,0 +1,45 @@
+"""Sharing rays out among rooms: more of them, each with less energy, where little energy gets to."""
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+
+from home_mjx.schema.compiled import BANDS
+
+EVEN = 0.5  # 0: as many rays in a room as it has energy; 1: as many in each
+
+
+def share_out(
+    energy: Float[Array, " n"], room: Int[Array, " n"], octave: Int[Array, " n"], rooms: int, key: Array
+) -> tuple[Int[Array, " n"], Float[Array, " n"]]:
+    """Which ray each of as many new ones continues, and with what energy.
+
+    Rays split where they enter a room of little energy, and end where others have as much: of each octave, a room that
+    holds the share E of all energy gets a share of rays in proportion to E^(1 - EVEN), all with the same energy. By
+    systematic sampling, whatever is expected of the new rays is what the old ones have (Kitagawa 1996).
+
+    Args:
+        energy: Of each ray; octave after octave, equally many rays.
+        room: That it is in.
+        octave: Of each ray.
+        rooms: How many there are.
+        key: Random key.
+
+    Example:
+        >>> octave = jnp.repeat(jnp.arange(7), 100)
+        >>> room = (jnp.arange(700) % 100 == 0).astype(jnp.int32)  # one ray of a hundred is in the second room
+        >>> pick, energy = share_out(jnp.ones(700), room, octave, 2, jax.random.key(0))
+        >>> int(room[pick].sum()) // 7, round(float(jnp.where(room[pick] == 1, energy, 0).sum()))
+        (9, 7)
+    """
+    count = energy.size // len(BANDS)
+    held = jnp.zeros((len(BANDS), rooms), jnp.float32).at[octave, room].add(energy)
+    weight = energy / jnp.maximum(held[octave, room], 1e-30) ** EVEN
+    parts = jnp.cumsum(weight.reshape(len(BANDS), count), axis=1)
+    total = parts[:, -1:]
+    place = (jnp.arange(count, dtype=jnp.float32) + jax.random.uniform(key, (len(BANDS), 1), jnp.float32)) / count
+    pick = jax.vmap(lambda a, v: jnp.searchsorted(a, v, side="right"))(parts, place * total)
+    pick = jnp.minimum(pick, count - 1).astype(jnp.int32) + count * jnp.arange(len(BANDS), dtype=jnp.int32)[:, None]
+    pick = pick.reshape(-1)
+    mean = jnp.repeat(total[:, 0] / count, count)
+    return pick, jnp.where(weight[pick] > 0, mean * energy[pick] / jnp.maximum(weight[pick], 1e-30), 0.0)

@@ -1,0 +1,134 @@
+"""An environment whose late sound is baked: what agents hear, doors open and shut, and what is refused."""
+
+from dataclasses import replace
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from handmade import shoebox
+
+from home_mjx import HouseBank, HouseholdEnv
+from home_mjx.audio_jax import AudioConfig, BakeOptions, Listener, Source, baked_sound, energy_response, with_late_sound
+from home_mjx.audio_jax.baked.balance import leaf_openings
+from home_mjx.audio_jax.baking.store import entry_of
+from home_mjx.datasets.procedural.dataset import generate_dataset
+from home_mjx.errors import ConfigError
+from home_mjx.raycast_render.scene.scene import make_scene
+from home_mjx.scene_compile.cache.house_set import HouseSet
+from home_mjx.tasks import make_config
+
+FEW = BakeOptions(size=2.0, rays=40, bounces=40)
+BAKED = AudioConfig(late="baked")
+OPTIONS = {"impl": "kinematic", "sensors": ("audio", "ear_levels"), "actions": "discrete"}
+
+
+@pytest.fixture(autouse=True, scope="module")
+def own_cache(tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("HOME_MJX_CACHE", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
+@pytest.fixture(scope="module")
+def room():
+    return shoebox((5.0, 4.0, 2.6), absorption=0.1)
+
+
+@pytest.fixture(scope="module")
+def bank(room):
+    return with_late_sound(HouseBank.from_compiled([room]), [room], FEW)
+
+
+def test_a_step_hears_baked_sound(bank):
+    """Levels are those of many rays within 1.5 dB, and the waveform is not silent."""
+
+    def heard(audio):
+        env = HouseholdEnv(make_config(audio=replace(BAKED, **audio), **OPTIONS)).bind(bank)
+        state = jax.jit(env.reset)(jax.random.key(3))
+        return np.asarray(jax.jit(env.step)(state, 0).obs["ear_levels"]), np.asarray(state.obs["audio"])
+
+    levels, audio = heard({})
+    assert np.isfinite(audio).all()
+    assert np.abs(audio).max() > 1e-3
+    traced, _ = heard({"late": "traced", "num_rays": 500, "num_bounces": 80})
+    loud = traced > traced.max() - 40
+    np.testing.assert_allclose(levels[loud], traced[loud], atol=1.5)
+
+
+def test_it_is_baked_once(bank, room, monkeypatch):
+    assert entry_of(room, FEW).is_file()
+    monkeypatch.setattr("home_mjx.audio_jax.baking.store.bake_house", lambda *_: pytest.fail("baked again"))
+    again = with_late_sound(HouseBank.from_compiled([room]), [room], FEW)
+    assert all(map(np.array_equal, jax.tree.leaves(again.late), jax.tree.leaves(bank.late)))
+    other = replace(room, materials=replace(room.materials, absorption=room.materials.absorption * 0.5))
+    assert entry_of(other, FEW) != entry_of(room, FEW)
+
+
+def test_wrong_banks_are_refused(bank, room):
+    with pytest.raises(ConfigError, match="with_late_sound"):
+        HouseholdEnv(make_config(audio=BAKED, **OPTIONS)).bind(HouseBank.from_compiled([room]))
+    with pytest.raises(ConfigError, match="the bank holds houses"):
+        with_late_sound(bank, [replace(room, id="another")], FEW)
+
+
+def test_levels_need_no_exceptions_of_dtype_or_rank(bank):
+    scene = scene_of(bank, None)
+    head = Listener(jnp.float32([1, 1, 1.5]), jnp.float32([0.5, 0.5, -0.5, -0.5]))
+    with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
+        found = energy_response(scene, Source(jnp.float32([-1, -1, 1])), head, jax.random.key(0), BAKED)
+    assert np.isfinite(np.asarray(found.energy)).all()
+
+
+def scene_of(bank, angle):
+    nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
+    return make_scene(
+        bank, jnp.int32(0), bank.physics.body_pos[0], bank.physics.body_quat[0], *nobody, door_angle=angle
+    )
+
+
+@pytest.fixture(scope="module")
+def house(tmp_path_factory):
+    """A generated one."""
+    root = tmp_path_factory.mktemp("generated")
+    return HouseSet(root, generate_dataset(root, range(1))).load()[0]
+
+
+@pytest.mark.slow
+def test_shutting_a_door_makes_the_next_room_quiet(house):
+    """By 8 dB or more (a hollow leaf has 14 dB at 125 Hz); half open it is in between; the own room gets no quieter."""
+    bank = with_late_sound(HouseBank.from_compiled([house]), [house], BakeOptions(rays=60, bounces=60))
+    physics, portals = bank.physics, house.navigation.portals
+    inner = np.flatnonzero((portals.room >= 0).all(axis=1) & (portals.leaf[:, 0] >= 0))
+    portal = int(inner[np.argmax(portals.width[inner])])
+    source, listener = (_in_room(house, room) for room in portals.room[portal])
+    wide, closed = physics.door_wide[0], physics.door_closed[0]
+    leaf = int(house.doors.rows(bank.spec.num_doors, bank.spec.num_slides)[portals.leaf[portal, 0]])
+    assert float(leaf_openings(scene_of(bank, wide))[leaf]) == pytest.approx(1.0, abs=1e-3)
+    assert float(leaf_openings(scene_of(bank, closed))[leaf]) == pytest.approx(0.0, abs=1e-3)
+
+    @jax.jit
+    def levels(share):
+        scene = scene_of(bank, closed + share * (wide - closed))
+        return [jnp.sum(baked_sound(scene, source, p, BAKED).energy, axis=0) for p in (listener, source + 0.3)]
+
+    (far, near), (half, _), (shut, own) = [
+        [10 * np.log10(np.asarray(x)) for x in levels(jnp.float32(share))] for share in (1.0, 0.3, 0.0)
+    ]
+    assert np.all(shut < far - 8)
+    assert np.all(half < far)
+    assert np.all(half > shut)
+    assert np.all(own > near - 0.2)
+
+
+def _in_room(house, room):
+    """A point that is farthest from the walls of a room, at the height of ears."""
+    from scipy.ndimage import distance_transform_edt
+
+    navigation = house.navigation
+    level = int(np.argmax((navigation.room == room).any(axis=(1, 2))))
+    row, column = np.unravel_index(
+        np.argmax(distance_transform_edt(navigation.room[level] == room)), navigation.room[level].shape
+    )
+    plan = navigation.origin + (np.array([column, row]) + 0.5) * navigation.cell
+    return jnp.asarray([*plan, house.rooms.floor[room] + 1.5], jnp.float32)
