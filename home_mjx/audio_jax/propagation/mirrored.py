@@ -84,7 +84,7 @@ def names_of(found: Images) -> Int[Array, " p"]:
     order = jnp.arange(found.point.shape[1], dtype=jnp.int32)[None]
     depth = jnp.sum(found.normal * found.point, axis=2)
     plane = jnp.concatenate([found.normal, depth[:, :, None]], axis=2)
-    parts = jnp.round(plane * NAMED_APART).astype(jnp.int32) * jnp.array([1, 73, 5419, 401_231], jnp.int32)
+    parts = jnp.round(plane * NAMED_APART).astype(jnp.int32) * jnp.array([1, 73, 5419, 401_231], jnp.int32)[None, None]
     each = jnp.sum(parts, axis=2) * (2 * order + 1) + order
     return jnp.abs(jnp.sum(jnp.where(order < found.order[:, None], each, 0), axis=1)) % MOST_NAMES
 

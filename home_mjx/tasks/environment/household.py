@@ -286,7 +286,7 @@ class HouseholdEnv:
         led = self.task.lead(self.snapshot(params, state), state.task)
         return moves if led is None else with_led(self.config, moves, self._stopped(state), *led)
 
-    def _stopped(self, state: State) -> Array:
+    def _stopped(self, state: State) -> Any:
         """Agents that do nothing any more."""
         stopped = state.world.stopped
         return stopped if self.task.stops_for_good else jnp.zeros_like(stopped)
