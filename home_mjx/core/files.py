@@ -7,7 +7,7 @@ import stat
 import tempfile
 import uuid
 import zipfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO, Any, TypeVar
@@ -67,6 +67,22 @@ def read_json_lines(path: Path, what: str, parse: Callable[[Any], Row], most: in
             reason = f"`{error.args[0]}` is missing" if type(error) is KeyError else str(error)
             hint = "Each line must be one JSON object, as the package writes them."
             raise DatasetError(f"no {what}: {reason}", file=path, element=f"line {number}", hint=hint) from None
+
+
+def write_json_lines(path: Path, rows: Iterable[Any], what: str) -> None:
+    """Writes a file that `read_json_lines` reads, one row a line.
+
+    Args:
+        path: The file.
+        rows: What JSON can hold.
+        what: What the rows are, for messages.
+
+    Raises:
+        ConfigError: It cannot be written.
+    """
+    text = "".join(f"{json.dumps(row)}\n" for row in rows)
+    with write_durably(path, what) as file:
+        file.write(text.encode())
 
 
 def read_bytes(path: Path, hint: str | None = None, most: int | None = None) -> bytes:

@@ -1,7 +1,6 @@
 """From options to episodes, lines and a film."""
 
 import dataclasses
-import json
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,7 +11,7 @@ import jax
 import numpy as np
 from tqdm import tqdm
 
-from home_mjx.core.files import write_durably, write_together
+from home_mjx.core.files import write_json_lines, write_together
 from home_mjx.play.camera import FilmCamera, Sight, without_agents
 from home_mjx.play.episode import Game, Outcome, Step, said
 from home_mjx.play.film import Film, frame
@@ -196,11 +195,9 @@ class _Reporter:
         """Writes the film and the outcomes."""
         out, name = self.options.out, self.options.name
         if out is not None:
-            lines = (json.dumps(dataclasses.asdict(outcome)) for outcome in outcomes)
             with write_together(out, "film") as beside:
                 self.film.write(beside, name)
-                with write_durably(beside / f"{name}.jsonl", "outcomes") as file:
-                    file.write("".join(f"{line}\n" for line in lines).encode())
+                write_json_lines(beside / f"{name}.jsonl", map(dataclasses.asdict, outcomes), "outcomes")
 
     def _frame(self, status: str, success: bool | None = None) -> np.ndarray:
         return frame(self.sights[-1].view, self.top, self.asked.text, status, success)

@@ -8,13 +8,12 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from home_mjx.audio_jax.auralization.hrtf import ear_angles, ear_spectrum, ear_table, to_head
-from home_mjx.audio_jax.auralization.response import baked_histogram, ear_gains
+from home_mjx.audio_jax.auralization.response import baked_histogram, ear_gains, traced_histogram
 from home_mjx.audio_jax.auralization.sources import clip_samples
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.base.filters import octave_gains
 from home_mjx.audio_jax.propagation.early import early_paths
-from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.tracing import trace
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.scene.types import Scene
@@ -70,8 +69,7 @@ def _late(
         ends = jnp.stack([toward, -toward]) / jnp.maximum(length, 1e-6)
         return late, ends, 0.5 * jnp.stack([1 + length, 1 - length])[:, None] * whole[None]
     traced = trace(scene, source, listener, key, config)
-    late = energy_histogram(traced, ear_gains(traced.direction, listener.quat, config), config)
-    return late, traced.direction, jnp.sum(traced.energy, axis=0)
+    return traced_histogram(traced, listener.quat, config), traced.direction, jnp.sum(traced.energy, axis=0)
 
 
 def band_level(envelope: Float[Array, "k 2 bands"], power: Float[Array, "w bands"]) -> Float[Array, "2 bands"]:

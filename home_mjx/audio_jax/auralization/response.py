@@ -78,8 +78,12 @@ def late_energy(
     """
     if config.late == "baked":
         return baked_histogram(scene, source, listener, config)[0]
-    rays = trace(scene, source, listener, key, config)
-    return energy_histogram(rays, ear_gains(rays.direction, listener.quat, config), config)
+    return traced_histogram(trace(scene, source, listener, key, config), listener.quat, config)
+
+
+def traced_histogram(traced: Trace, head_quat: Float[Array, "4"], config: AudioConfig) -> Float[Array, "k 2 bands"]:
+    """The energy of rays per time bin, at both ears of a head."""
+    return energy_histogram(traced, ear_gains(traced.direction, head_quat, config), config)
 
 
 def baked_histogram(
@@ -105,8 +109,7 @@ def assembled(
     paths: Paths, traced: Trace, head_quat: Float[Array, "4"], key: Array, config: AudioConfig
 ) -> Float[Array, "2 l"]:
     """The response that paths and rays make at a head, see `impulse_response`; `key` chooses the noise."""
-    energy = energy_histogram(traced, ear_gains(traced.direction, head_quat, config), config)
-    return with_late(paths, energy, head_quat, key, config)
+    return with_late(paths, traced_histogram(traced, head_quat, config), head_quat, key, config)
 
 
 def with_late(

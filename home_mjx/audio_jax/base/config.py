@@ -12,7 +12,7 @@ from home_mjx.schema.timing import LONGEST, Timing
 RECEIVERS = ("binaural", "omni")
 DETECTORS = ("rain", "sphere")
 LATE = ("traced", "baked")
-BAKED = {"bin_seconds": 0.004, "reflection_order": 1, "temperature": 20.0, "humidity": 50.0, "pressure": 101.325}
+BAKED = ("bin_seconds", "reflection_order", "temperature", "humidity", "pressure")  # with whose defaults sound is baked
 TAIL_RINGING = 0.016  # [s]
 
 
@@ -114,7 +114,8 @@ class AudioConfig:
             self._check_baked()
 
     def _check_baked(self) -> None:
-        for name, value in BAKED.items():
+        for name in BAKED:
+            value = getattr(AudioConfig, name)  # its default
             if getattr(self, name) != value:
                 hint = f"Leave it at {value}, or use late='traced'."
                 raise ConfigError(f"late='baked' has no sound for {name}={getattr(self, name)}", hint=hint)

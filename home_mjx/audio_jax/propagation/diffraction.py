@@ -10,7 +10,7 @@ from jaxtyping import Array, Bool, Complex, Float, Int
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.propagation.barriers import Boxes, Strings, nearest_boxes, strings
-from home_mjx.audio_jax.propagation.paths import NEAREST, SKIN, Paths, Straight, air_energy, cross
+from home_mjx.audio_jax.propagation.paths import NEAREST, SKIN, Paths, Straight, air_energy, cross, equals_earlier
 from home_mjx.audio_jax.propagation.wedge import diffracted, second_edge
 from home_mjx.core.transforms import quat_matrix
 from home_mjx.raycast_render.casting.cast import occluded
@@ -174,7 +174,7 @@ def _repeated(found: Strings, heard: Bool[Array, " k"]) -> Bool[Array, " k"]:
     """Strings that touch the same edge as an earlier one, as where both its faces lead from one side to the other."""
     place = jnp.concatenate([found.apex, found.last, found.beyond], axis=1)
     same = jnp.max(jnp.abs(place[:, None] - place[None]), axis=-1) < SAME
-    return jnp.any(same & heard[None] & jnp.tril(jnp.ones(same.shape, bool), -1), axis=1)
+    return equals_earlier(same & heard[None])
 
 
 def _octaves(power: Float[Array, "*k f"]) -> Float[Array, "*k bands"]:

@@ -9,7 +9,7 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.propagation.diffraction import house_boxes
 from home_mjx.audio_jax.propagation.images import Images, Mirrors, find_images, nearest_mirrors
-from home_mjx.audio_jax.propagation.paths import MOST_NAMES, NEAREST, SKIN, Paths, air_energy, no_paths
+from home_mjx.audio_jax.propagation.paths import MOST_NAMES, NEAREST, SKIN, Paths, air_energy, equals_earlier, no_paths
 from home_mjx.audio_jax.propagation.surfaces import surface_at
 from home_mjx.raycast_render.casting.cast import cast, occluded
 from home_mjx.raycast_render.scene.types import Scene
@@ -140,5 +140,4 @@ def _repeated(length: Float[Array, " p"], direction: Float[Array, "p 3"]) -> Boo
     """Paths that an earlier one equals, as where the faces of two boxes lie in one plane."""
     near = jnp.abs(length[:, None] - length[None]) < SAME
     near &= jnp.max(jnp.abs(direction[:, None] - direction[None]), axis=-1) < SAME
-    earlier = jnp.tril(jnp.ones((length.size, length.size), bool), -1)
-    return jnp.any(near & earlier, axis=1)
+    return equals_earlier(near)

@@ -37,6 +37,11 @@ class Paths(Pytree):
 PathProducer = Callable[[Scene, Source, Listener, AudioConfig], Paths]
 
 
+def equals_earlier(same: Bool[Array, "p p"]) -> Bool[Array, " p"]:
+    """Which of some paths an earlier one equals; `same[i, j]`: path i equals path j."""
+    return jnp.any(same & jnp.tril(jnp.ones(same.shape, bool), -1), axis=1)
+
+
 def no_paths() -> Paths:
     """Paths of shape (0,)."""
     none = jnp.zeros(0, jnp.float32)

@@ -145,7 +145,11 @@ class Task:
         return jnp.zeros_like(snapshot.pose.yaw)
 
     def terminated(self, snapshot: Snapshot, state: Any) -> Bool[Array, ""]:
-        """The task has ended the episode: here, when all agents that act have stopped (see `Snapshot.stopped`)."""
+        """The task has ended the episode: here, when all agents that act have stopped."""
+        return self.have_stopped(snapshot)
+
+    def have_stopped(self, snapshot: Snapshot) -> Bool[Array, ""]:
+        """Whether all agents that act have stopped (see `Snapshot.stopped`)."""
         return jnp.all(snapshot.stopped[: self.num_acting])
 
     def metrics(self, snapshot: Snapshot, state: Any) -> dict[str, Float[Array, ""]]:

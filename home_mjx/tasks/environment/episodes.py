@@ -1,6 +1,5 @@
 """Episodes drawn beforehand, to be saved, replayed and compared."""
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +10,7 @@ from jaxtyping import Array, Bool
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_number, check_type
-from home_mjx.core.files import as_path, read_json_lines, write_durably
+from home_mjx.core.files import as_path, read_json_lines, write_json_lines
 from home_mjx.errors import ConfigError, DatasetError, UnknownIdError
 from home_mjx.tasks.base.state import Episodes, check_rows
 from home_mjx.tasks.base.task import Task
@@ -84,9 +83,8 @@ def save_episodes(path: str | Path, bank: HouseBank, episodes: Episodes, task: T
         house = int(host.house[i])
         columns = {name: values[i] for name, values in host.columns.items()}
         own = {"house": ids[house], "start": host.start[i].tolist(), "yaw": float(host.yaw[i])}
-        lines.append(json.dumps(own | task.to_json(bank, house, columns)))
-    with write_durably(as_path(path, "episodes"), "episodes") as file:
-        file.write("".join(f"{line}\n" for line in lines).encode())
+        lines.append(own | task.to_json(bank, house, columns))
+    write_json_lines(as_path(path, "episodes"), lines, "episodes")
 
 
 def load_episodes(path: str | Path, bank: HouseBank, task: Task = POINT_NAV) -> Episodes:

@@ -179,7 +179,7 @@ class RowTask(Task):
         time = snapshot.step - state.since
         looked = look(snapshot, state.program, state.means, snapshot.tasks.field, time)
         stage, gained, taken = advance(state.program, state.stage, conditions(state.program, looked.values))
-        mistaken = (stage == FAILURE) | (_have_stopped(self, snapshot) & (stage != SUCCESS))
+        mistaken = (stage == FAILURE) | (self.have_stopped(snapshot) & (stage != SUCCESS))
         if not self.mistakes_end:
             forgiven = stage == FAILURE
             stage, taken = jnp.where(forgiven, state.stage, stage), taken & ~forgiven
@@ -234,7 +234,7 @@ class RowTask(Task):
 
     def terminated(self, snapshot: Snapshot, state: RowState) -> Bool[Array, ""]:
         """A stage that ends the episode, or all agents that act have stopped."""
-        return (state.stage < 0) | (_have_stopped(self, snapshot) & self.mistakes_end)
+        return (state.stage < 0) | (self.have_stopped(snapshot) & self.mistakes_end)
 
     def metrics(self, snapshot: Snapshot, state: RowState) -> dict[str, Float[Array, ""]]:
         """Habitat's: success, SPL, soft SPL, distance to the goal [m], collisions; and the stage.
@@ -263,10 +263,6 @@ class RowTask(Task):
             return {}
         answered = (state.spoken > 0) & (state.talk.answer >= 0)
         return {"answered": answered.astype(jnp.float32), "questions": state.asked.astype(jnp.float32)}
-
-
-def _have_stopped(task: RowTask, snapshot: Snapshot) -> Bool[Array, ""]:
-    return jnp.all(snapshot.stopped[: task.num_acting])
 
 
 def _followed(snapshot: Snapshot, state: RowState) -> Program:

@@ -1,6 +1,5 @@
 """Tasks as JSON lines: names and places instead of numbers, so that any bank of the houses will do."""
 
-import json
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,7 @@ from jaxtyping import UInt16
 from home_mjx.audio_jax.auralization.sources import CLIPS
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_type
-from home_mjx.core.files import as_path, read_json_lines, write_durably
+from home_mjx.core.files import as_path, read_json_lines, write_json_lines
 from home_mjx.errors import ConfigError, DatasetError, UnknownIdError
 from home_mjx.scene_compile.semantics.vocabulary import number_of, vocabularies
 from home_mjx.tasks.base.state import check_rows
@@ -62,9 +61,8 @@ def save_tasks(path: str | Path, bank: HouseBank, tasks: TaskBank) -> None:
         line |= {"instruction": detokenize(row["tokens"]), "meant": _meant(row), "stages": _stages(row)}
         line |= {"sounds": sounds} if (sounds := _sounds(row)) else {}
         line |= _talk(row)
-        lines.append(json.dumps(line))
-    with write_durably(as_path(path, "tasks"), "tasks") as file:
-        file.write("".join(f"{line}\n" for line in lines).encode())
+        lines.append(line)
+    write_json_lines(as_path(path, "tasks"), lines, "tasks")
 
 
 def load_tasks(path: str | Path, bank: HouseBank) -> TaskBank:

@@ -16,7 +16,6 @@ from home_mjx.scene_compile.semantics.vocabulary import vocabularies
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.language.phrases import COLUMN
 from home_mjx.tasks.language.vocabulary import spoken, tokenize
-from home_mjx.tasks.rows.words import Word
 
 NOT_SAID = -1  # token of what has no name
 
@@ -54,7 +53,7 @@ def said_by(observation: str, words: Int[Array, "*b n"]) -> Int[Array, "*b n"]:
     for word, column in COLUMN.items():
         tokens, number = jnp.asarray(name_tokens(column)), words[..., word].astype(jnp.int32)
         token = jnp.where(number >= 0, tokens[jnp.clip(number, 0, len(tokens) - 1)], NOT_SAID)
-        said = said.at[..., Word(word)].set(token)
+        said = said.at[..., word].set(token)
     return said
 
 
