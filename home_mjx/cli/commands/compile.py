@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from home_mjx.cli.houses import add_house_arguments, load_compiled_house, named_houses, names_root
+from home_mjx.cli.houses import add_house_arguments, add_strict_option, load_compiled_house, named_houses, names_root
 from home_mjx.cli.parsing import positive_int
 from home_mjx.core.checks import check_known
 from home_mjx.errors import ConfigError
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the options of `home-mjx compile`."""
     add_house_arguments(parser, "id of a house, or root of a dataset: then all its houses are compiled")
+    add_strict_option(parser)
     parser.add_argument("--mjcf", type=Path, metavar="OUT", help="write one house as MJCF into this folder instead")
     parser.add_argument("--collision", default="box", help="with --mjcf: objects collide by `box` or `exact` pieces")
     group = parser.add_argument_group("whole datasets")
@@ -66,6 +67,8 @@ def _tell(summary: "Summary") -> None:
         f"{summary.compiled} compiled, {summary.cached} in the cache, {summary.skipped} skipped, "
         f"{summary.failed} failed in {summary.seconds:.1f} s ({rate:.2g} houses/s)\n{summary.report}\n"
     )
+    if summary.incomplete:
+        sys.stdout.write(f"{summary.incomplete} with stand-ins for what the dataset lacks: the report lists them\n")
     if summary.failed:
         failed = [line for line in read_report(summary.report) if line["status"] == FAILED]
         for line in failed[-10:]:

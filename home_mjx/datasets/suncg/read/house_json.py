@@ -13,7 +13,8 @@ from home_mjx.datasets.suncg.formats.fields import HOUSE, LEVEL, NODES, unknown_
 from home_mjx.datasets.suncg.read.backdrops import cut_backdrops
 from home_mjx.datasets.suncg.read.nodes import READERS, read_bbox
 from home_mjx.datasets.suncg.read.reading import Reading
-from home_mjx.schema.house import Box, Ground, House, Level, Node, Object, Room, Unknown
+from home_mjx.datasets.suncg.read.stand_ins import all_stand_ins, stand_in_for_parts
+from home_mjx.schema.house import Box, Ground, House, Level, Metadata, Node, Object, Room, Unknown
 
 MAX_NODES = 10_000  # in one level; the largest houses of SUNCG have about two thousand
 MAX_LEVELS = 100
@@ -21,20 +22,23 @@ AXES = (("up", [0, 1, 0]), ("front", [0, 0, 1]))
 N = TypeVar("N", bound=Node)
 
 
-def read_house(house_id: str, assets: AssetLibrary, options: ReadOptions, left_out: Callable[[str], bool]) -> House:
+def read_house(
+    house_id: str, assets: AssetLibrary, options: ReadOptions, left_out: Callable[[str], bool], tables: Metadata
+) -> House:
     """One house with every mesh that it shows.
 
     Args:
         house_id: Name of its folder.
-        assets: Meshes and textures of the dataset.
+        assets: Meshes and textures of the dataset; tolerant ones take stand-ins for what is lacking.
         options: What is read.
         left_out: Whether the options leave out a model.
+        tables: Of the dataset, for stand-ins.
 
     Raises:
         DatasetError: house.json or a file that it needs is missing or broken.
     """
     document = read_json(house_path(house_id, assets))
-    house = build_house(document, Reading(house_id, assets, left_out, options))
+    house = build_house(document, Reading(house_id, assets, left_out, options, tables=tables))
     if not any(level.rooms or level.objects or level.boxes or level.grounds for level in house.levels):
         raise document.member("levels").error("house shows nothing", "Remove its folder from the dataset.")
     return house
@@ -53,7 +57,7 @@ def build_house(document: Value, reading: Reading) -> House:
     values = reading.attempt(_bounded, document.member("levels"), MAX_LEVELS) or []
     levels = [reading.attempt(read_level, value, index, reading) for index, value in enumerate(values)]
     version = document.member("version").data
-    return House(
+    house = House(
         id=reading.house_id,
         version=version if isinstance(version, str) else "",
         path=document.file,
@@ -63,6 +67,7 @@ def build_house(document: Value, reading: Reading) -> House:
         problems=tuple(problem for _, problem in reading.notes),
         extra=unknown_fields(document, HOUSE),
     )
+    return replace(house, stand_ins=all_stand_ins(house, reading)) if reading.tolerant else house
 
 
 def _bounded(value: Value, most: int) -> list[Value]:
@@ -102,6 +107,8 @@ def read_level(level: Value, index: int, reading: Reading) -> Level | None:
     read = [reading.attempt(_read_node, value, f"{index}_{i}", i, reading) for i, value in enumerate(values)]
     found = [node for node in read if node is not None]
     same = _duplicates(found, values, reading)
+    if reading.tolerant:
+        found = stand_in_for_parts(found, reading)
     found = cut_backdrops([node for node in found if node.index not in same], level, reading)
     kinds = {node.index: isinstance(node, Object | Box) for node in found if not isinstance(node, Unknown)}
     rooms = [_with_members(room, values, kinds, same, reading) for room in _of_type(found, Room)]

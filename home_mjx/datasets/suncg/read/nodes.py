@@ -14,9 +14,10 @@ from home_mjx.datasets.suncg.formats.element import Value
 from home_mjx.datasets.suncg.formats.materials import read_materials
 from home_mjx.datasets.suncg.read.parts import read_part
 from home_mjx.datasets.suncg.read.reading import Reading
+from home_mjx.datasets.suncg.read.stand_ins import stand_in_for_model
 from home_mjx.errors import DatasetError
 from home_mjx.schema.categories import ROOM_TYPES
-from home_mjx.schema.house import Box, Ground, Material, Node, Object, Room
+from home_mjx.schema.house import Box, Ground, Material, Mesh, Node, Object, Room
 
 
 def read_object(node: Value, common: dict[str, Any], reading: Reading) -> Object | None:
@@ -34,15 +35,31 @@ def read_object(node: Value, common: dict[str, Any], reading: Reading) -> Object
         transform=transform,
         materials=_materials(node, reading),
     )
+    if reading.tolerant:
+        return read_or_stand_in(item, node, reading)
     mesh = reading.attempt(reading.model, model_id, item.model_key, node.member("modelId"))
     if mesh is None:
         return None
+    _keep(item, mesh, node, reading)
+    return item
+
+
+def read_or_stand_in(item: Object, node: Value, reading: Reading) -> Object:
+    """The object, with its model or a stand-in put into `reading.models`."""
+    if item.model_key not in reading.stood_in:
+        try:
+            _keep(item, reading.model(item.model_id, item.model_key, node.member("modelId")), node, reading)
+        except DatasetError as error:
+            stand_in_for_model(item, error, reading)
+    return item
+
+
+def _keep(item: Object, mesh: Mesh, node: Value, reading: Reading) -> None:
     reading.models[item.model_key] = mesh
     _read_other(item, node, reading)
     if len(item.materials) > len(mesh.materials):
         extra = f"{len(item.materials)} materials for {len(mesh.materials)} slots: the rest is ignored"
         reading.note(node.member("materials"), "extra-materials", extra)
-    return item
 
 
 def _read_other(item: Object, node: Value, reading: Reading) -> None:
@@ -134,7 +151,8 @@ def _state(value: Value, model_id: str, reading: Reading) -> int | None:
     state = value.integer()
     if state < 0:
         raise value.error(f"expected a state of 0 or more, got {state}")
-    if state and not is_file(reading.assets.model_path(model_id, f"{model_id}_{state - 1}")):
+    path = reading.assets.model_path(model_id, f"{model_id}_{state - 1}")
+    if state and not is_file(path) and not (reading.tolerant and not is_file(path.with_name(f"{model_id}.obj"))):
         message = f"model has no variant `{model_id}_{state - 1}`: its base is shown"
         reading.note(value, "missing-variant", message)
         return 0

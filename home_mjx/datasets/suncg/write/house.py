@@ -263,8 +263,8 @@ def _numbers(values: np.ndarray) -> list[int | float]:
 
 def _material(material: Material) -> dict[str, str]:
     entry = {"name": material.name}
-    if material.texture is not None:
-        entry["texture"] = material.texture.stem
+    if material.texture_name:
+        entry["texture"] = material.texture_name
     if material.diffuse is not None:
         entry["diffuse"] = "#" + "".join(f"{round(255 * x):02x}" for x in material.diffuse)
     return entry
