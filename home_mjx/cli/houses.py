@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from home_mjx.cli.parsing import natural
 from home_mjx.core.paths import dataset_root
 from home_mjx.errors import ConfigError
 
@@ -50,10 +51,21 @@ def read_options(args: argparse.Namespace) -> "ReadOptions":
     return ReadOptions(strict=True if getattr(args, "strict", False) else None)
 
 
-def _compile_options(args: argparse.Namespace) -> "CompileOptions":
+def add_movable_option(parser: argparse.ArgumentParser) -> None:
+    """Adds `--max-bodies N`."""
+    parser.add_argument(
+        "--max-bodies", type=natural, metavar="N", help="most objects of a house that can be moved (default: 32)"
+    )
+
+
+def compile_options(args: argparse.Namespace) -> "CompileOptions":
+    """How houses are compiled, by `--strict` and `--max-bodies` of commands that have them."""
+    from home_mjx.scene_compile.collision.movables import MovableOptions
     from home_mjx.scene_compile.pipeline.compile import CompileOptions
 
-    return CompileOptions(read=read_options(args))
+    most = getattr(args, "max_bodies", None)
+    movables = MovableOptions() if most is None else MovableOptions(max_bodies=most)
+    return CompileOptions(read=read_options(args), movables=movables)
 
 
 def named_root(args: argparse.Namespace) -> Path:
@@ -84,7 +96,7 @@ def named_houses(args: argparse.Namespace) -> "HouseSet":
     from home_mjx.scene_compile.cache.house_set import HouseSet
 
     ids = None if args.house is None or names_root(args) else (str(args.house),)
-    return HouseSet(open_named_dataset(args), ids, options=_compile_options(args))
+    return HouseSet(open_named_dataset(args), ids, options=compile_options(args))
 
 
 def named_house(args: argparse.Namespace) -> tuple["Dataset", str]:
@@ -112,7 +124,7 @@ def load_compiled_house(args: argparse.Namespace) -> "CompiledHouse":
     """The house that the arguments name, compiled, from the cache if it is there; errors as of `named_house`."""
     from home_mjx.scene_compile.cache.house_cache import load_compiled
 
-    return load_compiled(*named_house(args), options=_compile_options(args))
+    return load_compiled(*named_house(args), options=compile_options(args))
 
 
 def _generated_root() -> Path:

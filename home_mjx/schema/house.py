@@ -129,6 +129,7 @@ class Level:
     grounds: tuple[Ground, ...]
     unknown: tuple[Unknown, ...] = ()
     extra: Mapping[str, Any] = field(default_factory=dict)  # as of a node
+    hidden: tuple[Unknown, ...] = ()  # switched off or empty: only to be written again
 
 
 @dataclass(frozen=True)

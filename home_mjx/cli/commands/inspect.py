@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 
 from home_mjx.cli.houses import (
     add_house_arguments,
+    add_movable_option,
     add_strict_option,
+    compile_options,
     load_compiled_house,
     load_house,
     names_root,
@@ -24,6 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the options of `home-mjx inspect`."""
     add_house_arguments(parser, "id of the house (default: the dataset's first), or root of a dataset: all its houses")
     add_strict_option(parser)
+    add_movable_option(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     doing = parser.add_mutually_exclusive_group()
     doing.add_argument("--semantics", action="store_true", help="instead say what everything is, looks like and is on")
@@ -96,7 +99,7 @@ def _dataset(args: argparse.Namespace) -> int:
     from home_mjx.scene_compile.cache.house_cache import HouseCache
 
     dataset = open_named_dataset(args)
-    cache = HouseCache(dataset)
+    cache = HouseCache(dataset, compile_options(args))
     taken = bank_usage([cache.load(house_id) for house_id in tqdm(dataset.house_ids, desc="houses", unit="house")])
     houses, models = list(taken.houses.values()), list(taken.models.values())
     counts = {

@@ -1,7 +1,7 @@
 """Reads house.json: the house, its levels, and which nodes of a level count."""
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 from home_mjx.datasets.options import ReadOptions
 from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
 from home_mjx.datasets.suncg.formats.element import Value, read_json
-from home_mjx.datasets.suncg.formats.fields import HOUSE, LEVEL, NODES, unknown_fields
+from home_mjx.datasets.suncg.formats.fields import HOUSE, LEVEL, NODES, kept_fields
 from home_mjx.datasets.suncg.read.backdrops import cut_backdrops
 from home_mjx.datasets.suncg.read.nodes import READERS, read_bbox
 from home_mjx.datasets.suncg.read.reading import Reading
@@ -65,7 +65,7 @@ def build_house(document: Value, reading: Reading) -> House:
         models=reading.models,
         others=reading.others,
         problems=tuple(problem for _, problem in reading.notes),
-        extra=unknown_fields(document, HOUSE),
+        extra=kept_fields(document, HOUSE),
     )
     return replace(house, stand_ins=all_stand_ins(house, reading)) if reading.tolerant else house
 
@@ -120,8 +120,16 @@ def read_level(level: Value, index: int, reading: Reading) -> Level | None:
         boxes=_of_type(found, Box),
         grounds=_of_type(found, Ground),
         unknown=_of_type(found, Unknown),
-        extra=unknown_fields(level, LEVEL),
+        hidden=_hidden(values, index, {node.index for node in found}),
+        extra=kept_fields(level, LEVEL),
     )
+
+
+def _hidden(values: Sequence[Value], level: int, shown: Collection[int]) -> tuple[Unknown, ...]:
+    """Nodes that are empty or switched off, which take a place in the list."""
+    found = [(i, value) for i, value in enumerate(values) if i not in shown and isinstance(value.data, dict)]
+    off = [(i, value) for i, value in found if not value.data or value.data.get("valid", 1) in (0, "0", False)]
+    return tuple(Unknown(f"{level}_{i}", i, value.element, None, data=value.data) for i, value in off)
 
 
 def _of_type(nodes: Sequence[Node], kind: type[N]) -> tuple[N, ...]:
@@ -140,7 +148,7 @@ def _read_node(value: Value, default_id: str, index: int, reading: Reading) -> N
     if reader is None:
         reading.note(kind, "node-type", f"unknown node type {json.dumps(kind.data)}: kept, but not shown")
         return Unknown(**common, bbox=None, data=value.data)
-    extra = unknown_fields(value, NODES[kind.text().lower()])
+    extra = kept_fields(value, NODES[kind.text().lower()])
     return reader(value, common | {"bbox": read_bbox(value, reading), "extra": extra}, reading)
 
 

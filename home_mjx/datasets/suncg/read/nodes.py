@@ -3,7 +3,9 @@
 Known gaps of real houses are tolerated and noted as a `Problem`; a node without meaning is an error.
 """
 
+import re
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +20,8 @@ from home_mjx.datasets.suncg.read.stand_ins import stand_in_for_model
 from home_mjx.errors import DatasetError
 from home_mjx.schema.categories import ROOM_TYPES
 from home_mjx.schema.house import Box, Ground, Material, Mesh, Node, Object, Room
+
+TEXT_INDEX = re.compile("[0-9]{1,9}")
 
 
 def read_object(node: Value, common: dict[str, Any], reading: Reading) -> Object | None:
@@ -91,11 +95,25 @@ def read_room(node: Value, common: dict[str, Any], reading: Reading) -> Room:
         **common,
         model_id=node.member("modelId").name(),
         types=_room_types(node.member("roomTypes"), reading),
-        members=tuple(item.integer() for item in members.entries()) if members.present else (),
+        members=_members(members, reading) if members.present else (),
         floor=reading.attempt(read_part, node, "Floor", common["id"], reading),
         ceiling=reading.attempt(read_part, node, "Ceiling", common["id"], reading),
         walls=reading.attempt(read_part, node, "Wall", common["id"], reading),
     )
+
+
+def _members(values: Value, reading: Reading) -> tuple[int, ...]:
+    """Indices of nodes; exports of deep-synth and PlanIT write them as strings."""
+    entries = values.entries()
+    if any(isinstance(entry.data, str) and TEXT_INDEX.fullmatch(entry.data) for entry in entries):
+        reading.note(values, "text-member", "indices are written as strings: read as numbers")
+        entries = [
+            replace(entry, data=int(entry.data))
+            if isinstance(entry.data, str) and TEXT_INDEX.fullmatch(entry.data)
+            else entry
+            for entry in entries
+        ]
+    return tuple(entry.integer() for entry in entries)
 
 
 def read_ground(node: Value, common: dict[str, Any], reading: Reading) -> Ground:
