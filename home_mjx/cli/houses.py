@@ -4,12 +4,15 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from home_mjx.cli.parsing import natural
 from home_mjx.core.paths import dataset_root
 from home_mjx.errors import ConfigError
 
 if TYPE_CHECKING:
+    from home_mjx.datasets.options import ReadOptions
     from home_mjx.datasets.suncg.dataset import Dataset
     from home_mjx.scene_compile.cache.house_set import HouseSet
+    from home_mjx.scene_compile.pipeline.compile import CompileOptions
     from home_mjx.schema.compiled import CompiledHouse
     from home_mjx.schema.house import House, Metadata
 
@@ -32,6 +35,37 @@ def add_house_arguments(
     """Adds `HOUSE`, explained by `text`, and `--dataset ROOT`."""
     parser.add_argument("house", nargs="?", metavar="HOUSE", help=text)
     add_dataset_option(parser)
+
+
+def add_strict_option(parser: argparse.ArgumentParser) -> None:
+    """Adds `--strict`."""
+    parser.add_argument(
+        "--strict", action="store_true", help="refuse a house that lacks a file, instead of taking stand-ins"
+    )
+
+
+def read_options(args: argparse.Namespace) -> "ReadOptions":
+    """How houses are read: strictly if `--strict` is given, else as suits the dataset."""
+    from home_mjx.datasets.options import ReadOptions
+
+    return ReadOptions(strict=True if getattr(args, "strict", False) else None)
+
+
+def add_movable_option(parser: argparse.ArgumentParser) -> None:
+    """Adds `--max-bodies N`."""
+    parser.add_argument(
+        "--max-bodies", type=natural, metavar="N", help="most objects of a house that can be moved (default: 32)"
+    )
+
+
+def compile_options(args: argparse.Namespace) -> "CompileOptions":
+    """How houses are compiled, by `--strict` and `--max-bodies` of commands that have them."""
+    from home_mjx.scene_compile.collision.movables import MovableOptions
+    from home_mjx.scene_compile.pipeline.compile import CompileOptions
+
+    most = getattr(args, "max_bodies", None)
+    movables = MovableOptions() if most is None else MovableOptions(max_bodies=most)
+    return CompileOptions(read=read_options(args), movables=movables)
 
 
 def named_root(args: argparse.Namespace) -> Path:
@@ -62,7 +96,7 @@ def named_houses(args: argparse.Namespace) -> "HouseSet":
     from home_mjx.scene_compile.cache.house_set import HouseSet
 
     ids = None if args.house is None or names_root(args) else (str(args.house),)
-    return HouseSet(open_named_dataset(args), ids)
+    return HouseSet(open_named_dataset(args), ids, options=compile_options(args))
 
 
 def named_house(args: argparse.Namespace) -> tuple["Dataset", str]:
@@ -82,14 +116,15 @@ def named_house(args: argparse.Namespace) -> tuple["Dataset", str]:
 def load_house(args: argparse.Namespace) -> tuple["House", "Metadata"]:
     """The house that the arguments name, as the dataset has it; errors as of `named_house`."""
     dataset, house_id = named_house(args)
-    return dataset.load_house(house_id), dataset.metadata
+    options = read_options(args)
+    return dataset.load_house(house_id, options), dataset.metadata_for(options)
 
 
 def load_compiled_house(args: argparse.Namespace) -> "CompiledHouse":
     """The house that the arguments name, compiled, from the cache if it is there; errors as of `named_house`."""
     from home_mjx.scene_compile.cache.house_cache import load_compiled
 
-    return load_compiled(*named_house(args))
+    return load_compiled(*named_house(args), options=compile_options(args))
 
 
 def _generated_root() -> Path:

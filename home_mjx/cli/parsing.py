@@ -82,6 +82,18 @@ def seed(text: str) -> int:
     return int(text)
 
 
+def natural(text: str) -> int:
+    """A whole number, 0 included.
+
+    Example:
+        >>> natural("0")
+        0
+    """
+    if not text.isdecimal() or len(text) > MAX_DIGITS or int(text) >= 2**31:
+        raise argparse.ArgumentTypeError(f"expected a whole number of 0 or more, got `{text:.{MAX_DIGITS}}`")
+    return int(text)
+
+
 def whole(most: int) -> Callable[[str], int]:
     """A type of whole numbers above zero, up to `most`.
 

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 
 # "home" in hexadecimal: SUNCG's ids are hashes, so one of its 45,622 begins so with probability 1e-5.
 ID_PREFIX = "686f6d65"
+MARKER = "generated.json"  # lies in the root of a generated dataset
 MAX_KNOWN = 1 << 16  # seeds from here on are not looked for: this many take 0.1 s
 
 

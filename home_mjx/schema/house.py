@@ -22,6 +22,12 @@ class Material:
     opacity: float | None = None  # 1 = opaque
     specular: tuple[float, float, float] | None = None  # linear light, `Ks`
     shininess: float | None = None  # `Ns`, Blinn-Phong exponent
+    lacking: str = ""  # name of a texture, or with `.mtl` of a material library, that the dataset lacks
+
+    @property
+    def texture_name(self) -> str:
+        """Name of its texture, whether the dataset has it or not; "" if there is none."""
+        return self.texture.stem if self.texture is not None else "" if self.lacking.endswith(".mtl") else self.lacking
 
 
 @dataclass(frozen=True)
@@ -123,6 +129,7 @@ class Level:
     grounds: tuple[Ground, ...]
     unknown: tuple[Unknown, ...] = ()
     extra: Mapping[str, Any] = field(default_factory=dict)  # as of a node
+    hidden: tuple[Unknown, ...] = ()  # switched off or empty: only to be written again
 
 
 @dataclass(frozen=True)
@@ -132,6 +139,24 @@ class Problem:
     element: str
     message: str
     rule: str = ""  # name of the validator's rule that it breaks
+
+
+@dataclass(frozen=True)
+class StandIn:
+    """Something that the dataset lacks, and what was taken in its place."""
+
+    kind: str  # one of STAND_INS
+    name: str  # of the texture, material library, model, mesh of a room, or row
+    element: str  # who needs it first: an element path or a file
+    taken: str  # what stands in
+    reason: str = ""  # why, if not because the file is missing
+
+    def __str__(self) -> str:
+        reason = f": {self.reason}" if self.reason else ""
+        return f"{self.kind} {self.name} of {self.element}{reason}: {self.taken}"
+
+
+STAND_INS = ("texture", "material library", "model", "room mesh", "metadata row")
 
 
 @dataclass(frozen=True)
@@ -146,6 +171,7 @@ class House:
     others: Mapping[str, Mesh] = field(default_factory=dict)  # by Object.other_key, for objects with another state
     problems: tuple[Problem, ...] = ()
     extra: Mapping[str, Any] = field(default_factory=dict)  # as of a node
+    stand_ins: tuple[StandIn, ...] = ()  # for what the dataset lacks
 
 
 def base_model(model_id: str, known: Callable[[str], bool]) -> str:
@@ -177,6 +203,7 @@ class ModelInfo:
     nyu40: str = "void"
     dims: tuple[float, float, float] | None = None  # [m], x y z in the model's own Y-up frame
     front: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    low: tuple[float, float, float] | None = None  # [m], least corner of its box, of which `dims` are the edges
 
 
 @dataclass(frozen=True)

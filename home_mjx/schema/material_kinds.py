@@ -125,8 +125,8 @@ def material_kind(material: Material, coarse: str) -> str:
         material: The slot, after overrides.
         coarse: Coarse category of the object, or "wall", "floor", "ceiling".
     """
-    if material.texture is not None:
-        return TEXTURE_KINDS.get(texture_family(material.texture.stem), "")
+    if material.texture_name:
+        return TEXTURE_KINDS.get(texture_family(material.texture_name), "")
     if material.opacity is not None and material.opacity < 1 and coarse not in ("curtain", "plant"):
         return "glass"
     return CATEGORY_KINDS.get(coarse, "")

@@ -51,7 +51,7 @@ def test_inspect_counts_of_the_real_house(suncg_root: Path, capsys: pytest.Captu
     assert main(["inspect", "--dataset", str(suncg_root)]) == 0
     listed = [line for line in capsys.readouterr().out.splitlines() if line.startswith("stuck: ")]
     assert [int(line.split()[2]) for line in listed] == found["stuck"]
-    wanted = {"levels": 1, "rooms": 4, "objects": 43, "architecture parts": 12, "triangles": 102_076}
+    wanted = {"levels": 1, "rooms": 4, "objects": 43, "architecture parts": 12, "triangles": 102_150}
     assert {name.replace("_", " "): counts[name] for name in counts if name.replace("_", " ") in wanted} == wanted
 
 
@@ -258,3 +258,17 @@ def test_streams_of_a_dataset_of_one_house_are_measured_on_generated_ones(
     record = json.loads(capsys.readouterr().out)
     assert record["value"] > 0
     assert "generated houses" in record["note"]
+
+
+def test_max_bodies_limits_what_can_move_and_says_how_much_is_left(houses: Path, tmp_path: Path, capsys):
+    assert main(["inspect", "--dataset", str(houses), "--json"]) == 0
+    usual = json.loads(capsys.readouterr().out)["counts"]
+    assert usual["movable_but_too_many"] == 0
+    assert main(["inspect", "--dataset", str(houses), "--json", "--max-bodies", "3"]) == 0
+    few = json.loads(capsys.readouterr().out)["counts"]
+    assert few["bodies"] <= 3
+    assert few["movable_but_too_many"] == usual["bodies"] - 3
+    house = next((houses / "house").iterdir()).name
+    assert main(["compile", house, "--dataset", str(houses), "--mjcf", str(tmp_path), "--max-bodies", "0"]) == 0
+    assert "objects that could move are fixed" in capsys.readouterr().out
+    assert main(["inspect", "--dataset", str(houses), "--max-bodies", "-1"]) != 0

@@ -40,7 +40,9 @@ DOOR_AT = (3.0, 0.02, 3.0)  # mirrored in x
 
 
 def write_tiny_dataset(root: Path, house_id: str = HOUSE_ID) -> Path:
-    """Writes the dataset below `root` and returns `root`."""
+    """Writes the dataset below `root` and returns `root`; its mark has it read strictly, as generated ones are."""
+    root.mkdir(parents=True, exist_ok=True)
+    (root / "generated.json").write_text("{}")
     write_textures(root / "texture")
     wood, metal = "map_Kd ../../texture//wood_1.png", "d 0.5"
     write_mesh(root / "object" / TABLE, TABLE, TABLE_PARTS, [("0.8 0.6 0.4", wood), ("0.2 0.2 0.2", metal)])

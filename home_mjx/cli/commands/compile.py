@@ -6,7 +6,14 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from home_mjx.cli.houses import add_house_arguments, load_compiled_house, named_houses, names_root
+from home_mjx.cli.houses import (
+    add_house_arguments,
+    add_movable_option,
+    add_strict_option,
+    load_compiled_house,
+    named_houses,
+    names_root,
+)
 from home_mjx.cli.parsing import positive_int
 from home_mjx.core.checks import check_known
 from home_mjx.errors import ConfigError
@@ -19,6 +26,8 @@ if TYPE_CHECKING:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the options of `home-mjx compile`."""
     add_house_arguments(parser, "id of a house, or root of a dataset: then all its houses are compiled")
+    add_strict_option(parser)
+    add_movable_option(parser)
     parser.add_argument("--mjcf", type=Path, metavar="OUT", help="write one house as MJCF into this folder instead")
     parser.add_argument("--collision", default="box", help="with --mjcf: objects collide by `box` or `exact` pieces")
     group = parser.add_argument_group("whole datasets")
@@ -52,7 +61,10 @@ def _write_mjcf(args: argparse.Namespace) -> int:
 
     if names_root(args):
         raise ConfigError("--mjcf takes one house, not a dataset", hint="Name a house, and its dataset by --dataset.")
-    path = export_mjcf(load_compiled_house(args), args.mjcf, collision=args.collision)
+    house = load_compiled_house(args)
+    path = export_mjcf(house, args.mjcf, collision=args.collision)
+    if left := house.report["movable_but_too_many"]:
+        sys.stdout.write(f"{left} objects that could move are fixed: more than --max-bodies\n")
     sys.stdout.write(f"{path}\nLook at it: python -m mujoco.viewer --mjcf={path}\n")
     return 0
 
@@ -66,6 +78,8 @@ def _tell(summary: "Summary") -> None:
         f"{summary.compiled} compiled, {summary.cached} in the cache, {summary.skipped} skipped, "
         f"{summary.failed} failed in {summary.seconds:.1f} s ({rate:.2g} houses/s)\n{summary.report}\n"
     )
+    if summary.incomplete:
+        sys.stdout.write(f"{summary.incomplete} with stand-ins for what the dataset lacks: the report lists them\n")
     if summary.failed:
         failed = [line for line in read_report(summary.report) if line["status"] == FAILED]
         for line in failed[-10:]:

@@ -6,7 +6,16 @@ import sys
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from home_mjx.cli.houses import add_house_arguments, load_compiled_house, load_house, names_root, open_named_dataset
+from home_mjx.cli.houses import (
+    add_house_arguments,
+    add_movable_option,
+    add_strict_option,
+    compile_options,
+    load_compiled_house,
+    load_house,
+    names_root,
+    open_named_dataset,
+)
 
 if TYPE_CHECKING:
     from home_mjx.datasets.suncg.dataset import Dataset
@@ -16,6 +25,8 @@ if TYPE_CHECKING:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the options of `home-mjx inspect`."""
     add_house_arguments(parser, "id of the house (default: the dataset's first), or root of a dataset: all its houses")
+    add_strict_option(parser)
+    add_movable_option(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     doing = parser.add_mutually_exclusive_group()
     doing.add_argument("--semantics", action="store_true", help="instead say what everything is, looks like and is on")
@@ -44,6 +55,7 @@ def run(args: argparse.Namespace) -> int:
         record = {"id": house.id, "version": house.version, "path": str(house.path), "problems": problems}
         sizes = {"house": taken.houses[house.id], "models": taken.models, "textures": taken.textures}
         sizes["fields"] = fields
+        record["stand_ins"] = [asdict(item) for item in house.stand_ins]
         record["stuck"] = compiled.stuck.tolist()
         sys.stdout.write(json.dumps({**record, "counts": dict(compiled.report), "bytes": sizes}) + "\n")
         return 0
@@ -58,6 +70,8 @@ def run(args: argparse.Namespace) -> int:
     _row("bytes of its textures", taken.textures)
     for problem in problems:
         sys.stdout.write(f"tolerated: {problem}\n")
+    for item in house.stand_ins:
+        sys.stdout.write(f"lacking: {item}\n")
     for object_id in compiled.stuck.tolist():
         sys.stdout.write(
             f"stuck: {_category(compiled, object_id)} {object_id} stands in something, so it does not move\n"
@@ -85,7 +99,7 @@ def _dataset(args: argparse.Namespace) -> int:
     from home_mjx.scene_compile.cache.house_cache import HouseCache
 
     dataset = open_named_dataset(args)
-    cache = HouseCache(dataset)
+    cache = HouseCache(dataset, compile_options(args))
     taken = bank_usage([cache.load(house_id) for house_id in tqdm(dataset.house_ids, desc="houses", unit="house")])
     houses, models = list(taken.houses.values()), list(taken.models.values())
     counts = {

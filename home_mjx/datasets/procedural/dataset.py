@@ -20,7 +20,7 @@ from home_mjx.datasets.procedural.categories import CATEGORIES
 from home_mjx.datasets.procedural.furniture import library
 from home_mjx.datasets.procedural.primitives.family import Furniture
 from home_mjx.datasets.procedural.primitives.textures import RECIPES, texture
-from home_mjx.datasets.seeds import house_id
+from home_mjx.datasets.seeds import MARKER, house_id
 from home_mjx.datasets.suncg.write.house import PARTIAL, is_whole_house, write_house, write_library
 from home_mjx.datasets.suncg.write.metadata import LibraryModel
 from home_mjx.errors import ConfigError, DatasetError
@@ -28,7 +28,6 @@ from home_mjx.schema.house import ModelInfo
 
 LEFTOVER_SECONDS = 3600.0  # no folder takes so long to write
 VERSION = 1  # raise it whenever the same seed would give another file
-MARKER = "generated.json"
 REMOVE = "Remove that folder: it is made again."
 POOL_FROM = 24  # houses; fewer are made faster than worker processes start
 

@@ -1,19 +1,26 @@
 """A SUNCG dataset on disk, v1 or v2: its houses and its metadata tables."""
 
+import logging
 import os
-from collections.abc import Callable
-from functools import cached_property
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import cached_property, lru_cache
 from pathlib import Path
 
+from home_mjx.core.files import is_file
 from home_mjx.core.paths import ROOT_VARIABLE, dataset_root
 from home_mjx.datasets.options import ReadOptions
-from home_mjx.datasets.seeds import in_order
+from home_mjx.datasets.seeds import MARKER, in_order
 from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
 from home_mjx.datasets.suncg.formats.element import Value
+from home_mjx.datasets.suncg.lacking.known_models import with_known_models
+from home_mjx.datasets.suncg.lacking.listing import in_words
 from home_mjx.datasets.suncg.read.house_json import read_house
 from home_mjx.datasets.suncg.read.metadata import read_metadata
 from home_mjx.errors import DatasetError, MissingFileError, UnknownIdError, did_you_mean
-from home_mjx.schema.house import House, Mesh, Metadata
+from home_mjx.schema.house import House, Mesh, Metadata, StandIn
+
+log = logging.getLogger(__name__)
 
 DEFAULT_OPTIONS = ReadOptions()
 LAYOUT = "A dataset root holds house/, room/, object/, texture/ and metadata/."
@@ -35,6 +42,7 @@ class Dataset:
     def __init__(self, root: Path) -> None:
         self.root = root
         self.assets = AssetLibrary(root)
+        self._tolerant = AssetLibrary(root, tolerant=True)
 
     @cached_property
     def house_ids(self) -> tuple[str, ...]:
@@ -55,13 +63,41 @@ class Dataset:
 
         Args:
             house_id: One of `house_ids`.
-            options: Whether people, plants and backdrops are read.
+            options: Whether people, plants and backdrops are read, and whether what is lacking is refused. If not,
+                `stand_ins` of the house lists what was taken in its place, and a warning counts it.
 
         Raises:
             DatasetError: There is no such house, or a file that it needs is missing or broken.
         """
         self.check_known(house_id)
-        return read_house(house_id, self.assets, options, self._left_out(options))
+        options = self.resolved(options)
+        if options.strict:
+            return read_house(house_id, self.assets, options, self._left_out(options), Metadata({}))
+        house = read_house(house_id, self._tolerant, options, self._left_out(options), self._tables)
+        warn_of(self.root, house_id, house.stand_ins)
+        return house
+
+    def resolved(self, options: ReadOptions) -> ReadOptions:
+        """The options, `strict` decided: generated datasets are whole, so what one lacks is a fault."""
+        if options.strict is not None:
+            return options
+        return replace(options, strict=is_file(self.root / MARKER))
+
+    def metadata_for(self, options: ReadOptions) -> Metadata:
+        """The tables that go with a house that was read with these options.
+
+        Args:
+            options: If they are not strict, tables may be missing, and SUNCG's doors and windows are known without.
+
+        Raises:
+            DatasetError: As of `metadata`.
+        """
+        return self.metadata if self.resolved(options).strict else with_known_models(self._tables)
+
+    @cached_property
+    def _tables(self) -> Metadata:
+        """The tables, as far as they are there."""
+        return read_metadata(self.root / "metadata", tolerant=True)
 
     def load_model(self, key: str) -> Mesh:
         """Reads one library model, such as `122` or its variants `122_0` (closed) and, in v2, `122_2` (frame only).
@@ -81,11 +117,29 @@ class Dataset:
 
     def _left_out(self, options: ReadOptions) -> Callable[[str], bool]:
         unwanted = options.categories_left_out
-        return lambda model_id: bool(unwanted) and self.metadata.info(model_id).coarse in unwanted
+        return lambda model_id: bool(unwanted) and self.metadata_for(options).info(model_id).coarse in unwanted
 
     @cached_property
     def _known(self) -> frozenset[str]:
         return frozenset(self.house_ids)
+
+
+def warn_of(root: Path, house_id: str, stand_ins: Sequence[StandIn]) -> None:
+    """Says in one line what stands in for what a house lacks; nothing if it is whole, and nothing twice.
+
+    Args:
+        root: Of the dataset.
+        house_id: Which house.
+        stand_ins: What was taken.
+    """
+    if stand_ins:
+        _warn(root, house_id, in_words(stand_ins))
+
+
+@lru_cache(maxsize=100_000)
+def _warn(root: Path, house_id: str, lacking: str) -> None:
+    listing = f"home-mjx inspect {house_id} --dataset {root}"
+    log.warning("house %s lacks %s: stand-ins are taken, `%s` lists them", house_id, lacking, listing)
 
 
 def open_dataset(root: str | Path | None = None) -> Dataset:

@@ -62,6 +62,11 @@ class Inputs:
             )
         return self._textures[path]
 
+    def has_texture(self, name: str) -> bool:
+        """Whether there is an image of a texture that a house lacked."""
+        textures = self._assets.textures
+        return below(self.root, textures.folder, name) is not None and textures.find(name) is not None
+
     def save(self, interval: float = 0.0) -> None:
         """Keeps on disk what was read, unless that was done less than `interval` seconds ago."""
         if self._shared.unsaved and time.monotonic() - self._saved >= interval:

@@ -93,7 +93,8 @@ class View:
             self.options,
             self.exclude,
         )
-        return lit.tone_map(exposed(self.scene.look, light), self.options.exposure)
+        exposure = lit.metered(light) if self.options.exposure is None else self.options.exposure
+        return lit.tone_map(exposed(self.scene.look, light), exposure)
 
     def sight(self, rays: CameraRays) -> optics.Sight:
         """Camera rays before they go on through glass or off mirrors."""

@@ -29,6 +29,8 @@ from home_mjx.schema.lighting import REFLECTANCE
 from home_mjx.schema.semantic import Semantic
 
 WHITE = 5.0  # luminance that becomes white
+MIDDLE = 0.5  # luminance that the meter gives the middle of an image: `tone_map` makes 0.34 of it
+DARKEST = 1e-4  # [W/m^2/sr]: less counts as much for the meter
 ZENITH, HORIZON, GROUND = (0.45, 0.68, 1.0), (0.9, 0.96, 1.0), (0.2, 0.21, 0.16)  # of the sky's radiance
 
 
@@ -75,7 +77,7 @@ def radiance(
     return sight.tint * select(sight.hit.instance < 0, above, light)
 
 
-def tone_map(light: Vec, exposure: float) -> Vec:
+def tone_map(light: Vec, exposure: float | Float[Array, ""]) -> Vec:
     """Linear light for a display, 0..1, from light of any strength.
 
     Luminances up to `WHITE` fit; colours keep their hue until they reach it.
@@ -85,6 +87,12 @@ def tone_map(light: Vec, exposure: float) -> Vec:
     light = light * exposure
     luminance = light.dot(Vec(*lights.LUMINANCE))
     return (light * ((1 + luminance / WHITE**2) / (1 + luminance))).map(lambda x: jnp.clip(x, 0.0, 1.0))
+
+
+def metered(light: Vec) -> Float[Array, ""]:
+    """The exposure of one image: its logarithmic mean luminance becomes `MIDDLE`; equation 1 of the same source."""
+    luminance = jnp.maximum(light.dot(Vec(*lights.LUMINANCE)), DARKEST)
+    return MIDDLE / jnp.exp(jnp.log(luminance).mean())
 
 
 def sky(direction: Vec, options: Lit) -> Vec:

@@ -22,7 +22,8 @@ class Lit:
         ambient: Scales the light that surfaces reflect on each other.
         corners: Radius in which other surfaces keep that light out of corners [m]; 0: no rays for it. Noisy unless the
             lens takes several samples per pixel.
-        exposure: Scales everything before tone mapping.
+        exposure: Scales everything before tone mapping. None: so that the middle of each image is as bright as a
+            surface of middle reflectance under full light, as a camera's meter chooses it.
     """
 
     num_lights: int = 4
@@ -33,10 +34,12 @@ class Lit:
     sky: float = 3.0
     ambient: float = 1.0
     corners: float = 0.0
-    exposure: float = 2.3
+    exposure: float | None = 2.3
 
     def __post_init__(self) -> None:
         for option in fields(self):
+            if option.name == "exposure" and self.exposure is None:
+                continue
             least = -math.inf if option.name.startswith("sun_") else 0
             check_number(option.name, getattr(self, option.name), least, whole=isinstance(option.default, int))
 

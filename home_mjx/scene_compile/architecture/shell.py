@@ -8,6 +8,7 @@ from jaxtyping import Bool, Float, Int
 
 from home_mjx.datasets.shapes.wall_groups import wall_faces
 from home_mjx.scene_compile.architecture.frame import Frame
+from home_mjx.scene_compile.architecture.ownership import Pieces, cut_surface, owners_before
 from home_mjx.scene_compile.architecture.rooms import house_rooms, triangles_of
 from home_mjx.scene_compile.architecture.slabs import Slab, fit_slab, same_wall
 from home_mjx.scene_compile.geometry.mesh import bounds, make_model
@@ -61,12 +62,13 @@ def build_shell(frame: Frame) -> Shell:
     parts = tuple(_parts(house, frame.offset))
     partition = partitions(parts)
     surfaces, slots = _slots(parts, _categories(parts, partition, rooms))
+    pieces = [_owned(p, parts, rooms) for p in parts]
     model = make_model(
         f"architecture_{house.id}",
-        np.concatenate([p.triangles for p in parts]),
-        np.concatenate([p.mesh.uv[p.faces] for p in parts]),
-        np.concatenate(slots),
-        np.repeat(np.arange(len(parts)), [len(p.faces) for p in parts]),
+        np.concatenate([p.triangles for p in pieces]),
+        np.concatenate([p.uv for p in pieces]),
+        np.concatenate([slot[p.source] for slot, p in zip(slots, pieces, strict=True)]),
+        np.repeat(np.arange(len(parts)), [len(p.source) for p in pieces]),
     )
     return Shell(
         parts=parts,
@@ -99,6 +101,18 @@ def _part(kind: str, room: int, level: int, mesh: Mesh, faces: np.ndarray, offse
     if kind == "wall":
         return Wall(kind, room, level, mesh, faces, triangles, fit_slab(triangles))
     return ShellPart(kind, room, level, mesh, faces, triangles)
+
+
+def _owned(part: ShellPart, parts: Sequence[ShellPart], rooms: Rooms) -> Pieces:
+    """The triangles of a part; floors and ceilings without the places that belong to another room."""
+    uv = part.mesh.uv[part.faces]
+    owners = []
+    if part.kind in ("floor", "ceiling"):
+        others = [other.room for other in parts if other.kind == part.kind and other is not part]
+        owners = owners_before(part.room, others, rooms)
+    if not owners:
+        return Pieces(part.triangles, uv, np.arange(len(part.faces)))
+    return cut_surface(part.triangles, uv, 1.0 if part.kind == "floor" else -1.0, owners)
 
 
 def partitions(parts: Sequence[ShellPart]) -> Int[np.ndarray, " q"]:

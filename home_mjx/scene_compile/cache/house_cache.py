@@ -8,12 +8,12 @@ import hashlib
 import logging
 import os
 import weakref
-from collections.abc import Iterable
-from dataclasses import replace
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, replace
 from pathlib import Path
 
 from home_mjx.core.files import below
-from home_mjx.datasets.suncg.dataset import Dataset
+from home_mjx.datasets.suncg.dataset import Dataset, warn_of
 from home_mjx.datasets.suncg.digests import Inputs
 from home_mjx.scene_compile.cache.entry import BROKEN, SUFFIX, read_entry, read_notes, write_entry
 from home_mjx.scene_compile.cache.flatten import Notes, flatten, rebuild
@@ -22,6 +22,7 @@ from home_mjx.scene_compile.cache.soundness import check_house, check_models
 from home_mjx.scene_compile.cache.version import claim, mark_used, version_folder
 from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS, CompileOptions, compile_house
 from home_mjx.schema.compiled import CompiledHouse, Model, Rooms
+from home_mjx.schema.house import StandIn
 
 log = logging.getLogger(__name__)
 
@@ -47,10 +48,11 @@ class HouseCache:
         self, dataset: Dataset, options: CompileOptions = DEFAULT_OPTIONS, library: dict[str, Model] | None = None
     ) -> None:
         self.dataset = dataset
-        self.options = options
+        self.options = replace(options, read=dataset.resolved(options.read))  # part of the key
         self.library: dict[str, Model] = {} if library is None else library
         self.compiled = 0  # houses that were not in the cache
         self.unwritten: OSError | None = None  # why the last one that was compiled is not in it
+        self.stand_ins: dict[str, tuple[StandIn, ...]] = {}  # of the houses that were loaded
         self._root = str(dataset.root)
         self._inputs = Inputs(dataset.root)
         weakref.finalize(self, self._inputs.save)
@@ -119,31 +121,37 @@ class HouseCache:
         return self._folder / "houses" / f"{key}{SUFFIX}"
 
     def _read(self, house_id: str, entry: Path) -> CompiledHouse:
-        """Raises `FileNotFoundError` if there is no entry, or if an image that it shows is not as it was."""
+        """Raises `FileNotFoundError` if there is no entry, or an image that it shows or lacks is not as it was."""
         arrays, notes = read_entry(entry)
         textures = {self._absolute(path): digest for path, digest in notes.pop("textures").items()}
         if any(self._inputs.texture(path) != digest for path, digest in textures.items()):
             raise FileNotFoundError(entry)
+        stand_ins = tuple(StandIn(**item) for item in notes.pop("stand_ins"))
+        if any(item.kind == "texture" and self._inputs.has_texture(item.name) for item in stand_ins):
+            raise FileNotFoundError(entry)  # what else has arrived gives another key
         models = self._models(notes["instances.model"])
         house = rebuild(CompiledHouse, arrays, notes, models=models)
         check_house(house, house_id)
+        self.stand_ins[house_id] = stand_ins
+        warn_of(self.dataset.root, house_id, stand_ins)
         texture = tuple(map(self._absolute, house.materials.texture))
         return replace(house, materials=replace(house.materials, texture=texture))
 
     def _compile(self, house_id: str, entry: Path, broken: bool) -> CompiledHouse:
         house = self.dataset.load_house(house_id, self.options.read)
-        compiled = compile_house(house, self.dataset.metadata, self.options)
+        compiled = compile_house(house, self.dataset.metadata_for(self.options.read), self.options)
         self.compiled += 1
+        self.stand_ins[house_id] = house.stand_ins
         try:
             self.unwritten = None
-            self._write(compiled, entry, broken)
+            self._write(compiled, house.stand_ins, entry, broken)
         except OSError as error:
             self.unwritten = error
             log.warning("compiled house is not cached: %s", error)
         models = {key: self.library.setdefault(key, model) for key, model in compiled.models.items()}
         return replace(compiled, models=models)
 
-    def _write(self, house: CompiledHouse, entry: Path, broken: bool) -> None:
+    def _write(self, house: CompiledHouse, stand_ins: Sequence[StandIn], entry: Path, broken: bool) -> None:
         """Writes those of the house's models that are not there yet, or all to mend what is broken; then the house."""
         claim(self._folder)
         for key, model in house.models.items():
@@ -154,6 +162,7 @@ class HouseCache:
         paths = house.materials.texture
         notes["materials.texture"] = [self._relative(path) for path in paths]
         notes["textures"] = {self._relative(path): self._inputs.texture(path) for path in sorted(set(paths)) if path}
+        notes["stand_ins"] = [asdict(item) for item in stand_ins]
         write_entry(entry, arrays, notes)
 
     def _relative(self, path: str) -> str:

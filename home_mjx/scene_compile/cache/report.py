@@ -4,7 +4,7 @@ import hashlib
 import json
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 from zipfile import is_zipfile
@@ -29,6 +29,7 @@ class Outcome:
         seconds: How long it took.
         error: Of a failed house: kind, message, file, element and hint.
         entry: Where it is, below the cache folder; None if it failed.
+        stand_ins: What was taken in place of what the dataset lacks, a line each.
     """
 
     id: str
@@ -36,6 +37,7 @@ class Outcome:
     seconds: float
     error: dict[str, str | None] | None = None
     entry: str | None = None
+    stand_ins: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -48,6 +50,7 @@ class Summary:
     skipped: int  # done in an earlier run
     seconds: float
     report: Path
+    incomplete: int = 0  # compiled or cached, with stand-ins for what the dataset lacks
 
 
 def report_path(root: Path, options: CompileOptions) -> Path:

@@ -22,10 +22,13 @@ COMPILER = (
     "core/images.py",
     "core/native/kept.py",
     "datasets/options.py",
+    "datasets/procedural/furniture",
+    "datasets/procedural/primitives",
     "datasets/seeds.py",
     "datasets/shapes",
     "datasets/suncg/dataset.py",
     "datasets/suncg/formats",
+    "datasets/suncg/lacking",
     "datasets/suncg/read",
     "schema",
     *(

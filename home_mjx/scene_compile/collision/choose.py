@@ -16,8 +16,8 @@ def choose_movables(
     fixed: BoxSet,
     rooms: Rooms,
     options: MovableOptions,
-) -> tuple[list[Candidate], list[int]]:
-    """The objects that become bodies, lightest first, and ids of those that could be moved if they stood free.
+) -> tuple[list[Candidate], list[int], int]:
+    """The objects that become bodies, lightest first; ids of those that do not stand free; and how many are too many.
 
     What carries other objects is a body only if all of these are: nothing is left hanging in the air.
 
@@ -39,7 +39,7 @@ def choose_movables(
     chosen = settle([c for c in candidates if c.item.object_id in ids], loads, static, fixed, options)
     free_ids = {c.item.object_id for c in standing}
     stuck = [c.item.object_id for c in candidates if c.item.object_id not in free_ids]
-    return sorted(chosen, key=lambda c: (c.mass, c.item.object_id)), stuck
+    return sorted(chosen, key=lambda c: (c.mass, c.item.object_id)), stuck, len(standing) - len(ids)
 
 
 def _candidate(item: PlacedObject, rooms: Rooms, options: MovableOptions) -> Candidate:

@@ -38,6 +38,7 @@ def override(base: Material, change: Material | None) -> Material:
         diffuse=base.diffuse if change.diffuse is None else change.diffuse,
         texture=change.texture or base.texture,
         opacity=base.opacity if change.opacity is None else change.opacity,
+        lacking="" if change.texture or base.texture else change.lacking or base.lacking,
     )
 
 
@@ -55,7 +56,7 @@ def surface_material(material: Material, fine: str, coarse: str) -> SurfaceMater
         opacity=1.0 if material.opacity is None else float(material.opacity),
         texture="" if material.texture is None else os.path.abspath(material.texture),
         kind=kind,
-        family=kind if material.texture is None else texture_family(material.texture.stem),
+        family=texture_family(material.texture_name) if material.texture_name else kind,
         category=fine,
         name=material.name,
     )

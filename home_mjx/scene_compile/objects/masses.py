@@ -1,9 +1,10 @@
-"""How heavy furniture is: a shell of its material, kept within what such furniture usually weighs."""
+"""How heavy furniture is: a shell of its material, kept within what such furniture usually weighs; how it slides."""
 
 import numpy as np
 from jaxtyping import Float
 
 from home_mjx.scene_compile.geometry.mesh import surface_areas
+from home_mjx.scene_compile.materials.contact import Contact, contact_of
 from home_mjx.scene_compile.objects.place import PlacedObject
 
 # Mass per area of visible surface [kg/m^2] = density times thickness; boards have two sides, so half their thickness.
@@ -81,3 +82,11 @@ def object_mass(item: PlacedObject) -> float:
 def slot_areas(item: PlacedObject) -> Float[np.ndarray, " s"]:
     """Area of each material slot of an object [m^2]."""
     return np.bincount(item.model.slot, surface_areas(item.triangles), minlength=len(item.slots))
+
+
+def object_contact(item: PlacedObject, mass: float) -> Contact:
+    """Friction and restitution of an object of this mass [kg]: those of the material that covers most of it."""
+    kinds = [surface.kind for surface in item.surfaces]
+    names, row = np.unique(kinds, return_inverse=True)
+    area = np.bincount(row, slot_areas(item))
+    return contact_of(str(names[area.argmax()]), item.info.coarse, mass)

@@ -9,6 +9,7 @@ from jaxtyping import Bool, Float
 
 from home_mjx.scene_compile.geometry.polygons import smallest_room
 from home_mjx.scene_compile.geometry.rotations import yaw_matrix
+from home_mjx.scene_compile.objects.box_flights import box_flights
 from home_mjx.scene_compile.objects.place import PlacedObject
 from home_mjx.scene_compile.objects.slopes import Slope
 from home_mjx.scene_compile.objects.treads import find_path, tread_triangles
@@ -26,7 +27,7 @@ class Stairs:
     """Stairs between two levels, as slopes that follow each other.
 
     Attributes:
-        object_id: Of the stairs.
+        object_id: Of the stairs, of those made of boxes that of the first box.
         lower: Index of the grid at its foot.
         upper: Of the one at its head.
         room: Rooms at foot and head.
@@ -34,6 +35,7 @@ class Stairs:
         top: What is left of the top tread beyond the last slope, as high as the upper floor [m].
         well: What of the upper level's floor is open over the stairs [m].
         level_floor: Height of the lowest floor of the upper level [m].
+        object_ids: Of everything that they are made of.
     """
 
     object_id: int
@@ -44,6 +46,7 @@ class Stairs:
     top: tuple[Polygon, ...]
     well: tuple[Polygon, ...]
     level_floor: float
+    object_ids: tuple[int, ...]
 
     @property
     def low(self) -> float:
@@ -94,7 +97,7 @@ class Stairs:
 def find_stairs(
     objects: Sequence[PlacedObject], rooms: Rooms, level: Sequence[int], floor: Float[np.ndarray, " l"]
 ) -> list[Stairs]:
-    """The stairs that lead from one level to the next.
+    """The stairs that lead from one level to the next: models of that category, and flights of Box nodes.
 
     Args:
         objects: Of the house.
@@ -102,24 +105,23 @@ def find_stairs(
         level: Level index of each grid, the lowest first.
         floor: Height of each grid's floor [m].
     """
-    found = []
-    for item in objects:
-        if item.info.coarse == CATEGORY and item.level in level[:-1]:
-            lower = list(level).index(item.level)
-            stairs = _stairs(item, rooms, lower, list(level), floor)
-            found += [stairs] if stairs else []
-    return found
+    models = [[item] for item in objects if item.info.coarse == CATEGORY and item.level in level[:-1]]
+    boxes = [flight for lower in range(len(level) - 1) for flight in box_flights(objects, level[lower], floor[lower:])]
+    found = [_stairs(parts, rooms, list(level).index(parts[0].level), list(level), floor) for parts in models + boxes]
+    return [stairs for stairs in found if stairs is not None]
 
 
 def _stairs(
-    item: PlacedObject, rooms: Rooms, lower: int, level: Sequence[int], floor: Float[np.ndarray, " l"]
+    parts: Sequence[PlacedObject], rooms: Rooms, lower: int, level: Sequence[int], floor: Float[np.ndarray, " l"]
 ) -> Stairs | None:
-    treads = tread_triangles(item.triangles)
-    low, high = float(item.triangles[..., 2].min()), float(treads[..., 2].max(initial=-np.inf))
+    """Stairs made of one object, or of boxes."""
+    triangles, yaw = np.concatenate([item.triangles for item in parts]), parts[0].yaw
+    treads = tread_triangles(triangles)
+    low, high = float(triangles[..., 2].min()), float(treads[..., 2].max(initial=-np.inf))
     if abs(low - floor[lower]) > NEAR_FLOOR or abs(high - floor[lower + 1]) > NEAR_FLOOR:
         return None
-    turn = yaw_matrix(item.yaw)
-    path = find_path(item.triangles @ turn, treads @ turn)
+    turn = yaw_matrix(yaw)
+    path = find_path(triangles @ turn, treads @ turn)
     if path is None:
         return None
     ends = (turn[:2, :2] @ end for end in path.ends(BESIDE))
@@ -129,14 +131,15 @@ def _stairs(
     low, high = rooms.floor[at].tolist()
     slopes, top, well = path.slopes(low, high)
     return Stairs(
-        object_id=item.object_id,
+        object_id=parts[0].object_id,
         lower=lower,
         upper=lower + 1,
         room=(at[0], at[1]),
-        slopes=tuple(slope.turned(item.yaw) for slope in slopes),
+        slopes=tuple(slope.turned(yaw) for slope in slopes),
         top=tuple(polygon @ turn[:2, :2].T for polygon in top),
         well=tuple(polygon @ turn[:2, :2].T for polygon in well),
         level_floor=float(floor[lower + 1]),
+        object_ids=tuple(item.object_id for item in parts),
     )
 
 

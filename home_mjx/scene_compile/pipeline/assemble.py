@@ -100,5 +100,6 @@ def _report(frame: Frame, shell: Shell, objects: Sequence[PlacedObject], levels:
         "hinged_leaves": sum(len(o.leaves) for o in objects),
         "shut_leaves": sum(len(o.shut_leaves) for o in objects),
         "problems": len(house.problems),
+        "stand_ins": len(house.stand_ins),
         **levels.report,
     }

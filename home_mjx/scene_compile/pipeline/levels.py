@@ -125,7 +125,7 @@ def build_levels(
     sides = guards(stairs)
     boxes = [level_boxes(walls, site.objects, site.plan.lowest, colliders) for site in sites]
     fixed = join([*(b.fixed for b in boxes), floors, sides])
-    moving, stuck = choose_movables(objects, by_object([b.objects for b in boxes]), fixed, rooms, movables)
+    moving, stuck, too_many = choose_movables(objects, by_object([b.objects for b in boxes]), fixed, rooms, movables)
     found = [_obstacles(site, b, moving, rooms, colliders, navigation) for site, b in zip(sites, boxes, strict=True)]
     static = join(level.static for level in found)
     rails = edge_barriers([s.plan for s in sites], floors, stairs, join([static, sides]), sites[0].plan.lowest)
@@ -148,6 +148,7 @@ def build_levels(
         stuck=np.array(stuck, np.int32),
         report={
             "movable_but_stuck": len(stuck),
+            "movable_but_too_many": too_many,
             "leaves_not_solid": sum(len(level.boxes.loose) - len(level.felt) for level in found),
             "barriers": sum(len(level.barriers) for level in found) + len(rails),
             "floor_boxes": len(floors),
@@ -168,7 +169,7 @@ def find_sites(rooms: Rooms, objects: Sequence[PlacedObject], climb: bool) -> li
     numbers = np.unique(rooms.level).tolist()
     lowest = np.array([rooms.floor[rooms.level == number].min() for number in numbers])
     stairs = find_stairs(objects, rooms, numbers, lowest) if climb else []
-    climbed = {one.object_id for one in stairs}
+    climbed = {object_id for one in stairs for object_id in one.object_ids}
     doorways, sites = find_doorways(objects, rooms), []
     for grid, number in enumerate(numbers):
         here = [doorway for doorway in doorways if doorway.level == number]

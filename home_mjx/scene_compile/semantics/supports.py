@@ -19,6 +19,7 @@ RESTING = 0.5  # least share of these points that another object carries
 MAX_POINTS = 64
 MAX_BEARERS = 32  # that are looked at: those below the most of an object
 WALL_REACH = 0.12  # [m] from a room's outline, which runs inside the wall, to what touches the wall
+HUNG_REACH = 0.15  # [m], the same for what nothing else holds: real pictures and lamps hang up to 5.5 cm off the wall
 CEILING_REACH = 0.1  # [m]
 OUTLINE_STEP = 0.1  # [m] between points of a room's outline …
 MAX_STEPS = 1_000  # … of which an edge has no more
@@ -71,8 +72,9 @@ def _support(
     low, high = limits[index, :, 2]
     floor, ceiling = _heights(item, rooms)
     on_floor = bool(low < floor + TOUCH)
-    at_wall = bool((footprint_distance(boxes, index, outline) < WALL_REACH).any())
-    if item.info.coarse in WALL_HUNG and at_wall and not on_floor:
+    off_wall = float(footprint_distance(boxes, index, outline).min(initial=np.inf))
+    at_wall = off_wall < WALL_REACH
+    if item.info.coarse in WALL_HUNG and off_wall < HUNG_REACH and not on_floor:
         return Support("wall")
     bearer, container = _bearer(index, objects, limits), _container(index, objects, boxes, limits)
     if bearer >= 0 or container >= 0:
@@ -82,7 +84,7 @@ def _support(
         return Support("floor")
     if high > ceiling - CEILING_REACH and (item.info.fine in CEILING_HUNG or not at_wall):
         return Support("ceiling")
-    return Support("wall" if at_wall else "")
+    return Support("wall" if off_wall < HUNG_REACH else "")
 
 
 def _heights(item: PlacedObject, rooms: Rooms) -> tuple[float, float]:

@@ -215,7 +215,7 @@ BIG = 10**400
         (4, "dimensions", None, "dimensions", "expected a list, got `null`"),
         (4, "dimensions", [1, 1], "dimensions", "expected 3 numbers, got 2"),
         (4, "materials", [{"texture": "w_9"}], "materials[0].texture", "texture `w_9` is missing"),
-        (0, "nodeIndices", [2, "3"], "nodeIndices[1]", "expected an integer"),
+        (0, "nodeIndices", [2, "x3"], "nodeIndices[1]", "expected an integer"),
         (0, "nodeIndices", [BIG], "nodeIndices[0]", "expected an integer"),
         (0, "roomTypes", "Kitchen", "roomTypes", "expected a list"),
         (0, "roomTypes", [1], "roomTypes[0]", "expected a string"),

@@ -105,6 +105,7 @@ HOUSE_CHANGES = {
     "room-type": (node(0, roomTypes=["Cellar"]), f"{NODES}[0].roomTypes"),
     "member-index": (node(0, nodeIndices=[2, 3, 4, 9]), f"{NODES}[0].nodeIndices"),
     "repeated-member": (node(0, nodeIndices=[2, 3, 4, 2]), f"{NODES}[0].nodeIndices"),
+    "text-member": (node(0, nodeIndices=["2", "3", "4"]), f"{NODES}[0].nodeIndices"),
     "shared-member": (append(room_node() | {"id": "0_5"}), f"{NODES}[5].nodeIndices"),
     "hidden-member": (node(2, valid=0), f"{NODES}[0].nodeIndices"),
     "member-type": (node(0, nodeIndices=[1, 2, 3, 4]), f"{NODES}[0].nodeIndices"),

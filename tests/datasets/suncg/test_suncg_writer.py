@@ -12,7 +12,7 @@ from tiny_dataset import HOUSE_ID, edit_house, write_tiny_dataset
 from home_mjx.datasets.suncg.dataset import open_dataset
 from home_mjx.datasets.suncg.read.metadata import read_metadata
 from home_mjx.datasets.suncg.write import house as writer_module
-from home_mjx.datasets.suncg.write.house import write_house, write_library
+from home_mjx.datasets.suncg.write.house import house_document, write_house, write_library
 from home_mjx.datasets.suncg.write.metadata import LibraryModel
 from home_mjx.errors import DatasetError
 from home_mjx.schema.house import House, Light, Mesh, ModelInfo
@@ -145,7 +145,9 @@ def test_tables_come_back(tmp_path):
     read = read_metadata(tmp_path / "own" / "metadata")
     dims = tuple(np.ptp(mesh.vertices, axis=0).tolist())
     assert list(read.models)[5:] == ["gen_lamp_1", "gen_lamp_1_0"]  # after the five pseudo models
-    assert_same(read.info("gen_lamp_1"), dataclasses.replace(info, dims=dims))
+    assert_same(
+        read.info("gen_lamp_1"), dataclasses.replace(info, dims=dims, low=tuple(mesh.vertices.min(axis=0).tolist()))
+    )
     assert read.info("gen_lamp_1_0").fine == "floor_lamp"
     assert_same(read.lights["gen_lamp_1"], (light,))
     header, row = (tmp_path / "own" / "metadata" / "ModelCategoryMapping.csv").read_text().split("\n")[:6:5]
@@ -218,3 +220,31 @@ def test_unknown_fields_are_kept_and_written(tmp_path):
         things = [house, level, *level.rooms, *level.objects, *level.boxes, *level.grounds]
         assert len(things) > 4
         assert all(thing.extra == extra for thing in things)
+
+
+def test_hidden_nodes_cameras_and_statistics_are_written_again(tmp_path):
+    """So members, which are positions in the list, still name the same nodes."""
+    source = write_tiny_dataset(tmp_path / "source")
+
+    def change(document: dict) -> None:
+        nodes = document["levels"][0]["nodes"]
+        nodes[0] |= {"stats": {"floorArea": 12.0}, "nodeIndices": ["4", "5", "6"]}
+        nodes[1:1] = [{}, {"id": "0_9", "type": "Object", "modelId": "nothing", "valid": 0}]
+        document["camera"] = [{"name": "current"}]
+
+    edit_house(source, change)
+    (tmp_path / "target").mkdir()
+    for house in copy_by_writing(source, tmp_path / "target", HOUSE_ID):
+        (level,) = house.levels
+        assert level.rooms[0].members == (4, 5, 6)
+        assert [node.index for node in (*level.objects, *level.boxes)] == [4, 5, 6]
+        assert [dict(node.data).get("modelId") for node in level.hidden] == [None, "nothing"]
+        assert house.extra == {"camera": [{"name": "current"}]}
+        assert level.rooms[0].extra == {"stats": {"floorArea": 12.0}}
+
+
+def test_members_follow_nodes_that_were_left_out(tmp_path):
+    house = open_dataset(write_tiny_dataset(tmp_path / "source")).load_house(HOUSE_ID)
+    without = dataclasses.replace(house.levels[0], grounds=())  # the second node
+    document = house_document(dataclasses.replace(house, levels=(without,)))
+    assert document["levels"][0]["nodes"][0]["nodeIndices"] == [1, 2, 3]

@@ -29,7 +29,7 @@ def chosen(blocks: list, options: MovableOptions = ALL, walls=None) -> tuple[lis
     """The movable ones of blocks, each of which is taken for a model of its category."""
     objects = [as_object(o) for o in place(blocks)]
     static = {o.object_id: object_colliders(o, FLOOR, ColliderOptions())[0] for o in objects}
-    return choose_movables(objects, static, walls or no_boxes(), ROOM, options)
+    return choose_movables(objects, static, walls or no_boxes(), ROOM, options)[:2]
 
 
 def as_object(item):
@@ -76,6 +76,13 @@ def test_what_carries_more_than_can_move_stays():
     """The lightest go first; a table without its vase would leave that in the air."""
     assert [c.item.object_id for c in chosen([TABLE, VASE], MovableOptions(max_bodies=1))[0]] == [1]
     assert chosen([TABLE, VASE], MovableOptions(max_bodies=0))[0] == []
+
+
+@pytest.mark.parametrize(("most", "left"), [(0, 2), (1, 1), (2, 0)])
+def test_what_is_too_many_is_counted(most, left):
+    objects = [as_object(o) for o in place([TABLE, VASE])]
+    static = {o.object_id: object_colliders(o, FLOOR, ColliderOptions())[0] for o in objects}
+    assert choose_movables(objects, static, no_boxes(), ROOM, MovableOptions(max_bodies=most))[2] == left
 
 
 def test_something_inside_another_thing_keeps_that_in_place():

@@ -144,3 +144,10 @@ def test_generated_furniture_is_held_by_something(generated):
             assert support.kind != ""
             assert (support.kind == "floor") <= (low[2] < rooms.floor[item.room] + TOUCH)
             assert (support.kind == "ceiling") <= (high[2] > rooms.ceiling[item.room] - 0.2)
+
+
+@pytest.mark.parametrize(("off", "kind"), [(0.055, "wall"), (0.075, "wall"), (0.1, "")])
+@pytest.mark.parametrize("category", ["picture_frame", "indoor_lamp", "clock"])
+def test_what_nothing_else_holds_may_hang_a_little_off_the_wall(category, off, kind):
+    """The outline of the room is at 3 m, the inner side of its wall at 2.93 m."""
+    assert supports(block((2.8, 0, 1.2), (2.93 - off, 0.5, 1.6), category)) == [Support(kind)]

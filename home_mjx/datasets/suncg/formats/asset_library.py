@@ -15,11 +15,13 @@ class AssetLibrary:
 
     Args:
         root: Absolute dataset root.
+        tolerant: Whether textures and material libraries may be missing, see `Material.lacking`.
     """
 
-    def __init__(self, root: Path) -> None:
+    def __init__(self, root: Path, tolerant: bool = False) -> None:
         self.root = root
-        self.textures = Textures(root)
+        self.tolerant = tolerant
+        self.textures = Textures(root, tolerant)
         self._models: dict[str, Mesh] = {}
 
     def model_path(self, model_id: str, key: str) -> Path:
@@ -40,9 +42,14 @@ class AssetLibrary:
             MissingFileError: The OBJ is missing.
             DatasetError: It is broken.
         """
-        if key not in self._models:
+        if key not in self._models or self._has_arrived(self._models[key]):
             self._models[key] = self.mesh(self.find_model(model_id, key, place))
         return self._models[key]
+
+    def _has_arrived(self, mesh: Mesh) -> bool:
+        """Whether a file that a mesh lacked when it was read is there now."""
+        names = {material.lacking for material in mesh.materials if material.lacking}
+        return any(self.textures.find(n) or (n.endswith(".mtl") and is_file(mesh.path.with_name(n))) for n in names)
 
     def find_model(self, model_id: str, key: str, place: Place) -> Path:
         """Path of the OBJ of a model; arguments as in `model`.

@@ -13,6 +13,12 @@ NODES = {
     "room": _NODE | {"modelId", "nodeIndices", "roomTypes", "hideCeiling", "hideFloor", "hideWalls", "stats"},
     "ground": _NODE | {"modelId", "hideFloor"},
 }
+KEPT = {"camera", "stats"}  # known, but nothing here needs them
+
+
+def kept_fields(value: Value, known: set[str]) -> dict[str, Any]:
+    """Fields of a JSON object that only writing it again needs: unknown ones and those of `KEPT`, unchanged."""
+    return unknown_fields(value, known - KEPT)
 
 
 def unknown_fields(value: Value, known: set[str]) -> dict[str, Any]:

@@ -33,10 +33,13 @@ def read_material(value: Value, textures: Textures) -> Material:
     if not value.present:
         return Material("")
     name, texture, diffuse = (value.member(key) for key in ("name", "texture", "diffuse"))
+    shown = (
+        textures.of_material(texture.text(), lambda: textures.named(texture.text(), texture)) if texture.data else {}
+    )
     return Material(
         name=name.text() if name.present else "",
         diffuse=diffuse.color() if diffuse.data else None,
-        texture=textures.named(texture.text(), texture) if texture.data else None,
+        **shown,
     )
 
 

@@ -82,7 +82,8 @@ def _shininess(text: str, _: Textures, place: Place) -> dict:
 def _color_map(text: str, textures: Textures, place: Place) -> dict:
     if not text or text.startswith("-"):
         raise place.error(f"expected a file name, got `{text[:60]}`", "Options of map_Kd are not supported.")
-    return {"texture": textures.mapped(text, place.file.parent, place)}
+    name = Path(text.replace("\\", "/")).stem
+    return textures.of_material(name, lambda: textures.mapped(text, place.file.parent, place))
 
 
 _PROPERTIES = {

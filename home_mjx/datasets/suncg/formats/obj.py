@@ -3,7 +3,9 @@
 Lines are first grouped by keyword; the material and group of a face then follow from line numbers.
 """
 
+import re
 from collections import defaultdict
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +20,7 @@ from home_mjx.datasets.suncg.formats.texture_paths import Textures, escape
 from home_mjx.errors import DatasetError, did_you_mean
 from home_mjx.schema.house import Material, Mesh
 
+GREY = (0.7, 0.7, 0.7)  # of faces whose material library is lacking
 PLAIN = Material("default", (1.0, 1.0, 1.0), None, 1.0)  # of faces above the first usemtl
 
 
@@ -96,7 +99,9 @@ def _materials(
     libraries: dict[Path, Place] = {}  # each is read once, however often it is named
     for row in rows["mtllib"]:
         libraries.setdefault(*_library(row, path, textures))
-    materials = tuple(m for library, place in libraries.items() for m in read_mtl(library, textures, _remedy(place)))
+    materials = tuple(m for library, place in libraries.items() for m in _read_library(library, place, textures))
+    if textures.tolerant:
+        materials += lacking_materials(rows["usemtl"], materials, next(iter(libraries), path.with_suffix(".mtl")).name)
     slots = {material.name: slot for slot, material in enumerate(materials)}
     used = [_slot(row, slots, path) for row in rows["usemtl"]]
     current = _current(rows["usemtl"], rows["f"])
@@ -104,6 +109,33 @@ def _materials(
         materials += (PLAIN,)
     # index -1, of faces above every usemtl, picks the plain material at the end of both
     return materials, np.array([*used, len(materials) - 1], np.int32)[current]
+
+
+def _read_library(library: Path, place: Place, textures: Textures) -> tuple[Material, ...]:
+    """The materials of a library; none of a missing or broken one where that is tolerated."""
+    try:
+        return read_mtl(library, textures, _remedy(place))
+    except DatasetError:
+        if not textures.tolerant:
+            raise
+        return ()
+
+
+def lacking_materials(used: Rows, known: Sequence[Material], library: str) -> tuple[Material, ...]:
+    """Grey materials for those that an OBJ uses and no library has, in the order of SUNCG's `material_0`, `material_1`.
+
+    Args:
+        used: The `usemtl` lines.
+        known: Materials of the libraries.
+        library: Name of the library that should have them, with `.mtl`.
+    """
+    names = dict.fromkeys(name for _, rest in used if (name := rest.strip()))
+    missing = names.keys() - {material.name for material in known}
+    numbers = [int(name[9:]) for name in missing if re.fullmatch("material_[0-9]{1,3}", name)]
+    slots = [f"material_{i}" for i in range(len(known), max(numbers, default=-1) + 1)]  # positions are what counts
+    named = [name for name in slots if name not in names or name in missing]
+    others = [name for name in names if name in missing and name not in named]
+    return tuple(Material(name, GREY, None, 1.0, lacking=library) for name in (*named, *others))
 
 
 def _library(row: tuple[int, str], path: Path, textures: Textures) -> tuple[Path, Place]:

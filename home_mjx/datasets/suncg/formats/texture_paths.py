@@ -1,7 +1,9 @@
 """Finds the image files that materials name."""
 
+from collections.abc import Callable
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 from home_mjx.core.files import below, is_file
 from home_mjx.datasets.suncg.formats.element import Place
@@ -15,10 +17,12 @@ class Textures:
 
     Args:
         root: Absolute dataset root.
+        tolerant: Whether materials may name images that are not there.
     """
 
-    def __init__(self, root: Path) -> None:
+    def __init__(self, root: Path, tolerant: bool = False) -> None:
         self.root = root
+        self.tolerant = tolerant
         self.folder = root / "texture"
         self._known: dict[str, Path | None] = {}
 
@@ -35,13 +39,34 @@ class Textures:
         """
         if below(self.root, self.folder, name) is None:
             raise escape(name, place)
-        if name not in self._known:
-            self._known[name] = self._find(name)
-        path = self._known[name]
+        path = self.find(name)
         if path is None:
             hint = f"Put {name}.png or {name}.jpg into {self.folder} or name another texture."
             raise place.error(f"texture `{name}` is missing", hint, MissingFileError)
         return path
+
+    def find(self, name: str) -> Path | None:
+        """The image of a texture, None if there is none; a tolerant one looks again each time."""
+        if self._known.get(name) is None and (self.tolerant or name not in self._known):
+            self._known[name] = self._find(name)
+        return self._known[name]
+
+    def of_material(self, name: str, find: Callable[[], Path]) -> dict[str, Any]:
+        """The field `texture` of a material; where that is tolerated, `lacking` instead if the image is missing.
+
+        Args:
+            name: Of the texture, without extension.
+            find: Finds its image.
+
+        Raises:
+            MissingFileError, DatasetError: As in `named`; a tolerant one does not raise `MissingFileError`.
+        """
+        try:
+            return {"texture": find()}
+        except MissingFileError:
+            if not self.tolerant:
+                raise
+            return {"lacking": name}
 
     def mapped(self, relative: str, folder: Path, place: Place) -> Path:
         """The image of a `map_Kd`, or one of the same stem in `texture/`.

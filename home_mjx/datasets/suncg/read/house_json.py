@@ -1,7 +1,7 @@
 """Reads house.json: the house, its levels, and which nodes of a level count."""
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
@@ -9,11 +9,12 @@ from typing import Any, TypeVar
 from home_mjx.datasets.options import ReadOptions
 from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
 from home_mjx.datasets.suncg.formats.element import Value, read_json
-from home_mjx.datasets.suncg.formats.fields import HOUSE, LEVEL, NODES, unknown_fields
+from home_mjx.datasets.suncg.formats.fields import HOUSE, LEVEL, NODES, kept_fields
 from home_mjx.datasets.suncg.read.backdrops import cut_backdrops
 from home_mjx.datasets.suncg.read.nodes import READERS, read_bbox
 from home_mjx.datasets.suncg.read.reading import Reading
-from home_mjx.schema.house import Box, Ground, House, Level, Node, Object, Room, Unknown
+from home_mjx.datasets.suncg.read.stand_ins import all_stand_ins, stand_in_for_parts
+from home_mjx.schema.house import Box, Ground, House, Level, Metadata, Node, Object, Room, Unknown
 
 MAX_NODES = 10_000  # in one level; the largest houses of SUNCG have about two thousand
 MAX_LEVELS = 100
@@ -21,20 +22,23 @@ AXES = (("up", [0, 1, 0]), ("front", [0, 0, 1]))
 N = TypeVar("N", bound=Node)
 
 
-def read_house(house_id: str, assets: AssetLibrary, options: ReadOptions, left_out: Callable[[str], bool]) -> House:
+def read_house(
+    house_id: str, assets: AssetLibrary, options: ReadOptions, left_out: Callable[[str], bool], tables: Metadata
+) -> House:
     """One house with every mesh that it shows.
 
     Args:
         house_id: Name of its folder.
-        assets: Meshes and textures of the dataset.
+        assets: Meshes and textures of the dataset; tolerant ones take stand-ins for what is lacking.
         options: What is read.
         left_out: Whether the options leave out a model.
+        tables: Of the dataset, for stand-ins.
 
     Raises:
         DatasetError: house.json or a file that it needs is missing or broken.
     """
     document = read_json(house_path(house_id, assets))
-    house = build_house(document, Reading(house_id, assets, left_out, options))
+    house = build_house(document, Reading(house_id, assets, left_out, options, tables=tables))
     if not any(level.rooms or level.objects or level.boxes or level.grounds for level in house.levels):
         raise document.member("levels").error("house shows nothing", "Remove its folder from the dataset.")
     return house
@@ -53,7 +57,7 @@ def build_house(document: Value, reading: Reading) -> House:
     values = reading.attempt(_bounded, document.member("levels"), MAX_LEVELS) or []
     levels = [reading.attempt(read_level, value, index, reading) for index, value in enumerate(values)]
     version = document.member("version").data
-    return House(
+    house = House(
         id=reading.house_id,
         version=version if isinstance(version, str) else "",
         path=document.file,
@@ -61,8 +65,9 @@ def build_house(document: Value, reading: Reading) -> House:
         models=reading.models,
         others=reading.others,
         problems=tuple(problem for _, problem in reading.notes),
-        extra=unknown_fields(document, HOUSE),
+        extra=kept_fields(document, HOUSE),
     )
+    return replace(house, stand_ins=all_stand_ins(house, reading)) if reading.tolerant else house
 
 
 def _bounded(value: Value, most: int) -> list[Value]:
@@ -102,6 +107,8 @@ def read_level(level: Value, index: int, reading: Reading) -> Level | None:
     read = [reading.attempt(_read_node, value, f"{index}_{i}", i, reading) for i, value in enumerate(values)]
     found = [node for node in read if node is not None]
     same = _duplicates(found, values, reading)
+    if reading.tolerant:
+        found = stand_in_for_parts(found, reading)
     found = cut_backdrops([node for node in found if node.index not in same], level, reading)
     kinds = {node.index: isinstance(node, Object | Box) for node in found if not isinstance(node, Unknown)}
     rooms = [_with_members(room, values, kinds, same, reading) for room in _of_type(found, Room)]
@@ -113,8 +120,16 @@ def read_level(level: Value, index: int, reading: Reading) -> Level | None:
         boxes=_of_type(found, Box),
         grounds=_of_type(found, Ground),
         unknown=_of_type(found, Unknown),
-        extra=unknown_fields(level, LEVEL),
+        hidden=_hidden(values, index, {node.index for node in found}),
+        extra=kept_fields(level, LEVEL),
     )
+
+
+def _hidden(values: Sequence[Value], level: int, shown: Collection[int]) -> tuple[Unknown, ...]:
+    """Nodes that are empty or switched off, which take a place in the list."""
+    found = [(i, value) for i, value in enumerate(values) if i not in shown and isinstance(value.data, dict)]
+    off = [(i, value) for i, value in found if not value.data or value.data.get("valid", 1) in (0, "0", False)]
+    return tuple(Unknown(f"{level}_{i}", i, value.element, None, data=value.data) for i, value in off)
 
 
 def _of_type(nodes: Sequence[Node], kind: type[N]) -> tuple[N, ...]:
@@ -133,7 +148,7 @@ def _read_node(value: Value, default_id: str, index: int, reading: Reading) -> N
     if reader is None:
         reading.note(kind, "node-type", f"unknown node type {json.dumps(kind.data)}: kept, but not shown")
         return Unknown(**common, bbox=None, data=value.data)
-    extra = unknown_fields(value, NODES[kind.text().lower()])
+    extra = kept_fields(value, NODES[kind.text().lower()])
     return reader(value, common | {"bbox": read_bbox(value, reading), "extra": extra}, reading)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-from home_mjx.core.files import read_text
+from home_mjx.core.files import is_file, read_text
 from home_mjx.datasets.suncg.formats.element import Place, Value, read_json
 from home_mjx.schema.house import Light, Metadata, ModelInfo
 
@@ -17,16 +17,17 @@ FRONT = ModelInfo("").front
 LIGHT_KINDS = ("PointLight", "SpotLight", "LineLight")
 
 
-def read_metadata(folder: Path) -> Metadata:
+def read_metadata(folder: Path, tolerant: bool = False) -> Metadata:
     """The tables of `<root>/metadata`.
 
     Args:
         folder: Holds `ModelCategoryMapping.csv` and, optionally, `models.csv` and `suncgModelLights.json`.
+        tolerant: Whether the first may be missing as well.
 
     Raises:
         DatasetError: The category table is missing, or a row of any table is broken.
     """
-    named = Metadata(_read_categories(folder / CATEGORIES))
+    named = Metadata({} if tolerant and not is_file(folder / CATEGORIES) else _read_categories(folder / CATEGORIES))
     sized = _read_sizes(folder / SIZES, named) if (folder / SIZES).is_file() else {}
     lights = _read_lights(folder / LIGHTS) if (folder / LIGHTS).is_file() else {}
     return Metadata({**named.models, **sized}, lights)
@@ -53,7 +54,7 @@ def _read_sizes(path: Path, named: Metadata) -> dict[str, ModelInfo]:
         dims = (x1 - x0, y1 - y0, z1 - z0)
         info = named.info(model_id)
         facing = _triple(front, place) if info.front == FRONT else info.front  # v2's category table is the better one
-        models[model_id] = replace(info, model_id=model_id, dims=dims, front=facing)
+        models[model_id] = replace(info, model_id=model_id, dims=dims, front=facing, low=(x0, y0, z0))
     return models
 
 

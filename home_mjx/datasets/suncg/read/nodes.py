@@ -3,7 +3,9 @@
 Known gaps of real houses are tolerated and noted as a `Problem`; a node without meaning is an error.
 """
 
+import re
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,9 +16,12 @@ from home_mjx.datasets.suncg.formats.element import Value
 from home_mjx.datasets.suncg.formats.materials import read_materials
 from home_mjx.datasets.suncg.read.parts import read_part
 from home_mjx.datasets.suncg.read.reading import Reading
+from home_mjx.datasets.suncg.read.stand_ins import stand_in_for_model
 from home_mjx.errors import DatasetError
 from home_mjx.schema.categories import ROOM_TYPES
-from home_mjx.schema.house import Box, Ground, Material, Node, Object, Room
+from home_mjx.schema.house import Box, Ground, Material, Mesh, Node, Object, Room
+
+TEXT_INDEX = re.compile("[0-9]{1,9}")
 
 
 def read_object(node: Value, common: dict[str, Any], reading: Reading) -> Object | None:
@@ -34,15 +39,31 @@ def read_object(node: Value, common: dict[str, Any], reading: Reading) -> Object
         transform=transform,
         materials=_materials(node, reading),
     )
+    if reading.tolerant:
+        return read_or_stand_in(item, node, reading)
     mesh = reading.attempt(reading.model, model_id, item.model_key, node.member("modelId"))
     if mesh is None:
         return None
+    _keep(item, mesh, node, reading)
+    return item
+
+
+def read_or_stand_in(item: Object, node: Value, reading: Reading) -> Object:
+    """The object, with its model or a stand-in put into `reading.models`."""
+    if item.model_key not in reading.stood_in:
+        try:
+            _keep(item, reading.model(item.model_id, item.model_key, node.member("modelId")), node, reading)
+        except DatasetError as error:
+            stand_in_for_model(item, error, reading)
+    return item
+
+
+def _keep(item: Object, mesh: Mesh, node: Value, reading: Reading) -> None:
     reading.models[item.model_key] = mesh
     _read_other(item, node, reading)
     if len(item.materials) > len(mesh.materials):
         extra = f"{len(item.materials)} materials for {len(mesh.materials)} slots: the rest is ignored"
         reading.note(node.member("materials"), "extra-materials", extra)
-    return item
 
 
 def _read_other(item: Object, node: Value, reading: Reading) -> None:
@@ -74,11 +95,25 @@ def read_room(node: Value, common: dict[str, Any], reading: Reading) -> Room:
         **common,
         model_id=node.member("modelId").name(),
         types=_room_types(node.member("roomTypes"), reading),
-        members=tuple(item.integer() for item in members.entries()) if members.present else (),
+        members=_members(members, reading) if members.present else (),
         floor=reading.attempt(read_part, node, "Floor", common["id"], reading),
         ceiling=reading.attempt(read_part, node, "Ceiling", common["id"], reading),
         walls=reading.attempt(read_part, node, "Wall", common["id"], reading),
     )
+
+
+def _members(values: Value, reading: Reading) -> tuple[int, ...]:
+    """Indices of nodes; exports of deep-synth and PlanIT write them as strings."""
+    entries = values.entries()
+    if any(isinstance(entry.data, str) and TEXT_INDEX.fullmatch(entry.data) for entry in entries):
+        reading.note(values, "text-member", "indices are written as strings: read as numbers")
+        entries = [
+            replace(entry, data=int(entry.data))
+            if isinstance(entry.data, str) and TEXT_INDEX.fullmatch(entry.data)
+            else entry
+            for entry in entries
+        ]
+    return tuple(entry.integer() for entry in entries)
 
 
 def read_ground(node: Value, common: dict[str, Any], reading: Reading) -> Ground:
@@ -134,7 +169,8 @@ def _state(value: Value, model_id: str, reading: Reading) -> int | None:
     state = value.integer()
     if state < 0:
         raise value.error(f"expected a state of 0 or more, got {state}")
-    if state and not is_file(reading.assets.model_path(model_id, f"{model_id}_{state - 1}")):
+    path = reading.assets.model_path(model_id, f"{model_id}_{state - 1}")
+    if state and not is_file(path) and not (reading.tolerant and not is_file(path.with_name(f"{model_id}.obj"))):
         message = f"model has no variant `{model_id}_{state - 1}`: its base is shown"
         reading.note(value, "missing-variant", message)
         return 0

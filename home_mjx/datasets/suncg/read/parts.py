@@ -6,8 +6,8 @@ from pathlib import Path
 from home_mjx.core.files import is_file, is_folder
 from home_mjx.datasets.suncg.formats.element import Value
 from home_mjx.datasets.suncg.read.reading import Reading
-from home_mjx.errors import MissingFileError
-from home_mjx.schema.house import Mesh
+from home_mjx.errors import DatasetError, MissingFileError
+from home_mjx.schema.house import Mesh, StandIn
 
 SUFFIX = {"Floor": "f", "Ceiling": "c", "Wall": "w", "Ground": "f"}
 HIDDEN_BY = {"Floor": "hideFloor", "Ceiling": "hideCeiling", "Wall": "hideWalls", "Ground": "hideFloor"}
@@ -15,6 +15,8 @@ HIDDEN_BY = {"Floor": "hideFloor", "Ceiling": "hideCeiling", "Wall": "hideWalls"
 
 def read_part(node: Value, kind: str, node_id: str, reading: Reading) -> Mesh | None:
     """A mesh of a room or ground, in metres; None where it is hidden or, with a problem, missing.
+
+    Where stand-ins are taken, what is missing or broken is put into `reading.lacking_parts`.
 
     Args:
         node: The node.
@@ -28,10 +30,32 @@ def read_part(node: Value, kind: str, node_id: str, reading: Reading) -> Mesh | 
     if node.member(HIDDEN_BY[kind]).flag():
         return None
     stem = node.member("modelId").name() + SUFFIX[kind]
+    if reading.tolerant:
+        return _found_or_lacking(node, kind, node_id, stem, reading)
     path = reading.assets.room_path(reading.house_id, stem)
     if is_file(path):
         return reading.once(f"room/{stem}", _mesh, path, reading)
     return _built(node, kind, node_id, stem, reading)
+
+
+def _found_or_lacking(node: Value, kind: str, node_id: str, stem: str, reading: Reading) -> Mesh | None:
+    """The mesh of the file, else of the architecture file; None, and a line in `lacking_parts`, if neither has it."""
+    path, reason = reading.assets.room_path(reading.house_id, stem), ""
+    try:
+        if is_file(path):
+            return reading.once(f"room/{stem}", _mesh, path, reading)
+    except DatasetError as error:
+        reason = error.message
+    try:
+        architecture = reading.architecture
+        mesh = reading.once(f"{kind}#{node_id}", architecture.mesh, kind, node_id) if architecture else None
+    except DatasetError as error:
+        mesh, reason = None, reason or error.message
+    if mesh is None:
+        reading.lacking_parts[node.element, kind] = reason
+    elif is_folder(path.parent):  # in v2 there is none, and the architecture file is where walls are
+        reading.stand_ins.append(StandIn("room mesh", stem, node.element, "the architecture file's", reason))
+    return mesh
 
 
 def _mesh(path: Path, reading: Reading) -> Mesh:

@@ -10,7 +10,7 @@ from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
 from home_mjx.datasets.suncg.formats.element import Place, Value, printable
 from home_mjx.datasets.suncg.read.arch_json import Architecture, read_architecture
 from home_mjx.errors import DatasetError
-from home_mjx.schema.house import Mesh, Problem
+from home_mjx.schema.house import Mesh, Metadata, Problem, StandIn
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -31,6 +31,15 @@ class Reading:
     notes: list[tuple[Place, Problem]] = field(default_factory=list)
     errors: list[DatasetError] | None = None  # if a list, a broken node is put there and left out
     kept: dict[str, Any] = field(default_factory=dict)  # see `once`
+    tables: Metadata = field(default_factory=lambda: Metadata({}))  # as the dataset has them, for stand-ins
+    stand_ins: list[StandIn] = field(default_factory=list)  # for what is lacking, if the assets are tolerant
+    stood_in: set[str] = field(default_factory=set)  # keys of `models` that are stand-ins
+    lacking_parts: dict[tuple[str, str], str] = field(default_factory=dict)  # why, by path of a room and kind of mesh
+
+    @property
+    def tolerant(self) -> bool:
+        """Whether stand-ins are taken for what is lacking."""
+        return self.assets.tolerant
 
     def note(self, place: Place, rule: str, message: str) -> None:
         """Records a tolerated oddity under the name of the rule that it breaks."""

@@ -4,6 +4,7 @@ from collections import defaultdict
 
 from home_mjx.datasets.suncg.formats.element import Value
 from home_mjx.datasets.suncg.formats.fields import HOUSE, LEVEL, NODES, unknown_fields
+from home_mjx.datasets.suncg.read.nodes import TEXT_INDEX
 from home_mjx.datasets.suncg.validate.subject import Subject
 
 
@@ -49,7 +50,10 @@ def _check_members(subject: Subject, nodes: list[Value]) -> None:
 def _members(node: Value, count: int) -> list[int]:
     """Members that are in range; the reader reports the others, and values that are not lists of numbers."""
     listed = node.data.get("nodeIndices") if _shown(node) else None
-    return [int(i) for i in listed if isinstance(i, int | float) and 0 <= i < count] if isinstance(listed, list) else []
+    if not isinstance(listed, list):
+        return []
+    numbers = [int(i) if isinstance(i, str) and TEXT_INDEX.fullmatch(i) else i for i in listed]
+    return [int(i) for i in numbers if isinstance(i, int | float) and 0 <= i < count]
 
 
 def _shown(node: Value) -> bool:

@@ -50,6 +50,7 @@ RULES: Mapping[str, Rule] = {
     "missing-part": Rule("error", "a room or ground without the mesh of a part that is not hidden"),
     "member-index": Rule("error", "nodeIndices beyond the level's nodes"),
     "repeated-member": Rule("warning", "nodeIndices that list a node twice"),
+    "text-member": Rule("warning", "nodeIndices written as strings, as deep-synth and PlanIT do"),
     "shared-member": Rule("warning", "nodeIndices of two rooms that list one node"),
     "hidden-member": Rule("warning", "nodeIndices that list a node that is not shown"),
     "member-type": Rule("error", "nodeIndices that list a room or ground"),

@@ -203,17 +203,21 @@ def _level(level: Level, house: House) -> tuple[dict[str, Any], Bounds]:
         things[room.index] = _union(own + [things[i] for i in room.members])
     nodes = sorted((*level.rooms, *level.objects, *level.boxes, *level.grounds), key=lambda node: node.index)
     bounds = _union(list(things.values()))
-    entries = [(node.index, _entry(node, _bbox(things[node.index])) | dict(node.extra)) for node in nodes]
-    entries += [(node.index, dict(node.data)) for node in level.unknown]
+    others = sorted(node.index for node in (*level.unknown, *level.hidden))
+    place = {index: i for i, index in enumerate(sorted([*others, *(node.index for node in nodes)]))}
+    entries = [(node.index, _entry(node, _bbox(things[node.index]), place) | dict(node.extra)) for node in nodes]
+    entries += [(node.index, dict(node.data)) for node in (*level.unknown, *level.hidden)]
     ordered = [entry for _, entry in sorted(entries, key=lambda pair: pair[0])]
     return {"id": level.id, "bbox": _bbox(bounds), "nodes": ordered, **level.extra}, bounds
 
 
-def _entry(node: Node, bbox: dict[str, Any]) -> dict[str, Any]:
+def _entry(node: Node, bbox: dict[str, Any], place: Mapping[int, int]) -> dict[str, Any]:
+    """A node as JSON; `place` is where each node will stand in its list, by index."""
     entry: dict[str, Any] = {"id": node.id, "type": type(node).__name__, "valid": 1}
     match node:
         case Room():
-            entry |= {"modelId": node.model_id, "nodeIndices": list(node.members), "roomTypes": list(node.types)}
+            members = [place[i] for i in node.members]
+            entry |= {"modelId": node.model_id, "nodeIndices": members, "roomTypes": list(node.types)}
             hidden = {"hideCeiling": node.ceiling, "hideFloor": node.floor, "hideWalls": node.walls}
             entry |= {key: 1 for key, mesh in hidden.items() if mesh is None}
             return entry | {"bbox": bbox}
@@ -263,8 +267,8 @@ def _numbers(values: np.ndarray) -> list[int | float]:
 
 def _material(material: Material) -> dict[str, str]:
     entry = {"name": material.name}
-    if material.texture is not None:
-        entry["texture"] = material.texture.stem
+    if material.texture_name:
+        entry["texture"] = material.texture_name
     if material.diffuse is not None:
         entry["diffuse"] = "#" + "".join(f"{round(255 * x):02x}" for x in material.diffuse)
     return entry

@@ -1,0 +1,70 @@
+"""What of the materials of a house is lacking, and what stands in for all that is lacking, in a few words."""
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+
+from home_mjx.schema.house import STAND_INS, House, Level, Material, StandIn
+
+PLURALS = {"material library": "material libraries", "room mesh": "room meshes", "metadata row": "metadata rows"}
+COLOUR, GREY = "the material's colour", "grey materials"
+
+
+def lacking_materials_of(house: House) -> list[StandIn]:
+    """Textures and material libraries that the house names and the dataset lacks, each once, with who needs it first.
+
+    Args:
+        house: As it was read.
+    """
+    found: dict[tuple[str, str], StandIn] = {}
+    for owner, material in _materials(house):
+        if material.lacking:
+            library = material.lacking.endswith(".mtl")
+            kind = "material library" if library else "texture"
+            taken = GREY if library else COLOUR
+            found.setdefault((kind, material.lacking), StandIn(kind, material.lacking, owner, taken))
+    return list(found.values())
+
+
+def _materials(house: House) -> Iterator[tuple[str, Material]]:
+    """Every material with its owner: an element path of an override, else the path of a mesh."""
+    for level in house.levels:
+        for node in (*level.objects, *level.boxes):
+            yield from ((node.path, material) for material in node.materials)
+    meshes = [*house.models.values(), *(mesh for level in house.levels for mesh in _parts(level))]
+    for mesh in meshes:
+        yield from ((mesh.path.name, material) for material in mesh.materials)
+
+
+def _parts(level: Level) -> Iterator:
+    rooms = [part for room in level.rooms for part in (room.floor, room.ceiling, room.walls)]
+    yield from (part for part in (*rooms, *(ground.mesh for ground in level.grounds)) if part is not None)
+
+
+def counts_of(stand_ins: Sequence[StandIn]) -> dict[str, int]:
+    """How many things of each kind stand in for others.
+
+    Args:
+        stand_ins: Of a house.
+
+    Example:
+        >>> counts_of([StandIn("texture", "wood_8", "122.obj", "the material's colour")])["texture"]
+        1
+    """
+    found = Counter(item.kind for item in stand_ins)
+    return {kind: found[kind] for kind in STAND_INS}
+
+
+def in_words(stand_ins: Sequence[StandIn]) -> str:
+    """The counts of what is lacking, for a message.
+
+    Args:
+        stand_ins: Of a house.
+
+    Example:
+        >>> in_words([StandIn("texture", "wood_8", "122.obj", ""), StandIn("texture", "wood_9", "122.obj", "")])
+        '2 textures'
+    """
+    counts = counts_of(stand_ins).items()
+    return ", ".join(
+        f"{count} {PLURALS.get(kind, f'{kind}s') if count > 1 else kind}" for kind, count in counts if count
+    )

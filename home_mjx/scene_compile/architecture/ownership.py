@@ -1,0 +1,147 @@
+"""Floors and ceilings of rooms that overlap: each place belongs to one room, the smallest that holds it.
+
+This is the rule of `smallest_room`, by which navigation, collision and sound go. Real houses often nest rooms, with
+floors in one plane: without the rule rays would hit the one or the other, as they round.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from home_mjx.datasets.shapes.polygon_slab import grow, simplify, triangulate
+from home_mjx.scene_compile.geometry.polygons import polygon_area
+from home_mjx.schema.compiled import Rooms
+
+STRIP = 0.05  # [m]: floors reach 2 cm beyond the middle of their walls; strips of two such margins stay
+LEAST = 0.01  # [m^2], of an overlap that counts
+SLIVER = 1e-7  # [m^2]: smaller pieces are dropped
+LEVEL = 0.7  # least vertical part of a normal
+
+Polygon = Float[np.ndarray, "_ 2"]
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """Triangles of a surface after it was cut.
+
+    Attributes:
+        triangles: [m].
+        uv: Texture coordinates of their corners.
+        source: From which triangle each comes.
+    """
+
+    triangles: Float[np.ndarray, "t 3 3"]
+    uv: Float[np.ndarray, "t 3 2"]
+    source: Int[np.ndarray, " t"]
+
+
+def owners_before(room: int, others: Sequence[int], rooms: Rooms) -> list[list[Polygon]]:
+    """Outlines, as triangles, of the rooms to which places of a room belong that they share with it.
+
+    Args:
+        room: Index of the room.
+        others: Rooms of its level that have such a surface, too.
+        rooms: Outlines.
+    """
+    order = sorted(np.flatnonzero(rooms.level == rooms.level[room]), key=lambda r: -polygon_area(rooms.polygon[r]))
+    smaller = [r for r in order[order.index(room) + 1 :] if r in others]
+    found = [(_triangles(rooms.polygon[r], 0.0), _triangles(rooms.polygon[r], -STRIP)) for r in smaller]
+    mine = _triangles(rooms.polygon[room], 0.0)
+    return [whole for whole, inner in found if _shared(mine, inner) > LEAST]
+
+
+def _triangles(polygon: Polygon, outset: float) -> list[Polygon]:
+    """A polygon with its sides moved outwards, as triangles; nothing if it crosses itself then."""
+    try:
+        corners = simplify(polygon)
+        grown = corners if outset == 0 else grow(corners, outset)
+        return [grown[t] for t in triangulate(grown)]
+    except ValueError:
+        return []
+
+
+def _shared(a: Sequence[Polygon], b: Sequence[Polygon]) -> float:
+    """The area that two sets of triangles have in common [m^2]."""
+    area = sum(polygon_area(piece) for piece in a)
+    return area - sum(polygon_area(piece) for piece in _without(a, b))
+
+
+def _without(pieces: Sequence[Polygon], cutters: Sequence[Polygon]) -> list[Polygon]:
+    """Convex polygons less some triangles: each is cut along the sides of each triangle."""
+    left = list(pieces)
+    for cutter in cutters:
+        (x0, y0), (x1, y1), (x2, y2) = cutter
+        ccw = cutter if (x1 - x0) * (y2 - y0) > (x2 - x0) * (y1 - y0) else cutter[::-1]
+        left = [rest for piece in left for rest in _outside(piece, ccw)]
+    return left
+
+
+def _outside(piece: Polygon, cutter: Polygon) -> list[Polygon]:
+    """What of a convex polygon is outside of a counter-clockwise triangle, as convex polygons."""
+    if (piece.max(axis=0) <= cutter.min(axis=0)).any() or (piece.min(axis=0) >= cutter.max(axis=0)).any():
+        return [piece]
+    found, inside = [], piece
+    for start, end in zip(cutter, np.roll(cutter, -1, axis=0), strict=True):
+        way = end - start
+        side = way[0] * (inside[:, 1] - start[1]) - way[1] * (inside[:, 0] - start[0])
+        beyond, inside = _clip(inside, -side), _clip(inside, side)
+        if polygon_area(beyond) > SLIVER:
+            found.append(beyond)
+        if polygon_area(inside) <= SLIVER:
+            return found if polygon_area(piece) - sum(map(polygon_area, found)) > SLIVER else [piece]
+    return found
+
+
+def _clip(polygon: Polygon, side: Float[np.ndarray, " n"]) -> Polygon:
+    """The part of a convex polygon where a linear function, given at its corners, is not negative."""
+    corners = []
+    for i, (here, value) in enumerate(zip(polygon, side, strict=True)):
+        before, earlier = polygon[i - 1], side[i - 1]
+        if (value < 0) != (earlier < 0):
+            corners.append(before + (here - before) * earlier / (earlier - value))
+        if value >= 0:
+            corners.append(here)
+    return np.array(corners).reshape(-1, 2)
+
+
+def cut_surface(
+    triangles: Float[np.ndarray, "t 3 3"],
+    uv: Float[np.ndarray, "t 3 2"],
+    toward: float,
+    owners: Sequence[list[Polygon]],
+) -> Pieces:
+    """A slab whose seen side has lost the places of other rooms; a slab that would lose all of it is kept.
+
+    Args:
+        triangles: Of the slab [m].
+        uv: Their texture coordinates.
+        toward: 1 if it is seen from above, -1 from below.
+        owners: Of `owners_before`.
+    """
+    cutters = [triangle for owner in owners for triangle in owner]
+    normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    seen = toward * normal[:, 2] > LEVEL * np.maximum(np.linalg.norm(normal, axis=1), 1e-12)
+    found, left = [], 0
+    for number, (triangle, corners) in enumerate(zip(triangles, uv, strict=True)):
+        rest = _without([triangle[:, :2]], cutters) if seen[number] else [triangle[:, :2]]
+        left += len(rest) if seen[number] else 0
+        if len(rest) == 1 and rest[0].shape == (3, 2) and np.array_equal(rest[0], triangle[:, :2]):
+            found.append((triangle[None], corners[None], [number]))
+        else:
+            fans = [_fan(piece, triangle, corners) for piece in rest]
+            found += [(*fan, [number] * len(fan[0])) for fan in fans]
+    if not left:
+        return Pieces(triangles, uv, np.arange(len(triangles)))
+    return Pieces(*(np.concatenate([item[k] for item in found]) for k in range(3)))
+
+
+def _fan(
+    piece: Polygon, triangle: Float[np.ndarray, "3 3"], uv: Float[np.ndarray, "3 2"]
+) -> tuple[Float[np.ndarray, "n 3 3"], Float[np.ndarray, "n 3 2"]]:
+    """A piece of a triangle as triangles of the same plane, winding and texture coordinates."""
+    weight = np.linalg.solve(np.vstack([triangle[:, :2].T, np.ones(3)]), np.vstack([piece.T, np.ones(len(piece))])).T
+    order = np.array([[0, k, k + 1] for k in range(1, len(piece) - 1)])
+    order = order[[polygon_area(piece[k]) > SLIVER / 100 for k in order]]
+    return (weight @ triangle)[order], (weight @ uv)[order]
