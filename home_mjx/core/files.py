@@ -252,6 +252,28 @@ def _in_place(path: Path, beside: Path, file: IO[bytes]) -> Iterator[IO[bytes]]:
         raise
 
 
+def write_through(path: Path, content: bytes, mode: str = "wb") -> None:
+    """Writes to a file, and returns when it is on the disk; a new name is, once its folder is forced there.
+
+    For what takes its place by a rename, or is added to line by line.
+
+    Args:
+        path: The file; its folder exists.
+        content: What is written.
+        mode: `wb`, or `ab` to add.
+
+    Raises:
+        OSError: It cannot be written.
+
+    Example:
+        >>> write_through(Path("lines.jsonl"), b"{}", "ab")  # doctest: +SKIP
+    """
+    with path.open(mode) as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+
+
 def _sync_folder(folder: Path) -> None:
     """Forces a folder's list of names to the disk; some systems cannot."""
     with suppress(OSError):
@@ -331,7 +353,7 @@ def unwritable(what: str, path: Path, error: OSError, hint: str | None = None) -
 
 
 def replace_folder(target: Path, files: Mapping[str, bytes]) -> None:
-    """Writes a folder beside its place and then moves it there; an older one goes.
+    """Writes a folder beside its place and, once it is on the disk, moves it there; an older one goes.
 
     Args:
         target: The folder.
@@ -345,10 +367,11 @@ def replace_folder(target: Path, files: Mapping[str, bytes]) -> None:
     try:
         for name, content in files.items():
             (fresh / name).parent.mkdir(parents=True, exist_ok=True)
-            (fresh / name).write_bytes(content)
+            write_through(fresh / name, content)
         if target.exists():
             target.rename(old)
         fresh.rename(target)
+        _sync_folder(target.parent)
     finally:
         if old.exists() and not target.exists():
             old.rename(target)

@@ -11,7 +11,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 
-from home_mjx.core.files import writing
+from home_mjx.core.files import write_durably
 from home_mjx.errors import ConfigError, DatasetError, MissingFileError
 
 DATA, METADATA, PART = "data", "metadata.json", "part-0.arrow"
@@ -60,15 +60,13 @@ def read_metadata(folder: Path) -> dict[str, Any]:
 
 
 def write_metadata(folder: Path, content: dict[str, Any]) -> None:
-    """Writes metadata in one move, so that a killed process leaves the old ones or the new ones.
+    """Writes metadata in one move, so that a killed process, or a power cut, leaves the old ones or the new ones.
 
     Raises:
         ConfigError: They cannot be written.
     """
-    beside, path = folder / f".{METADATA}.new", folder / METADATA
-    with writing("metadata", path, FREE_SPACE):
-        beside.write_text(json.dumps(content, default=_plain), encoding="utf-8")
-        beside.replace(path)
+    with write_durably(folder / METADATA, "metadata", FREE_SPACE) as file:
+        file.write(json.dumps(content, default=_plain).encode())
 
 
 def _plain(value: Any) -> Any:

@@ -13,6 +13,7 @@ from typing import SupportsIndex
 
 from tqdm import tqdm
 
+from home_mjx.core.files import write_through
 from home_mjx.core.paths import CACHE_VARIABLE, cache_folder
 from home_mjx.core.workers import usable_cores, worker_pool
 from home_mjx.datasets.procedural.build import build_house
@@ -83,7 +84,8 @@ def _claim(root: Path) -> None:
         # Another process may be about to mark the same new folder: its unfinished marker does not count.
         if all(path.name.startswith(f".{MARKER}.") for path in root.iterdir()):
             temporary = root / f".{MARKER}.{os.getpid()}"
-            temporary.write_text(json.dumps(marker), encoding="utf-8")
+            # On the disk first: after a power cut the folder would else be nobody's, for ever.
+            write_through(temporary, json.dumps(marker).encode())
             temporary.replace(root / MARKER)
         found = json.loads((root / MARKER).read_text(encoding="utf-8")) if (root / MARKER).exists() else None
     except OSError as error:
