@@ -115,7 +115,7 @@ def read_arrays(path: Path, names: Sequence[str], what: str, hint: str) -> list[
     try:
         with open_regular(path) as opened, np.load(opened, allow_pickle=False) as file:
             _check_unpacked(file.zip, names, path)
-            return [file[name] for name in names]
+            return [_is_array(file[name], name) for name in names]
     except DatasetError:  # of `_check_unpacked`
         raise
     except FileNotFoundError:
@@ -124,6 +124,13 @@ def read_arrays(path: Path, names: Sequence[str], what: str, hint: str) -> list[
         raise DatasetError(f"file lacks {error.args[0]}", file=path, hint="Another version made it.") from None
     except Exception as error:  # a made-up file can make NumPy and zipfile raise nearly anything, MemoryError too
         raise DatasetError(f"file is no {what}: {error}", file=path, hint=hint) from None
+
+
+def _is_array(found: Any, name: str) -> np.ndarray:
+    """What NumPy gives for a part of an archive: its bytes, where it has not the head of an array."""
+    if isinstance(found, np.ndarray):
+        return found
+    raise ValueError(f"`{name}` is no array")
 
 
 def open_regular(path: Path) -> IO[bytes]:

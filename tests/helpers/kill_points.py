@@ -3,8 +3,8 @@
 No sleep and hope: every file that is opened for writing, every write, fsync, rename, new folder and removal is counted,
 so that a test can die at each of them. What libraries write without Python (Arrow, ffmpeg, XLA) is not seen.
 
-Three ways to die: before an operation; with half of a write done; and with the power, when everything is lost that nobody
-has forced to the disk (the harshest case of POSIX: names are kept, contents are not).
+Three ways to die: before an operation; with half of a write done; and with the power, when everything is lost that
+nobody has forced to the disk (the harshest case of POSIX: names are kept, contents are not).
 """
 
 import builtins
