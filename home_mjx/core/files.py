@@ -22,6 +22,7 @@ Row = TypeVar("Row")
 MAX_BYTES = 1 << 25
 MAX_LINES = 1 << 20
 MAX_UNPACKED = 1 << 32  # [bytes], of arrays of one file
+MAX_NAME = 1000  # characters of a path that a message shows
 TEMPORARY = ".tmp"  # how names of files end that are not yet whole; they begin with a dot
 
 
@@ -96,7 +97,8 @@ def read_bytes(path: Path, hint: str | None = None, most: int | None = None) -> 
         raise MissingFileError("file is missing", file=path, hint=hint or "Fetch or write it again.") from None
     except (OSError, ValueError) as error:  # ValueError: a name with a null byte
         reason = f"file cannot be read: {getattr(error, 'strerror', error)}"
-        raise DatasetError(reason, file=path, hint="Check its name and who may read it.") from None
+        name = path if len(str(path)) < MAX_NAME else f"{str(path)[:MAX_NAME]}…"
+        raise DatasetError(reason, file=name, hint="Check its name and who may read it.") from None
 
 
 def read_arrays(path: Path, names: Sequence[str], what: str, hint: str) -> list[np.ndarray]:
