@@ -12,7 +12,7 @@ SETUP := pyproject.toml requirements/constraints.txt scripts/setup_venv.sh
 USER_STAMP := $(VENV)/.installed-user
 DEV_STAMP := $(VENV)/.installed-dev
 
-.PHONY: help demo test test-slow test-matrix checkers lint types docs bench wheel clean
+.PHONY: help demo test test-slow test-matrix crash fuzz soak checkers lint types docs bench wheel clean
 
 help:  ## show this list
 	@grep -E '^[a-z-]+:.*## ' Makefile | sed -E 's/:.*## /\t/' | expand -t 14
@@ -29,6 +29,15 @@ test-slow: $(DEV_STAMP)  ## the tests that take long
 
 test-matrix:  ## a short suite on every supported jax, each in a .venv-<name> of its own
 	scripts/test_matrix.sh $(ARGS)
+
+crash: $(DEV_STAMP)  ## kill every writer at each of its writes; ARGS="--kills 30" for fewer
+	$(BIN)/python tests/soak/crash.py $(ARGS)
+
+fuzz: $(DEV_STAMP)  ## read changed files for ten minutes; ARGS="--seconds 3600 --seed 2" for others
+	$(BIN)/python tests/soak/fuzz.py --seconds 600 $(ARGS)
+
+soak: $(DEV_STAMP)  ## random houses and policies for ten minutes; ARGS="--mode x64 --envs 8" for others
+	$(BIN)/python tests/soak/invariants.py --seconds 600 $(ARGS)
 
 checkers: $(DEV_STAMP)  ## each ecosystem's own checker for every id; writes the table of docs/adapters.md
 	$(BIN)/python scripts/check_adapters.py --docs $(ARGS)

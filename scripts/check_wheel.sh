@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# check_wheel.sh PYTHON: builds the wheel, installs it into an empty environment and uses it from another folder.
+# check_wheel.sh PYTHON: builds the sdist and the wheel, the wheel again from the sdist, which must give the same bytes;
+# then installs it into an empty environment and uses it from another folder.
 set -eu
 python=$1
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -13,6 +14,16 @@ export SOURCE_DATE_EPOCH
 
 rm -rf "$root/build"  # setuptools would pack what a former build left there
 "$python" -m pip wheel -qq --no-deps --no-build-isolation --wheel-dir "$work" "$root"
+# From what an sdist holds, in another folder, at another time: nothing is missing in it, and the bytes are equal.
+(cd "$root" && "$python" -c 'import sys; from setuptools import build_meta; build_meta.build_sdist(sys.argv[1])' "$work" >/dev/null)
+mkdir "$work/source" "$work/again"
+tar xzf "$work"/*.tar.gz -C "$work/source" --strip-components 1 --touch
+"$python" -m pip wheel -qq --no-deps --no-build-isolation --wheel-dir "$work/again" "$work/source"
+cmp "$work"/*.whl "$work/again"/*.whl || { echo "two builds of the wheel differ" >&2; exit 1; }
+for folder in tests docs examples scripts benchmarks; do
+    [ -d "$work/source/$folder" ] || { echo "the sdist lacks $folder" >&2; exit 1; }
+done
+[ "${2:-}" != --build-only ] || { echo "equal wheels"; exit 0; }
 "$python" -m venv "$work/venv"
 "$work/venv/bin/python" -m pip install -qq -c "$root/requirements/constraints.txt" "$work"/*.whl
 cd "$work"

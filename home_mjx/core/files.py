@@ -22,6 +22,7 @@ Row = TypeVar("Row")
 MAX_BYTES = 1 << 25
 MAX_LINES = 1 << 20
 MAX_UNPACKED = 1 << 32  # [bytes], of arrays of one file
+MAX_NAME = 1000  # characters of a path that a message shows
 TEMPORARY = ".tmp"  # how names of files end that are not yet whole; they begin with a dot
 
 
@@ -96,7 +97,8 @@ def read_bytes(path: Path, hint: str | None = None, most: int | None = None) -> 
         raise MissingFileError("file is missing", file=path, hint=hint or "Fetch or write it again.") from None
     except (OSError, ValueError) as error:  # ValueError: a name with a null byte
         reason = f"file cannot be read: {getattr(error, 'strerror', error)}"
-        raise DatasetError(reason, file=path, hint="Check its name and who may read it.") from None
+        name = path if len(str(path)) < MAX_NAME else f"{str(path)[:MAX_NAME]}…"
+        raise DatasetError(reason, file=name, hint="Check its name and who may read it.") from None
 
 
 def read_arrays(path: Path, names: Sequence[str], what: str, hint: str) -> list[np.ndarray]:
@@ -115,7 +117,7 @@ def read_arrays(path: Path, names: Sequence[str], what: str, hint: str) -> list[
     try:
         with open_regular(path) as opened, np.load(opened, allow_pickle=False) as file:
             _check_unpacked(file.zip, names, path)
-            return [file[name] for name in names]
+            return [_is_array(file[name], name) for name in names]
     except DatasetError:  # of `_check_unpacked`
         raise
     except FileNotFoundError:
@@ -124,6 +126,13 @@ def read_arrays(path: Path, names: Sequence[str], what: str, hint: str) -> list[
         raise DatasetError(f"file lacks {error.args[0]}", file=path, hint="Another version made it.") from None
     except Exception as error:  # a made-up file can make NumPy and zipfile raise nearly anything, MemoryError too
         raise DatasetError(f"file is no {what}: {error}", file=path, hint=hint) from None
+
+
+def _is_array(found: Any, name: str) -> np.ndarray:
+    """What NumPy gives for a part of an archive: its bytes, where it has not the head of an array."""
+    if isinstance(found, np.ndarray):
+        return found
+    raise ValueError(f"`{name}` is no array")
 
 
 def open_regular(path: Path) -> IO[bytes]:
@@ -252,6 +261,28 @@ def _in_place(path: Path, beside: Path, file: IO[bytes]) -> Iterator[IO[bytes]]:
         raise
 
 
+def write_through(path: Path, content: bytes, mode: str = "wb") -> None:
+    """Writes to a file, and returns when it is on the disk; a new name is, once its folder is forced there.
+
+    For what takes its place by a rename, or is added to line by line.
+
+    Args:
+        path: The file; its folder exists.
+        content: What is written.
+        mode: `wb`, or `ab` to add.
+
+    Raises:
+        OSError: It cannot be written.
+
+    Example:
+        >>> write_through(Path("lines.jsonl"), b"{}", "ab")  # doctest: +SKIP
+    """
+    with path.open(mode) as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+
+
 def _sync_folder(folder: Path) -> None:
     """Forces a folder's list of names to the disk; some systems cannot."""
     with suppress(OSError):
@@ -331,7 +362,7 @@ def unwritable(what: str, path: Path, error: OSError, hint: str | None = None) -
 
 
 def replace_folder(target: Path, files: Mapping[str, bytes]) -> None:
-    """Writes a folder beside its place and then moves it there; an older one goes.
+    """Writes a folder beside its place and, once it is on the disk, moves it there; an older one goes.
 
     Args:
         target: The folder.
@@ -345,10 +376,11 @@ def replace_folder(target: Path, files: Mapping[str, bytes]) -> None:
     try:
         for name, content in files.items():
             (fresh / name).parent.mkdir(parents=True, exist_ok=True)
-            (fresh / name).write_bytes(content)
+            write_through(fresh / name, content)
         if target.exists():
             target.rename(old)
         fresh.rename(target)
+        _sync_folder(target.parent)
     finally:
         if old.exists() and not target.exists():
             old.rename(target)

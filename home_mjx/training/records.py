@@ -10,7 +10,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from home_mjx.core.files import read_text, write_durably, writing
+from home_mjx.core.files import read_text, write_durably, write_through, writing
 from home_mjx.errors import ConfigError, DatasetError, install_hint
 
 CURVES = (
@@ -70,8 +70,8 @@ class Records:
         """Writes a line; what is not a number is left out of it."""
         line = {name: x for name, x in line.items() if not isinstance(x, float) or math.isfinite(x)}
         self.lines.append(line)
-        with writing("metrics", self.path, FREE_SPACE), self.path.open("a", encoding="utf-8") as file:
-            file.write(json.dumps(line) + "\n")
+        with writing("metrics", self.path, FREE_SPACE):  # on the disk before the checkpoint that goes on from it
+            write_through(self.path, f"{json.dumps(line)}\n".encode(), "ab")
         for name, x in line.items():
             if isinstance(x, float):
                 self._events.add(name if "/" in name else f"episode/{name}", x, line["steps"])

@@ -5,17 +5,20 @@ https://minari.farama.org/content/dataset_standards.
 """
 
 import json
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import gymnasium
 import numpy as np
 
-from home_mjx.core.files import writing
-from home_mjx.errors import ConfigError, DatasetError, MissingFileError
+from home_mjx.core.files import read_text, write_durably
+from home_mjx.errors import ConfigError, DatasetError, HomeMjxError, MissingFileError
 
 DATA, METADATA, PART = "data", "metadata.json", "part-0.arrow"
 FREE_SPACE = "Free some space, then go on with --resume; or name another folder."
+MAX_BYTES = 1 << 28  # of metadata: limits of images of 8 megapixels
 MINARI_VERSION = "0.5.4"  # whose layout this is; the first with images that are not JPEG
 
 
@@ -50,25 +53,36 @@ def read_metadata(folder: Path) -> dict[str, Any]:
         DatasetError: It is broken.
     """
     path = folder / METADATA
-    try:
-        return json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
+    if not path.exists():
         hint = "Give the folder that `home-mjx record` has written to."
-        raise MissingFileError("there is no data set", file=path, hint=hint) from None
-    except ValueError as error:
-        raise DatasetError(f"metadata are broken: {error}", file=path) from None
+        raise MissingFileError("there is no data set", file=path, hint=hint)
+    with broken_metadata(path):
+        content = json.loads(read_text(path, most=MAX_BYTES))
+        if not isinstance(content, dict):
+            raise ValueError("they are no object with names")
+        return content
+
+
+@contextmanager
+def broken_metadata(path: Path) -> Iterator[None]:
+    """Where metadata cannot be read, or lack something, the block raises `DatasetError`."""
+    try:
+        yield
+    except HomeMjxError:
+        raise
+    except (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
+        reason = f"`{error.args[0]}` is missing" if type(error) is KeyError else str(error)
+        raise DatasetError(f"metadata are broken: {reason}", file=path, hint="Restore the file.") from None
 
 
 def write_metadata(folder: Path, content: dict[str, Any]) -> None:
-    """Writes metadata in one move, so that a killed process leaves the old ones or the new ones.
+    """Writes metadata in one move, so that a killed process, or a power cut, leaves the old ones or the new ones.
 
     Raises:
         ConfigError: They cannot be written.
     """
-    beside, path = folder / f".{METADATA}.new", folder / METADATA
-    with writing("metadata", path, FREE_SPACE):
-        beside.write_text(json.dumps(content, default=_plain), encoding="utf-8")
-        beside.replace(path)
+    with write_durably(folder / METADATA, "metadata", FREE_SPACE) as file:
+        file.write(json.dumps(content, default=_plain).encode())
 
 
 def _plain(value: Any) -> Any:

@@ -1,6 +1,8 @@
 """Reads episodes back, without Minari."""
 
 import json
+import operator
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -8,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pyarrow as pa
 
-from home_mjx.errors import DatasetError
-from home_mjx.trajectories.layout import DATA, PART, read_metadata
+from home_mjx.errors import DatasetError, HomeMjxError
+from home_mjx.trajectories.layout import DATA, METADATA, PART, broken_metadata, read_metadata
 
 
 class Trajectory(NamedTuple):
@@ -43,6 +45,7 @@ class Trajectories:
 
     Raises:
         MissingFileError: There is no data set.
+        DatasetError: Its metadata are broken.
 
     Example:
         >>> data = Trajectories("data/RoomNav")  # doctest: +SKIP
@@ -53,14 +56,18 @@ class Trajectories:
     def __init__(self, folder: str | Path) -> None:
         self.data = Path(folder) / DATA
         self.metadata = read_metadata(self.data)
-        spaces = json.loads(self.metadata["observation_space"])["subspaces"]
-        self._shapes = {name: tuple(space["shape"]) for name, space in spaces.items()}
-        action = json.loads(self.metadata["action_space"])
-        self._action = tuple(action.get("shape", (len(action["nvec"]),) if "nvec" in action else ()))
+        with broken_metadata(self.data / METADATA):
+            spaces = json.loads(self.metadata["observation_space"])["subspaces"]
+            self._shapes = {name: _shape(space["shape"]) for name, space in spaces.items()}
+            action = json.loads(self.metadata["action_space"])
+            self._action = _shape(action.get("shape", (len(action["nvec"]),) if "nvec" in action else ()))
+            self._length = operator.index(self.metadata["total_episodes"])
+            if not 0 <= self._length <= sys.maxsize:
+                raise ValueError(f"there cannot be {self._length:.3g} episodes")
 
     def __len__(self) -> int:
         """Episodes."""
-        return int(self.metadata["total_episodes"])
+        return self._length
 
     def __iter__(self) -> Iterator[Trajectory]:
         """All episodes in order."""
@@ -80,16 +87,39 @@ class Trajectories:
         try:
             with pa.memory_map(str(path)) as file:
                 batch = pa.ipc.open_file(file).get_batch(0)
-        except (OSError, pa.ArrowInvalid) as error:
-            raise DatasetError(f"episode cannot be read: {error}", file=path) from None
+            batch.validate(full=True)  # else a made-up offset would be followed anywhere
+            return self._episode(batch, read_metadata(folder))
+        except (
+            OSError,
+            pa.ArrowException,
+            LookupError,
+            ValueError,
+            TypeError,
+            AttributeError,
+            ArithmeticError,
+        ) as error:
+            if isinstance(error, HomeMjxError):
+                raise
+            hint = "Record it again, or restore the file."
+            raise DatasetError(f"episode cannot be read: {error}", file=path, hint=hint) from None
+
+    def _episode(self, batch: pa.RecordBatch, notes: dict[str, Any]) -> Trajectory:
         seen = batch.column("observations")
         ends = {name: batch.column(name).slice(0, len(seen) - 1) for name in Trajectory._fields[1:-1]}
         return Trajectory(
             {name: _array(seen.field(name), shape) for name, shape in self._shapes.items()},
             _array(ends["actions"], self._action),
             *(_array(ends[name], ()) for name in ("rewards", "terminations", "truncations")),
-            notes=read_metadata(folder),
+            notes=notes,
         )
+
+
+def _shape(sizes: Any) -> tuple[int, ...]:
+    """Raises `TypeError` or `ValueError` unless they are sizes of axes."""
+    shape = tuple(map(operator.index, sizes))
+    if min(shape, default=0) < 0:
+        raise ValueError(f"there is no shape {shape}")
+    return shape
 
 
 def _array(column: pa.Array, shape: tuple[int, ...]) -> np.ndarray:

@@ -1,6 +1,7 @@
 """Writes episodes, one folder each, that is there as a whole or not at all."""
 
 import json
+import os
 import shutil
 from collections.abc import Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -59,8 +60,7 @@ class Writer:
         if (self.data / METADATA).exists():
             self._take_up(resume)
         self.data.mkdir(parents=True, exist_ok=True)
-        for left in self.data.glob(".*.new"):  # by a process that was killed
-            shutil.rmtree(left) if left.is_dir() else left.unlink()
+        self._sweep()
         self._pool, self._waiting = ThreadPoolExecutor(THREADS), []
 
     def __enter__(self) -> "Writer":
@@ -86,6 +86,13 @@ class Writer:
         self.episodes, self.steps = number + 1, self.steps + num_steps
         if len(self._waiting) >= PER_METADATA:
             self._update()
+
+    def _sweep(self) -> None:
+        """Removes what a killed process left: what was not whole, and episodes behind one that was not."""
+        for left in self.data.iterdir():
+            beyond = left.name.isdecimal() and int(left.name) >= self.episodes
+            if beyond or (left.name.startswith(".") and left.name.endswith(".new")):
+                shutil.rmtree(left) if left.is_dir() else left.unlink()
 
     def _update(self) -> None:
         """Waits for what is being written and counts it."""
@@ -141,8 +148,11 @@ def _write_episode(data: Path, number: int, episode: dict[str, Any], notes: dict
     beside, place = data / f".{number}.new", data / str(number)
     beside.mkdir()
     batch = as_batch(episode)
-    with pa.OSFile(str(beside / PART), "wb") as sink, pa.ipc.new_file(sink, batch.schema) as file:
-        file.write_batch(batch)
+    with (beside / PART).open("wb") as sink:
+        with pa.ipc.new_file(sink, batch.schema) as file:
+            file.write_batch(batch)
+        sink.flush()
+        os.fsync(sink.fileno())  # before its folder's name makes it count
     write_metadata(beside, notes)
     beside.rename(place)
 

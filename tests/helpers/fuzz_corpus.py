@@ -189,36 +189,34 @@ def allowed() -> tuple[str, ...]:
     return (sys.prefix, sys.base_prefix, str(Path(os.__file__).parent), str(Path(__file__).parents[2]))
 
 
+PLAIN_VALUES: list = [
+    None, True, False, 0, -1, 1, 2, 7, 1e308, -1e308, 1e-320, 10**30, 2**63, float("nan"), float("inf"),
+    float("-inf"), "", "0", "1", ".", "..", "/", "_0", "._0", ".._0", "a" * 300, "é" * 120, "a\0b", "\ud800",
+    "../../etc/passwd", "..\\..\\etc\\passwd", "/etc/passwd", "~/x", "C:\\x", "file:///etc/passwd", "#ff00zz",
+    "#ffffff", "Room", "Object", "Box", "Ground", TABLE, f"{DOOR}_0", f"{DOOR}_2", "wood_1", "123", "a.png",
+    [], {}, [[]], [None], [0] * 16, [float("nan")] * 16, [1e6] * 16, [1e-300] * 16, [0.0] * 3, [-1e6] * 3,
+    [1e-9, 1, 1], list(range(-50, 50)), [2] * 50, {"min": [0, 0, 0], "max": [0, 0, 0]}, {"a": {"b": {}}},
+]  # fmt: skip
+PLAIN_WORDS = [
+    "", "nan", "inf", "-inf", "1e999", "-0", "1_0", "1e-320", "99999999999999999999", "-99999", "0", "1/2/3/4",
+    "/", "//", "1//", "-1/-1", "1/1/1", "#", "\\", "\t", "\r", "\x00", "\u2028", "\x85", "\x1c", "١", "0x10",
+    "f", "v", "vt", "usemtl", "mtllib", "newmtl", "o", "../../../../etc/passwd", "/etc/passwd", f"{TABLE}.obj",
+    "../../house", "..", ".", "a" * 5_000, '"', ",", ",,", "material_0", "material_1", "map_Kd", "Kd",
+    "-clamp on", f"../{TABLE}/{TABLE}.mtl", f"./{TABLE}.mtl", "map_Kd ../../texture//wood_1.png",
+]  # fmt: skip
 ODD_VALUES = st.one_of(
-    st.sampled_from(
-        [
-            None, True, False, 0, -1, 1, 2, 7, 1e308, -1e308, 1e-320, 10**30, 2**63, float("nan"), float("inf"),
-            float("-inf"), "", "0", "1", ".", "..", "/", "_0", "._0", ".._0", "a" * 300, "é" * 120, "a\0b", "\ud800",
-            "../../etc/passwd", "..\\..\\etc\\passwd", "/etc/passwd", "~/x", "C:\\x", "file:///etc/passwd", "#ff00zz",
-            "#ffffff", "Room", "Object", "Box", "Ground", TABLE, f"{DOOR}_0", f"{DOOR}_2", "wood_1", "123", "a.png",
-            [], {}, [[]], [None], [0] * 16, [float("nan")] * 16, [1e6] * 16, [1e-300] * 16, [0.0] * 3, [-1e6] * 3,
-            [1e-9, 1, 1], list(range(-50, 50)), [2] * 50, {"min": [0, 0, 0], "max": [0, 0, 0]}, {"a": {"b": {}}},
-        ]
-    ),
+    st.sampled_from(PLAIN_VALUES),
     st.integers(),
     st.floats(),
     st.text(max_size=8),
     st.recursive(st.none(), lambda inner: st.lists(inner, max_size=3), max_leaves=200),
-)  # fmt: skip
+)
 ODD_WORDS = st.one_of(
-    st.sampled_from(
-        [
-            "", "nan", "inf", "-inf", "1e999", "-0", "1_0", "1e-320", "99999999999999999999", "-99999", "0", "1/2/3/4",
-            "/", "//", "1//", "-1/-1", "1/1/1", "#", "\\", "\t", "\r", "\x00", "\u2028", "\x85", "\x1c", "١", "0x10",
-            "f", "v", "vt", "usemtl", "mtllib", "newmtl", "o", "../../../../etc/passwd", "/etc/passwd", f"{TABLE}.obj",
-            "../../house", "..", ".", "a" * 5_000, '"', ",", ",,", "material_0", "material_1", "map_Kd", "Kd",
-            "-clamp on", f"../{TABLE}/{TABLE}.mtl", f"./{TABLE}.mtl", "map_Kd ../../texture//wood_1.png",
-        ]
-    ),
+    st.sampled_from(PLAIN_WORDS),
     st.text(max_size=6),
     st.integers().map(str),
     st.floats().map(repr),
-)  # fmt: skip
+)
 
 
 def places(document: object, path: tuple = ()) -> list[tuple]:

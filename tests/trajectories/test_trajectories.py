@@ -85,6 +85,7 @@ def test_a_killed_process_loses_only_what_was_not_whole(env: BoundEnv, rng: np.r
     old = json.loads(path.read_text())
     path.write_text(json.dumps(old | {"total_episodes": 1, "total_steps": 3}))  # killed before it was counted
     shutil.copytree(folder / "data" / "2", folder / "data" / ".3.new")  # killed while it was written
+    shutil.copytree(folder / "data" / "2", folder / "data" / "4")  # by another thread, before 3 was whole
     assert len(Trajectories(folder)) == 1
     more = drawn(env, rng, 2)
     with Writer(folder, env, "expert", resume=True) as writer:

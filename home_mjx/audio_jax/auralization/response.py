@@ -26,6 +26,7 @@ from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.paths import Paths
 from home_mjx.audio_jax.propagation.tracing import Trace, spread, trace
+from home_mjx.core.transforms import is_unit
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS
 
@@ -77,8 +78,10 @@ def late_energy(
         config: `late` says which.
     """
     if config.late == "baked":
-        return baked_histogram(scene, source, listener, config)[0]
-    return traced_histogram(trace(scene, source, listener, key, config), listener.quat, config)
+        energy = baked_histogram(scene, source, listener, config)[0]
+    else:
+        energy = traced_histogram(trace(scene, source, listener, key, config), listener.quat, config)
+    return jnp.where(is_unit(listener.quat), energy, 0.0)  # as of the paths, see `early_paths`
 
 
 def traced_histogram(traced: Trace, head_quat: Float[Array, "4"], config: AudioConfig) -> Float[Array, "k 2 bands"]:

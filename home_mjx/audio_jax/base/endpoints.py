@@ -1,8 +1,12 @@
 """Who sounds, and who listens."""
 
+import jax
+import numpy as np
 from jaxtyping import Array, Float, Int
 
 from home_mjx.core.pytree import Pytree
+from home_mjx.core.transforms import UNIT_SLACK
+from home_mjx.errors import ConfigError
 
 
 class Source(Pytree):
@@ -18,6 +22,24 @@ class Listener(Pytree):
     pos: Float[Array, "3"]  # [m], world, middle of the head
     quat: Float[Array, "4"]  # wxyz, in MuJoCo's camera frame: +x right, +y up, looking along -z
     body: Int[Array, ""] | int = -1  # object id of the listener's own body, transparent to its ears; -1 none
+
+
+def check_listener(listener: Listener) -> None:
+    """Refuses a head that is not turned but stretched, where its numbers are known: not while a program is traced.
+
+    Raises:
+        ConfigError: The quaternion is not of unit length.
+
+    Example:
+        >>> import jax.numpy as jnp
+        >>> check_listener(Listener(jnp.zeros(3), jnp.array([1.0, 0.0, 0.0, 0.0])))
+    """
+    if isinstance(listener.quat, jax.core.Tracer):
+        return
+    norm = float(np.linalg.norm(listener.quat))
+    if not abs(norm**2 - 1) < UNIT_SLACK:
+        hint = "Divide it by its length; (1, 0, 0, 0) turns nothing."
+        raise ConfigError(f"a listener's quaternion must have unit length, got {norm:.4g}", hint=hint)
 
 
 class Sounds(Pytree):

@@ -6,10 +6,11 @@ import jax
 import jax.numpy as jnp
 
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Listener, Source
+from home_mjx.audio_jax.base.endpoints import Listener, Source, check_listener
 from home_mjx.audio_jax.propagation.diffraction import bent_paths
 from home_mjx.audio_jax.propagation.mirrored import mirrored_paths
 from home_mjx.audio_jax.propagation.paths import MOST_NAMES, PathProducer, Paths, direct_path, reflected_paths
+from home_mjx.core.transforms import is_unit
 from home_mjx.raycast_render.scene.types import Scene
 
 
@@ -42,16 +43,21 @@ def early_paths(
 
     Returns:
         The paths of all producers, one after the other: by default 1 + R, R being `config.num_reflections` or the
-        house's number of mirror planes if that is less.
+        house's number of mirror planes if that is less. Silent to a head whose quaternion is not of unit length.
+
+    Raises:
+        ConfigError: That quaternion is known, not traced.
 
     Example:
         >>> paths = early_paths(scene, Source(radio), Listener(ears, quat), AudioConfig())  # doctest: +SKIP
         >>> paths.distance.shape  # doctest: +SKIP
         (9,)
     """
+    check_listener(listener)
     each = enumerate(producers or producers_of(config))
     found = [_named(find(scene, source, listener, config), number) for number, find in each]
-    return jax.tree.map(lambda *parts: jnp.concatenate(parts), *found)
+    paths = jax.tree.map(lambda *parts: jnp.concatenate(parts), *found)
+    return paths.replace(gain=jnp.where(is_unit(listener.quat), paths.gain, 0.0))
 
 
 def _named(paths: Paths, producer: int) -> Paths:

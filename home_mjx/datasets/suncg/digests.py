@@ -32,6 +32,7 @@ class Inputs:
 
     def __init__(self, root: Path) -> None:
         self.root = root
+        self._prefix = os.path.join(root, "")
         self._assets = AssetLibrary(root)
         self._models: dict[str, bytes] = {}
         self._textures: dict[str, str] = {}
@@ -106,7 +107,9 @@ class Inputs:
         return self._facts(str(document), stamp_of(document.stat()), index).names
 
     def _facts(self, path: str, stamp: Stamp, index: DigestIndex) -> Facts:
-        return index.facts(os.path.relpath(path, self.root), stamp, lambda: _look(path, stamp[0]))
+        below = path.removeprefix(self._prefix)
+        name = below if below != path else os.path.relpath(path, self.root)
+        return index.facts(name, stamp, lambda: _look(path, stamp[0]))
 
 
 @functools.lru_cache(maxsize=8)

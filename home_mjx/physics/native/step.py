@@ -161,6 +161,8 @@ def _load(work, qpos, qvel, qacc):
                 qvel[4 * a + k],
                 qacc[4 * a + k],
             )
+        for k in range(3):  # whatever the environment before has left, such as what is no number
+            work.vel[6 * a + 3 + k] = work.acc[6 * a + 3 + k] = 0.0
         work.quat[4 * a], work.vel[6 * a + 5] = qpos[4 * a + 3], qvel[4 * a + 3]
     for m in range(work.num_agents, work.num_free):
         q, v = 4 * work.num_agents + 7 * (m - work.num_agents), 4 * work.num_agents + 6 * (m - work.num_agents)
@@ -178,6 +180,8 @@ def _load(work, qpos, qvel, qacc):
     q, v = 4 * work.num_agents + 7 * bodies, 4 * work.num_agents + 6 * bodies
     for h in range(work.num_mobiles - work.num_free):
         m = work.num_free + h
+        for k in range(1, 6):
+            work.vel[6 * m + k] = work.acc[6 * m + k] = 0.0
         work.quat[4 * m], work.vel[6 * m], work.acc[6 * m] = qpos[q + h], qvel[v + h], qacc[v + h]
 
 

@@ -8,6 +8,7 @@ stored as it is, so that reading never takes more memory than the file.
 """
 
 import json
+import math
 import struct
 import zipfile
 import zlib
@@ -97,5 +98,5 @@ def _view(data: np.ndarray, dtype: str, shape: list[int], at: int) -> np.ndarray
     kind = np.dtype(dtype)
     if kind.kind not in KINDS or min(at, *shape, 0) < 0:
         raise ValueError(f"entry has an array of type {dtype!s:.20} and shape {shape!s:.80}")
-    size = kind.itemsize * int(np.prod(shape, dtype=np.int64))
+    size = kind.itemsize * math.prod(shape)
     return data[at : at + size].view(kind).reshape(shape)

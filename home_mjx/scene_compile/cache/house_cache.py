@@ -171,7 +171,8 @@ class HouseCache:
         return str(Path(path).relative_to(root)) if path and Path(path).is_relative_to(root) else path
 
     def _absolute(self, path: str) -> str:
-        if path and below(self.dataset.root, self.dataset.root, path) is None:
+        plain = path[:1] != "/" and ".." not in path and "\\" not in path  # what can lead nowhere else
+        if not plain and below(self.dataset.root, self.dataset.root, path) is None:
             raise ValueError(f"a texture lies outside of the dataset: {path!s:.80}")
         return os.path.join(self._root, path) if path else ""
 

@@ -17,6 +17,7 @@ from home_mjx.scene_compile.pipeline.compile import CompileOptions
 
 FREE = "Free some space and start it again with --resume: what is done stays."
 COMPILED, CACHED, FAILED = "compiled", "cached", "failed"
+KINDS = {"id": str, "status": str, "entry": str | None}  # of what is read in a line
 
 
 @dataclass(frozen=True)
@@ -93,10 +94,10 @@ def read_report(path: Path) -> list[dict[str, Any]]:
     for line in lines:
         try:
             entry = json.loads(line)
-        except ValueError:
+        except (ValueError, RecursionError):
             continue
-        if isinstance(entry, dict) and {"id", "status"} <= entry.keys():
-            found.append(entry)
+        if isinstance(entry, dict) and all(isinstance(entry.get(name, ""), kind) for name, kind in KINDS.items()):
+            found += [entry] if {"id", "status"} <= entry.keys() else []
     return found
 
 

@@ -50,7 +50,7 @@ def check_house(house: CompiledHouse, house_id: str) -> None:
 def check_trees(trees: Sequence[Tree], primitives: Sequence[int]) -> None:
     """Raises `ValueError` unless all are trees of at most `MAX_DEPTH` levels, over primitives that there are.
 
-    Nodes come after their parents, as `build_tree` has them. All at once: houses have many small trees.
+    All at once: houses have many small trees.
 
     Args:
         trees: Any arrays of the right shapes.
@@ -61,38 +61,34 @@ def check_trees(trees: Sequence[Tree], primitives: Sequence[int]) -> None:
         >>> check_trees([Tree(np.zeros((1, 2, 6)), np.array([[0, -1]]))], primitives=[2])
         Traceback (most recent call last):
         ...
-        ValueError: a tree leads back
+        ValueError: a tree is too deep, or leads back
     """
-    counts = np.array([len(tree.child) for tree in trees], np.int64)
+    if not trees:
+        return
+    counts = np.array([len(tree.child) for tree in trees], np.intp)
     if not counts.all():
         raise ValueError("a tree has no root")
-    child = np.concatenate([np.zeros((0, 2), np.int64), *(tree.child for tree in trees)])
-    owner, root = np.repeat(np.arange(len(trees)), counts), np.repeat(np.cumsum(counts) - counts, counts)
-    row, side = np.nonzero(child >= 0)
-    inner = child[row, side] + root[row]
-    if np.any(child[row, side] >= counts[owner[row]]):
+    code, first = np.concatenate([tree.child for tree in trees]).ravel(), np.cumsum(counts) - counts
+    if np.any(np.maximum.reduceat(code, 2 * first) >= counts):
         raise ValueError("a tree leads to nodes that there are not")
-    leaf_row, side = np.nonzero(child < 0)
-    leaf = ~child[leaf_row, side]
-    if np.any((leaf >> LEAF_BITS) + (leaf & LEAF_MASK) > np.array(primitives, np.int64)[owner[leaf_row]]):
+    leaf, inner = ~code, code >= 0
+    if np.any(np.maximum.reduceat(((leaf >> LEAF_BITS) + (leaf & LEAF_MASK)) * ~inner, 2 * first) > primitives):
         raise ValueError("a tree leads to primitives that there are not")
-    if np.any(inner <= row):
-        raise ValueError("a tree leads back")
-    if np.bincount(inner).max(initial=0) > 1:
+    link = np.flatnonzero(inner)
+    target = code[link] + np.repeat(first, np.add.reduceat(inner, 2 * first, dtype=np.intp))
+    _check_levels(link >> 1, target, int(counts.sum()))
+
+
+def _check_levels(node: Int[np.ndarray, " n"], below: Int[np.ndarray, " n"], count: int) -> None:
+    """Walks up from all nodes at once: from each, `MAX_DEPTH` steps lead out of its tree."""
+    if np.bincount(below).max(initial=0) > 1:
         raise ValueError("a tree leads to a node twice")
-    parent = root.copy()
-    parent[inner] = row
-    if np.any(_ancestor(parent, MAX_DEPTH - 1) != root):
-        raise ValueError("a tree is too deep")
-
-
-def _ancestor(parent: Int[np.ndarray, " n"], steps: int) -> Int[np.ndarray, " n"]:
-    """What lies so many steps above each node; the root is above itself."""
-    found, jump = np.arange(len(parent)), parent
-    while steps:
-        found = jump[found] if steps & 1 else found
-        jump, steps = jump[jump], steps >> 1
-    return found
+    above = np.full(count + 1, count)  # roots are below what is no node, and that is below itself
+    above[below] = node
+    for _ in range(MAX_DEPTH.bit_length() - 1):  # it is a power of two
+        above = above.take(above)
+    if np.any(above != count):
+        raise ValueError("a tree is too deep, or leads back")
 
 
 def _check_range(name: str, values: Int[np.ndarray, " n"], least: int, below: int) -> None:

@@ -81,8 +81,9 @@ class _Shape:
 
 def _shape(item: PlacedObject) -> _Shape:
     """The shape of an object, without the leaves of a door whose hinges are known."""
-    linear = yaw_matrix(-item.yaw) @ item.pose[:, :3]
-    return _Shape(item.main.key, np.round(linear, 6).tobytes(), item.main.triangle.astype(np.float64) @ linear.T)
+    # Rounded for the triangles, too: else boxes would hang on which of nearly equal shapes a process meets first.
+    linear = np.round(yaw_matrix(-item.yaw) @ item.pose[:, :3], 6) + 0.0
+    return _Shape(item.main.key, linear.tobytes(), item.main.triangle.astype(np.float64) @ linear.T)
 
 
 @lru_cache(maxsize=1 << 12)

@@ -13,6 +13,7 @@ from home_mjx.audio_jax.auralization.sources import clip_samples
 from home_mjx.audio_jax.auralization.stream import sound_frame
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
+from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.scene.scene import make_scene
 
 BINAURAL, OMNI = AudioConfig(), AudioConfig(receiver="omni")
@@ -52,6 +53,15 @@ def test_in_the_open(distance):
     assert abs(lag) < 0.05
     assert np.mean(20 * np.log10(np.abs(transfer) * distance)) == pytest.approx(0, abs=0.05)
     assert int(np.argmax(np.abs(response))) == pytest.approx(distance / SPEED * RATE, abs=1)
+
+
+def test_heads_whose_quaternion_is_not_of_unit_length_are_refused_and_inside_jit_hear_nothing():
+    source, ears = jnp.zeros(3), jnp.array([1.0, 2.0, 9.0])
+    for quat in (1.05 * HEAD, 0 * HEAD, jnp.nan * HEAD):
+        with pytest.raises(ConfigError, match="a listener's quaternion must have unit length, got"):
+            impulse_response(open_air(), Source(source), Listener(ears, quat), KEY, BINAURAL)
+        assert not hear(open_air(), source, ears, quat).any()
+    assert hear(open_air(), source, ears, 1.001 * HEAD).any()
 
 
 @pytest.mark.parametrize(("y", "nearer"), [(3.0, 0), (-3.0, 1)])

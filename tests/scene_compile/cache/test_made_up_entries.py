@@ -136,6 +136,23 @@ def test_trees_deeper_than_the_stack_of_rays_are_found():
         check_trees([chain(3), chain(MAX_DEPTH + 1)], [1, 1])
 
 
+@pytest.mark.parametrize(
+    ("child", "said"),
+    [
+        ([[1, 1], [-1, -1]], "a node twice"),
+        ([[1, -1], [0, -1]], "leads back"),
+        ([[-1, -1], [1, -1]], "leads back"),
+        ([[2, -1], [-1, -1]], "nodes that there are not"),
+        ([[~(3 << 4 | 2), -1]], "primitives that there are not"),
+        (np.zeros((0, 2), int), "no root"),
+    ],
+)
+def test_trees_that_lead_elsewhere_are_found(child, said):
+    broken = Tree(np.zeros((len(child), 2, 6), np.float32), np.array(child, np.int32))
+    with pytest.raises(ValueError, match=said):
+        check_trees([chain(2), broken, chain(3)], [1, 4, 1])
+
+
 def test_trees_as_they_are_built_are_sound(rng):
     for count in (0, 1, 5, 5000):
         low = rng.random((count, 3)) * 2.0 ** rng.integers(-40, 40, (count, 1))

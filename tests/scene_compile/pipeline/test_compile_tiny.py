@@ -1,5 +1,7 @@
 """A house small enough to know every number of its compiled form."""
 
+import shutil
+
 import numpy as np
 import pytest
 from house_checks import mujoco_contacts, name_of, row_of, world_triangles
@@ -7,6 +9,8 @@ from tiny_dataset import DEPTH, DOOR, DOOR_AT, HOUSE_ID, TABLE, TABLE_AT, WIDTH,
 
 from home_mjx.datasets.suncg.dataset import open_dataset
 from home_mjx.errors import DatasetError
+from home_mjx.scene_compile.cache.flatten import flatten
+from home_mjx.scene_compile.collision.colliders import _fit_shape
 from home_mjx.scene_compile.collision.movables import MovableOptions
 from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS, CompileOptions, compile_house
 from home_mjx.schema.categories import FINE, ROOM_TYPES
@@ -186,3 +190,29 @@ def test_a_house_full_of_things_is_refused(root):
     edit_house(root, fill)
     with pytest.raises(DatasetError, match="no place"):
         compile_tiny(root)
+
+
+def test_a_house_is_the_same_whatever_was_compiled_before(tmp_path):
+    """Another house has the same models, turned and scaled by a little more: boxes are kept for equal shapes."""
+    root, other = write_tiny_dataset(tmp_path), HOUSE_ID[:-1] + "2"
+    for kind in ("house", "room"):
+        shutil.copytree(root / kind / HOUSE_ID, root / kind / other)
+
+    def turn(house):
+        house.update(id=other)
+        for node in house["levels"][0]["nodes"]:
+            if node["type"] == "Object":
+                matrix = np.array(node["transform"]).reshape(4, 4)
+                c, s = np.cos(3e-7), np.sin(3e-7)
+                matrix[:3, :3] = matrix[:3, :3] @ [[c, 0, s], [0, 1, 0], [-s, 0, c]] * (1 + 3e-7)
+                node["transform"] = matrix.ravel().tolist()
+
+    edit_house(root, turn, other)
+    dataset, found = open_dataset(root), []
+    for order in ((HOUSE_ID, other), (other, HOUSE_ID)):
+        _fit_shape.cache_clear()
+        houses = {house: compile_house(dataset.load_house(house), dataset.metadata) for house in order}
+        found.append({house: flatten(houses[house], frozenset(("models",)))[0] for house in houses})
+    for house in (HOUSE_ID, other):
+        one, two = (each[house] for each in found)
+        assert {name for name in one if one[name].tobytes() != two[name].tobytes()} == set()

@@ -1,0 +1,67 @@
+"""Changed files of every kind, some of each: `make fuzz` reads them by the million. What has failed once is kept."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+FUZZ = Path(__file__).with_name("fuzz.py")
+
+
+def fuzz(*arguments: object, program: str = "") -> tuple[int, dict[str, dict], str]:
+    """What `fuzz.py` returns and prints, by target; in a process without JAX's threads, since it forks."""
+    start = [str(FUZZ)] if not program else ["-c", f"import sys; sys.path.insert(0, {str(FUZZ.parent)!r})\n{program}"]
+    environment = {**os.environ, "PYTHONPATH": str(FUZZ.parents[2])}
+    done = subprocess.run(
+        [sys.executable, *start, *map(str, arguments)],
+        capture_output=True, text=True, timeout=300, env=environment, check=False,
+    )  # fmt: skip
+    lines = [json.loads(line) for line in done.stdout.splitlines()]
+    return done.returncode, {line["target"]: line for line in lines}, done.stderr
+
+
+def test_changed_files_are_read_or_refused(tmp_path):
+    status, found, said = fuzz("--quick", "--cases", 40, "--out", tmp_path)
+    assert status == 0, said
+    assert found.pop("all")["cases"] == 40 * len(found) > 900
+    assert all(line["cases"] == 40 for line in found.values())
+    assert sum(line["refused"] for line in found.values()) > 0.3 * 40 * len(found)
+    assert sum(line["read"] for line in found.values()) > 0.1 * 40 * len(found)
+
+
+CARELESS = """
+import os, signal, time
+import fuzz
+from mutations import of_bytes
+from readers import TARGETS, Target
+
+def reads(data):
+    if data[:1] == b"d":
+        return None
+    kind = data[0] % 4 if data else 0
+    if kind == 0:
+        raise KeyError("not typed")
+    if kind == 1:
+        os.kill(os.getpid(), signal.SIGSEGV)
+    if kind == 2:
+        len(b"x" * (130 << 20))
+    if kind == 3:
+        time.sleep(60)
+
+fuzz.SLOW, fuzz.MOST = 0.3, 100 << 10
+TARGETS["careless"] = Target(lambda folder: ([b"d" * 16], reads), (of_bytes,))
+sys.exit(fuzz.main())
+"""
+
+
+def test_careless_readers_are_caught(tmp_path):
+    """An error without a type, a signal, too much memory, too much time: each is found, and its input is kept."""
+    status, found, said = fuzz("--targets", "careless", "--cases", 80, "--out", tmp_path, program=CARELESS)
+    assert status == 1
+    assert found["careless"]["cases"] == 80
+    kept = [path for path in tmp_path.iterdir() if path.suffix != ".txt"]
+    assert len(kept) == found["careless"]["failed"] > 4
+    assert all(not path.read_bytes().startswith(b"d") for path in kept)
+    for trouble in ("KeyError: 'not typed'", f"ended by {11}", "takes 13", "slow"):
+        assert trouble in said
