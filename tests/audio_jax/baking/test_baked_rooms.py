@@ -10,7 +10,16 @@ from handmade import shoebox, two_rooms
 from numpy_measures import decay_time, edt, t30
 from scenes import HEAD
 
-from home_mjx.audio_jax import AudioConfig, BakeOptions, Listener, Source, baked_sound, early_paths, impulse_response
+from home_mjx.audio_jax import (
+    AudioConfig,
+    BakeOptions,
+    Listener,
+    Source,
+    baked_sound,
+    early_paths,
+    impulse_response,
+    survey_room,
+)
 from home_mjx.audio_jax.baking.bake import bake_house, open_scene
 from home_mjx.audio_jax.baking.late_field import LateField, stacked
 from home_mjx.audio_jax.base.filters import octave_gains
@@ -57,7 +66,7 @@ def means(energy: np.ndarray, read) -> np.ndarray:
 @pytest.fixture(scope="module")
 def uneven() -> tuple[rooms.KnownRoom, Scene]:
     room = rooms.uneven()
-    return room, baked(room.house, BakeOptions(size=1.5, rays=300, bounces=100))
+    return room, baked(room.house, BakeOptions(size=1.5, rays=400, bounces=120))
 
 
 def test_an_uneven_room_decays_as_it_should(uneven):
@@ -101,6 +110,17 @@ def test_a_waveform_has_the_energy_of_the_field(uneven):
     width = octave_gains(np.linspace(0, config.sample_rate / 2, 4001)).mean(axis=1)
     heard = (np.asarray(response)[:, 15 * config.bin_samples :] ** 2).sum(axis=1)
     np.testing.assert_allclose(10 * np.log10(heard / (energy @ width).sum()), 0, atol=0.5)
+
+
+@pytest.mark.slow
+def test_a_survey_reads_the_baked_field(uneven):
+    """T30 of a waveform as that of the field's energies; a figure of eight hears a third of what is everywhere."""
+    scene, config = uneven[1], AudioConfig(late="baked", response_seconds=2.0)
+    source, listener = Source(jnp.float32([-2.0, 1.0, 1.2])), Listener(jnp.float32([1.5, -0.7, 1.7]), HEAD)
+    found = jax.jit(survey_room, static_argnums=4)(scene, source, listener, jax.random.key(0), config)
+    energy = np.asarray(whole_energy(scene, source.pos, listener.pos)).T
+    np.testing.assert_allclose(found.measures.t30[1:], [t30(band, DT) for band in energy[1:]], rtol=0.08)
+    assert np.all(np.abs(np.asarray(found.lateral_fraction) - 1 / 3) < 0.2)
 
 
 def test_a_bank_without_baked_sound_is_refused():
