@@ -272,9 +272,8 @@ class _Baker:
 
 def _both(first: _Heard, second: _Heard) -> _Heard:
     """Those of two, one after the other."""
-    join = np.concatenate
-    sums = {n: join([first.sums[n], second.sums[n]]) for n in SUMS}
-    return _Heard(*(join([a, b]) for a, b in zip(first[:3], second[:3], strict=True)), sums)
+    energy, way, went = (np.concatenate(pair) for pair in zip(first[:3], second[:3], strict=True))
+    return _Heard(energy, way, went, {n: np.concatenate([first.sums[n], second.sums[n]]) for n in SUMS})
 
 
 def _rooms(house: CompiledHouse, total: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

@@ -11,7 +11,6 @@ gate to gate, all hear D + G H + G K H + G K K H ... : a renewal equation, solve
 from typing import NamedTuple
 
 import numpy as np
-import scipy.fft
 from jaxtyping import Complex, Float, Int
 
 from home_mjx.audio_jax.baking.flight import Flown, Rays
@@ -158,7 +157,7 @@ def add_up(
     source, between, cells = (_spectrum(x) for x in (given, passed, heard))
     rate = np.linalg.solve(np.eye(len(passed)) - np.swapaxes(between, 1, 2), np.swapaxes(source, 1, 2))
     found = np.ascontiguousarray(np.swapaxes(rate, 1, 2)) @ cells
-    over_time = scipy.fft.irfft(np.ascontiguousarray(np.moveaxis(found, 0, -1)), int(LONGER * bins))
+    over_time = np.fft.irfft(np.ascontiguousarray(np.moveaxis(found, 0, -1)), int(LONGER * bins))
     return over_time[..., :bins] / _damping(bins)
 
 
@@ -169,4 +168,4 @@ def _damping(bins: int) -> Float[np.ndarray, " k"]:
 def _spectrum(values: Float[np.ndarray, "a b k"]) -> Complex[np.ndarray, "f a b"]:
     """Of what is damped, so that it has ended when it begins anew."""
     bins = values.shape[-1]
-    return np.ascontiguousarray(np.moveaxis(scipy.fft.rfft(values * _damping(bins), int(LONGER * bins)), -1, 0))
+    return np.ascontiguousarray(np.moveaxis(np.fft.rfft(values * _damping(bins), int(LONGER * bins)), -1, 0))

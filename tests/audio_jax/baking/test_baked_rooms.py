@@ -160,7 +160,7 @@ def test_coupled_rooms_keep_both_slopes():
     And sound in the other room comes out of the doorway.
     """
     room = rooms.coupled()
-    scene = baked(room.house, BakeOptions(rays=400, bounces=150))
+    scene = baked(room.house, BakeOptions(size=0.8, rays=400, bounces=150))
     ours = heard(room, scene)
     truth = fly(room.blocks, room.source, room.listeners, 2.0, particles=60_000, radius=0.5).energy
     slopes = [decay_time(e[:3, MID].mean(axis=0), DT, -25, -45) for e in (ours, truth)]
