@@ -1,6 +1,7 @@
 """Sound through the floor between two storeys, against what a diffuse field lets through."""
 
 import numpy as np
+import pytest
 from storeys import Storey, metadata_of, stacked
 
 from home_mjx.audio_jax.baking.bake import BakeOptions, bake_house
@@ -9,6 +10,7 @@ from home_mjx.scene_compile.materials.acoustic import transmission_loss_table
 from home_mjx.scene_compile.pipeline.compile import compile_house
 
 
+@pytest.mark.slow
 def test_a_floor_lets_through_what_its_loss_says():
     """A quarter of a diffuse field's energy density and speed falls on each surface, and a share of it gets through.
 
