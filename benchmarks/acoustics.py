@@ -19,7 +19,18 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "helpe
 import acoustic_rooms as rooms
 from decay_oracle import fly
 
-from home_mjx.audio_jax import AudioConfig, Listener, Source, decay_time, early_paths, edt, energy_histogram, t30, trace
+from home_mjx.audio_jax import (
+    AudioConfig,
+    BakeOptions,
+    Listener,
+    Source,
+    decay_time,
+    early_paths,
+    edt,
+    t30,
+    with_late_sound,
+)
+from home_mjx.audio_jax.auralization.response import late_energy
 from home_mjx.bank.bank import HouseBank
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.schema.compiled import BANDS
@@ -37,15 +48,17 @@ def engine(scene_bank, house, source, listener, key, config):
     scene = make_scene(scene_bank, house, physics.body_pos[house], physics.body_quat[house], *nobody)
     who, ears = Source(source), Listener(listener, UPRIGHT)
     paths = early_paths(scene, who, ears, config)
-    rays = trace(scene, who, ears, key, config)
-    late = energy_histogram(rays, jnp.ones((config.num_rays, 2, len(BANDS))), config)[:, 0]
+    late = late_energy(scene, who, ears, key, config)[:, 0]
     at = (paths.distance / (config.bin_seconds * config.speed_of_sound)).astype(jnp.int32)
     return late.at[at].add(paths.gain**2, mode="drop")
 
 
-def heard(cases, config, seeds):
+def heard(cases, config, seeds, bake_seed=0):
     """Histograms of the engine, one array (seeds, listeners, bands, bins) per room."""
-    bank = HouseBank.from_compiled([case.house for case in cases])
+    houses = [case.house for case in cases]
+    bank = HouseBank.from_compiled(houses)
+    if config.late == "baked":
+        bank = with_late_sound(bank, houses, BakeOptions(seed=bake_seed), progress=True)
     run = jax.jit(jax.vmap(partial(engine, config=config), in_axes=(None, None, None, 0, 0)))
     found = []
     for house, case in enumerate(cases):
@@ -94,6 +107,9 @@ def main():
     parser.add_argument("--rays", type=int, default=AudioConfig().num_rays)
     parser.add_argument("--bounces", type=int, default=AudioConfig().num_bounces)
     parser.add_argument("--seeds", type=int, default=8, help="runs of the engine per listener")
+    parser.add_argument("--late", choices=("traced", "baked"), default="traced")
+    parser.add_argument("--bake-seed", type=int, default=0, help="of baked late sound, which has no other")
+    parser.add_argument("--rooms", nargs="*", help="only these, such as uneven (default: all)")
     parser.add_argument("--seconds", type=float, default=3.0, help="length of the decays")
     parser.add_argument("--out", type=Path, help="file for the records, to which they are added")
     args = parser.parse_args()
@@ -105,15 +121,24 @@ def main():
         rooms.household(True),
         rooms.coupled(),
     ]
-    config = AudioConfig(receiver="omni", response_seconds=args.seconds, num_rays=args.rays, num_bounces=args.bounces)
+    cases = [case for case in cases if not args.rooms or case.name in args.rooms]
+    rays = {"num_rays": args.rays, "num_bounces": args.bounces}
+    config = AudioConfig(receiver="omni", response_seconds=args.seconds, late=args.late, **rays)
+    seeds = 1 if args.late == "baked" else args.seeds
     print("| " + " | ".join(COLUMNS) + " |\n|" + " --- |" * len(COLUMNS))
-    for case, ours in zip(cases, heard(cases, config, args.seeds), strict=True):
+    for case, ours in zip(cases, heard(cases, config, seeds, args.bake_seed), strict=True):
         truth = fly(case.blocks, case.source, case.listeners, args.seconds, config.bin_seconds, args.particles).energy
         for name, group in places(case).items():
             for record in compare(name, truth[group], ours[:, group], config.bin_seconds):
                 print("| " + " | ".join(cells(record)) + " |", flush=True)
                 if args.out:
-                    whole = {**record, "rays": args.rays, "bounces": args.bounces, "particles": args.particles}
+                    whole = {
+                        **record,
+                        "late": args.late,
+                        "rays": args.rays,
+                        "bounces": args.bounces,
+                        "particles": args.particles,
+                    }
                     with args.out.open("a") as file:
                         file.write(json.dumps(whole) + "\n")
 

@@ -14,6 +14,7 @@ from home_mjx.audio_jax.base.endpoints import Listener, Sounds, Source
 from home_mjx.audio_jax.base.presets import PRESETS, audio_preset
 from home_mjx.audio_jax.measures.clarity import c50, c80, centre_time, d50, drr, strength
 from home_mjx.audio_jax.measures.decay import decay_curve, decay_time, edt, t20, t30
+from home_mjx.audio_jax.measures.floor import FloorSound, floor_sound
 from home_mjx.audio_jax.measures.octaves import octave_responses
 from home_mjx.audio_jax.measures.spatial import iacc, lateral_fraction
 from home_mjx.audio_jax.measures.survey import Survey, survey_room
@@ -33,6 +34,7 @@ __all__ = [
     "AudioConfig",
     "BakeOptions",
     "Envelope",
+    "FloorSound",
     "Listener",
     "PathProducer",
     "Paths",
@@ -63,6 +65,7 @@ __all__ = [
     "energy_histogram",
     "energy_response",
     "faded_frame",
+    "floor_sound",
     "given_off",
     "iacc",
     "impulse_response",

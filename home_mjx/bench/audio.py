@@ -1,5 +1,6 @@
 """Sound alone: from a source and a listener in each environment to what the two ears hear."""
 
+import time
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -8,9 +9,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from home_mjx.audio_jax.auralization.envelope import band_level, clip_power, energy_response
 from home_mjx.audio_jax.auralization.response import impulse_response
 from home_mjx.audio_jax.auralization.sources import clip_samples
 from home_mjx.audio_jax.auralization.stream import faded_frame
+from home_mjx.audio_jax.baking.bake import BakeOptions, bake_house
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.base.presets import audio_preset
@@ -22,6 +25,7 @@ from home_mjx.bench.batch import eye_at, houses_and_starts, own_body, rate_per_e
 from home_mjx.bench.record import Record, Settings, make_record
 
 CONFIG = AudioConfig()
+SOURCES = 4  # heard at once
 STEP = 0.1  # [m] in a frame, by which source and listener each move
 
 
@@ -66,32 +70,125 @@ def frame_synthesis(settings: Settings) -> Record:
     )
 
 
-def _frames(case: str, config: AudioConfig, settings: Settings) -> Record:
-    """Responses with their frames, between where source and listener were, received before, and where they are now."""
-    hear, old = _producer(config), _before(settings, config, -STEP)
+def frame_baked(settings: Settings) -> Record:
+    """A response and its frame, late sound looked up in what has been baked."""
+    return _frames("audio/frame-baked", AudioConfig(late="baked"), settings)
 
-    def step(bank: HouseBank, house: jax.Array, start: jax.Array, old: Any) -> tuple[jax.Array, Any]:
-        new = _heard(hear, config, STEP, bank, house, start)
-        return _frame(config, house, old, new), new
+
+def frame_moving_baked(settings: Settings) -> Record:
+    """The same of sound that moves within the frame."""
+    return _frames("audio/frame-moving-baked", audio_preset("fast", late="baked"), settings)
+
+
+def frame_four(settings: Settings) -> Record:
+    """Frames of four sources that each agent hears at once, of sound that moves within the frame."""
+    return _frames("audio/frame-four", audio_preset("fast"), settings, SOURCES)
+
+
+def frame_four_baked(settings: Settings) -> Record:
+    """The same with late sound that has been baked."""
+    return _frames("audio/frame-four-baked", audio_preset("fast", late="baked"), settings, SOURCES)
+
+
+def features(settings: Settings) -> Record:
+    """Levels of both ears per octave and the lead of one ear, without a waveform."""
+    return _features("audio/features", CONFIG, settings)
+
+
+def features_baked(settings: Settings) -> Record:
+    """The same with late sound that has been baked."""
+    return _features("audio/features-baked", AudioConfig(late="baked"), settings)
+
+
+def bake(settings: Settings) -> Record:
+    """Baking the late sound of one house, the second time: what is compiled by then is not counted."""
+    house, seconds = settings.first_house, []
+    for _ in range(2):
+        start = time.perf_counter()
+        size = bake_house(house, bank=settings.bank).nbytes
+        seconds.append(time.perf_counter() - start)
+    options = BakeOptions()
+    note = f"{options.rays} rays per cell and octave, {size / 1e6:.2f} MB; the first house of {settings.houses}"
+    return make_record("audio/bake", seconds[1], "s/house", note, compile_seconds=max(seconds[0] - seconds[1], 0.0))
+
+
+def _features(case: str, config: AudioConfig, settings: Settings) -> Record:
+    """Energies at both ears of the source's clip, one frame of it."""
+    frame = config.frame // config.bin_samples
+
+    def step(bank: HouseBank, house: jax.Array, start: jax.Array) -> tuple[jax.Array, jax.Array]:
+        heard = _heard(energy_response, config, 0.0, bank, house, start)
+        power = jnp.asarray(clip_power("radio", config))[: heard.energy.shape[0] - 1 + frame]
+        return band_level(heard.energy, power), heard.lead
 
     houses, starts = houses_and_starts(settings)
-    program, seconds = timing.compiled(jax.vmap(step, (None, 0, 0, 0)), settings.bank, houses, starts, old)
-    rate = timing.calls_per_second(program, settings.bank, houses, starts, old, seconds=settings.seconds)
-    rays = f"{config.num_rays} rays, {config.num_bounces} bounces, {config.num_paths} paths"
-    note = f"response, then a stereo frame of {config.frame} samples; {rays}; {settings.houses}"
+    bank = _bank(settings, config)
+    program, seconds = timing.compiled(jax.vmap(step, (None, 0, 0)), bank, houses, starts)
+    rate = timing.calls_per_second(program, bank, houses, starts, seconds=settings.seconds)
+    note = f"energies in {config.num_bins} bins, levels of a frame; {_late(config)}; {settings.houses}"
     return make_record(
         case, rate * settings.num_envs, "frames/s", note, num_envs=settings.num_envs, compile_seconds=seconds
     )
+
+
+def _frames(case: str, config: AudioConfig, settings: Settings, sources: int = 1) -> Record:
+    """Responses with their frames, between where source and listener were, received before, and where they are now."""
+    hear, old = _producer(config), _before(settings, config, -STEP, sources)
+
+    def step(bank: HouseBank, house: jax.Array, start: jax.Array, old: Any) -> tuple[jax.Array, Any]:
+        new = _all_heard(hear, config, STEP, sources, bank, house, start)
+        if sources == 1:
+            return _frame(config, house, old, new), new
+        return jnp.sum(jax.vmap(partial(_frame, config, house))(old, new), axis=0), new
+
+    houses, starts = houses_and_starts(settings)
+    bank = _bank(settings, config)
+    program, seconds = timing.compiled(jax.vmap(step, (None, 0, 0, 0)), bank, houses, starts, old)
+    rate = timing.calls_per_second(program, bank, houses, starts, old, seconds=settings.seconds)
+    note = f"response, then a stereo frame of {config.frame} samples; {_late(config)}, {config.num_paths} paths"
+    note += f", {sources} sources" if sources > 1 else ""
+    return make_record(
+        case,
+        rate * settings.num_envs,
+        "frames/s",
+        f"{note}; {settings.houses}",
+        num_envs=settings.num_envs,
+        compile_seconds=seconds,
+    )
+
+
+def _late(config: AudioConfig) -> str:
+    return "late sound baked" if config.late == "baked" else f"{config.num_rays} rays, {config.num_bounces} bounces"
+
+
+def _bank(settings: Settings, config: AudioConfig) -> HouseBank:
+    return settings.late_bank if config.late == "baked" else settings.bank
 
 
 def _producer(config: AudioConfig) -> Callable[..., Any]:
     return reception if config.motion else impulse_response
 
 
-def _before(settings: Settings, config: AudioConfig, step: float) -> Any:
+def _before(settings: Settings, config: AudioConfig, step: float, sources: int = 1) -> Any:
     """What every environment has received when source and listener were `step` [m] from the middle of their way."""
-    hear = jax.jit(jax.vmap(partial(_heard, _producer(config), config, step), (None, 0, 0)))
-    return jax.block_until_ready(hear(settings.bank, *houses_and_starts(settings)))
+    hear = jax.jit(jax.vmap(partial(_all_heard, _producer(config), config, step, sources), (None, 0, 0)))
+    return jax.block_until_ready(hear(_bank(settings, config), *houses_and_starts(settings)))
+
+
+def _all_heard(
+    hear: Callable[..., Any],
+    config: AudioConfig,
+    step: float,
+    sources: int,
+    bank: HouseBank,
+    house: jax.Array,
+    start: jax.Array,
+) -> Any:
+    """What an agent hears of one source, or of each of several."""
+    if sources == 1:
+        return _heard(hear, config, step, bank, house, start)
+    goals = jnp.arange(sources, dtype=jnp.int32) % bank.navigation.goal.shape[1]
+    return jax.vmap(lambda goal: _heard(hear, config, step, bank, house, start, goal))(goals)
 
 
 def _frame(config: AudioConfig, house: jax.Array, old: Any, new: Any) -> jax.Array:
@@ -103,10 +200,16 @@ def _frame(config: AudioConfig, house: jax.Array, old: Any, new: Any) -> jax.Arr
 
 
 def _heard(
-    hear: Callable[..., Any], config: AudioConfig, step: float, bank: HouseBank, house: jax.Array, start: jax.Array
+    hear: Callable[..., Any],
+    config: AudioConfig,
+    step: float,
+    bank: HouseBank,
+    house: jax.Array,
+    start: jax.Array,
+    goal: jax.Array | int = 0,
 ) -> Any:
-    """What an agent near `start` hears of the house's first goal; both moved by half of `step` [m], each its way."""
-    source = bank.navigation.goal[house, 0] + jnp.array([0.0, step / 2, 1.0], jnp.float32)
+    """What an agent near `start` hears of one of the house's goals; both moved by half of `step` [m], each its way."""
+    source = bank.navigation.goal[house, goal] + jnp.array([0.0, step / 2, 1.0], jnp.float32)
     eyes, quat = eye_at(start + jnp.array([step / 2, 0.0, 0.0], jnp.float32))
     scene = scene_at(bank, house, start)
     return hear(scene, Source(source), Listener(eyes, quat, body=own_body(bank)), jax.random.key(0), config)
@@ -118,4 +221,11 @@ CASES: dict[str, Callable[[Settings], Record]] = {
     "frame-fast": frame_fast,
     "frame-balanced": frame_balanced,
     "frame-synthesis": frame_synthesis,
+    "frame-baked": frame_baked,
+    "frame-moving-baked": frame_moving_baked,
+    "frame-four": frame_four,
+    "frame-four-baked": frame_four_baked,
+    "features": features,
+    "features-baked": features_baked,
+    "bake": bake,
 }

@@ -96,6 +96,13 @@ class Settings:
         return HouseBank.from_dataset(self.house_set, progress=True)
 
     @cached_property
+    def late_bank(self) -> Any:
+        """The same with baked late sound."""
+        from home_mjx.audio_jax.baking.store import with_late_sound
+
+        return with_late_sound(self.bank, self.house_set.load(), progress=True)
+
+    @cached_property
     def first_house(self) -> CompiledHouse:
         """The bank's first house, on the host."""
         (house,) = replace(self.house_set, num_houses=1).load()

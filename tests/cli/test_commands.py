@@ -220,6 +220,20 @@ def test_listen_hears_the_source_after_its_delay(houses: Path, tmp_path: Path, c
     assert (tmp_path / "heard.wav").stat().st_size > 2 * 2 * 16000
 
 
+@pytest.mark.slow
+def test_listen_draws_level_and_decay_over_the_floor(houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture):
+    """In many shades, and of the same rooms."""
+    assert main(["listen", "--dataset", str(houses), "--out", str(tmp_path), "--map"]) == 0
+    printed = capsys.readouterr().out
+    shapes = []
+    for name in ("level", "t30"):
+        assert f"{name}.png" in printed
+        picture = np.asarray(Image.open(tmp_path / f"{name}.png")).astype(int)
+        shapes.append(picture.shape)
+        assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 10
+    assert shapes[0] == shapes[1]
+
+
 def test_places_outside_of_the_house_are_refused(houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture):
     where = ["--dataset", str(houses), "--out", str(tmp_path)]
     assert main(["render", *where, "--at", "1000", "1000"]) == 2

@@ -1,5 +1,7 @@
 """From what cells heard to a late field: spans of time, shapes of decays, and what lies beyond the traced time."""
 
+from collections.abc import Iterator
+
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
@@ -33,12 +35,21 @@ class Tally:
     def add(self, source: int, heard: Float[np.ndarray, "bands n k"], flown: float) -> None:
         """Energy from one cell to all, up to a distance that nearly all rays flew [m]."""
         self.valid.append(int((flown - self.distance.max()) / self.metres))
+        for cell, after in enumerate(self._after(source, heard)):
+            self.pair[source, cell] = np.add.reduceat(after, SPANS, axis=1).T
+            self.shape[self.room[source], self.room[cell]] += after
+
+    def spans(self, source: int, heard: Float[np.ndarray, "x n k"]) -> Float[np.ndarray, "n x s"]:
+        """Sums over each span of what all cells hear of one."""
+        return np.stack([np.add.reduceat(after, SPANS, axis=1) for after in self._after(source, heard)])
+
+    def _after(self, source: int, heard: Float[np.ndarray, "x n k"]) -> Iterator[Float[np.ndarray, "x k"]]:
+        """What each cell hears from the first possible arrival on; what seems to be earlier comes then."""
         for cell, late in enumerate(self.arrival[source]):
             after = np.zeros(heard.shape[::2])
             after[:, : heard.shape[2] - late] = heard[:, cell, late:]
             after[:, 0] += heard[:, cell, :late].sum(axis=1)
-            self.pair[source, cell] = np.add.reduceat(after, SPANS, axis=1).T
-            self.shape[self.room[source], self.room[cell]] += after
+            yield after
 
     def finish(
         self, seen: Bool[np.ndarray, "n n"] | None = None
@@ -55,8 +66,8 @@ class Tally:
         longer = np.ones(shape.shape[:3])
         for index in np.ndindex(*shape.shape[:3]):
             longer[index] = _extend(shape[index], valid, slowest[index[2]])
-        pair = self.pair + np.swapaxes(self.pair, 0, 1)
-        pair = apart(pair / 2, self.room, seen) if seen is not None else pair / 2
+        pair = alike((self.pair + np.swapaxes(self.pair, 0, 1)) / 2, self.room)
+        pair = apart(pair, self.room, seen) if seen is not None else pair
         a, b = self.room[:, None], self.room[None]
         pair[:, :, -1] *= longer[a, b]
         spans = np.add.reduceat(shape, SPANS, axis=3)  # (r, r, bands, spans)
@@ -65,6 +76,22 @@ class Tally:
         width = np.diff([*SPANS, shape.shape[3]])
         shape /= np.maximum(np.repeat(spans, width, axis=3), SILENT)
         return np.log(np.maximum(pair, SILENT)), shape
+
+
+def alike(pair: Float[np.ndarray, "n n s b"], room: Int[np.ndarray, " n"]) -> Float[np.ndarray, "n n s b"]:
+    """Energies whose pattern over the cells of two rooms is that of the octave and its neighbours.
+
+    By how much a cell hears more than others of its room has to do with where it is, and changes slowly from octave to
+    octave, each of which has rays of its own. What the rooms hear as a whole stays.
+    """
+    member = np.eye(room.max() + 1)[room]
+    count = member.sum(axis=0)
+    mean = np.einsum("ia,ijsb,jc->acsb", member, pair, member, optimize=True)
+    mean /= np.maximum(count[:, None] * count[None], 1)[..., None, None]
+    mean = np.maximum(mean, SILENT**2)[room[:, None], room[None]]
+    bands = pair.shape[-1]
+    near = np.abs(np.subtract.outer(np.arange(bands), np.arange(bands))) <= 1
+    return (pair / mean) @ (near / near.sum(axis=0)) * mean
 
 
 def apart(

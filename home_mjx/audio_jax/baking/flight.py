@@ -8,7 +8,6 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from home_mjx.audio_jax.baked.spans import SPANS
 from home_mjx.audio_jax.baking.cells import FROM_FLOOR
 from home_mjx.audio_jax.baking.split import share_out
 from home_mjx.audio_jax.base.config import AudioConfig
@@ -23,6 +22,7 @@ STAMPS = 6  # times at which one segment can be heard; longer ones are heard the
 FAR = 1e4  # [m]
 INWARD = 0.1  # [m], from a surface to a point that is in the room before it
 BEHIND = (0.08, 0.15, 0.25, 0.4)  # [m], from a surface to points that may be in the room behind it
+FLOORS = 2.0  # times as thick as walls may floors be
 
 
 class Grid(Pytree):
@@ -34,95 +34,130 @@ class Grid(Pytree):
     high: Float[Array, " n"]
     volume: Float[Array, " n"]
     room: Int[Array, " n"]
+    joined: Bool[Array, "r r"]  # which rooms have a portal in common
     rooms: int = static()
     step: float = static()  # [m]
 
 
+class Rays(NamedTuple):
+    """Rays, octave after octave, equally many of each."""
+
+    origin: Float[Array, "n 3"]
+    direction: Float[Array, "n 3"]
+    travelled: Float[Array, " n"]  # [m]
+    energy: Float[Array, " n"]  # of the ray's own octave, starting from 1
+    counts: Float[Array, " n"]  # 0 on segments that early paths render
+    room: Int[Array, " n"]  # that it is in, or left
+    last: Int[Array, " n"]  # before whose surface it was last reflected
+
+
 class Flown(NamedTuple):
-    """What the rays of one source gave, or several; sums over rays are in no unit, only their ratios count."""
+    """What the rays of one source gave, or several."""
 
     energy: Float[Array, "bands c k"]  # re the free field of the source at 1 m, per octave, cell and time bin
-    way: Float[Array, "spans c 3"]  # sum of directions in which it came in each span, by energy
-    distance: Float[Array, " n"]  # [m], that each ray flew
+    way: Float[Array, "c k 3"]  # directions in which it came, by energy; over all octaves
+    went: Float[Array, "bands r r k"]  # energy that went from room to room, when; diagonal: that grew old
+    gone: "Gone"  # rays that went to another room
+    aged: "Gone"  # that grew old
     lived: Float[Array, "bands r"]  # energy times way [m] in each room
     lost: Float[Array, "bands r"]  # energy that surfaces and air have taken
     moved: Float[Array, "bands r r"]  # that went from room to room
     through: Float[Array, "bands r r"]  # that walls would have let through
 
 
-class _Ray(NamedTuple):
-    origin: Float[Array, "n 3"]
-    direction: Float[Array, "n 3"]
-    travelled: Float[Array, " n"]
-    energy: Float[Array, " n"]  # of the ray's own octave, starting from 1
-    counts: Float[Array, " n"]  # 0 on segments that early paths render
-    room: Int[Array, " n"]
-
-
 class _Sums(NamedTuple):
     heard: Float[Array, " x"]
-    way: Float[Array, "spans c 3"]
+    way: Float[Array, "x 3"]
+    went: Float[Array, "bands r r k"]
     lived: Float[Array, "bands r"]
     lost: Float[Array, "bands r"]
     moved: Float[Array, "bands r r"]
     through: Float[Array, "bands r r"]
 
 
+class Gone(NamedTuple):
+    """One of the rays that ended in the place of each, as it went on, with the energy of all of them."""
+
+    ray: Rays
+    entered: Int[Array, " n"]  # room
+
+
 def fly(
     scene: Scene,
     grid: Grid,
-    start: Float[Array, "r 3"],
+    start: Float[Array, "n 3"],
+    direction: Float[Array, "n 3"],
     room: Int[Array, ""],
-    arrival: Int[Array, " c"],
+    fresh: Bool[Array, ""],
+    bounces: Int[Array, ""],
+    age: Float[Array, ""],
     key: Array,
     config: AudioConfig,
     bins: int,
 ) -> Flown:
-    """Energy density in every cell over time, of one source that is spread over some points.
+    """Energy density in every cell over time, of rays from some points, until they enter another room.
 
     Each ray belongs to one octave and is scattered as that octave is: nothing is weighted afterwards. It is heard at
     regular times, in the cell where it then is, so that a cell hears as much as its volume deserves. Segments that
     early paths render are left out: the direct one, and first-order reflections in architecture. After each reflection
-    rays are shared out anew, see `share_out`, so that many are in rooms that little energy gets to.
+    rays are shared out anew, see `share_out`, so that none is wasted on little energy.
+
+    A ray ends with the first reflection in another room, or when it is old. Only what a source sends to another room
+    directly flies on there.
 
     Args:
         scene: The house.
         grid: Its cells.
-        start: Where rays of every octave start [m].
+        start: Where rays start [m], octave after octave, equally many of each.
+        direction: Where they go, unit.
         room: In which room that is.
-        arrival: Bin in which sound can first arrive in each cell.
+        fresh: They come from a source, not from a reflection.
+        bounces: How often they are reflected at most; what is left then counts as old.
+        age: At which they are old [m].
         key: Random key.
-        config: `num_bounces`, `bin_seconds` and the air.
+        config: `bin_seconds` and the air.
         bins: Number of time bins.
     """
-    rays, cells = start.shape[0], grid.volume.shape[0]
-    octave = jnp.repeat(jnp.arange(len(BANDS), dtype=jnp.int32), rays)
-    ways, jitter, draws = jax.random.split(key, 3)
-    way = jax.random.normal(ways, (octave.size, 3), jnp.float32)
-    zero = jnp.zeros(octave.size, jnp.float32)
-    first = _Ray(
-        jnp.tile(start, (len(BANDS), 1)),
-        way / jnp.linalg.norm(way, axis=1, keepdims=True),
-        zero,
-        zero + 1,
-        zero,
-        jnp.broadcast_to(room, octave.shape),
-    )
+    count, cells = start.shape[0], grid.volume.shape[0]
+    octave = jnp.repeat(jnp.arange(len(BANDS), dtype=jnp.int32), count // len(BANDS))
+    jitter, draws, turn = jax.random.split(key, 3)
+    zero, rooms = jnp.zeros(count, jnp.float32), jnp.broadcast_to(room, (count,))
+    first = Rays(start, direction, zero, zero + 1, jnp.where(fresh, zero, 1.0), rooms, rooms)
+    nobody = Gone(first._replace(energy=zero), rooms)
     metres = config.bin_seconds * config.speed_of_sound
     late = jax.random.uniform(jitter, octave.shape, jnp.float32)
-    hear = partial(_hear, grid=grid, octave=octave, late=late, arrival=arrival, metres=metres)
-    walk = _Walk(scene, grid, octave, jnp.asarray(air_energy(config))[octave], config.num_reflections > 0, hear)
-    shapes = (
-        (len(BANDS) * cells * bins,),
-        (len(SPANS), cells, 3),
-        *(2 * [(7, grid.rooms)]),
-        *(2 * [(7, grid.rooms, grid.rooms)]),
-    )
+    hear = partial(_hear, grid=grid, octave=octave, late=late, metres=metres)
+    mirrors = fresh & (config.num_reflections > 0)
+    air = jnp.asarray(air_energy(config))[octave]
+    walk = _Walk(scene, grid, octave, air, fresh, age, mirrors, hear, metres)
+    pair = (len(BANDS), grid.rooms, grid.rooms)
+    shapes = ((len(BANDS) * cells * bins,), (cells * bins, 3), (*pair, bins), *(2 * [pair[:2]]), *(2 * [pair]))
     nothing = _Sums(*(jnp.zeros(shape, jnp.float32) for shape in shapes))
-    (ray, sums), _ = jax.lax.scan(walk.bounce, (first, nothing), jax.random.split(draws, config.num_bounces))
-    scale = 4 * jnp.pi * metres / rays / grid.volume
+
+    def step(carry: _Carry) -> _Carry:
+        return walk.bounce(carry, jax.random.fold_in(draws, carry.bounces))
+
+    end = jax.lax.while_loop(
+        lambda carry: (carry.bounces < bounces) & jnp.any(carry.ray.energy > 0),
+        step,
+        _Carry(jnp.int32(0), first, nobody, nobody, nothing),
+    )
+    ray, sums = end.ray, end.sums
+    left = _replace(end.aged, ray, ray.room, jax.random.uniform(turn, (count,), jnp.float32))
+    share = len(BANDS) / count
+    scale = 4 * jnp.pi * metres * share / grid.volume
     energy = sums.heard.reshape(len(BANDS), cells, bins) * scale[None, :, None]
-    return Flown(energy, sums.way * scale[None, :, None], ray.travelled, *sums[2:])
+    way = sums.way.reshape(cells, bins, 3) * scale[:, None, None]
+    went = _put(sums.went, octave, ray.room, ray.room, ray.travelled / metres, ray.energy)
+    return Flown(energy, way, went * share, end.gone, left, *(x * share for x in sums[3:]))
+
+
+class _Carry(NamedTuple):
+    bounces: Int[Array, ""]
+    ray: Rays
+    gone: Gone
+    aged: Gone
+    sums: _Sums
 
 
 class _Walk(NamedTuple):
@@ -132,13 +167,16 @@ class _Walk(NamedTuple):
     grid: Grid
     octave: Int[Array, " n"]
     air: Float[Array, " n"]  # [1/m]
-    mirrors: bool  # whether early paths render first-order reflections
+    fresh: Bool[Array, ""]
+    age: Float[Array, ""]
+    mirrors: Bool[Array, ""]  # whether early paths render first-order reflections
     hear: Callable[..., _Sums]
+    metres: float  # of a time bin
 
-    def bounce(self, carry: tuple[_Ray, _Sums], key: Array) -> tuple[tuple[_Ray, _Sums], None]:
+    def bounce(self, carry: "_Carry", key: Array) -> "_Carry":
         """One segment, heard on its way, and the reflection at its end."""
-        ray, sums = carry
-        share, turn = jax.random.split(key)
+        ray, sums = carry.ray, carry.sums
+        share, turn, *leave = jax.random.split(key, 5)
         reach = jnp.where(ray.energy > 0, FAR, -1.0)
         hit = cast(self.scene, ray.origin, ray.direction, t_max=reach, mask=int(Ray.SOUND))
         met = surface_at(self.scene, ray.direction, hit)
@@ -146,21 +184,40 @@ class _Walk(NamedTuple):
         length = jnp.where(alive, hit.t, 0.0)
         point = ray.origin + length[:, None] * ray.direction
         room = _room_at(point + INWARD * met.normal, self.grid)
-        room = jnp.where(alive & (room >= 0), room, ray.room)
+        seen = jnp.where(alive & (room >= 0), room, ray.room)
+        # Things reach into walls and beyond: a room without a portal to the last one is believed the second time.
+        room = jnp.where(self.grid.joined[ray.room, seen] | (seen == ray.last), seen, ray.room)
         sums = self.hear(sums, ray, length, self.air)
         left = ray.energy * jnp.exp(-self.air * length) * (1 - self._own(met.absorption))
         left = jnp.where(alive, left, 0.0)
         sums = self._account(sums, ray, room, length, left)
         sums = self._leak(sums, ray, room, point, met, wall)
+        unheard = self.fresh & (ray.travelled == 0)
+        origin, flown = point + SKIN * met.normal, ray.travelled + length
+        goes = (room != ray.room) & ~unheard
+        ages = (flown >= self.age) & ~goes & ~unheard
+        direction, _ = _reflect(ray.direction, met.normal, self._own(met.scattering), leave[0])
+        ended = Rays(origin, direction, flown, jnp.where(goes, left, 0.0), ray.counts, ray.room, room)
+        gone, aged = carry.gone, carry.aged
+        chance = (
+            jax.random.uniform(leave[1], left.shape, jnp.float32),
+            jax.random.uniform(leave[2], left.shape, jnp.float32),
+        )
+        gone = _replace(gone, ended, room, chance[0])
+        aged = _replace(aged, ended._replace(energy=jnp.where(ages, left, 0.0), room=room), room, chance[1])
+        energy = jnp.where(goes | ages, left, 0.0)
+        left_room = jnp.where(ages, room, ray.room)
+        sums = sums._replace(went=_put(sums.went, self.octave, left_room, room, flown / self.metres, energy))
+        left = jnp.where(goes | ages, 0.0, left)
 
         pick, energy = share_out(left, room, self.octave, self.grid.rooms, share)
         direction, mirrored = _reflect(ray.direction[pick], met.normal[pick], self._own(met.scattering)[pick], turn)
-        rendered = (ray.travelled[pick] == 0) & mirrored & wall[pick] & self.mirrors
-        origin, flown = (point + SKIN * met.normal)[pick], (ray.travelled + length)[pick]
-        return (_Ray(origin, direction, flown, energy, jnp.where(rendered, 0.0, 1.0), room[pick]), sums), None
+        counts = jnp.where(unheard[pick] & mirrored & wall[pick] & self.mirrors, 0.0, 1.0)
+        ray = Rays(origin[pick], direction, flown[pick], energy, counts, room[pick], seen[pick])
+        return _Carry(carry.bounces + 1, ray, gone, aged, sums)
 
     def _account(
-        self, sums: _Sums, ray: _Ray, room: Int[Array, " n"], length: Float[Array, " n"], left: Float[Array, " n"]
+        self, sums: _Sums, ray: Rays, room: Int[Array, " n"], length: Float[Array, " n"], left: Float[Array, " n"]
     ) -> _Sums:
         """Adds where energy was, where it was lost, and where it went."""
         middle = ray.energy * jnp.exp(-0.5 * self.air * length)
@@ -173,18 +230,19 @@ class _Walk(NamedTuple):
     def _leak(
         self,
         sums: _Sums,
-        ray: _Ray,
+        ray: Rays,
         room: Int[Array, " n"],
         point: Float[Array, "n 3"],
         met: AcousticSurface,
         wall: Bool[Array, " n"],
     ) -> _Sums:
-        """Adds what walls let through to the room behind them; floors and ceilings let nothing through."""
+        """Adds what walls, floors and ceilings let through to the room behind them."""
         behind = jnp.full(room.shape, -1, jnp.int32)
+        across = jnp.where(jnp.abs(met.normal[:, 2:]) < 0.5, 1.0, FLOORS)
         for depth in BEHIND[::-1]:
-            found = _room_at(point - depth * met.normal, self.grid)
+            found = _room_at(point - depth * across * met.normal, self.grid)
             behind = jnp.where((found >= 0) & (found != room), found, behind)
-        counts = wall & (behind >= 0) & (jnp.abs(met.normal[:, 2]) < 0.5)
+        counts = wall & (behind >= 0)
         length = jnp.linalg.norm(point - ray.origin, axis=1)
         energy = ray.energy * jnp.exp(-self.air * length) * self._own(met.transmission)
         behind = jnp.maximum(behind, 0)
@@ -210,14 +268,13 @@ def _reflect(
 
 def _hear(
     sums: _Sums,
-    ray: _Ray,
+    ray: Rays,
     length: Float[Array, " n"],
     air: Float[Array, " n"],
     *,
     grid: Grid,
     octave: Int[Array, " n"],
     late: Float[Array, " n"],
-    arrival: Int[Array, " c"],
     metres: float,
 ) -> _Sums:
     """Adds what cells hear of each ray's segment at the times (k + late) bins that fall into it."""
@@ -236,9 +293,30 @@ def _hear(
         index = index.astype(jnp.int32)
         place = (octave * cells + cell) * bins + index
         heard = heard.at[jnp.where(inside, place, heard.shape[0])].add(energy, mode="drop")
-        span = jnp.sum((index - arrival[cell])[:, None] >= jnp.asarray(SPANS[1:], jnp.int32)[None], axis=1)
-        way = way.at[span, jnp.where(inside, cell, cells)].add(energy[:, None] * ray.direction, mode="drop")
+        place = jnp.where(inside, cell * bins + index, way.shape[0])
+        way = way.at[place].add(energy[:, None] * ray.direction, mode="drop")
     return sums._replace(heard=heard, way=way)
+
+
+def _replace(kept: Gone, ray: Rays, entered: Int[Array, " n"], chance: Float[Array, " n"]) -> Gone:
+    """Of what has ended in the place of each ray one is kept, drawn by energy: a reservoir (Chao 1982)."""
+    total = kept.ray.energy + ray.energy
+    taken = chance * total < ray.energy
+    new = Gone(ray, entered)
+    kept = jax.tree.map(lambda a, b: jnp.where(taken.reshape(-1, *(a.ndim - 1) * [1]), a, b), new, kept)
+    return kept._replace(ray=kept.ray._replace(energy=total))
+
+
+def _put(
+    went: Float[Array, "bands r r k"],
+    octave: Int[Array, " n"],
+    room: Int[Array, " n"],
+    other: Int[Array, " n"],
+    bins: Float[Array, " n"],
+    energy: Float[Array, " n"],
+) -> Float[Array, "bands r r k"]:
+    """Adds energy that went from a room to another."""
+    return went.at[octave, room, other, bins.astype(jnp.int32)].add(energy, mode="drop")
 
 
 def _room_at(point: Float[Array, "n 3"], grid: Grid) -> Int[Array, " n"]:

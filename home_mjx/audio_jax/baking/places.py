@@ -16,6 +16,7 @@ NEAR = 4  # cells that matter at one place
 REACH = 1.7  # [sizes of a cell], within which a cell matters
 PLACE = 0.2  # [m], between the places at which weights are kept
 EARS = 1.4  # [m], above the floor, from which places see cells
+WITNESSES = 5  # cells from whose middles one looks for free points of a cell
 CANDIDATES = 8  # points of a cell that are tried for one that is clear
 
 
@@ -32,10 +33,18 @@ def clear_points(scene: Scene, cells: Cells, rng: np.random.Generator) -> Float[
 def start_points(
     scene: Scene, cells: Cells, count: int, rng: np.random.Generator
 ) -> tuple[Float[np.ndarray, "n r 3"], Float[np.ndarray, " n"]]:
-    """Random points in the free part of each cell, and how large that part is: what the middle of the cell sees."""
+    """Random points in the free part of each cell, and how large that part is.
+
+    Free is what the middle of the cell sees, or one of those of the nearest cells of its room.
+    """
     points, free = [], []
     tried = np.stack([random_points(cells, cell, 2 * count, rng) for cell in range(len(cells.room))])
-    for seen, some in zip(_own_view(scene, cells.center, tried), tried, strict=True):
+    apart = np.linalg.norm(cells.center[:, None] - cells.center[None], axis=2)
+    apart[cells.room[:, None] != cells.room[None]] = np.inf
+    nearest = np.argsort(apart, axis=1, kind="stable")[:, :WITNESSES]
+    nearest = np.where(np.isfinite(np.take_along_axis(apart, nearest, 1)), nearest, np.arange(len(apart))[:, None])
+    free_points = np.any([_own_view(scene, cells.center[column], tried) for column in nearest.T], axis=0)
+    for seen, some in zip(free_points, tried, strict=True):
         good = some[seen] if seen.any() else some
         points.append(good[np.arange(count) % len(good)])
         free.append(max(seen.mean(), 0.1))
@@ -89,6 +98,6 @@ def _hidden(scene: Scene, start: Float[Array, "*p 3"], end: Float[Array, "*q 3"]
 def _own_view(
     scene: Scene, center: Float[np.ndarray, "n 3"], points: Float[np.ndarray, "n r 3"]
 ) -> Bool[np.ndarray, "n r"]:
-    """Which points of each cell its middle sees."""
+    """Which points of each cell are seen from a place of its own."""
     start, end = jnp.asarray(center, jnp.float32)[:, None], jnp.asarray(points, jnp.float32)
     return ~np.asarray(_hidden(scene, start, end))

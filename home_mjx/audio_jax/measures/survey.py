@@ -7,7 +7,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from home_mjx.audio_jax.auralization.hrtf import to_head
-from home_mjx.audio_jax.auralization.response import assembled
+from home_mjx.audio_jax.auralization.response import baked_histogram, traced_histogram, with_late
+from home_mjx.audio_jax.baked.reading import baked_sound
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.measures.octaves import octave_responses
@@ -36,6 +37,8 @@ class Survey(Pytree):
 def survey_room(scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig = SURVEY) -> Survey:
     """Responses of two ears, of one microphone and of a figure of eight from one trace, and what ISO 3382-1 reads.
 
+    With `config.late` "baked" late sound is looked up instead of traced.
+
     Args:
         scene: The environment.
         source: Who sounds.
@@ -50,13 +53,11 @@ def survey_room(scene: Scene, source: Source, listener: Listener, key: Array, co
     """
     trace_key, noise_key = jax.random.split(key)
     paths = early_paths(scene, source, listener, config)
-    traced = trace(scene, source, listener, trace_key, config)
-    response = assembled(paths, traced, listener.quat, noise_key, config)
-    pressure = assembled(paths, traced, listener.quat, noise_key, replace(config, receiver="omni"))[0]
+    ears, late = _late(scene, source, listener, trace_key, config)
+    response = with_late(paths, ears, listener.quat, noise_key, config)
+    both = jnp.broadcast_to(late[:, :1], late.shape)
+    pressure = with_late(paths, both, listener.quat, noise_key, replace(config, receiver="omni"))[0]
     rate = config.sample_rate
-    sides = _from_the_sides(traced.direction, listener.quat)
-    gains = jnp.broadcast_to(jnp.stack([jnp.ones_like(sides), sides], axis=1)[..., None], (*sides.shape, 2, 7))
-    late = energy_histogram(traced, gains, config)
     energy = _fine(paths, jnp.ones(paths.distance.shape, jnp.float32), late[:, 0], config)
     lateral = _fine(paths, _from_the_sides(paths.direction, listener.quat), late[:, 1], config)
     return Survey(
@@ -65,6 +66,24 @@ def survey_room(scene: Scene, source: Source, listener: Listener, key: Array, co
         iacc=iacc(jnp.moveaxis(octave_responses(response, rate), 1, 0), rate),
         lateral_fraction=lateral_fraction(lateral.T, energy.T, config.bin_seconds / _parts(config)),
     )
+
+
+def _late(
+    scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig
+) -> tuple[Float[Array, "k 2 bands"], Float[Array, "k 2 bands"]]:
+    """Late energy over time at both ears; of one microphone and a figure of eight."""
+    if config.late == "baked":
+        ears, _ = baked_histogram(scene, source, listener, config)
+        found = baked_sound(scene, source.pos, listener.pos, config)
+        length = jnp.linalg.norm(found.comes_from, axis=1)
+        toward = found.comes_from / jnp.maximum(length, 1e-6)[:, None]
+        sides = (1 - length) / 3 + length * _from_the_sides(toward, listener.quat)  # a third of what is everywhere
+        share = jnp.matmul(found.span, sides, precision="highest")[:, None]
+        return ears, jnp.stack([found.energy, found.energy * share], axis=1)
+    traced = trace(scene, source, listener, key, config)
+    sides = _from_the_sides(traced.direction, listener.quat)
+    gains = jnp.broadcast_to(jnp.stack([jnp.ones_like(sides), sides], axis=1)[..., None], (*sides.shape, 2, 7))
+    return traced_histogram(traced, listener.quat, config), energy_histogram(traced, gains, config)
 
 
 def _from_the_sides(direction: Float[Array, "n 3"], quat: Float[Array, "4"]) -> Float[Array, " n"]:

@@ -2,16 +2,20 @@
 
 import argparse
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from home_mjx.cli.floors import storey_pictures
+from home_mjx.cli.houses import load_compiled_house
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import number
-from home_mjx.cli.viewpoint import EYE_HEIGHT, add_viewpoint_arguments, check_inside, stand
+from home_mjx.cli.viewpoint import EYE_HEIGHT, Viewpoint, add_viewpoint_arguments, check_inside, stand
 from home_mjx.schema.compiled import BANDS
 
 if TYPE_CHECKING:
     from home_mjx.audio_jax.measures.survey import Survey
+    from home_mjx.raycast_render.scene.types import Scene
 
 MEASURES = (  # field of `RoomMeasures`, title, format
     ("t20", "T20 [s]", ".2f"),
@@ -31,6 +35,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_viewpoint_arguments(parser)
     parser.add_argument("--source", type=number(), nargs=3, metavar=("X", "Y", "Z"), help="where it sounds [m]")
     parser.add_argument("--clip", default="speech", help="such as radio, noise, bell (default: speech)")
+    parser.add_argument(
+        "--late",
+        choices=("traced", "baked"),
+        default="traced",
+        help="baked: late sound between cells of the house, baked once",
+    )
+    parser.add_argument(
+        "--map", action="store_true", help="write level and T30 over the floor plan, from the source, as pictures"
+    )
     parser.add_argument("--out", type=Path, default=Path("sound"), help="folder for the files (default: sound)")
 
 
@@ -44,27 +57,40 @@ def run(args: argparse.Namespace) -> int:
     from home_mjx.audio_jax.auralization.sources import clip_samples
     from home_mjx.audio_jax.base.endpoints import Listener, Source
     from home_mjx.audio_jax.measures.survey import SURVEY, survey_room
-    from home_mjx.viz.media import write_wav
+    from home_mjx.viz.media import write_png, write_wav
 
-    config = SURVEY
+    config = replace(SURVEY, late=args.late)
     clip = clip_samples(args.clip, config)
     make_folder(args.out)
     view = stand(args)
     goal = np.asarray(view.bank.navigation.goal[0, 0]) + np.array([0, 0, EYE_HEIGHT], np.float32)
     source = goal if args.source is None else np.array(args.source, np.float32)
     check_inside(view.bank, source, "--source")
+    scene = _baked(args, view) if args.late == "baked" else view.scene
     listener = Listener(jnp.asarray(view.position), jnp.asarray(view.head_quat))
     survey = jax.jit(survey_room, static_argnames="config")
-    found = survey(view.scene, Source(jnp.asarray(source)), listener, jax.random.key(0), config)
+    found = survey(scene, Source(jnp.asarray(source)), listener, jax.random.key(0), config)
     response = np.asarray(found.response)
     heard = scipy.signal.fftconvolve(response, clip[None], axes=1)
     for name, samples in (("heard.wav", heard), ("response.wav", response)):
         write_wav(args.out / name, samples.astype(np.float32), config.sample_rate)
         sys.stdout.write(f"{args.out / name}\n")
+    if args.map:
+        for name, picture in storey_pictures(scene, source, config).items():
+            write_png(args.out / f"{name}.png", picture)
+            sys.stdout.write(f"{args.out / name}.png\n")
     distance = np.linalg.norm(source - view.position)
     sys.stdout.write(f"source {np.round(source, 2)} m, head {np.round(view.position, 2)} m: {distance:.2f} m apart\n")
-    sys.stdout.write(f"\n{measures_table(found)}\n{config.num_rays} rays, {config.num_bounces} bounces\n")
+    how = "baked late sound" if args.late == "baked" else f"{config.num_rays} rays, {config.num_bounces} bounces"
+    sys.stdout.write(f"\n{measures_table(found)}\n{how}\n")
     return 0
+
+
+def _baked(args: argparse.Namespace, view: Viewpoint) -> "Scene":
+    """The scene with baked late sound, from the cache or baked now."""
+    from home_mjx.audio_jax.baking.store import with_late_sound
+
+    return view.scene.replace(bank=with_late_sound(view.bank, [load_compiled_house(args)], progress=True))
 
 
 def measures_table(survey: "Survey") -> str:

@@ -10,7 +10,16 @@ from handmade import shoebox, two_rooms
 from numpy_measures import decay_time, edt, t30
 from scenes import HEAD
 
-from home_mjx.audio_jax import AudioConfig, BakeOptions, Listener, Source, baked_sound, early_paths, impulse_response
+from home_mjx.audio_jax import (
+    AudioConfig,
+    BakeOptions,
+    Listener,
+    Source,
+    baked_sound,
+    early_paths,
+    impulse_response,
+    survey_room,
+)
 from home_mjx.audio_jax.baking.bake import bake_house, open_scene
 from home_mjx.audio_jax.baking.late_field import LateField, stacked
 from home_mjx.audio_jax.base.filters import octave_gains
@@ -57,7 +66,7 @@ def means(energy: np.ndarray, read) -> np.ndarray:
 @pytest.fixture(scope="module")
 def uneven() -> tuple[rooms.KnownRoom, Scene]:
     room = rooms.uneven()
-    return room, baked(room.house, BakeOptions(size=1.5, rays=300, bounces=100))
+    return room, baked(room.house, BakeOptions(size=1.5, rays=400, bounces=120))
 
 
 def test_an_uneven_room_decays_as_it_should(uneven):
@@ -103,6 +112,17 @@ def test_a_waveform_has_the_energy_of_the_field(uneven):
     np.testing.assert_allclose(10 * np.log10(heard / (energy @ width).sum()), 0, atol=0.5)
 
 
+@pytest.mark.slow
+def test_a_survey_reads_the_baked_field(uneven):
+    """T30 of a waveform as that of the field's energies; a figure of eight hears a third of what is everywhere."""
+    scene, config = uneven[1], AudioConfig(late="baked", response_seconds=2.0)
+    source, listener = Source(jnp.float32([-2.0, 1.0, 1.2])), Listener(jnp.float32([1.5, -0.7, 1.7]), HEAD)
+    found = jax.jit(survey_room, static_argnums=4)(scene, source, listener, jax.random.key(0), config)
+    energy = np.asarray(whole_energy(scene, source.pos, listener.pos)).T
+    np.testing.assert_allclose(found.measures.t30[1:], [t30(band, DT) for band in energy[1:]], rtol=0.08)
+    assert np.all(np.abs(np.asarray(found.lateral_fraction) - 1 / 3) < 0.2)
+
+
 def test_a_bank_without_baked_sound_is_refused():
     scene = open_scene(HouseBank.from_compiled([shoebox()]), 0)
     with pytest.raises(ConfigError, match="with_late_sound"):
@@ -140,7 +160,7 @@ def test_coupled_rooms_keep_both_slopes():
     And sound in the other room comes out of the doorway.
     """
     room = rooms.coupled()
-    scene = baked(room.house, BakeOptions(rays=400, bounces=150))
+    scene = baked(room.house, BakeOptions(size=0.8, rays=400, bounces=150))
     ours = heard(room, scene)
     truth = fly(room.blocks, room.source, room.listeners, 2.0, particles=60_000, radius=0.5).energy
     slopes = [decay_time(e[:3, MID].mean(axis=0), DT, -25, -45) for e in (ours, truth)]

@@ -12,7 +12,7 @@ from handmade import shoebox
 from home_mjx.audio_jax.baked.reading import _delayed
 from home_mjx.audio_jax.baked.spans import BINS, KNOTS, SPANS, at_knots, between
 from home_mjx.audio_jax.baking.cells import FROM_CEILING, FROM_FLOOR, MOST_CELLS, divide
-from home_mjx.audio_jax.baking.fit import Tally, apart, neighbours
+from home_mjx.audio_jax.baking.fit import Tally, alike, apart, neighbours
 from home_mjx.audio_jax.baking.split import share_out
 
 
@@ -119,6 +119,19 @@ def test_rooms_apart_are_smoothed_without_losing_energy():
     assert np.std(out[far] / exact[far]) < 0.6 * np.std(noisy[far] / exact[far])
     np.testing.assert_allclose(out, out.swapaxes(0, 1))
     assert np.array_equal(apart(noisy, room, np.ones((20, 20), bool)), noisy)
+
+
+def test_octaves_share_the_pattern_of_cells_and_keep_the_energy_of_rooms():
+    """Noise falls where the pattern is the same; a room pair's energy in each octave is what it was."""
+    rng = np.random.default_rng(1)
+    room = np.repeat([0, 1], 8)
+    pattern = rng.uniform(0.5, 2, (16, 16, 1, 1)) * np.array([1.0, 2.0, 5.0, 9.0])
+    noisy = pattern * rng.gamma(5, 0.2, pattern.shape)
+    out = alike(noisy, room)
+    for block in (np.ix_(room == 0, room == 0), np.ix_(room == 0, room == 1)):
+        np.testing.assert_allclose(out[block].sum(axis=(0, 1)), noisy[block].sum(axis=(0, 1)))
+    assert np.std((out / pattern)[..., 1:3]) < 0.7 * np.std((noisy / pattern)[..., 1:3])
+    np.testing.assert_allclose(alike(pattern, room), pattern)
 
 
 def test_weights_are_those_of_cells_in_view():

@@ -7,7 +7,7 @@ import pytest
 from handmade import shoebox
 from scenes import HEAD, scene_of
 
-from home_mjx.audio_jax import AudioConfig, Listener, Source, impulse_response, survey_room
+from home_mjx.audio_jax import AudioConfig, Listener, Source, floor_sound, impulse_response, survey_room
 
 CONFIG = AudioConfig(response_seconds=1.2, num_rays=500, num_bounces=60)
 SOURCE, LISTENER = Source(jnp.float32([-1.0, -1.0, 1.2])), Listener(jnp.float32([1, 1, 1.6]), HEAD)
@@ -43,3 +43,16 @@ def test_the_response_is_that_of_the_engine():
     found = jax.jit(lambda s: survey_room(s, SOURCE, LISTENER, jax.random.key(0), small).response)(scene)
     plain = jax.jit(lambda s: impulse_response(s, SOURCE, LISTENER, jax.random.key(0), small))(scene)
     np.testing.assert_allclose(found, plain, atol=1e-5)
+
+
+def test_a_floor_sounds_as_single_places_do(survey):
+    """The same place twice: as one waveform says within its noise. One nearer: louder by what Barron says."""
+    places = jnp.stack([LISTENER.pos, LISTENER.pos, jnp.float32([-0.5, -0.5, 1.3])])
+    run = jax.jit(lambda scene: floor_sound(scene, SOURCE, places, jax.random.key(0), CONFIG))
+    found = jax.tree.map(np.asarray, run(scene_of(shoebox((6.0, 5.0, 3.0), 0.2, 0.3))))
+    np.testing.assert_allclose(found.t30[0, 2:5], [0.534] * 3, rtol=0.08)
+    np.testing.assert_allclose(found.strength[0, 2:5], survey.measures.strength[2:5], atol=1.0)
+    assert np.array_equal(found.strength[0], found.strength[1])
+    distance = np.linalg.norm([[2, 2, 0.4], [0.5, 0.5, 0.1]], axis=1)
+    level = 10 * np.log10(100 / distance**2 + 31200 * 0.534 / 90 * np.exp(-0.04 * distance / 0.534))
+    np.testing.assert_allclose(found.strength[2, 2:5] - found.strength[0, 2:5], level[1] - level[0], atol=1.0)

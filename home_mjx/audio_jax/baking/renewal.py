@@ -1,0 +1,171 @@
+"""Rays that start anew where others entered a room, and how what all of them give adds up; host side.
+
+Sound that has come through a doorway has forgotten where it began, but for when and how much of it there is; so has
+sound that has been reflected often in a room. Such moments are *gates*: one per pair of rooms between which sound goes,
+and one per room for what has grown old in it. From each gate rays fly as they went through it, whatever cell they came
+from, so that a few tell of all cells and rooms that are many doors away. With D what cells hear of a source before any
+gate, G what goes from it through gates over time, H what cells hear of a gate before the next one, and K what goes from
+gate to gate, all hear D + G H + G K H + G K K H ... : a renewal equation, solved by its Fourier transform.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Complex, Float, Int
+
+from home_mjx.audio_jax.baking.flight import Flown, Rays
+from home_mjx.schema.compiled import BANDS
+
+MINOR = 0.05  # share of what comes into a room below which a gate is none of its own
+LONGER = 1.25  # times as long as what is transformed is the transform
+DAMPING = 1e-6  # of time before it is transformed, over the transform: what wraps around is so small
+
+
+class Start(NamedTuple):
+    """Rays of one flight, octave after octave, equally many of each."""
+
+    origin: Float[np.ndarray, "n 3"]
+    direction: Float[np.ndarray, "n 3"]
+    room: int
+
+
+class Gates(NamedTuple):
+    """Where rays start anew."""
+
+    rooms: Int[np.ndarray, "g 2"]  # left and entered; alike: what has grown old in a room, and first what is very old
+    number: Int[np.ndarray, "r r"]  # of the gate through which sound goes from room to room; -1 none
+    older: Int[np.ndarray, "r r"]  # the same of sound that has grown old already
+
+    def kinds(self) -> tuple[slice, slice, slice]:
+        """Gates of what is very old, what is old, and what comes from another room."""
+        own = int((self.rooms[:, 0] == self.rooms[:, 1]).sum()) // 2
+        return slice(0, own), slice(own, 2 * own), slice(2 * own, len(self.rooms))
+
+
+def gates_of(went: Float[np.ndarray, "r r"]) -> Gates:
+    """One gate per pair of rooms between which sound goes; what little comes another way counts to the main one.
+
+    Args:
+        went: Energy from room to room, on the diagonal what is left in it.
+    """
+    between = went * ~np.eye(len(went), dtype=bool)
+    alive = np.flatnonzero(went.sum(axis=0) > 0)
+    own = np.stack([alive, alive], axis=1)
+    main = between > MINOR * between.sum(axis=0)
+    rooms = np.concatenate([own, own, np.argwhere(main)])
+    number = np.full(went.shape, -1)
+    most = np.argmax(between, axis=0)
+    number[tuple(rooms.T)] = np.arange(len(rooms))
+    minor = np.argwhere(~main & (between > 0))
+    number[tuple(minor.T)] = number[most[minor[:, 1]], minor[:, 1]]
+    older = number.copy()
+    older[alive, alive] = np.arange(len(alive))
+    return Gates(rooms, number, older)
+
+
+class Pool:
+    """Rays that went through gates, to start anew from them."""
+
+    def __init__(self) -> None:
+        self.rays: list[tuple[np.ndarray, ...]] = []
+
+    def add(self, flown: Flown) -> None:
+        """Keeps where rays of a flight went; its arrays are on the host, and one flight's."""
+        for gone in (flown.gone, flown.aged):
+            self._keep(gone.ray, np.asarray(gone.entered))
+
+    def _keep(self, rays: Rays, entered: Int[np.ndarray, " n"]) -> None:
+        kept = np.flatnonzero(np.asarray(rays.energy) > 0)
+        octave = kept // (len(entered) // len(BANDS))
+        values = (rays.origin, rays.direction, rays.energy, rays.room)
+        self.rays.append((*(np.asarray(x)[kept] for x in values), entered[kept], octave))
+
+    def starts(
+        self,
+        rooms: Int[np.ndarray, "g 2"],
+        number: Int[np.ndarray, "r r"],
+        first: int,
+        size: tuple[int, int],
+        rng: np.random.Generator,
+    ) -> list[list[Start]]:
+        """Of each of some gates flights of rays, drawn by energy from those of the same octave.
+
+        Args:
+            rooms: Of these gates.
+            number: Of all gates.
+            first: Number of the first of these.
+            size: How many flights, and rays per octave in each.
+            rng: Random numbers.
+        """
+        if not self.rays:
+            return [[] for _ in rooms]
+        origin, direction, energy, room, entered, octave = (np.concatenate(x) for x in zip(*self.rays, strict=True))
+        gate, (flights, count) = number[room, entered], size
+        out = []
+        for index, here in enumerate(rooms[:, 1], first):
+            mine = np.flatnonzero(gate == index)
+            if not mine.size:  # nothing is left that could start
+                out.append([])
+                continue
+            picks = []
+            for band in range(len(BANDS)):
+                own = mine[octave[mine] == band]
+                picks.append(_draw(own if own.size else mine, energy, count * flights, rng))
+            drawn = np.stack(picks).reshape(len(BANDS), flights, count)
+            every = np.moveaxis(drawn, 1, 0).reshape(flights, -1)
+            out.append([Start(origin[pick], direction[pick], int(here)) for pick in every])
+        return out
+
+
+def _draw(
+    rows: Int[np.ndarray, " n"], energy: Float[np.ndarray, " m"], count: int, rng: np.random.Generator
+) -> Int[np.ndarray, " count"]:
+    """Systematic sampling by energy, in random order."""
+    parts = np.cumsum(energy[rows].astype(float))
+    place = (np.arange(count) + rng.random()) / count * parts[-1]
+    return rng.permutation(rows[np.minimum(np.searchsorted(parts, place, side="right"), len(rows) - 1)])
+
+
+def through(
+    went: Float[np.ndarray, "s bands r r k"], number: Int[np.ndarray, "r r"], count: int
+) -> Float[np.ndarray, "s bands g k"]:
+    """Energy that went from room to room, by gates."""
+    out = np.zeros((*went.shape[:2], count, went.shape[-1]), went.dtype)
+    for left, entered in np.argwhere(number >= 0):
+        out[:, :, number[left, entered]] += went[:, :, left, entered]
+    return out
+
+
+def flux(given: Float[np.ndarray, "s g"], passed: Float[np.ndarray, "g g"]) -> Float[np.ndarray, "s g"]:
+    """All energy that ever goes through each gate: what sources give, and what comes from other gates."""
+    return np.linalg.solve(np.eye(len(passed)) - passed.T, given.T).T
+
+
+def add_up(
+    given: Float[np.ndarray, "s g k"],
+    passed: Float[np.ndarray, "g g k"],
+    heard: Float[np.ndarray, "g c k"],
+) -> Float[np.ndarray, "s c k"]:
+    """What cells hear of sources through gates, over time.
+
+    Args:
+        given: Energy of each source that goes through each gate.
+        passed: From gate to gate.
+        heard: Of each gate by each cell.
+    """
+    bins = given.shape[-1]
+    source, between, cells = (_spectrum(x) for x in (given, passed, heard))
+    rate = np.linalg.solve(np.eye(len(passed)) - np.swapaxes(between, 1, 2), np.swapaxes(source, 1, 2))
+    found = np.ascontiguousarray(np.swapaxes(rate, 1, 2)) @ cells
+    over_time = np.fft.irfft(np.ascontiguousarray(np.moveaxis(found, 0, -1)), int(LONGER * bins))
+    return over_time[..., :bins] / _damping(bins)
+
+
+def _damping(bins: int) -> Float[np.ndarray, " k"]:
+    return DAMPING ** (np.arange(bins) / int(LONGER * bins))
+
+
+def _spectrum(values: Float[np.ndarray, "a b k"]) -> Complex[np.ndarray, "f a b"]:
+    """Of what is damped, so that it has ended when it begins anew."""
+    bins = values.shape[-1]
+    return np.ascontiguousarray(np.moveaxis(np.fft.rfft(values * _damping(bins), int(LONGER * bins)), -1, 0))

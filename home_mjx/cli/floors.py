@@ -1,0 +1,64 @@
+"""What is heard all over the storey on which something sounds, as pictures."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.cli.viewpoint import EYE_HEIGHT
+
+if TYPE_CHECKING:
+    from home_mjx.audio_jax.base.config import AudioConfig
+    from home_mjx.raycast_render.scene.types import Scene
+
+APART = 0.4  # [m], between listeners
+OCTAVES = slice(2, 4)  # 500 Hz and 1 kHz, of which ISO 3382-1 takes the mean
+RAYS, BOUNCES = 256, 60  # per listener
+
+
+def storey_pictures(scene: "Scene", source: np.ndarray, config: "AudioConfig") -> dict[str, np.ndarray]:
+    """Level and reverberation time over the floor, means of the octaves of 500 Hz and 1 kHz, by name.
+
+    Args:
+        scene: The first house of its bank.
+        source: (3,) [m].
+        config: Options; where rays are traced, fewer are than it says.
+    """
+    from dataclasses import replace
+
+    import jax
+    import jax.numpy as jnp
+
+    from home_mjx.audio_jax.base.endpoints import Source
+    from home_mjx.audio_jax.measures.floor import floor_sound
+    from home_mjx.viz.sound_map import sound_map
+
+    room, free, place = _lattice(scene.bank, source)
+    few = replace(config, num_rays=min(RAYS, config.num_rays), num_bounces=min(BOUNCES, config.num_bounces))
+    hear = jax.jit(floor_sound, static_argnames="config")
+    points = jnp.asarray(place[free], jnp.float32)
+    found = hear(scene, Source(jnp.asarray(source, jnp.float32)), points, jax.random.key(0), few)
+    at = (source[1] - place[0, 0, 1]) / APART + 0.5, (source[0] - place[0, 0, 0]) / APART + 0.5
+    shown = {}
+    for name, caption, values in (("level", "G [dB]", found.strength), ("t30", "T30 [s]", found.t30)):
+        picture = np.full(free.shape, np.nan)
+        picture[free] = np.asarray(values)[:, OCTAVES].mean(axis=1)
+        shown[name] = sound_map(picture, room, np.array(at), caption)
+    return shown
+
+
+def _lattice(bank: HouseBank, source: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of the storey of a point: which places are in a room, on which one can stand, and ears there (y, x, 3) [m]."""
+    navigation, cell = bank.navigation, bank.spec.cell
+    floor = np.asarray(navigation.floor[0])
+    level = max(int(np.sum(floor <= source[2])) - 1, 0)
+    stride = max(round(APART / cell), 1)
+    every = slice(stride // 2, None, stride)
+    room = np.asarray(navigation.room[0, level])[every, every] >= 0
+    free = np.asarray(navigation.region[0, level])[every, every] >= 0
+    inside = np.argwhere(room)
+    part = tuple(slice(a, b + 1) for a, b in zip(inside.min(axis=0), inside.max(axis=0), strict=True))
+    rows, columns = (stride // 2 + 0.5 + stride * np.arange(n) for n in room.shape)
+    x, y = np.meshgrid(*(np.asarray(navigation.origin[0])[i] + cell * at for i, at in ((0, columns), (1, rows))))
+    place = np.stack([x, y, np.full_like(x, floor[level] + EYE_HEIGHT)], axis=-1)
+    return room[part], (room & free)[part], place[part]

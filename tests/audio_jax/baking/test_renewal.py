@@ -1,0 +1,92 @@
+"""What is heard through gates: against chains of rooms whose energies are powers of a matrix."""
+
+import numpy as np
+
+from home_mjx.audio_jax.baking.flight import Flown, Gone, Rays
+from home_mjx.audio_jax.baking.renewal import Pool, add_up, flux, gates_of, through
+from home_mjx.schema.compiled import BANDS
+
+BINS = 200
+STEP = np.array([[0.90, 0.04, 0.00], [0.03, 0.91, 0.02], [0.00, 0.01, 0.95]])  # energy that goes from room to room
+
+
+def kernels() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Of three rooms: own decay (3, k), and what goes from each to each at every step (3, 3, k)."""
+    stay = np.diag(STEP)[:, None] ** np.arange(BINS)
+    leave = np.zeros((3, 3, BINS))
+    for a in range(3):
+        for b in range(3):
+            if a != b:
+                leave[a, b, 1:] = stay[a, :-1] * STEP[a, b]
+    return stay, leave
+
+
+def by_gates() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Own decays (3, 3, k); sources' (3, g, k), gates' to gates (g, g, k) and to rooms (g, 3, k)."""
+    stay, leave = kernels()
+    gates = gates_of(leave.sum(axis=-1))
+    own = np.eye(3)[:, :, None] * stay[:, None]
+    went = np.zeros((3, 1, 3, 3, BINS))
+    went[range(3), 0, range(3)] = leave
+    given = through(went, gates.number, len(gates.rooms))[:, 0]
+    entered = gates.rooms[:, 1]
+    return own, given, given[entered], own[entered]
+
+
+def test_rooms_hear_what_powers_of_a_matrix_say():
+    own, given, passed, heard = by_gates()
+    found = own + add_up(given, passed, heard)
+    exact = np.stack([np.linalg.matrix_power(STEP, k) for k in range(BINS)], axis=-1)
+    np.testing.assert_allclose(found, exact, rtol=1e-3, atol=1e-9)
+
+
+def test_energy_through_gates_is_the_sum_over_all_ways():
+    _, given, passed, _ = by_gates()
+    one, more = given.sum(axis=-1), passed.sum(axis=-1)
+    total, going = np.zeros_like(one), one
+    for _ in range(400):
+        total, going = total + going, going @ more
+    np.testing.assert_allclose(flux(one, more), total, rtol=1e-6)
+
+
+def test_what_has_grown_old_starts_anew_in_its_room():
+    """A decay cut at step 10 and continued from a gate is the same decay."""
+    stay = 0.97 ** np.arange(BINS)
+    young, aged = np.where(np.arange(BINS) < 10, stay, 0), np.zeros(BINS)
+    aged[10] = stay[10]
+    found = young + add_up(aged[None, None], aged[None, None], young[None, None])[0, 0]
+    np.testing.assert_allclose(found, stay, rtol=1e-3)
+
+
+def test_little_that_comes_another_way_counts_to_the_main_gate():
+    went = np.zeros((4, 4))
+    went[0, 1], went[2, 1], went[3, 1], went[1, 0] = 1.0, 0.5, 0.01, 0.2
+    gates = gates_of(went)
+    assert [tuple(pair) for pair in gates.rooms[gates.kinds()[2]].tolist()] == [(0, 1), (1, 0), (2, 1)]
+    assert gates.number[3, 1] == gates.number[0, 1]
+    assert (gates.number[went == 0] < 0).sum() == 12 - 2  # rooms that sound gets to grow old
+    assert gates.number[1, 1] != gates.older[1, 1]
+
+
+def ended(energy: np.ndarray, room: int, entered: int) -> Gone:
+    """Rays of all octaves that left a room; where they are tells which they are."""
+    count = len(energy)
+    mark = np.repeat(np.arange(count, dtype=float)[:, None], 3, axis=1)
+    whole = np.full(count, room)
+    return Gone(Rays(mark, mark, energy, energy, energy, whole, whole), np.full(count, entered))
+
+
+def test_rays_start_as_often_as_they_have_energy_in_their_own_octave():
+    rng = np.random.default_rng(0)
+    energy = np.tile([0.0, 1.0, 3.0, 6.0], len(BANDS))
+    gone, none = ended(energy, 0, 1), ended(np.zeros(len(energy)), 0, 0)
+    pool = Pool()
+    pool.add(Flown(*np.zeros((3, 1)), gone, none, *np.zeros((4, 1))))
+    gates = gates_of(np.array([[0.0, 1.0], [0.0, 0.0]]))
+    entering = gates.kinds()[2]
+    (flights,) = pool.starts(gates.rooms[entering], gates.number, entering.start, (2, 100), rng)
+    assert [flight.room for flight in flights] == [1, 1]
+    drawn = np.stack([flight.origin[:, 0] for flight in flights]).reshape(2, len(BANDS), 100)
+    for band in range(len(BANDS)):
+        times = np.bincount(drawn[:, band].ravel().astype(int) - 4 * band, minlength=4)
+        np.testing.assert_allclose(times, [0, 20, 60, 120], atol=1)
