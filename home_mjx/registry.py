@@ -359,6 +359,7 @@ def as_bank(
         ConfigError: `houses` is something else, or a filter was given for generated houses.
     """
     from home_mjx.bank.bank import HouseBank
+    from home_mjx.datasets.generate import ProceduralHouses
     from home_mjx.scene_compile.cache.house_set import HouseSet, default_houses
     from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS
 
@@ -372,7 +373,8 @@ def as_bank(
         chosen = HouseSet.of(houses, split=split, where=where)
         chosen = dataclasses.replace(chosen, options=options) if chosen.options == DEFAULT_OPTIONS else chosen
     else:
-        chosen = HouseSet(houses, split=split, where=where, num_houses=num_houses, options=options)
+        most = None if ProceduralHouses.named(houses) else num_houses  # these say themselves how many they are
+        chosen = HouseSet(houses, split=split, where=where, num_houses=most, options=options)
     if late_sound:
         return _with_sound(chosen.load(progress), progress)
     return HouseBank.from_dataset(chosen, progress=progress)
