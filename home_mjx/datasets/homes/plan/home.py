@@ -13,12 +13,14 @@ from home_mjx.datasets.homes.plan.storeys import Stairwell, Storey, draw_storeys
 from home_mjx.datasets.homes.plan.windows import draw_windows
 from home_mjx.datasets.homes.structure import structure_models
 from home_mjx.datasets.procedural.floor_plan.openings import HousePlan, Opening
+from home_mjx.datasets.procedural.floor_plan.rooms import RoomPlan
 from home_mjx.datasets.procedural.furniture import family_models
 from home_mjx.datasets.procedural.primitives.palette import choose
 from home_mjx.errors import ConfigError
 
 TRIES = 4000  # of drawing storeys; a few dozen is usual
 HEIGHTS, ODDS = (2.5, 2.6, 2.7, 2.8, 3.0), (0.15, 0.15, 0.45, 0.15, 0.1)  # [m], of walls of homes on one floor
+AGAIN = 0.9  # chance of another try where the entrance leads into the living room and there is a hall
 PITCHES = (2.7, 2.8, 2.9)  # [m], from floor to floor
 
 
@@ -69,6 +71,10 @@ def draw_home(rng: np.random.Generator, program: Program | None = None) -> HomeP
     raise ConfigError(f"no plan was found for {wanted.storeys} storeys with {wanted.ground}", hint=hint)
 
 
+def _past_the_hall(rooms: Sequence[RoomPlan], entrance: Opening) -> bool:
+    return rooms[0].type != "Living_Room" and rooms[entrance.rooms[0]].type == "Living_Room"
+
+
 def _opened(rng: np.random.Generator, storeys: Sequence[Storey], models: Models) -> HomePlan | None:
     """Doors, open rooms and windows of all storeys; None if a room cannot be reached."""
     height = float(rng.choice(HEIGHTS, p=ODDS) if len(storeys) == 1 else rng.choice(PITCHES))
@@ -81,7 +87,7 @@ def _opened(rng: np.random.Generator, storeys: Sequence[Storey], models: Models)
             return None
         if number == 0:
             entrance = draw_entrance(rng, storey, models, doors)
-            if entrance is None:
+            if entrance is None or (_past_the_hall(storey.rooms, entrance) and rng.random() < AGAIN):
                 return None
             doors.append(entrance)
         openings: list[Opening] = [*doors, *garage_doors(rng, storey.rooms, models, doors)]

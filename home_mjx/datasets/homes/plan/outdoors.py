@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from home_mjx.datasets.homes.plan.doors import outer_sites
+from home_mjx.datasets.homes.plan.program import MOST
 from home_mjx.datasets.homes.plan.rows import snap
 from home_mjx.datasets.procedural.floor_plan.rooms import Rect, RoomPlan, Wall, outer_spans
 
@@ -25,7 +26,7 @@ def add_outdoors(
         ground: Whether it is the ground floor.
         below: Rooms of the storey below, none of which it may stand on.
     """
-    if rng.random() > ODDS or any(room.type == "Terrace" for room in rooms):
+    if rng.random() > ODDS or len(rooms) >= MOST or any(room.type == "Terrace" for room in rooms):
         return rooms
     hosts = [i for i, room in enumerate(rooms) if room.type in HOSTS]
     sites = [s for i in hosts for s in outer_sites(rooms, i) if s.span[1] - s.span[0] >= LEAST]

@@ -7,8 +7,9 @@ import numpy as np
 from home_mjx.datasets.homes.plan.storeys import Storey
 from home_mjx.datasets.procedural.floor_plan.rooms import RoomPlan, outer_spans, shared_span
 
-HALL_SHARE, HALL_ROOM = 0.19, 4.0  # greatest of a floor's area, and [m^2] that any floor may have for it
-SPRAWL = 1.75  # greatest length of outer walls, in those of a square of the same area
+HALL_SHARE, HALL_ROOM = 0.165, 3.5  # greatest of a floor's area, and [m^2] that any floor may have for it
+SPRAWL = 1.36  # greatest length of outer walls, in those of a square of the same area
+SLENDER = 2.3  # greatest length of a home, in widths
 HALLS = ("Hallway", "Hall", "Lobby")
 TABLES = ("Dining_Room", "Living_Room")
 
@@ -31,7 +32,9 @@ def _compact(rooms: Sequence[RoomPlan]) -> bool:
         for wall in room.walls
         for a, b in outer_spans(wall, [w for k, other in enumerate(rooms) if k != i for w in other.walls])
     )
-    return outside <= SPRAWL * 4 * float(np.sqrt(sum(room.area for room in rooms)))
+    corners = np.concatenate([room.polygon for room in rooms])
+    short, long = np.sort(np.ptp(corners, axis=0))
+    return bool(long <= SLENDER * short and outside <= SPRAWL * 4 * np.sqrt(sum(room.area for room in rooms)))
 
 
 def _short_ways(rooms: Sequence[RoomPlan]) -> bool:

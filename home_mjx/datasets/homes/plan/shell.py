@@ -92,7 +92,7 @@ def draw_straight(rng: np.random.Generator, types: Sequence[str], stairs: bool) 
     length = _lengths(rows, depths)
     bases, signs = (across, 0.0), (1, -1)
     laid = [
-        _lay_row(Row(0, signs[i], bases[i], 0.0, length[i], depths[i], _step(rng, length[i], depths[i])), rows[i])
+        lay_row(Row(0, signs[i], bases[i], 0.0, length[i], depths[i], _step(rng, length[i], depths[i])), rows[i])
         for i in range(2)
     ]
     return _closed(rng, laid, across, max(length), block)
@@ -136,7 +136,7 @@ def _step(rng: np.random.Generator, length: float, depth: float) -> tuple[float,
 Laid = tuple[Row, list[Placed], Rect | None]  # the row, its rooms, and the place of stairs in it
 
 
-def _lay_row(row: Row, cells: Sequence[Cell]) -> Laid | None:
+def lay_row(row: Row, cells: Sequence[Cell]) -> Laid | None:
     """A row, with stairs where a cell says so; its step is moved to a wall between rooms."""
     index = next((i for i, cell in enumerate(cells) if cell.type == STAIRS), None)
     if index is None:
@@ -209,37 +209,3 @@ def _closed(
         rooms[rests[0][1]][-1] = (kind, (*rects, rests[0][0]))
     ends = [] if block is None else [(block[0].type, (block[1],))]
     return Draft(shell, (*rooms[0], *rooms[1], *ends))
-
-
-def draw_hub(rng: np.random.Generator, types: Sequence[str]) -> Draft | None:
-    """One attempt at a flat whose rooms lie around its living room; None if it fails."""
-    want = WANTS["Living_Room"]
-    across = snap(rng.uniform(3.5, 5.0))
-    length = snap(rng.uniform(want.low, want.high) / across)
-    if not suits("Living_Room", length, across):
-        return None
-    depths = [snap(rng.uniform(2.6, 4.4)), snap(rng.uniform(2.5, 4.0))]
-    cells = [cell_of(rng, kind) for kind in types]
-    if len(cells) <= 3 and rng.random() < 0.7:
-        depths = depths[:1]
-    dealt = deal(rng, cells, depths)
-    if dealt is None or not all(dealt):
-        return None
-    laid = []
-    for i, cells_here in enumerate(dealt):
-        wanted = sum(widths(cells_here, depths[i])[0])
-        wanted = length if abs(wanted - length) < SIMILAR * length else wanted
-        shift = rng.uniform(min(0.0, length - wanted), max(0.0, length - wanted))
-        row = Row(0, (1, -1)[i], (across, 0.0)[i], snap(shift), snap(shift + wanted), depths[i])
-        laid.append(_lay_row(row, cells_here))
-    if any(one is None for one in laid):
-        return None
-    rows, rooms = [one[0] for one in laid], [one[1] for one in laid]
-    if any(_overlap(rects[0], (0.0, length)) < CONTACT - 0.1 for row in rooms for _, rects in row):
-        return None
-    shell = Shell((Rect(0.0, 0.0, length, across),), tuple(rows), ((0.0, length),) * len(rows))
-    return Draft(shell, tuple(room for row in rooms for room in row))
-
-
-def _overlap(rect: Rect, span: tuple[float, float]) -> float:
-    return min(rect.x1, span[1]) - max(rect.x0, span[0])

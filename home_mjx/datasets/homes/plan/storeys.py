@@ -5,9 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from home_mjx.datasets.homes.plan.program import ABOVE, MORE_ABOVE, Program, draw_more
+from home_mjx.datasets.homes.plan.hub import draw_hub
+from home_mjx.datasets.homes.plan.program import ABOVE, MORE_ABOVE, MOST, Program, draw_more
 from home_mjx.datasets.homes.plan.rows import FOYER, Placed, Row, lay, suits
-from home_mjx.datasets.homes.plan.shell import Draft, Shell, cell_of, draw_hub, draw_straight
+from home_mjx.datasets.homes.plan.shell import Draft, Shell, cell_of, draw_straight
 from home_mjx.datasets.homes.plan.wants import ROOMY, WANTS
 from home_mjx.datasets.homes.plan.wing import draw_winged
 from home_mjx.datasets.procedural.floor_plan.rooms import Rect, RoomPlan
@@ -96,7 +97,8 @@ def _draw_upper(rng: np.random.Generator, shell: Shell) -> Draft | None:
     if shell.block is not None:
         found.append((_of_block(rng, shell.block, pool), (shell.block,)))
     kinds = [kind for kind, _ in found]
-    return Draft(shell, tuple(found)) if "Bathroom" in kinds and "Bedroom" in kinds else None
+    good = "Bathroom" in kinds and "Bedroom" in kinds and len(kinds) < MOST
+    return Draft(shell, tuple(found)) if good else None
 
 
 def _segments(shell: Shell, number: int, row: Row) -> list[tuple[float, float]]:
@@ -153,7 +155,7 @@ def _placed(
     hall_kind = _hall_kind(rng, drafts)
     storeys = []
     for level, draft in enumerate(drafts):
-        rooms = _rooms(draft, hall_kind if level == 0 else "Hallway", place, well)
+        rooms = _rooms(draft, hall_kind if level == 0 else _upper_hall(rng), place, well)
         if rooms is None:
             return None
         below = well if level > 0 else None
@@ -165,6 +167,10 @@ def _hall_kind(rng: np.random.Generator, drafts: Sequence[Draft]) -> str:
     if "Living_Room" not in [kind for kind, _ in drafts[0].rooms]:
         return "Living_Room"
     return str(rng.choice(["Hallway", "Hall", "Lobby"], p=[0.55, 0.38, 0.07]))
+
+
+def _upper_hall(rng: np.random.Generator) -> str:
+    return "Hall" if rng.random() < 0.4 else "Hallway"
 
 
 def _turned(rect: Rect, turn: int, mirrored: bool, keep: bool = False) -> Rect:
@@ -191,7 +197,9 @@ def is_simple(room: RoomPlan) -> bool:
     """Whether the outline of a room is one loop around all of it, without tiny walls."""
     x, z = room.polygon.T
     area = abs((x * np.roll(z, -1) - np.roll(x, -1) * z).sum()) / 2
-    return abs(area - room.area) < 1e-3 and min(wall.length for wall in room.walls) > TINY
+    if len(np.unique(room.polygon, axis=0)) < len(x):  # a loop around one of several parts, again and again
+        return False
+    return bool(abs(area - room.area) < 1e-3 and min(wall.length for wall in room.walls) > TINY)
 
 
 def _overlapping(rooms: Sequence[RoomPlan]) -> bool:

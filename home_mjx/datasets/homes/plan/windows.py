@@ -7,7 +7,7 @@ import numpy as np
 from home_mjx.datasets.homes.plan.doors import outer_sites
 from home_mjx.datasets.homes.plan.wants import WET, WINDOWLESS
 from home_mjx.datasets.procedural.floor_plan.openings import HIGH_SILL_Y, MARGIN, SILL_Y, Opening, Site
-from home_mjx.datasets.procedural.floor_plan.placed import Box, PlacedFurniture, overlaps, quarter_towards, stack
+from home_mjx.datasets.procedural.floor_plan.placed import Boxes, PlacedFurniture, overlaps, quarter_towards, stack
 from home_mjx.datasets.procedural.floor_plan.rooms import Rect, RoomPlan
 from home_mjx.datasets.procedural.furniture import family_models
 from home_mjx.datasets.procedural.primitives.palette import choose
@@ -68,5 +68,5 @@ def _fit(rng: np.random.Generator, site: Site, kind: str, taken: Sequence[Openin
             yield Opening(placed, site.rooms)
 
 
-def _kept_free(taken: Sequence[Opening]) -> Box:
+def _kept_free(taken: Sequence[Opening]) -> Boxes:
     return stack([box for o in taken for box in (o.placed.box, o.passage)[: 1 + o.is_door]])

@@ -12,9 +12,9 @@ from home_mjx.datasets.homes.plan.shell import (
     Draft,
     Laid,
     Shell,
-    _lay_row,
     cell_of,
     deal,
+    lay_row,
 )
 from home_mjx.datasets.homes.plan.wants import WANTS
 from home_mjx.datasets.procedural.floor_plan.rooms import Rect
@@ -55,7 +55,7 @@ def draw_winged(rng: np.random.Generator, types: Sequence[str], stairs: bool) ->
         (Row(1, -1, gap, begins[0], stops[0], wings[0]), wing[0]),
         (Row(1, 1, snap(gap + aside), begins[1], stops[1], wings[1]), wing[1]),
     ]
-    laid = [_lay_row(row, cells) for row, cells in rows if cells]
+    laid = [lay_row(row, cells) for row, cells in rows if cells]
     return _joined(laid, across, (gap, snap(gap + aside)))
 
 
