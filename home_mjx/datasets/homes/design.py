@@ -8,7 +8,7 @@ import numpy as np
 from home_mjx.datasets.homes.fittings import fittings
 from home_mjx.datasets.homes.furnish import furnish_home
 from home_mjx.datasets.homes.plan.home import HomePlan, draw_home
-from home_mjx.datasets.homes.plan.program import Program
+from home_mjx.datasets.homes.plan.program import Program, draw_program
 from home_mjx.datasets.homes.plan.wants import OUTDOORS, WET
 from home_mjx.datasets.procedural.floor_plan.openings import HousePlan
 from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
@@ -27,6 +27,7 @@ from home_mjx.datasets.procedural.primitives.palette import (
 )
 from home_mjx.schema.house import Material
 
+PATIENCE = 40  # plans that cannot be furnished, after which another program is drawn where none was given
 HARD_FLOORS = (textured("stone_1"), textured("stone_2"), textured("tile_4"))
 DECKS = (*HARD_FLOORS, textured("wood_2"))
 FLOORS = {
@@ -69,8 +70,10 @@ def draw_design(seed: int, program: Program | None = None) -> HomeDesign:
         True
     """
     rng = np.random.default_rng(np.random.SeedSequence([seed, 2]))
+    wanted = draw_program(rng) if program is None else program
+    failed = 0
     while True:
-        plan, style = draw_home(rng, program), Style.draw(rng)
+        plan, style = draw_home(rng, wanted), Style.draw(rng)
         furniture = furnish_home(plan, style)
         if furniture is not None:
             looks: dict[str, tuple[Material, ...]] = {}
@@ -82,6 +85,9 @@ def draw_design(seed: int, program: Program | None = None) -> HomeDesign:
             facade, ceiling = choose(FACADES, rng), choose(CEILINGS, rng)
             surfaces = tuple(tuple(_surfaces(level, rng, facade, ceiling)) for level in plan.levels)
             return HomeDesign(plan, surfaces, tuple(objects))
+        failed += 1
+        if program is None and failed % PATIENCE == 0:
+            wanted = draw_program(rng)
 
 
 def _openings(plan: HousePlan) -> Iterator[Owned]:

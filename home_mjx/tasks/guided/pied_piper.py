@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.core.checks import check_known, check_number
-from home_mjx.navigation.grid import cell_of, geodesic_distance, is_home, row_of_cell, stored_distance
+from home_mjx.navigation.grid import cell_of, geodesic_distance, row_of_cell, stored_distance
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import Specs
 from home_mjx.tasks.experts.descent import descend

@@ -18,7 +18,7 @@ from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.scene_compile import CompileOptions, compile_house
 from home_mjx.scene_compile.navigation.free_space import NavigationOptions
 
-SEEDS = (0, 1, 2, 4, 6, 7, 8, 9, 11, 57)
+SEEDS = (0, 1, 2, 4, 6, 7, 8, 9, 11)
 CLIMBED = 11  # a seed whose home has two storeys
 TWIN = 0.85  # of a room map
 
@@ -176,7 +176,7 @@ def test_agents_climb_to_the_upper_floor(root):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [6, 11, 57])
+@pytest.mark.parametrize("seed", [2, 6, 11])
 @pytest.mark.parametrize("climb", [True, False])
 @pytest.mark.parametrize("radius", [0.1, 0.25])
 def test_agents_of_several_sizes_reach_what_they_may(root, seed, climb, radius):

@@ -18,7 +18,8 @@ from home_mjx.datasets.procedural.furniture import family_models
 from home_mjx.datasets.procedural.primitives.palette import choose
 from home_mjx.errors import ConfigError
 
-TRIES = 4000  # of drawing storeys; a few dozen is usual
+TRIES = 6000  # of drawing storeys; a few dozen is usual
+PATIENCE = 1500  # tries, after which another program is drawn where none was given
 HEIGHTS, ODDS = (2.5, 2.6, 2.7, 2.8, 3.0), (0.15, 0.15, 0.45, 0.15, 0.1)  # [m], of walls of homes on one floor
 AGAIN = 0.9  # chance of another try where the entrance leads into the living room and there is a hall
 PITCHES = (2.7, 2.8, 2.9)  # [m], from floor to floor
@@ -61,11 +62,11 @@ def draw_home(rng: np.random.Generator, program: Program | None = None) -> HomeP
     wanted = draw_program(rng) if program is None else program
     doors = family_models()["door"]
     models = Models(choose(doors[:2], rng), doors[2], choose(structure_models()["garage_door"], rng))
-    for _ in range(TRIES):
+    for attempt in range(TRIES):
         storeys = draw_storeys(rng, wanted)
         if storeys is not None and is_liveable(storeys) and (home := _opened(rng, storeys, models)):
             return home
-        if program is None and rng.random() < 0.002:
+        if program is None and attempt % PATIENCE == PATIENCE - 1:
             wanted = draw_program(rng)
     hint = "Ask for other rooms, or fewer storeys."
     raise ConfigError(f"no plan was found for {wanted.storeys} storeys with {wanted.ground}", hint=hint)
