@@ -359,7 +359,7 @@ def as_bank(
         ConfigError: `houses` is something else, or a filter was given for generated houses.
     """
     from home_mjx.bank.bank import HouseBank
-    from home_mjx.datasets.generate import ProceduralHouses
+    from home_mjx.datasets.generators.names import ProceduralHouses
     from home_mjx.scene_compile.cache.house_set import HouseSet, default_houses
     from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS
 

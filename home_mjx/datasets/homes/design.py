@@ -8,8 +8,8 @@ import numpy as np
 from home_mjx.datasets.homes.fittings import fittings
 from home_mjx.datasets.homes.furnish import furnish_home
 from home_mjx.datasets.homes.plan.home import HomePlan, draw_home
-from home_mjx.datasets.homes.plan.program import Program, draw_program
-from home_mjx.datasets.homes.plan.wants import OUTDOORS, WET
+from home_mjx.datasets.homes.plan.needs.program import Program, draw_program
+from home_mjx.datasets.homes.plan.needs.wants import OUTDOORS, WET
 from home_mjx.datasets.procedural.floor_plan.openings import HousePlan
 from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
 from home_mjx.datasets.procedural.floor_plan.walls import Surfaces

@@ -5,8 +5,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from home_mjx.datasets.homes.plan.home import HomePlan
-from home_mjx.datasets.homes.plan.storeys import Stairwell
-from home_mjx.datasets.homes.plan.wants import OUTDOORS
+from home_mjx.datasets.homes.plan.needs.wants import OUTDOORS
+from home_mjx.datasets.homes.plan.shape.storeys import Stairwell
 from home_mjx.datasets.homes.structure import structure_models
 from home_mjx.datasets.homes.structure.railings import DEPTH
 from home_mjx.datasets.homes.structure.stairs import LENGTH, RISE, WIDTH

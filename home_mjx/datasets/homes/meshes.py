@@ -6,13 +6,24 @@ from pathlib import Path
 
 import numpy as np
 
-from home_mjx.datasets.homes.plan.wants import OUTDOORS
+from home_mjx.datasets.homes.plan.needs.wants import OUTDOORS
+from home_mjx.datasets.homes.plan.openings.turned import TurnedWindow
+from home_mjx.datasets.homes.plan.shape.cut_rooms import Point, sides
 from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
 from home_mjx.datasets.procedural.floor_plan.rooms import RoomPlan
-from home_mjx.datasets.procedural.floor_plan.walls import CEILING_LOW, FLOOR_TOP, OUTSET, Surfaces, carve
+from home_mjx.datasets.procedural.floor_plan.rooms import Wall as PlanWall
+from home_mjx.datasets.procedural.floor_plan.walls import (
+    CEILING_LOW,
+    FLOOR_TOP,
+    HALF,
+    OUTSET,
+    SHRINK,
+    Surfaces,
+    carve,
+)
 from home_mjx.datasets.shapes.pieces import CUT, Piece, join_pieces, wall_pieces
 from home_mjx.datasets.shapes.polygon_slab import slab
-from home_mjx.datasets.shapes.wall_prism import Wall
+from home_mjx.datasets.shapes.wall_prism import Hole, Wall
 from home_mjx.schema.house import Material, Mesh
 
 Parts = tuple[Mesh, Mesh | None, Mesh | None]  # floor, ceiling, walls
@@ -45,7 +56,7 @@ def room_parts(
         return floor, None, None
     ceiling = _slab(stem, "Ceiling", less if open_ceiling else room, (low, low + FLOOR_TOP), surfaces.ceiling)
     pieces = list(_wall_pieces(room, number, height, openings))
-    cladding = (surfaces.inside, CUT, surfaces.outside) * len(room.walls)
+    cladding = (surfaces.inside, CUT, surfaces.outside) * len(room.polygon)
     return floor, ceiling, _rounded(join_pieces(stem.with_name(f"{stem.name}w.obj"), pieces, cladding))
 
 
@@ -57,11 +68,26 @@ def _slab(stem: Path, kind: str, room: RoomPlan, span: tuple[float, float], mate
 
 def _wall_pieces(room: RoomPlan, number: str, height: float, openings: Sequence[PlacedFurniture]) -> Iterator[Piece]:
     """The inner and the outer prism of every wall."""
-    for k, wall in enumerate(room.walls):
-        holes = tuple(hole for opening in openings if (hole := carve(wall, opening)) is not None)
-        start, end = (np.array([x, 0.0, z]) for x, z in (wall.start, wall.end))
+    for k, side in enumerate(sides(room)):
+        holes = tuple(hole for opening in openings if (hole := _hole(side, opening)) is not None)
+        start, end = (np.array([x, 0.0, z]) for x, z in side)
         for piece in wall_pieces(Wall(start, end, height, holes), f"0_{number}_{k}"):
             yield replace(piece, slot=piece.slot + 3 * k)
+
+
+def _hole(side: tuple[Point, Point], opening: PlacedFurniture) -> Hole | None:
+    """The hole that an opening makes in a wall, or None if it is not in this wall."""
+    start, end = side
+    if start[0] == end[0] or start[1] == end[1]:
+        return None if isinstance(opening, TurnedWindow) else carve(PlanWall(start, end), opening)
+    length = float(np.hypot(end[0] - start[0], end[1] - start[1]))
+    way = np.subtract(end, start) / length
+    away = np.array(opening.position)[[0, 2]] - start
+    along, off = float(away @ way), abs(float(away[0] * way[1] - away[1] * way[0]))
+    if not isinstance(opening, TurnedWindow) or off > HALF or not 0 < along < length:
+        return None
+    half, (low, high) = float(opening.size[0]) / 2 - SHRINK, opening.box[:, 1].tolist()
+    return along - half, along + half, low + SHRINK, high - SHRINK
 
 
 def _rounded(mesh: Mesh) -> Mesh:

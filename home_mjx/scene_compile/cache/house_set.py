@@ -11,7 +11,7 @@ from tqdm import tqdm
 
 from home_mjx.core.checks import check_known, check_number, check_type
 from home_mjx.core.paths import dataset_root
-from home_mjx.datasets.generate import ProceduralHouses
+from home_mjx.datasets.generators.names import ProceduralHouses
 from home_mjx.datasets.procedural.default_houses import generated_houses
 from home_mjx.datasets.splits import SPLITS, select_ids
 from home_mjx.datasets.suncg.dataset import Dataset, open_dataset

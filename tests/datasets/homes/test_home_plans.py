@@ -5,11 +5,11 @@ from functools import cache
 import numpy as np
 import pytest
 
-from home_mjx.datasets.generate import ProceduralHouses
+from home_mjx.datasets.generators.names import ProceduralHouses
 from home_mjx.datasets.homes.plan.home import HomePlan, draw_home
-from home_mjx.datasets.homes.plan.program import MOST, Program, draw_program, ground_rooms
-from home_mjx.datasets.homes.plan.storeys import is_simple
-from home_mjx.datasets.homes.plan.wants import LINKS, OUTDOORS, WANTS
+from home_mjx.datasets.homes.plan.needs.program import MOST, Program, draw_program, ground_rooms
+from home_mjx.datasets.homes.plan.needs.wants import LINKS, OUTDOORS, WANTS
+from home_mjx.datasets.homes.plan.shape.storeys import is_simple
 from home_mjx.datasets.procedural.floor_plan.rooms import Rect, RoomPlan
 from home_mjx.datasets.seeds import house_id
 from home_mjx.errors import ConfigError
@@ -90,7 +90,7 @@ def test_storeys_stand_on_one_another():
             below = [rect for room in lower.rooms for rect in room.rects]
             for room in (room for room in upper.rooms if room.type not in OUTDOORS):
                 covered = sum(common(rect, other) for rect in room.rects for other in below)
-                assert covered == pytest.approx(room.area, abs=1e-6)
+                assert covered == pytest.approx(sum(w * d for w, d in (r.sides for r in room.rects)), abs=1e-6)
 
 
 def common(a: Rect, b: Rect) -> float:

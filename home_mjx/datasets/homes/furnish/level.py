@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from home_mjx.datasets.homes.furnish.layout import HomeLayout
 from home_mjx.datasets.homes.furnish.recipes import RECIPES
 from home_mjx.datasets.homes.plan.home import HomePlan
-from home_mjx.datasets.homes.plan.wants import OUTDOORS
+from home_mjx.datasets.homes.plan.needs.wants import OUTDOORS
 from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
 from home_mjx.datasets.procedural.furnish import ESSENTIALS, RADIO_STANDS
 from home_mjx.datasets.procedural.furnish.layout import RoomLayout

@@ -5,12 +5,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from home_mjx.datasets.homes.plan.doors import Models, draw_doors, draw_entrance, garage_doors
+from home_mjx.datasets.homes.plan.needs.program import Program, draw_program
+from home_mjx.datasets.homes.plan.openings.doors import Models, draw_doors, draw_entrance, garage_doors
+from home_mjx.datasets.homes.plan.openings.windows import draw_windows
 from home_mjx.datasets.homes.plan.outdoors import add_outdoors
-from home_mjx.datasets.homes.plan.program import Program, draw_program
 from home_mjx.datasets.homes.plan.quality import is_liveable
-from home_mjx.datasets.homes.plan.storeys import Stairwell, Storey, draw_storeys
-from home_mjx.datasets.homes.plan.windows import draw_windows
+from home_mjx.datasets.homes.plan.shape.storeys import Stairwell, Storey, draw_storeys
+from home_mjx.datasets.homes.plan.slants import add_slants
 from home_mjx.datasets.homes.structure import structure_models
 from home_mjx.datasets.procedural.floor_plan.openings import HousePlan, Opening
 from home_mjx.datasets.procedural.floor_plan.rooms import RoomPlan
@@ -64,8 +65,10 @@ def draw_home(rng: np.random.Generator, program: Program | None = None) -> HomeP
     models = Models(choose(doors[:2], rng), doors[2], choose(structure_models()["garage_door"], rng))
     for attempt in range(TRIES):
         storeys = draw_storeys(rng, wanted)
-        if storeys is not None and is_liveable(storeys) and (home := _opened(rng, storeys, models)):
-            return home
+        if storeys is not None and is_liveable(storeys):
+            home = _opened(rng, add_slants(rng, storeys), models)
+            if home is not None:
+                return home
         if program is None and attempt % PATIENCE == PATIENCE - 1:
             wanted = draw_program(rng)
     hint = "Ask for other rooms, or fewer storeys."

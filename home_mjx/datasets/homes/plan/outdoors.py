@@ -4,9 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from home_mjx.datasets.homes.plan.doors import outer_sites
-from home_mjx.datasets.homes.plan.program import MOST
-from home_mjx.datasets.homes.plan.rows import snap
+from home_mjx.datasets.homes.plan.needs.program import MOST
+from home_mjx.datasets.homes.plan.openings.sites import outer_sites
+from home_mjx.datasets.homes.plan.shape.cut_rooms import beside_cut
+from home_mjx.datasets.homes.plan.shape.rows import snap
 from home_mjx.datasets.procedural.floor_plan.rooms import Rect, RoomPlan, Wall, outer_spans
 
 HOSTS = ("Living_Room", "Dining_Room", "Kitchen", "Hallway", "Hall")
@@ -30,6 +31,7 @@ def add_outdoors(
         return rooms
     hosts = [i for i, room in enumerate(rooms) if room.type in HOSTS]
     sites = [s for i in hosts for s in outer_sites(rooms, i) if s.span[1] - s.span[0] >= LEAST]
+    sites = [s for s in sites if not beside_cut(rooms[s.rooms[0]], s.wall)]
     sites.sort(key=lambda s: HOSTS.index(rooms[s.rooms[0]].type) + rng.uniform(0, 2))
     for site in sites:
         terrace = ground and rng.random() < 0.45

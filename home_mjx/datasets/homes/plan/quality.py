@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from home_mjx.datasets.homes.plan.storeys import Storey
+from home_mjx.datasets.homes.plan.shape.storeys import Storey
 from home_mjx.datasets.procedural.floor_plan.rooms import RoomPlan, outer_spans, shared_span
 
 HALL_SHARE, HALL_ROOM = 0.165, 3.5  # greatest of a floor's area, and [m^2] that any floor may have for it

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from home_mjx.datasets.homes.plan.rows import Cell, Row, snap, suits, widths
-from home_mjx.datasets.homes.plan.shell import CONTACT, Draft, Laid, Shell, cell_of, deal, lay_row
+from home_mjx.datasets.homes.plan.shape.rows import Cell, Row, snap, suits, widths
+from home_mjx.datasets.homes.plan.shape.shell import CONTACT, Draft, Laid, Shell, cell_of, deal, lay_row
 from home_mjx.datasets.procedural.floor_plan.rooms import Rect
 
 SMALLEST, LARGEST = 17.5, 36.0  # [m^2], of the living room

@@ -4,8 +4,9 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from home_mjx.datasets.homes.plan.doors import outer_sites
-from home_mjx.datasets.homes.plan.wants import WET, WINDOWLESS
+from home_mjx.datasets.homes.plan.needs.wants import WET, WINDOWLESS
+from home_mjx.datasets.homes.plan.openings.sites import outer_sites
+from home_mjx.datasets.homes.plan.openings.turned import slanted_windows
 from home_mjx.datasets.procedural.floor_plan.openings import HIGH_SILL_Y, MARGIN, SILL_Y, Opening, Site
 from home_mjx.datasets.procedural.floor_plan.placed import Boxes, PlacedFurniture, overlaps, quarter_towards, stack
 from home_mjx.datasets.procedural.floor_plan.rooms import Rect, RoomPlan
@@ -31,7 +32,9 @@ def draw_windows(
     for room, plan in enumerate(rooms):
         if plan.type in WINDOWLESS or (plan.type == "Garage" and rng.random() < 0.5):
             continue
-        count = 0
+        bays = list(slanted_windows(room, plan, family_models()["window"][0]))
+        found += bays
+        count = len(bays)
         for site in sorted(outer_sites(rooms, room), key=lambda site: site.span[0] - site.span[1]):
             if (count and rng.random() > SECOND_WALL) or (shut is not None and _beside(site, shut)):
                 continue

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from home_mjx.datasets.homes.plan.hub import draw_hub
-from home_mjx.datasets.homes.plan.program import ABOVE, MORE_ABOVE, MOST, Program, draw_more
-from home_mjx.datasets.homes.plan.rows import FOYER, Placed, Row, lay, suits
-from home_mjx.datasets.homes.plan.shell import Draft, Shell, cell_of, draw_straight
-from home_mjx.datasets.homes.plan.wants import ROOMY, WANTS
-from home_mjx.datasets.homes.plan.wing import draw_winged
+from home_mjx.datasets.homes.plan.needs.program import ABOVE, MORE_ABOVE, MOST, Program, draw_more
+from home_mjx.datasets.homes.plan.needs.wants import ROOMY, WANTS
+from home_mjx.datasets.homes.plan.shape.hub import draw_hub
+from home_mjx.datasets.homes.plan.shape.rows import FOYER, Placed, Row, lay, suits
+from home_mjx.datasets.homes.plan.shape.shell import Draft, Shell, cell_of, draw_straight
+from home_mjx.datasets.homes.plan.shape.wing import draw_winged
 from home_mjx.datasets.procedural.floor_plan.rooms import Rect, RoomPlan
 
 TRIES = 60  # of filling a part of a row

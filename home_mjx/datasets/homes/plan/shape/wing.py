@@ -4,8 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from home_mjx.datasets.homes.plan.rows import FOYER, Cell, Placed, Row, snap, widths
-from home_mjx.datasets.homes.plan.shell import (
+from home_mjx.datasets.homes.plan.needs.wants import WANTS
+from home_mjx.datasets.homes.plan.shape.rows import FOYER, Cell, Placed, Row, snap, widths
+from home_mjx.datasets.homes.plan.shape.shell import (
     CONTACT,
     STAIRS,
     STAIRS_WIDTH,
@@ -16,7 +17,6 @@ from home_mjx.datasets.homes.plan.shell import (
     deal,
     lay_row,
 )
-from home_mjx.datasets.homes.plan.wants import WANTS
 from home_mjx.datasets.procedural.floor_plan.rooms import Rect
 
 

@@ -1,12 +1,12 @@
 """Rows of rooms along a hall: each has a front on the hall, small ones may stand before a nook of their neighbour."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
-from home_mjx.datasets.homes.plan.wants import ROOMY, SMALL, WANTS
+from home_mjx.datasets.homes.plan.needs.wants import ROOMY, SMALL, WANTS
 from home_mjx.datasets.procedural.floor_plan.rooms import Rect
 
 STEP = 0.1  # [m], grid of the wall lines
@@ -50,7 +50,8 @@ class Row:
         low: Where it begins along its axis [m].
         high: Where it ends.
         depth: Across [m].
-        step: From where on along its axis the depth is another one, and that depth; None if it is the same all along.
+        step: From where to where along its axis the depth is another one, and that depth; None if it is the same all
+            along.
     """
 
     axis: int
@@ -59,7 +60,7 @@ class Row:
     low: float
     high: float
     depth: float
-    step: tuple[float, float] | None = None
+    step: tuple[float, float, float] | None = None
 
     def rect(self, a: float, b: float, near: float, far: float) -> Rect:
         """The rectangle between two places along the row and two depths [m]."""
@@ -69,18 +70,18 @@ class Row:
 
     def rects(self, a: float, b: float, near: float = 0.0) -> tuple[Rect, ...]:
         """The rectangles between two places along the row, from a depth on to the row's end [m]."""
-        if self.step is None or b <= self.step[0] + STEP / 2:
-            return (self.rect(a, b, near, self.depth),)
-        at, depth = self.step
-        if a >= at - STEP / 2:
-            return (self.rect(a, b, near, depth),)
-        return self.rect(a, at, near, self.depth), self.rect(at, b, near, depth)
+        return tuple(self.rect(low, high, near, depth) for low, high, depth in self._parts(a, b))
+
+    def _parts(self, a: float, b: float) -> Iterator[tuple[float, float, float]]:
+        """The parts of a range with one depth each."""
+        start, end, depth = self.step or (self.high, self.high, self.depth)
+        for low, high, deep in ((-np.inf, start, self.depth), (start, end, depth), (end, np.inf, self.depth)):
+            if min(b, high) - max(a, low) > STEP / 2:
+                yield max(a, low), min(b, high), deep
 
     def least_depth(self, a: float, b: float) -> float:
         """Between two places along it [m]."""
-        if self.step is None or b <= self.step[0] + STEP / 2:
-            return self.depth
-        return self.step[1] if a >= self.step[0] - STEP / 2 else min(self.depth, self.step[1])
+        return min(depth for _, _, depth in self._parts(a, b))
 
     def with_ends(self, low: float, high: float) -> "Row":
         """The same row between other ends [m]."""

@@ -9,13 +9,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from home_mjx.datasets.homes.plan.rows import FOYER, Cell, Placed, Row, lay, snap, suits, widths
-from home_mjx.datasets.homes.plan.wants import SMALL, WANTS
+from home_mjx.datasets.homes.plan.needs.wants import SMALL, WANTS
+from home_mjx.datasets.homes.plan.shape.rows import FOYER, Cell, Placed, Row, lay, snap, suits, widths
 from home_mjx.datasets.procedural.floor_plan.rooms import Rect
 
 CONTACT = 1.3  # [m], of every room with the hall, for its door
 STAIRS_WIDTH = 2.2  # [m], between the middles of the walls beside stairs
 STAIRS = "Stairs"
+STEPPED = 0.45  # chance of a facade with a step
 SIMILAR = 0.22  # of lengths of two rows that are made equal
 
 
@@ -125,12 +126,14 @@ def _lengths(rows: Sequence[Sequence[Cell]], depths: Sequence[float]) -> list[fl
     return [snap(x) for x in length]
 
 
-def _step(rng: np.random.Generator, length: float, depth: float) -> tuple[float, float] | None:
-    """Where the facade steps forwards or back, sometimes."""
-    if rng.random() > 0.4 or length < 6:
+def _step(rng: np.random.Generator, length: float, depth: float) -> tuple[float, float, float] | None:
+    """Where the facade steps forwards or back, sometimes: at one end of the row, or in its middle."""
+    if rng.random() > STEPPED or length < 6:
         return None
-    shift = float(rng.choice([-1, 1])) * rng.uniform(0.4, 1.0)
-    return snap(rng.uniform(0.4, 0.75) * length), snap(max(depth + shift, 2.6))
+    shift = float(rng.choice([-1, 1])) * rng.uniform(0.5, 1.3)
+    start = rng.uniform(0.25, 0.7) * length
+    end = length if rng.random() < 0.55 or start > 0.5 * length else rng.uniform(start + 2.5, length)
+    return snap(start), snap(end), snap(max(depth + shift, 2.6))
 
 
 Laid = tuple[Row, list[Placed], Rect | None]  # the row, its rooms, and the place of stairs in it
@@ -160,10 +163,11 @@ def _with_step(row: Row, rooms: Sequence[Placed] | None) -> Row:
     step = row.step
     if step is None or rooms is None:
         return replace(row, step=None)
-    low = [rects[0][row.axis] for kind, rects in rooms[1:] if kind not in SMALL]
-    if not low:
+    walls = [rects[0][row.axis] for kind, rects in rooms[1:] if kind not in SMALL]
+    if not walls:
         return replace(row, step=None)
-    return replace(row, step=(min(low, key=lambda at: abs(at - step[0])), step[1]))
+    start, end = (min([*walls, row.high], key=lambda at: abs(at - wanted)) for wanted in step[:2])
+    return replace(row, step=(start, end, step[2]) if start < end else None)
 
 
 def _closed(

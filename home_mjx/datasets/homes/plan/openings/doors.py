@@ -6,11 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from home_mjx.datasets.homes.plan.storeys import Storey
-from home_mjx.datasets.homes.plan.wants import LINKS, OUTDOORS, TO_PRIVATE, WANTS
+from home_mjx.datasets.homes.plan.needs.wants import LINKS, OUTDOORS, TO_PRIVATE
+from home_mjx.datasets.homes.plan.openings.sites import inner_sites, outer_sites
+from home_mjx.datasets.homes.plan.shape.cut_rooms import beside_cut
+from home_mjx.datasets.homes.plan.shape.storeys import Storey
 from home_mjx.datasets.procedural.floor_plan.openings import DOOR_Y, MARGIN, Opening, Site
 from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture, overlaps, quarter_towards, stack
-from home_mjx.datasets.procedural.floor_plan.rooms import RoomPlan, Wall, outer_spans, shared_span
+from home_mjx.datasets.procedural.floor_plan.rooms import RoomPlan, Wall
 from home_mjx.datasets.procedural.primitives.family import Furniture
 
 MORE = 0.45  # chance of a second way between common rooms
@@ -37,24 +39,6 @@ def walked(storey: Storey) -> tuple[RoomPlan, ...]:
         return storey.rooms
     hall = storey.rooms[0]
     return (RoomPlan(hall.type, hall.rects[:-1]), *storey.rooms[1:])
-
-
-def inner_sites(rooms: Sequence[RoomPlan]) -> list[Site]:
-    """Where two rooms share enough of a wall for a door."""
-    return [
-        Site(wall, span, (a, b))
-        for b in range(len(rooms))
-        for a in range(b)
-        for wall in rooms[a].walls
-        for other in rooms[b].walls
-        if (span := shared_span(wall, other)) and span[1] - span[0] >= 1.1
-    ]
-
-
-def outer_sites(rooms: Sequence[RoomPlan], room: int) -> list[Site]:
-    """The stretches of a room's walls that no other room shares."""
-    others = [wall for i, other in enumerate(rooms) if i != room for wall in other.walls]
-    return [Site(wall, span, (room,)) for wall in rooms[room].walls for span in outer_spans(wall, others)]
 
 
 @dataclass
@@ -172,6 +156,7 @@ def draw_entrance(rng: np.random.Generator, storey: Storey, models: Models, door
     able = [i for i, room in enumerate(rooms) if room.type in ENTRANCE]
     for room in sorted(able, key=lambda i: ENTRANCE.index(rooms[i].type)):
         sites = [s for s in outer_sites(storey.rooms, room) if _of(s.wall, rooms[room])]
+        sites = [s for s in sites if not beside_cut(rooms[room], s.wall)]
         for site in sorted(sites, key=lambda s: s.span[1] - s.span[0] + rng.uniform(0, 1)):
             if door := plan.fit(site):
                 return door
@@ -200,8 +185,3 @@ def garage_doors(
             if not overlaps(placed.box, stack([o.placed.box for o in taken])).any():
                 yield Opening(placed, (room,))
                 break
-
-
-def has_side(kind: str, length: float) -> bool:
-    """Whether a length [m] is at least the shortest side of a type of room."""
-    return length >= WANTS[kind].side
