@@ -170,6 +170,13 @@ def _with_step(row: Row, rooms: Sequence[Placed] | None) -> Row:
     return replace(row, step=(start, end, step[2]) if start < end else None)
 
 
+def needed(laid: Laid) -> float:
+    """How far along a row its hall has to go, so that every room has a front on it, and stairs all of theirs [m]."""
+    row, rooms, stairs = laid
+    fronts = [min(rects[0][row.axis] + CONTACT, row.high) for _, rects in rooms]
+    return max([*fronts, *([] if stairs is None else [stairs[row.axis + 2]])])
+
+
 def _closed(
     rng: np.random.Generator,
     laid: Sequence[Laid | None],
@@ -182,11 +189,7 @@ def _closed(
         return None
     known = [one for one in laid if one is not None]
     rows = [row for row, _, _ in known]
-    last = [
-        rooms[-1][1][0][0] if stairs is None or rooms[-1][1][0][0] > stairs.x0 else stairs.x0
-        for _, rooms, stairs in known
-    ]
-    stop = snap(max(min(at + CONTACT, end) for at in last))
+    stop = snap(max(needed(one) for one in known))
     takers = [
         i
         for i, row in enumerate(rows)

@@ -7,7 +7,6 @@ import numpy as np
 from home_mjx.datasets.homes.plan.needs.wants import WANTS
 from home_mjx.datasets.homes.plan.shape.rows import FOYER, Cell, Placed, Row, snap, widths
 from home_mjx.datasets.homes.plan.shape.shell import (
-    CONTACT,
     STAIRS,
     STAIRS_WIDTH,
     Draft,
@@ -16,6 +15,7 @@ from home_mjx.datasets.homes.plan.shape.shell import (
     cell_of,
     deal,
     lay_row,
+    needed,
 )
 from home_mjx.datasets.procedural.floor_plan.rooms import Rect
 
@@ -41,13 +41,11 @@ def draw_winged(rng: np.random.Generator, types: Sequence[str], stairs: bool) ->
     total = snap(gap + aside + second)
     want = sum(widths([c for c in south if c.type != STAIRS], depths[1])[0]) + STAIRS_WIDTH * stairs
     end = total if 0.8 < total / want < 1.25 else snap(max(want, gap + aside))
-    begin = 0.0 if at < len(north) else across
     begins = snap(across + depths[0]), snap(across + depths[0] if at < len(north) else across)
     ways = [sum(widths(row, d)[0]) for row, d in zip(wing, wings, strict=True)]
     stops = [snap(b + w) for b, w in zip(begins, ways, strict=True)]
     if abs(stops[0] - stops[1]) < 0.22 * min(ways):
         stops = [snap(sum(stops) / 2)] * 2
-    del begin
     rows = [
         (Row(0, 1, across, 0.0, gap, depths[0]), north[:at]),
         (Row(0, -1, 0.0, 0.0, end, depths[1]), south),
@@ -64,14 +62,7 @@ def _joined(laid: Sequence[Laid | None], across: float, gap: tuple[float, float]
     known = [one for one in laid if one is not None]
     if len(known) < len(laid):
         return None
-    ends = []
-    for axis in (0, 1):
-        stops = []
-        for row, rooms, stairs in known:
-            if row.axis == axis:
-                last = max([rects[0][axis] for _, rects in rooms] + ([stairs[axis]] if stairs else []))
-                stops.append(min(last + CONTACT, row.high))
-        ends.append(max(stops))
+    ends = [max(needed(one) for one in known if one[0].axis == axis) for axis in (0, 1)]
     right, top = snap(max(ends[0], gap[1])), snap(ends[1])
     hall = (Rect(0.0, 0.0, right, across), Rect(gap[0], across, gap[1], top))
     place = next(((i, one[2]) for i, one in enumerate(known) if one[2] is not None), (-1, None))
