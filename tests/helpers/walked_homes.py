@@ -189,7 +189,8 @@ class Walker:
 
         taken = self.solid[:, layer(CLEAR + CELL) : layer(TALL)].any(axis=1)
         taken |= self.stairs[:, layer(OVERHEAD) : layer(TALL)].any(axis=1)
-        return area & (ndimage.distance_transform_edt(~taken) * CELL > radius)
+        # What is in a voxel is up to half a voxel nearer or farther than its middle.
+        return area & (ndimage.distance_transform_edt(~taken) * CELL > radius - CELL / 2)
 
     def reached(self, radius: float) -> dict[tuple[int, int], float]:
         """Of every room the part of its free floor that is reached from the entrance's room [m^2]."""

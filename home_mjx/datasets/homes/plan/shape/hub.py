@@ -8,14 +8,14 @@ from home_mjx.datasets.homes.plan.shape.rows import Cell, Row, snap, suits, widt
 from home_mjx.datasets.homes.plan.shape.shell import CONTACT, Draft, Laid, Shell, cell_of, deal, lay_row
 from home_mjx.datasets.procedural.floor_plan.rooms import Rect
 
-SMALLEST, LARGEST = 17.5, 36.0  # [m^2], of the living room
+SMALLEST, LARGEST = 16.5, 40.0  # [m^2], of the living room
 SIDES = ((0, 1), (0, -1), (1, 1))  # axis and sign of the rows: two beside its length, one at its end
 SIMILAR = 0.18  # of lengths of a row and of the wall before it that are made equal
 
 
 def draw_hub(rng: np.random.Generator, types: Sequence[str]) -> Draft | None:
     """One attempt at a flat whose rooms lie around its living room; None if it fails."""
-    across = snap(rng.uniform(3.5, 5.6))
+    across = snap(rng.uniform(3.5, 6.0))
     length = snap(rng.uniform(SMALLEST, LARGEST) / across)
     if not suits("Living_Room", length, across):
         return None
