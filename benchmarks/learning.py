@@ -82,7 +82,7 @@ CASES = {
     "unread": task("InstructionFollowing", *WORDS, judged=NEW, combinations="seen"),
     "piper": task("PiedPiper", *EYES, "log_mel", judged=UNHEARD, taken="log_mel"),
     "question": task("HouseQA", *WORDS, "instruction"),
-    "attribute": task("HouseQA", *WORDS, "instruction", kinds=("existence", "colour", "location")),
+    "attribute": task("HouseQA", *WORDS, "instruction", kinds=("colour", "location")),
     "unseen": task("HouseQA", "prev_action", "instruction"),
 }
 

@@ -11,6 +11,7 @@ from jaxtyping import Array, Float, Int
 
 from home_mjx.tasks.base.specs import ArraySpec
 from home_mjx.tasks.experts.teacher import EXPERT
+from home_mjx.training.networks.glimpse import Glimpse
 from home_mjx.training.networks.images import ImageEncoder
 from home_mjx.training.networks.mentions import column_of, mentioned, said_by
 
@@ -138,14 +139,15 @@ class Encoder(nn.Module):
     """One vector from all observations of an agent.
 
     Images of one size, ids among them, are stacked and read by one `ImageEncoder`, which words tell what to look for;
-    where ids have names, what words name is marked. Vectors are squashed, joined and read by two layers.
+    where ids have names, what words name is marked, and looked at by a `Glimpse`. Vectors are squashed, joined and
+    read by two layers.
 
     Attributes:
         specs: Name and spec of every observation of one agent.
         features: Size of the result, and of the two layers.
         channels: Of `ImageEncoder`.
         dtype: Type of the convolutions of images.
-        mentions: Mark what words name, see `mentioned`.
+        mentions: Mark what words name, see `mentioned`, and look at it.
     """
 
     specs: tuple[tuple[str, ArraySpec], ...]
@@ -160,6 +162,7 @@ class Encoder(nn.Module):
         said = [said_by(name, obs[name]) for name, spec in self.specs if kind_of(name, spec) == "words"]
         said = jnp.concatenate(said, axis=-1) if said and self.mentions else None
         images: dict[tuple[int, ...], list[Array]] = defaultdict(list)
+        marks: dict[tuple[int, ...], list[Array]] = defaultdict(list)
         vectors, parts, asked = [], [], []
         for name, spec in self.specs:
             x, kind = obs[name], kind_of(name, spec)
@@ -169,7 +172,7 @@ class Encoder(nn.Module):
             elif kind == "ids":
                 images[spec.shape].append(jnp.asarray(id_codes(), self.dtype)[_row(x)])
                 if said is not None and (column := column_of(name)) is not None:
-                    images[spec.shape].append(mentioned(x, column, said).astype(self.dtype))
+                    marks[spec.shape].append(mentioned(x, column, said).astype(self.dtype))
             elif kind == "sound":
                 parts.append(SoundEncoder()(x))
             elif kind == "spectra":
@@ -180,9 +183,11 @@ class Encoder(nn.Module):
                 lead = x.shape[: x.ndim - len(spec.shape)]
                 vectors.append(squash(x.astype(jnp.float32)).reshape(*lead, -1))
         words = jnp.concatenate(asked, axis=-1) if asked else None
-        for _, stack in sorted(images.items()):
-            look = ImageEncoder(self.channels, self.features, self.dtype)
-            parts.append(look(jnp.concatenate(stack, axis=-1), words))
+        for size, stack in sorted(images.items()):
+            stacked = jnp.concatenate(stack + marks[size], axis=-1)
+            parts.append(ImageEncoder(self.channels, self.features, self.dtype)(stacked, words))
+            if marks[size]:
+                parts.append(Glimpse()(stacked, jnp.concatenate(marks[size], axis=-1), words))
         parts += asked
         if vectors:
             parts.append(nn.tanh(nn.Dense(self.features)(jnp.concatenate(vectors, axis=-1))))
