@@ -53,19 +53,14 @@ def _rail_over_foot(place: Stairwell, models: Sequence[Furniture]) -> PlacedFurn
     """The railing beside the head of stairs, over their foot: the right half, seen from their front."""
     x, z = _edge(place)
     wide = _size(place)[0] - 2 * HALF
-    right = np.array([-place.way[1], place.way[0]], float)
-    if quarter_right(place) == (-right).round().astype(int).tolist():
-        right = -right
-    middle = np.array([x, z]) + right * wide / 4 + np.array(place.way) * DEPTH / 2
+    middle = np.array([x, z]) + np.array(_right_of(place)) * wide / 4 + np.array(place.way) * DEPTH / 2
     return _railing((float(middle[0]), float(middle[1])), wide / 2 - 0.02, place.way, models)
 
 
-def quarter_right(place: Stairwell) -> list[int]:
-    """Where the right side of stairs (+x of their model) is in the plan."""
+def _right_of(place: Stairwell) -> tuple[float, float]:
+    """Unit direction (x, z) to the right of stairs, +x of their model, where their foot is."""
     model = structure_models()["stairs"][0]
-    placed = PlacedFurniture(model, (0.0, 0.0, 0.0), quarter_towards(-place.way[0], -place.way[1]))
-    x, z = placed.beside(1.0, 0.0)
-    return [round(x), round(z)]
+    return PlacedFurniture(model, (0.0, 0.0, 0.0), quarter_towards(-place.way[0], -place.way[1])).beside(1.0, 0.0)
 
 
 def _edge(place: Stairwell) -> tuple[float, float]:
