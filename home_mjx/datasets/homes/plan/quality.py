@@ -8,7 +8,8 @@ from home_mjx.datasets.homes.plan.shape.storeys import Storey
 from home_mjx.datasets.procedural.floor_plan.rooms import RoomPlan, outer_spans, shared_span
 
 HALL_SHARE, HALL_ROOM = 0.165, 3.5  # greatest of a floor's area, and [m^2] that any floor may have for it
-SPRAWL = 1.36  # greatest length of outer walls, in those of a square of the same area
+# Greatest length of outer walls, in those of a square of the same area; and of flats around their living room.
+SPRAWL, SPRAWL_SMALL = 1.36, 1.28
 SLENDER = 2.3  # greatest length of a home, in widths
 HALLS = ("Hallway", "Hall", "Lobby")
 TABLES = ("Dining_Room", "Living_Room")
@@ -34,7 +35,8 @@ def _compact(rooms: Sequence[RoomPlan]) -> bool:
     )
     corners = np.concatenate([room.polygon for room in rooms])
     short, long = np.sort(np.ptp(corners, axis=0))
-    return bool(long <= SLENDER * short and outside <= SPRAWL * 4 * np.sqrt(sum(room.area for room in rooms)))
+    most = SPRAWL_SMALL if rooms[0].type == "Living_Room" else SPRAWL
+    return bool(long <= SLENDER * short and outside <= most * 4 * np.sqrt(sum(room.area for room in rooms)))
 
 
 def _short_ways(rooms: Sequence[RoomPlan]) -> bool:

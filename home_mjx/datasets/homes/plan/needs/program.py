@@ -116,7 +116,7 @@ def ground_rooms(rng: np.random.Generator, count: int, storeys: int = 1) -> tupl
     if storeys > 1:
         return (*BELOW, *draw_more(rng, MORE_BELOW, count - 1 - len(BELOW)))
     if count == 3:  # the living room is the hall
-        return ("Bathroom", str(rng.choice(["Kitchen", "Kitchen", "Bedroom"])))
+        return ("Bathroom", str(rng.choice(["Kitchen", "Kitchen", "Bedroom", "Office"])))
     core = ("Kitchen", "Bathroom", "Bedroom")
     if count <= 6:
         return (*core, *draw_more(rng, _without(MORE, ("Garage", "Entryway", "Boiler_room")), count - 1 - len(core)))

@@ -10,6 +10,7 @@ from home_mjx.datasets.procedural.floor_plan.rooms import Rect
 
 SMALLEST, LARGEST = 16.5, 40.0  # [m^2], of the living room
 SIDES = ((0, 1), (0, -1), (1, 1))  # axis and sign of the rows: two beside its length, one at its end
+L_SHAPED = 2.2  # chance of a living room in the shape of an L, times the number of other rooms
 SIMILAR = 0.18  # of lengths of a row and of the wall before it that are made equal
 
 
@@ -35,7 +36,21 @@ def draw_hub(rng: np.random.Generator, types: Sequence[str]) -> Draft | None:
         laid.append(one)
     rows = tuple(row for row, _, _ in laid)
     reach = tuple((hall[row.axis], hall[row.axis + 2]) for row in rows)
-    return Draft(Shell((hall,), rows, reach), tuple(room for _, rooms, _ in laid for room in rooms))
+    whole = (hall, *_corner(rng, hall, sides)) if rng.random() < L_SHAPED / len(types) else (hall,)
+    return Draft(Shell(whole, rows, reach), tuple(room for _, rooms, _ in laid for room in rooms))
+
+
+def _corner(rng: np.random.Generator, hall: Rect, sides: Sequence[tuple[int, int]]) -> tuple[Rect, ...]:
+    """What makes the living room an L or a T: a part before a side without rooms."""
+    free = [side for side in ((0, 1), (0, -1), (1, 1), (1, -1)) if side not in sides]
+    axis, sign = free[int(rng.integers(len(free)))]
+    length = hall[axis + 2] - hall[axis]
+    wide, deep = snap(rng.uniform(2.0, max(2.1, length - 0.8))), snap(rng.uniform(1.0, 2.6))
+    if wide > length - 0.5:
+        return ()
+    shift = float(rng.choice([0.0, 1.0, rng.random()])) * (length - wide)
+    row = Row(axis, sign, hall[3 - axis] if sign > 0 else hall[1 - axis], hall[axis], hall[axis + 2], deep)
+    return (row.rect(hall[axis] + shift, hall[axis] + shift + wide, 0.0, deep),)
 
 
 def _beside(
