@@ -16,10 +16,11 @@ from home_mjx.tasks.base.specs import ArraySpec
 from home_mjx.tasks.language.vocabulary import spoken, tokenize
 from home_mjx.tasks.rows.words import Word
 from home_mjx.training.networks import Categorical, Gaussian, NetworkConfig, RecurrentAgent, distribution_of
-from home_mjx.training.networks.encoders import Encoder, SpectraEncoder, WordEncoder, id_codes, kind_of, squash
+from home_mjx.training.networks.encoders import Encoder, id_codes, kind_of
 from home_mjx.training.networks.glimpse import NULL, SHARP, Glimpse
 from home_mjx.training.networks.images import Search
 from home_mjx.training.networks.mentions import column_of, mentioned, said_by
+from home_mjx.training.networks.senses import ScanEncoder, SpectraEncoder, WordEncoder, squash
 
 SPECS = {
     "pixels/head_rgb": ArraySpec((16, 16, 3), "uint8", 0, 255),
@@ -174,6 +175,17 @@ def test_codes_of_ids_are_all_different():
     codes = id_codes()
     assert len(np.unique(codes[:200], axis=0)) == pytest.approx(200, abs=10)  # of 4096 possible ones
     assert np.array_equal(codes, id_codes())
+
+
+def test_a_scan_has_no_end(rng: np.random.Generator):
+    """Rays turned by four, the product of both strides, give the features of the ring turned by one."""
+    x = jnp.asarray(rng.uniform(0, 10, (2, 64)), jnp.float32)
+    net = ScanEncoder(features=16 * 64)
+    params = net.init(jax.random.key(0), x)
+    params["params"]["Dense_0"] = {"kernel": jnp.eye(16 * 64), "bias": jnp.zeros(16 * 64)}
+    ring, turned = (net.apply(params, a).reshape(2, 16, 64) for a in (x, jnp.roll(x, 4, axis=1)))
+    np.testing.assert_allclose(turned, jnp.roll(ring, 1, axis=1), atol=1e-5)
+    assert float(jnp.max(ring)) > 0
 
 
 def test_squash_is_odd_and_grows_with_the_logarithm():
