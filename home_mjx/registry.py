@@ -213,8 +213,8 @@ def make(
         env_id: Such as `PointNav-v0`, see `list_envs`.
         houses: A `HouseBank`, a `HouseSet`, a dataset or its root folder, or None: then the dataset that the
             environment variable `SUNCG_DATA_DIR` names, or, where it is not set, generated houses, made once and kept
-            in the cache folder.
-        num_houses: How many houses of a dataset or generator to use; 8 by default.
+            in the cache folder. `procedural:16?seed=0&version=2` names generated houses.
+        num_houses: How many houses of a dataset or generator to use; 8, or as many as a name says, by default.
         split: Only houses of `train`, `val` or `test`.
         where: A `HouseFilter`: only houses of a dataset that have all this.
         progress: Show a progress bar while houses are made and compiled; None: in a terminal.
@@ -359,6 +359,7 @@ def as_bank(
         ConfigError: `houses` is something else, or a filter was given for generated houses.
     """
     from home_mjx.bank.bank import HouseBank
+    from home_mjx.datasets.generators.names import ProceduralHouses
     from home_mjx.scene_compile.cache.house_set import HouseSet, default_houses
     from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS
 
@@ -372,7 +373,9 @@ def as_bank(
         chosen = HouseSet.of(houses, split=split, where=where)
         chosen = dataclasses.replace(chosen, options=options) if chosen.options == DEFAULT_OPTIONS else chosen
     else:
-        chosen = HouseSet(houses, split=split, where=where, num_houses=num_houses, options=options)
+        # Names say themselves how many houses they stand for.
+        most = None if ProceduralHouses.named(houses) and num_houses == NUM_HOUSES else num_houses
+        chosen = HouseSet(houses, split=split, where=where, num_houses=most, options=options)
     if late_sound:
         return _with_sound(chosen.load(progress), progress)
     return HouseBank.from_dataset(chosen, progress=progress)

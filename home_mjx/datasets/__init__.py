@@ -3,9 +3,10 @@
 Host only: nothing here loads JAX.
 """
 
+from home_mjx.datasets.generators.generate import generate_dataset
 from home_mjx.datasets.options import ReadOptions
 from home_mjx.datasets.outlines import Opening, RoomOutline, outline_house
-from home_mjx.datasets.procedural import build_house, generate_dataset
+from home_mjx.datasets.procedural import build_house
 from home_mjx.datasets.seeds import house_id
 from home_mjx.datasets.storeys import stack_levels
 from home_mjx.datasets.suncg import Dataset, LibraryModel, open_dataset, write_house, write_library

@@ -17,13 +17,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="A:B",
         help="from A up to, not including, B (default: 0:8)",
     )
+    parser.add_argument(
+        "--generator",
+        type=int,
+        default=1,
+        metavar="VERSION",
+        help="1: flats on one floor (default); 2: homes of up to three storeys",
+    )
 
 
 def run(args: argparse.Namespace) -> int:
     """Writes the houses and says where they are."""
-    from home_mjx.datasets.procedural.dataset import generate_dataset
+    from home_mjx.datasets.generators.generate import generate_dataset
 
-    ids = generate_dataset(args.out, args.seeds, progress=True)
+    ids = generate_dataset(args.out, args.seeds, progress=True, version=args.generator)
     sys.stdout.write(f"{len(ids)} houses in {args.out}: {ids[0]} .. {ids[-1]}\n")
     sys.stdout.write(f"Use them: home-mjx demo --dataset {args.out}\n")
     return 0

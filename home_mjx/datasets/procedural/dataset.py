@@ -5,11 +5,11 @@ import logging
 import os
 import shutil
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
-from typing import SupportsIndex
+from typing import NamedTuple, SupportsIndex
 
 from tqdm import tqdm
 
@@ -17,7 +17,7 @@ from home_mjx.core.files import write_through
 from home_mjx.core.paths import CACHE_VARIABLE, cache_folder
 from home_mjx.core.workers import usable_cores, worker_pool
 from home_mjx.datasets.procedural.build import build_house
-from home_mjx.datasets.procedural.categories import CATEGORIES
+from home_mjx.datasets.procedural.categories import CATEGORIES, Category
 from home_mjx.datasets.procedural.furniture import library
 from home_mjx.datasets.procedural.primitives.family import Furniture
 from home_mjx.datasets.procedural.primitives.textures import RECIPES, texture
@@ -33,6 +33,14 @@ REMOVE = "Remove that folder: it is made again."
 POOL_FROM = 24  # houses; fewer are made faster than worker processes start
 
 log = logging.getLogger(__name__)
+
+
+class Generator(NamedTuple):
+    """One generator of houses."""
+
+    version: int
+    models: Callable[[], Sequence[LibraryModel]]  # in the order of their rows in the tables
+    write: Callable[[Path, int], None]  # the house of a seed below a dataset root
 
 
 def generate_dataset(root: str | Path, seeds: Sequence[int], progress: bool = False) -> tuple[str, ...]:
@@ -57,15 +65,26 @@ def generate_dataset(root: str | Path, seeds: Sequence[int], progress: bool = Fa
     Example:
         >>> ids = generate_dataset("houses", range(8))  # doctest: +SKIP
     """
+    return write_seeds(root, seeds, Generator(VERSION, _library_models, _write), progress)
+
+
+def write_seeds(
+    root: str | Path, seeds: Sequence[int], generator: Generator, progress: bool = False
+) -> tuple[str, ...]:
+    """Writes one house per seed by a generator; arguments and errors are those of `generate_dataset`."""
     seeds = [_checked(seed) for seed in seeds]
     root = Path(root).expanduser().absolute()
-    _claim(root)
-    write_library(root, [library_model(model) for model in library().values()], {n: texture(n) for n in RECIPES})
+    _claim(root, generator.version)
+    write_library(root, generator.models(), {n: texture(n) for n in RECIPES})
     missing = [seed for seed in dict.fromkeys(seeds) if not _is_whole(root, house_id(seed))]
     with _mapper(len(missing)) as run, tqdm(total=len(missing), disable=not progress, unit="house") as bar:
-        for _ in run(partial(_write, root), missing):
+        for _ in run(partial(generator.write, root), missing):
             bar.update()
     return tuple(house_id(seed) for seed in seeds)
+
+
+def _library_models() -> list[LibraryModel]:
+    return [library_model(model) for model in library().values()]
 
 
 def _checked(seed: object) -> int:
@@ -74,9 +93,9 @@ def _checked(seed: object) -> int:
     raise ConfigError(f"seed must be an integer from 0 to 2**63 - 1, got {seed!r}", element="seeds")
 
 
-def _claim(root: Path) -> None:
+def _claim(root: Path, version: int = VERSION) -> None:
     """Marks a new or empty folder as ours; refuses any other that is not."""
-    marker = {"generator": "home_mjx", "version": VERSION}
+    marker = {"generator": "home_mjx", "version": version}
     ours = root.parent == cache_folder().absolute()
     try:
         root.mkdir(parents=True, exist_ok=True)
@@ -121,9 +140,14 @@ def _is_whole(root: Path, house: str) -> bool:
     return False
 
 
-def library_model(model: Furniture) -> LibraryModel:
-    """A model with its rows in the metadata tables."""
-    category = CATEGORIES[model.fine]
+def library_model(model: Furniture, categories: Mapping[str, Category] = CATEGORIES) -> LibraryModel:
+    """A model with its rows in the metadata tables.
+
+    Args:
+        model: The model.
+        categories: By fine class.
+    """
+    category = categories[model.fine]
     variants = {f"{model.id}_0": model.closed} if model.closed is not None else {}
     info = ModelInfo(model.id, model.fine, category.coarse, category.nyu40)
     return LibraryModel(info, model.mesh, category.synset, variants, model.lights)

@@ -11,6 +11,7 @@ from tqdm import tqdm
 
 from home_mjx.core.checks import check_known, check_number, check_type
 from home_mjx.core.paths import dataset_root
+from home_mjx.datasets.generators.names import ProceduralHouses
 from home_mjx.datasets.procedural.default_houses import generated_houses
 from home_mjx.datasets.splits import SPLITS, select_ids
 from home_mjx.datasets.suncg.dataset import Dataset, open_dataset
@@ -26,7 +27,8 @@ class HouseSet:
     """Houses of a dataset in SUNCG's format, and how they are compiled.
 
     Attributes:
-        dataset: Root folder, or an open dataset; None: the one that `SUNCG_DATA_DIR` names.
+        dataset: Root folder, an open dataset, or the name of generated houses such as `procedural:16?seed=0&version=2`;
+            None: the dataset that `SUNCG_DATA_DIR` names.
         ids: Which houses, in this order; None: all, in the order of the dataset.
         split: Only houses of `train`, `val` or `test`; None: of all.
         where: Only houses that have all this.
@@ -52,6 +54,7 @@ class HouseSet:
     def __post_init__(self) -> None:
         if self.dataset is not None and not isinstance(self.dataset, Dataset | str | Path):
             raise ConfigError(f"`dataset` must be the folder of a dataset or an open one, got {self.dataset!r}")
+        _ = self._named
         if isinstance(self.ids, str):
             raise ConfigError(f"`ids` must be several ids, got `{self.ids}`", hint="One alone is written [id].")
         if self.ids is not None:
@@ -91,12 +94,25 @@ class HouseSet:
         Raises:
             DatasetError: There is none.
         """
+        if self._named is not None:
+            return open_dataset(self._named.write())
         return self.dataset if isinstance(self.dataset, Dataset) else open_dataset(self.dataset)
+
+    @cached_property
+    def _named(self) -> ProceduralHouses | None:
+        """The generated houses that the dataset's name stands for."""
+        return ProceduralHouses.named(self.dataset) if isinstance(self.dataset, str) else None
 
     @property
     def is_whole(self) -> bool:
         """Whether it is every house of the dataset."""
-        return self.ids is None and self.split is None and self.where is None and self.num_houses is None
+        return (
+            self._named is None
+            and self.ids is None
+            and self.split is None
+            and self.where is None
+            and self.num_houses is None
+        )
 
     @cached_property
     def house_ids(self) -> tuple[str, ...]:
@@ -128,7 +144,8 @@ class HouseSet:
 
     def _choose(self, cache: HouseCache, progress: bool) -> Iterator[str]:
         """Ids of the houses, and no more of the others looked at than need be."""
-        found = select_ids(self.opened.house_ids if self.ids is None else self.ids, self.split)
+        known = self.opened.house_ids if self._named is None else self._named.ids
+        found = select_ids(known if self.ids is None else self.ids, self.split)
         candidates = found[: self.num_houses] if self.where is None else found
         with tqdm(candidates, desc="houses", unit="house", disable=not progress) as bar:
             wanted = (i for i in bar if self.where is None or self.where.fits(cache.contents(i)))

@@ -1,0 +1,109 @@
+"""Draws one home from its seed: storeys, openings, stairs and railings, furniture, surfaces."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from home_mjx.datasets.homes.fittings import fittings
+from home_mjx.datasets.homes.furnish import furnish_home
+from home_mjx.datasets.homes.plan.home import HomePlan, draw_home
+from home_mjx.datasets.homes.plan.needs.program import Program, draw_program
+from home_mjx.datasets.homes.plan.needs.wants import OUTDOORS, WET
+from home_mjx.datasets.procedural.floor_plan.openings import HousePlan
+from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
+from home_mjx.datasets.procedural.floor_plan.walls import Surfaces
+from home_mjx.datasets.procedural.furnish.style import Style
+from home_mjx.datasets.procedural.primitives.palette import (
+    CEILINGS,
+    DRY_WALLS,
+    FACADES,
+    SOFT_FLOORS,
+    WET_FLOORS,
+    WET_WALLS,
+    WOODEN_FLOORS,
+    choose,
+    textured,
+)
+from home_mjx.schema.house import Material
+
+PATIENCE = 40  # plans that cannot be furnished, after which another program is drawn where none was given
+HARD_FLOORS = (textured("stone_1"), textured("stone_2"), textured("tile_4"))
+DECKS = (*HARD_FLOORS, textured("wood_2"))
+FLOORS = {
+    **dict.fromkeys((*WET, "Kitchen"), WET_FLOORS),
+    **dict.fromkeys(("Living_Room", "Dining_Room", "Hallway", "Hall", "Lobby"), WOODEN_FLOORS),
+    **dict.fromkeys(("Garage", "Boiler_room", "Storage", "Entryway"), HARD_FLOORS),
+    **dict.fromkeys(OUTDOORS, DECKS),
+}
+
+Owned = tuple[PlacedFurniture, int | None]  # an object on a level, and the index of its room
+
+
+@dataclass(frozen=True)
+class HomeDesign:
+    """All that a home is made of, before it has meshes and a file format.
+
+    Attributes:
+        plan: Its storeys.
+        surfaces: Of every room of every storey.
+        objects: Of every storey, openings first; heights are above the storey's base.
+    """
+
+    plan: HomePlan
+    surfaces: tuple[tuple[Surfaces, ...], ...]
+    objects: tuple[tuple[Owned, ...], ...]
+
+
+def draw_design(seed: int, program: Program | None = None) -> HomeDesign:
+    """The design of a seed.
+
+    Args:
+        seed: Any non-negative integer.
+        program: What is to be built; None: that is drawn as well.
+
+    Raises:
+        ConfigError: No plan was found for the program.
+
+    Example:
+        >>> {room.type for room in draw_design(7).plan.levels[0].rooms} >= {"Kitchen", "Bathroom"}
+        True
+    """
+    rng = np.random.default_rng(np.random.SeedSequence([seed, 2]))
+    wanted = draw_program(rng) if program is None else program
+    failed = 0
+    while True:
+        plan, style = draw_home(rng, wanted), Style.draw(rng)
+        furniture = furnish_home(plan, style)
+        if furniture is not None:
+            looks: dict[str, tuple[Material, ...]] = {}
+            objects = []
+            for level, rooms in enumerate(furniture):
+                inside = [(placed, room) for room, items in enumerate(rooms) for placed in items]
+                own = _dressed([*_openings(plan.levels[level]), *fittings(plan, level, style)], style, looks)
+                objects.append((*own, *inside))
+            facade, ceiling = choose(FACADES, rng), choose(CEILINGS, rng)
+            surfaces = tuple(tuple(_surfaces(level, rng, facade, ceiling)) for level in plan.levels)
+            return HomeDesign(plan, surfaces, tuple(objects))
+        failed += 1
+        if program is None and failed % PATIENCE == 0:
+            wanted = draw_program(rng)
+
+
+def _openings(plan: HousePlan) -> Iterator[Owned]:
+    for opening in plan.openings:
+        yield opening.placed, opening.rooms[0]
+
+
+def _dressed(objects: list[Owned], style: Style, looks: dict[str, tuple[Material, ...]]) -> Iterator[Owned]:
+    """Parts of the building, each model in one look all over the home."""
+    for placed, room in objects:
+        if placed.model.id not in looks:
+            looks[placed.model.id] = style.dress(placed.model)
+        yield replace(placed, materials=looks[placed.model.id]), room
+
+
+def _surfaces(plan: HousePlan, rng: np.random.Generator, facade: Material, ceiling: Material) -> Iterator[Surfaces]:
+    for room in plan.rooms:
+        walls = WET_WALLS if room.type in WET else DRY_WALLS
+        yield Surfaces(choose(FLOORS.get(room.type, SOFT_FLOORS), rng), ceiling, choose(walls, rng), facade)

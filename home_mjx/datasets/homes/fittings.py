@@ -1,0 +1,101 @@
+"""Stairs and railings: where they stand in the plan of a home."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from home_mjx.datasets.homes.plan.home import HomePlan
+from home_mjx.datasets.homes.plan.needs.wants import OUTDOORS
+from home_mjx.datasets.homes.plan.shape.storeys import Stairwell
+from home_mjx.datasets.homes.structure import structure_models
+from home_mjx.datasets.homes.structure.railings import DEPTH
+from home_mjx.datasets.homes.structure.stairs import LENGTH, RISE, WIDTH
+from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture, quarter_towards
+from home_mjx.datasets.procedural.floor_plan.rooms import Rect, RoomPlan, Wall, outer_spans
+from home_mjx.datasets.procedural.floor_plan.walls import FLOOR_TOP, HALF
+from home_mjx.datasets.procedural.furnish.style import Style
+from home_mjx.datasets.procedural.primitives.family import Furniture
+
+GAP = 0.01  # [m], between stairs and walls
+CORNER = 0.03  # [m], of railings from the outline, towards the room
+
+Owned = tuple[PlacedFurniture, int | None]
+
+
+def fittings(home: HomePlan, level: int, style: Style) -> Iterator[Owned]:
+    """Stairs that begin on a level, railings at stairwells that end there and around its open rooms."""
+    storey = home.storeys[level]
+    models = structure_models()
+    rails = models["railing"][:5] if style.models["door"].id != "gen_door_2" else models["railing"][5:]
+    if storey.stairs is not None:
+        steps = models["stairs"][int(style.rng.integers(2))]
+        yield _stairs(storey.stairs, steps, home.height), 0
+    if storey.well is not None and storey.stairs is None:
+        yield _rail_over_foot(storey.well, rails), 0
+    rooms = home.levels[level].rooms
+    for index, room in enumerate(rooms):
+        if room.type in OUTDOORS:
+            for rail in _around(room, [w for k, other in enumerate(rooms) if k != index for w in other.walls], rails):
+                yield rail, index
+
+
+def _stairs(place: Stairwell, model: Furniture, height: float) -> PlacedFurniture:
+    """Stairs that fill their place: their front edge is that of the hall."""
+    x, z = _edge(place)
+    wide, deep = _size(place)
+    scale = ((wide - 2 * (HALF + GAP)) / WIDTH, height / RISE, (deep - HALF - GAP) / LENGTH)
+    quarter = quarter_towards(-place.way[0], -place.way[1])
+    scale = (round(scale[0], 4), round(scale[1], 4), round(scale[2], 4))
+    return PlacedFurniture(model, (x, FLOOR_TOP, z), quarter, scale)
+
+
+def _rail_over_foot(place: Stairwell, models: Sequence[Furniture]) -> PlacedFurniture:
+    """The railing beside the head of stairs, over their foot: the right half, seen from their front."""
+    x, z = _edge(place)
+    wide = _size(place)[0] - 2 * HALF
+    middle = np.array([x, z]) + np.array(_right_of(place)) * wide / 4 + np.array(place.way) * DEPTH / 2
+    return _railing((float(middle[0]), float(middle[1])), wide / 2 - 0.02, place.way, models)
+
+
+def _right_of(place: Stairwell) -> tuple[float, float]:
+    """Unit direction (x, z) to the right of stairs, +x of their model, where their foot is."""
+    model = structure_models()["stairs"][0]
+    return PlacedFurniture(model, (0.0, 0.0, 0.0), quarter_towards(-place.way[0], -place.way[1])).beside(1.0, 0.0)
+
+
+def _edge(place: Stairwell) -> tuple[float, float]:
+    """The middle of the edge towards the hall [m]."""
+    x0, z0, x1, z1 = place.rect
+    dx, dz = place.way
+    x, z = (x0 + x1) / 2 - dx * (x1 - x0) / 2, (z0 + z1) / 2 - dz * (z1 - z0) / 2
+    return round(x, 6), round(z, 6)
+
+
+def _size(place: Stairwell) -> tuple[float, float]:
+    """Across and along the way into it [m]."""
+    width, depth = place.rect.sides
+    return (width, depth) if place.way[0] == 0 else (depth, width)
+
+
+def _around(room: RoomPlan, others: Sequence[Wall], models: Sequence[Furniture]) -> Iterator[PlacedFurniture]:
+    """Railings along the sides of an open room that no other room shares."""
+    inner = _shrunk(room.rects[0])
+    for wall in room.walls:
+        for low, high in outer_spans(wall, others):
+            low, high = max(low, inner[wall.axis]), min(high, inner[wall.axis + 2])
+            normal = wall.normal
+            x, z = wall.point((low + high) / 2, CORNER)
+            yield _railing((x, z), high - low, (round(float(normal[0])), round(float(normal[1]))), models)
+
+
+def _shrunk(rect: Rect) -> Rect:
+    return Rect(rect.x0 + 0.005, rect.z0 + 0.005, rect.x1 - 0.005, rect.z1 - 0.005)
+
+
+def _railing(
+    at: tuple[float, float], length: float, facing: tuple[int, int], models: Sequence[Furniture]
+) -> PlacedFurniture:
+    """A railing of a length, of the model that is stretched least."""
+    model = min(models, key=lambda m: abs(np.log(length / m.size[0])))
+    placed = PlacedFurniture(model, (0.0, 0.0, 0.0), 0, (round(length / float(model.size[0]), 4), 1.0, 1.0))
+    return placed.at(at[0], FLOOR_TOP, at[1], quarter_towards(*facing))

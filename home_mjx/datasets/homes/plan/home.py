@@ -1,0 +1,102 @@
+"""The plan of a home: storeys with their rooms, doors and windows."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from home_mjx.datasets.homes.plan.needs.program import Program, draw_program
+from home_mjx.datasets.homes.plan.openings.doors import Models, draw_doors, draw_entrance, garage_doors
+from home_mjx.datasets.homes.plan.openings.windows import draw_windows
+from home_mjx.datasets.homes.plan.outdoors import add_outdoors
+from home_mjx.datasets.homes.plan.quality import is_liveable
+from home_mjx.datasets.homes.plan.shape.storeys import Stairwell, Storey, draw_storeys
+from home_mjx.datasets.homes.plan.slants import add_slants
+from home_mjx.datasets.homes.structure import structure_models
+from home_mjx.datasets.procedural.floor_plan.openings import HousePlan, Opening
+from home_mjx.datasets.procedural.floor_plan.rooms import RoomPlan
+from home_mjx.datasets.procedural.furniture import family_models
+from home_mjx.datasets.procedural.primitives.palette import choose
+from home_mjx.errors import ConfigError
+
+TRIES = 6000  # of drawing storeys; a few dozen is usual
+PATIENCE = 1500  # tries, after which another program is drawn where none was given
+HEIGHTS, ODDS = (2.5, 2.6, 2.7, 2.8, 3.0), (0.15, 0.15, 0.45, 0.15, 0.1)  # [m], of walls of homes on one floor
+AGAIN = 0.9  # chance of another try where the entrance leads into the living room and there is a hall
+PITCHES = (2.7, 2.8, 2.9)  # [m], from floor to floor
+
+
+@dataclass(frozen=True)
+class HomePlan:
+    """Storeys from below.
+
+    Attributes:
+        storeys: Rooms, with the places of stairs.
+        levels: The same rooms with their openings.
+        height: From floor to floor, and of walls [m].
+    """
+
+    storeys: tuple[Storey, ...]
+    levels: tuple[HousePlan, ...]
+    height: float
+
+    def stairwell(self, level: int) -> Stairwell | None:
+        """The place of stairs on a level, wherever they lead."""
+        return self.storeys[level].stairs or self.storeys[level].well
+
+
+def draw_home(rng: np.random.Generator, program: Program | None = None) -> HomePlan:
+    """A home at random.
+
+    Args:
+        rng: Source of randomness.
+        program: What is to be built; None: draw that as well.
+
+    Raises:
+        ConfigError: No plan was found for the program.
+
+    Example:
+        >>> home = draw_home(np.random.default_rng(0))
+        >>> len(home.levels) == len(home.storeys)
+        True
+    """
+    wanted = draw_program(rng) if program is None else program
+    doors = family_models()["door"]
+    models = Models(choose(doors[:2], rng), doors[2], choose(structure_models()["garage_door"], rng))
+    for attempt in range(TRIES):
+        storeys = draw_storeys(rng, wanted)
+        if storeys is not None and is_liveable(storeys):
+            home = _opened(rng, add_slants(rng, storeys), models)
+            if home is not None:
+                return home
+        if program is None and attempt % PATIENCE == PATIENCE - 1:
+            wanted = draw_program(rng)
+    hint = "Ask for other rooms, or fewer storeys."
+    raise ConfigError(f"no plan was found for {wanted.storeys} storeys with {wanted.ground}", hint=hint)
+
+
+def _past_the_hall(rooms: Sequence[RoomPlan], entrance: Opening) -> bool:
+    return rooms[0].type != "Living_Room" and rooms[entrance.rooms[0]].type == "Living_Room"
+
+
+def _opened(rng: np.random.Generator, storeys: Sequence[Storey], models: Models) -> HomePlan | None:
+    """Doors, open rooms and windows of all storeys; None if a room cannot be reached."""
+    height = float(rng.choice(HEIGHTS, p=ODDS) if len(storeys) == 1 else rng.choice(PITCHES))
+    found, levels = [], []
+    for number, plain in enumerate(storeys):
+        below = [room for storey in found for room in storey.rooms]
+        storey = replace(plain, rooms=add_outdoors(rng, plain.rooms, number == 0, below))
+        doors = draw_doors(rng, storey, models)
+        if doors is None:
+            return None
+        if number == 0:
+            entrance = draw_entrance(rng, storey, models, doors)
+            if entrance is None or (_past_the_hall(storey.rooms, entrance) and rng.random() < AGAIN):
+                return None
+            doors.append(entrance)
+        openings: list[Opening] = [*doors, *garage_doors(rng, storey.rooms, models, doors)]
+        place = storey.stairs or storey.well
+        windows = draw_windows(rng, storey.rooms, openings, place.rect if place else None)
+        levels.append(HousePlan(storey.rooms, (*openings, *windows), height))
+        found.append(storey)
+    return HomePlan(tuple(found), tuple(levels), height)

@@ -1,0 +1,1 @@
+"""What is to be built: types of rooms, and what each type needs."""

@@ -1,0 +1,135 @@
+"""Which rooms a home has: numbers of storeys and rooms, and the types of those on each storey.
+
+Frequencies follow SUNCG's: 76.6, 18.6 and 4.9 % of its houses have one, two and three floors, and a floor has 8.1 rooms
+on average. Weights of the types are those of its room labels, as far as doors, halls and one kitchen a home allow.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from home_mjx.errors import ConfigError
+
+LEVELS = (0.766, 0.186, 0.048)  # of homes with 1, 2 and 3 storeys
+# Rooms of a floor, and their weights.
+ROOMS = {3: 3, 4: 7, 5: 10, 6: 12, 7: 14, 8: 14, 9: 13, 10: 10, 11: 7, 12: 5, 13: 3, 14: 2}
+MOST, LEAST = 14, 3
+LEAST_STAIRS = 5  # rooms of a floor that has stairs
+
+# Further rooms of a home on one floor, by weight; those that stand twice may come twice.
+MORE = (
+    ("Bedroom", 1.4),
+    ("Bedroom", 1.0),
+    ("Bedroom", 0.3),
+    ("Toilet", 3.0),
+    ("Toilet", 1.2),
+    ("Bathroom", 1.2),
+    ("Office", 0.8),
+    ("Office", 0.2),
+    ("Dining_Room", 1.2),
+    ("Garage", 0.8),
+    ("Child_Room", 0.2),
+    ("Gym", 0.2),
+    ("Wardrobe", 0.14),
+    ("Storage", 0.12),
+    ("Guest_Room", 0.1),
+    ("Boiler_room", 0.05),
+    ("Entryway", 0.08),
+)
+BELOW = ("Kitchen", "Living_Room", "Toilet")
+MORE_BELOW = (
+    ("Dining_Room", 1.6),
+    ("Garage", 1.4),
+    ("Bathroom", 0.7),
+    ("Office", 0.6),
+    ("Bedroom", 0.6),
+    ("Guest_Room", 0.3),
+    ("Storage", 0.4),
+    ("Boiler_room", 0.15),
+    ("Gym", 0.2),
+    ("Toilet", 0.5),
+    ("Bedroom", 0.3),
+    ("Entryway", 0.2),
+    ("Wardrobe", 0.15),
+)
+ABOVE = ("Bedroom", "Bathroom", "Bedroom")
+MORE_ABOVE = (
+    ("Bedroom", 1.3),
+    ("Toilet", 1.6),
+    ("Child_Room", 0.4),
+    ("Bathroom", 0.7),
+    ("Office", 0.5),
+    ("Bedroom", 0.7),
+    ("Wardrobe", 0.3),
+    ("Guest_Room", 0.2),
+    ("Gym", 0.25),
+    ("Storage", 0.15),
+    ("Child_Room", 0.15),
+    ("Office", 0.2),
+    ("Bedroom", 0.4),
+    ("Living_Room", 0.12),
+)
+
+
+@dataclass(frozen=True)
+class Program:
+    """What is to be built.
+
+    Attributes:
+        ground: Types of the rooms of the ground floor, the hall apart.
+        storeys: Number of storeys.
+    """
+
+    ground: tuple[str, ...]
+    storeys: int
+
+
+def draw_program(rng: np.random.Generator) -> Program:
+    """A program at random.
+
+    Example:
+        >>> program = draw_program(np.random.default_rng(3))
+        >>> "Kitchen" in program.ground
+        True
+    """
+    storeys = 1 + int(rng.choice(3, p=LEVELS))
+    weights = np.array(list(ROOMS.values()), float)
+    count = int(rng.choice(list(ROOMS), p=weights / weights.sum()))
+    return Program(ground_rooms(rng, max(count, LEAST_STAIRS) if storeys > 1 else count, storeys), storeys)
+
+
+def ground_rooms(rng: np.random.Generator, count: int, storeys: int = 1) -> tuple[str, ...]:
+    """Types of the rooms of a ground floor, the hall apart.
+
+    Args:
+        rng: Source of randomness.
+        count: Of rooms, the hall included.
+        storeys: Of the home.
+
+    Raises:
+        ConfigError: No home is like that.
+    """
+    if not LEAST <= count <= MOST or (storeys > 1 and count < LEAST_STAIRS):
+        hint = f"A floor has {LEAST} to {MOST} rooms, one with stairs at least {LEAST_STAIRS}."
+        raise ConfigError(f"a home of {storeys} storeys cannot have {count} rooms on its ground floor", hint=hint)
+    if storeys > 1:
+        return (*BELOW, *draw_more(rng, MORE_BELOW, count - 1 - len(BELOW)))
+    if count == 3:  # the living room is the hall
+        return ("Bathroom", str(rng.choice(["Kitchen", "Kitchen", "Bedroom", "Office"])))
+    core = ("Kitchen", "Bathroom", "Bedroom")
+    if count <= 6:
+        return (*core, *draw_more(rng, _without(MORE, ("Garage", "Entryway", "Boiler_room")), count - 1 - len(core)))
+    core = ("Living_Room", *core)
+    return (*core, *draw_more(rng, MORE, count - 1 - len(core)))
+
+
+def draw_more(rng: np.random.Generator, options: Sequence[tuple[str, float]], count: int) -> list[str]:
+    """Some of the options, drawn without replacement."""
+    weight = np.array([w for _, w in options])
+    picks = rng.choice(len(options), size=min(count, len(options)), replace=False, p=weight / weight.sum())
+    return [options[int(i)][0] for i in picks]
+
+
+def _without(options: Sequence[tuple[str, float]], types: Sequence[str]) -> list[tuple[str, float]]:
+    return [option for option in options if option[0] not in types]

@@ -1,0 +1,75 @@
+"""Windows, in outer walls only."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from home_mjx.datasets.homes.plan.needs.wants import WET, WINDOWLESS
+from home_mjx.datasets.homes.plan.openings.sites import outer_sites
+from home_mjx.datasets.homes.plan.openings.turned import slanted_windows
+from home_mjx.datasets.procedural.floor_plan.openings import HIGH_SILL_Y, MARGIN, SILL_Y, Opening, Site
+from home_mjx.datasets.procedural.floor_plan.placed import Boxes, PlacedFurniture, overlaps, quarter_towards, stack
+from home_mjx.datasets.procedural.floor_plan.rooms import Rect, RoomPlan
+from home_mjx.datasets.procedural.furniture import family_models
+from home_mjx.datasets.procedural.primitives.palette import choose
+
+EACH = 3.4  # [m] of wall for each window
+SECOND_WALL = 0.55  # chance of windows in a further wall
+
+
+def draw_windows(
+    rng: np.random.Generator, rooms: Sequence[RoomPlan], doors: Sequence[Opening], shut: Rect | None
+) -> list[Opening]:
+    """Windows of a storey: one at least for every habitable room where a wall allows it.
+
+    Args:
+        rng: Source of randomness.
+        rooms: Of the storey.
+        doors: Of the storey.
+        shut: The place of stairs, whose walls have no windows: those would be in no room.
+    """
+    found: list[Opening] = []
+    for room, plan in enumerate(rooms):
+        if plan.type in WINDOWLESS or (plan.type == "Garage" and rng.random() < 0.5):
+            continue
+        bays = list(slanted_windows(room, plan, family_models()["window"][0]))
+        found += bays
+        count = len(bays)
+        for site in sorted(outer_sites(rooms, room), key=lambda site: site.span[0] - site.span[1]):
+            if (count and rng.random() > SECOND_WALL) or (shut is not None and _beside(site, shut)):
+                continue
+            new = list(_fit(rng, site, plan.type, [*doors, *found]))
+            found += new
+            count += len(new)
+    return found
+
+
+def _beside(site: Site, rect: Rect) -> bool:
+    """Whether a stretch of wall bounds a rectangle."""
+    axis = site.wall.axis
+    at_line = min(abs(site.wall.line - rect[1 - axis]), abs(site.wall.line - rect[3 - axis])) < 0.05
+    return at_line and site.span[0] < rect[axis + 2] and site.span[1] > rect[axis]
+
+
+def _fit(rng: np.random.Generator, site: Site, kind: str, taken: Sequence[Opening]) -> Iterator[Opening]:
+    """Windows of one size at even distances in a stretch of wall; wet rooms and garages get small high ones."""
+    low, high = site.span
+    small = kind in (*WET, "Garage")
+    count = 1 if small else max(1, round((high - low) / EACH))
+    models = family_models()["window"]
+    models = models[:1] if small else models[1:]
+    fitting = [m for m in models if m.size[0] + 2 * MARGIN <= (high - low) / count]
+    if not fitting:
+        return
+    model = fitting[-1] if kind == "Living_Room" else choose(fitting, rng)
+    boxes = _kept_free(taken)
+    for i in range(count):
+        x, z = site.wall.point(round(low + (i + 0.5) / count * (high - low), 2))
+        y = HIGH_SILL_Y if small else SILL_Y
+        placed = PlacedFurniture(model, (x, y, z), quarter_towards(*site.wall.normal))
+        if not overlaps(placed.box, boxes).any():
+            yield Opening(placed, site.rooms)
+
+
+def _kept_free(taken: Sequence[Opening]) -> Boxes:
+    return stack([box for o in taken for box in (o.placed.box, o.passage)[: 1 + o.is_door]])

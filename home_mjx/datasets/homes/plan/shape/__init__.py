@@ -1,0 +1,1 @@
+"""The shape of homes: rows of rooms along halls, storeys, rooms with corners cut off."""
