@@ -1,8 +1,11 @@
 """Rounded and padded solids."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from jaxtyping import Float, Int
 
+from home_mjx.datasets.homes.shapes.swept import triangulate
 from home_mjx.datasets.procedural.primitives.solids import Solid, Vector, lathe, move, solid
 
 _MERGE = 7  # decimals of a metre to which corners must agree to be one
@@ -123,3 +126,22 @@ def ball(material: str, radius: float | Vector, at: Vector, sides: int = 12, rin
     angle = np.linspace(-np.pi / 2, np.pi / 2, rings + 1)
     profile = [(float(x * np.cos(a)) if 0 < i < rings else 0.0, float(y * np.sin(a))) for i, a in enumerate(angle)]
     return lathe(material, profile, at, sides, stretch=z / x)
+
+
+def between_loops(material: str, loops: Sequence[Float[np.ndarray, "n 3"]], closed: bool = False) -> Solid:
+    """A solid whose surface runs from loop to loop of points; its first and last are filled, or joined if `closed`."""
+    around, count = len(loops[0]), len(loops)
+    i = np.arange(around)
+    first = np.arange(count if closed else count - 1)[:, None] * around
+    a, b = first + i, first + (i + 1) % around
+    c, d = (b + around) % (count * around), (a + around) % (count * around)
+    sides = [np.stack([a, b, c], -1).reshape(-1, 3), np.stack([a, c, d], -1).reshape(-1, 3)]
+    if not closed:
+        cap = triangulate(loops[0][:, [0, 2]]), triangulate(loops[-1][:, [0, 2]])
+        flat = loops[0][:, [0, 2]]
+        turn = (flat[:, 0] * np.roll(flat[:, 1], -1) - np.roll(flat[:, 0], -1) * flat[:, 1]).sum() > 0
+        sides += [cap[0][:, ::-1] if turn else cap[0], (cap[1] if turn else cap[1][:, ::-1]) + (count - 1) * around]
+        if not turn:
+            sides[0], sides[1] = sides[0][:, ::-1], sides[1][:, ::-1]
+            sides[2], sides[3] = sides[2][:, ::-1], sides[3][:, ::-1]
+    return solid(material, np.concatenate(list(loops)), np.concatenate(sides))

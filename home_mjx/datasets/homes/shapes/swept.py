@@ -57,6 +57,7 @@ def prism(
         plane: Which way the outline faces.
     """
     flat = np.asarray(outline, float)
+    flat = flat[np.linalg.norm(flat - np.roll(flat, 1, 0), axis=1) > 1e-6]
     count, cap = len(flat), triangulate(flat)
     lift = (0.0, thickness) if plane == "top" else (-thickness / 2, thickness / 2)
     columns = {"front": (0, 1, 2), "side": (2, 1, 0), "top": (0, 2, 1)}[plane]
@@ -123,8 +124,10 @@ def _frames(p: np.ndarray, up: Vector | None, closed: bool) -> tuple[np.ndarray,
     rise = np.empty_like(p)
     last = np.asarray(hint, float)
     for i, t in enumerate(tangent):
-        last = last - (last @ t) * t
-        last = last / np.linalg.norm(last)
+        across = last - (last @ t) * t
+        if np.linalg.norm(across) < 1e-6:  # the path turns straight into `last`
+            across = -(last @ t) * tangent[i - 1]
+        last = across / np.linalg.norm(across)
         rise[i] = last
     return np.cross(rise, tangent), rise
 

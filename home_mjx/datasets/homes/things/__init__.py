@@ -5,10 +5,15 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from types import MappingProxyType
 
+from home_mjx.datasets.homes.things.bath import fittings, supplies
 from home_mjx.datasets.homes.things.beds import frames
-from home_mjx.datasets.homes.things.kitchen import appliances, units
+from home_mjx.datasets.homes.things.green import decor, plants, textiles
+from home_mjx.datasets.homes.things.kitchen import appliances, tableware, units
+from home_mjx.datasets.homes.things.lamps import lamps
+from home_mjx.datasets.homes.things.leisure import music, sport
+from home_mjx.datasets.homes.things.openings import doors, walls
 from home_mjx.datasets.homes.things.seats import armchairs, benches, chairs, sofas
-from home_mjx.datasets.homes.things.small import wear
+from home_mjx.datasets.homes.things.small import electronics, toys, wear
 from home_mjx.datasets.homes.things.storage import cabinets, shelves
 from home_mjx.datasets.homes.things.tables import coffee, desks, dining
 from home_mjx.datasets.procedural.primitives.family import Furniture
@@ -18,10 +23,12 @@ __all__ = ["family_models", "library"]
 _MODULES = (
     *(chairs, armchairs, sofas, benches),
     *(dining, coffee, desks),
-    *(frames,),
-    *(cabinets, shelves),
-    *(units, appliances),
-    *(wear,),
+    *(frames, cabinets, shelves),
+    *(units, appliances, tableware),
+    *(fittings, supplies, lamps),
+    *(electronics, toys, wear),
+    *(plants, textiles, decor),
+    *(doors, walls, sport, music),
 )
 
 

@@ -91,7 +91,7 @@ FINISHES: Mapping[str, tuple[Material, ...]] = {
     "shade": _plain("#f4e6c4 #f0efe9 #d9c3a0 #e8e4dc #c9d4d0 #33383e #b8685a"),
     "opal": _plain("#fbf6e8 #f4f1e8"),
     "screen": _plain("#0d0f13"),
-    "face": _plain("#f6f4ee #26282c #e8dcc0"),
+    "face": _plain("#f6f4ee #fbfaf6 #e8dcc0"),
     "picture": _textured(*recipes.texture_names("picture")),
     "grass": _textured("grass_2"),
     "felt": _plain("#2f6f4a #26507c #7c2f34"),
