@@ -93,7 +93,7 @@ def main() -> None:
     """Plays and prints, or writes the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--id", action="append", help="default: every id")
-    parser.add_argument("--episodes", type=int, default=64, help="of each agent, at most 85")
+    parser.add_argument("--episodes", type=int, default=64, help="of each agent, at most 128")
     parser.add_argument("--num-houses", type=int, default=8)
     parser.add_argument("--out", type=Path, default=ROOT / "benchmarks" / "results" / "baselines.jsonl")
     parser.add_argument("--only-docs", action="store_true")
@@ -118,7 +118,7 @@ def unseen(root: Path, split: str, num: int) -> HouseBank:
 
 
 def played(case: Case, bank: HouseBank, args: argparse.Namespace) -> list[dict[str, Any]]:
-    """What each agent comes to; all play the same rows in one batch."""
+    """What each agent comes to; all play the same rows."""
     begun, num = time.perf_counter(), args.episodes
     env = made(case, bank, -(-num // bank.num_houses))
     tasks = with_episodes(env, num).params.tasks
@@ -126,16 +126,17 @@ def played(case: Case, bank: HouseBank, args: argparse.Namespace) -> list[dict[s
         rows = np.random.default_rng(0).permutation(len(tasks))[:num]
         env, num = env.with_tasks(tasks.pick(jnp.asarray(rows, jnp.int32))), len(rows)
     policy = side_by_side(env, blind_of(case.blind, env), num)
-    figures = evaluate(with_expert(env), lambda net: policy, None, len(AGENTS) * num)
+    both = evaluate(env, lambda net: policy, None, 2 * num)
+    expert = evaluate(with_expert(env), expert_policy, None, num)  # by itself: the others need not wait for it
+    parts = [{name: x[part] for name, x in both.items()} for part in (slice(num), slice(num, None))]
     common = {
         "case": "baselines", "id": case.id, "name": case.name or case.id, "houses": bank.num_houses, "episodes": num,
         "first_seed": FIRST_SEED, "options": case.options, "own": case.own, "paths": case.paths,
         "device": device_name(), "seconds": round(time.perf_counter() - begun, 1),
     }  # fmt: skip
-    parts = ({name: x[i * num : (i + 1) * num] for name, x in figures.items()} for i in range(len(AGENTS)))
     return [
         common | {"agent": agent, "blind": case.blind, **summary(part)}
-        for agent, part in zip(AGENTS, parts, strict=True)
+        for agent, part in zip(AGENTS, [*parts, expert], strict=True)
     ]
 
 
@@ -148,19 +149,17 @@ def made(case: Case, bank: HouseBank, num_tasks: int) -> Any:
 
 
 def side_by_side(env: Any, blind: Act, num: int) -> Policy:
-    """The agents of `AGENTS` in one batch: the first `num` environments are played by the first one, and so on."""
+    """Two agents in one batch: the first `num` environments are played at random, the others by who does not look."""
     agents, chance = env.num_agents, random_policy(env.core)(None)
 
     def act(memory: dict[str, Any], obs: dict[str, Any], begins: Any, keys: Any) -> tuple[Any, Any, dict]:
         _, drawn, _ = chance.act((), obs, begins, keys)
-        _, known, _ = expert_policy().act((), obs, begins, keys)
         turns, told = blind(memory["turns"], obs, begins, keys)
         who = memory["who"].reshape(-1, *[1] * (drawn.ndim - 1))
-        chosen = jnp.where(who == 0, drawn, jnp.where(who == 1, told.astype(drawn.dtype), known))
-        return memory | {"turns": turns}, chosen, {}
+        return memory | {"turns": turns}, jnp.where(who == 0, drawn, told.astype(drawn.dtype)), {}
 
     def memory(rows: int) -> dict[str, Any]:
-        assert rows == len(AGENTS) * num * agents, "all must fit into one batch of `evaluate`"
+        assert rows == 2 * num * agents, "all must fit into one batch of `evaluate`"
         return {"who": jnp.arange(rows) // (num * agents), "turns": jnp.zeros(rows, jnp.int32)}
 
     return Policy(act, memory=memory)

@@ -32,7 +32,7 @@ from home_mjx.training.checkpoint import CHECKPOINT
 from home_mjx.training.records import read_lines
 
 EYES = ("depth", "coarse", "prev_action")
-COLOURS = (*EYES, "color")
+WORDS = (*EYES, "color", "size", "room_type")  # what sentences and questions speak of
 
 
 @dataclass(frozen=True)
@@ -77,11 +77,12 @@ CASES = {
     "room": task("RoomNav", *EYES, "room", "goal_words"),
     "object": task("ObjectNav", *EYES, "goal_words"),
     "sentence": task(
-        "InstructionFollowing", *COLOURS, "instruction", judged=NEW, taken="instruction", combinations="seen"
+        "InstructionFollowing", *WORDS, "instruction", judged=NEW, taken="instruction", combinations="seen"
     ),
-    "unread": task("InstructionFollowing", *COLOURS, judged=NEW, combinations="seen"),
+    "unread": task("InstructionFollowing", *WORDS, judged=NEW, combinations="seen"),
     "piper": task("PiedPiper", *EYES, "log_mel", judged=UNHEARD, taken="log_mel"),
-    "question": task("HouseQA", *COLOURS, "instruction"),
+    "question": task("HouseQA", *WORDS, "instruction"),
+    "attribute": task("HouseQA", *WORDS, "instruction", kinds=("colour", "location")),
     "unseen": task("HouseQA", "prev_action", "instruction"),
 }
 

@@ -388,7 +388,8 @@ def _with_sound(houses: "list[CompiledHouse]", progress: bool) -> "HouseBank":
 register("PointNav-v0", "home_mjx.tasks:PointNav")
 for _name in ("RoomNav", "ObjectNav", "InstructionFollowing", "AudioNav"):
     register(f"{_name}-v0", f"home_mjx.tasks:{_name}", {"actions": "discrete", "stop": True})
-register("Exploration-v0", "home_mjx.tasks:Exploration", {"actions": "discrete"})
+# As many steps as Chaplot et al. explore for with the same moves (arXiv:2004.05155).
+register("Exploration-v0", "home_mjx.tasks:Exploration", {"actions": "discrete", "episode_length": 1000})
 register("PiedPiper-v0", "home_mjx.tasks:PiedPiper", {"actions": "discrete", "num_agents": 3})
 register("HouseQA-v0", "home_mjx.tasks:HouseQA", {"actions": "discrete"})
 register("VQA-v0", "home_mjx.tasks:VQA", {"actions": "discrete"})

@@ -16,9 +16,11 @@ from home_mjx.tasks.base.specs import ArraySpec
 from home_mjx.tasks.language.vocabulary import spoken, tokenize
 from home_mjx.tasks.rows.words import Word
 from home_mjx.training.networks import Categorical, Gaussian, NetworkConfig, RecurrentAgent, distribution_of
-from home_mjx.training.networks.encoders import Encoder, SpectraEncoder, WordEncoder, id_codes, kind_of, squash
+from home_mjx.training.networks.encoders import Encoder, id_codes, kind_of
+from home_mjx.training.networks.glimpse import NULL, SHARP, Glimpse
 from home_mjx.training.networks.images import Search
 from home_mjx.training.networks.mentions import column_of, mentioned, said_by
+from home_mjx.training.networks.senses import ScanEncoder, SpectraEncoder, WordEncoder, squash
 
 SPECS = {
     "pixels/head_rgb": ArraySpec((16, 16, 3), "uint8", 0, 255),
@@ -114,10 +116,76 @@ def test_a_search_multiplies_each_place_by_a_query(rng: np.random.Generator):
         np.testing.assert_allclose(found[place], image[place] @ query[place[0]] / 6**0.5, rtol=1e-4, atol=1e-5)
 
 
+@pytest.fixture
+def glimpse(rng: np.random.Generator):
+    """Images of 5 channels, marks of two images of ids, words, and a network that reads the words in one way."""
+    x = jnp.asarray(rng.normal(size=(3, 4, 6, 5)), jnp.float32)
+    named = rng.random((3, 4, 6, 2)) < (0.0, 0.0), rng.random((3, 4, 6, 2)) < 0.3
+    named = np.where(np.arange(3)[:, None, None, None] == 2, *named)  # in the last image nothing
+    early = named * rng.uniform(0.5, 1, named.shape)
+    marks = jnp.asarray(np.stack([named, early], axis=-1).reshape(3, 4, 6, 4), jnp.float32)
+    asked, net = jnp.asarray(rng.normal(size=(3, 7)), jnp.float32), Glimpse(num=1, features=6)
+    return net, net.init(jax.random.key(0), x, marks, asked), x, marks, asked
+
+
+def test_a_glimpse_is_a_mean_over_pixels_by_what_names_them(glimpse):
+    """As loops over pixels say."""
+    net, params, x, marks, asked = glimpse
+    query, read = params["params"]["Dense_0"], params["params"]["Dense_1"]
+    found = np.asarray(net.apply(params, x, marks, asked))
+    for image in range(3):
+        ask = np.asarray(asked[image] @ query["kernel"] + query["bias"], np.float64)
+        weights, looked = [], []
+        for row, column in np.ndindex(4, 6):
+            mark = np.asarray(marks[image, row, column], np.float64)
+            count = mark[0] + mark[2]
+            weights.append(np.exp(mark @ ask + SHARP * count) if count else 0.0)
+            place = 2 * column / 5 - 1, 2 * row / 3 - 1
+            looked.append([*np.asarray(x[image, row, column]), *place])
+        mass, most = sum(weights), max(weights)
+        mean = sum(w * np.array(at) for w, at in zip(weights, looked, strict=True)) / (mass + NULL)
+        area = np.log1p(sum(w / (most + NULL) for w in weights))
+        told = np.concatenate([mean, [mass / (mass + NULL), area]])
+        np.testing.assert_allclose(found[image], np.maximum(told @ read["kernel"] + read["bias"], 0), atol=1e-4)
+
+
+def test_a_glimpse_sees_nothing_that_no_word_names(glimpse):
+    net, params, x, marks, asked = glimpse
+    named = (marks[..., 0] + marks[..., 2] > 0)[..., None]
+    other = jnp.where(named, x, 100 + x)
+    np.testing.assert_array_equal(net.apply(params, x, marks, asked), net.apply(params, other, marks, asked))
+    changed = net.apply(params, jnp.where(named, 1 + x, x), marks, asked) != net.apply(params, x, marks, asked)
+    assert changed.any(axis=1).tolist() == [True, True, False]
+    slopes = jax.grad(lambda p: jnp.sum(net.apply(p, x, marks, asked) ** 2))(params)
+    assert all(bool(jnp.isfinite(leaf).all()) for leaf in jax.tree.leaves(slopes))
+
+
+def test_what_more_words_name_is_looked_at():
+    """One pixel that two words name, among 31 that one of them names."""
+    x = jnp.zeros((1, 32, 32, 1)).at[0, 0, 0].set(1.0)
+    marks = jnp.zeros((1, 32, 32, 4)).at[..., 0].set(1.0).at[0, 0, 0, 2].set(1.0)
+    net, asked = Glimpse(num=1, features=4), jnp.zeros((1, 2))
+    params = net.init(jax.random.key(0), x, marks, asked)
+    params["params"]["Dense_1"] = {"kernel": jnp.zeros((5, 4)).at[0, 0].set(1.0), "bias": jnp.zeros(4)}
+    few = net.apply(params, x, marks.at[0, 1:].set(0.0), asked)[0, 0]
+    assert float(few) == pytest.approx(np.exp(SHARP) / (31 + np.exp(SHARP)), rel=0.01)
+
+
 def test_codes_of_ids_are_all_different():
     codes = id_codes()
     assert len(np.unique(codes[:200], axis=0)) == pytest.approx(200, abs=10)  # of 4096 possible ones
     assert np.array_equal(codes, id_codes())
+
+
+def test_a_scan_has_no_end(rng: np.random.Generator):
+    """Rays turned by four, the product of both strides, give the features of the ring turned by one."""
+    x = jnp.asarray(rng.uniform(0, 10, (2, 64)), jnp.float32)
+    net = ScanEncoder(features=16 * 64)
+    params = net.init(jax.random.key(0), x)
+    params["params"]["Dense_0"] = {"kernel": jnp.eye(16 * 64), "bias": jnp.zeros(16 * 64)}
+    ring, turned = (net.apply(params, a).reshape(2, 16, 64) for a in (x, jnp.roll(x, 4, axis=1)))
+    np.testing.assert_allclose(turned, jnp.roll(ring, 1, axis=1), atol=1e-5)
+    assert float(jnp.max(ring)) > 0
 
 
 def test_squash_is_odd_and_grows_with_the_logarithm():

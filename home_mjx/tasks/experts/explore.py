@@ -18,10 +18,13 @@ AROUND = np.array([-1, 0, 1])  # cells
 def seek(
     snapshot: Snapshot, wanted: Bool[Array, "levels rows columns"], left: Bool[Array, "levels rows columns"]
 ) -> Array:
-    """Actions of all agents, each towards the nearest cell that is wanted, see `ways_to`; who has none turns round."""
+    """Actions of all agents, each towards the nearest cell that is wanted, see `ways_to`; who has none says `stop`.
+
+    By numbers, which cannot say it, they turn on the spot.
+    """
     pose = snapshot.pose
     error, done = ways_to(snapshot, wanted, left)
-    return to_actions(snapshot.config, jnp.where(done, 1.0, error), -pose.pitch, done, jnp.zeros_like(done))
+    return to_actions(snapshot.config, jnp.where(done, 1.0, error), -pose.pitch, near=done, stop=done)
 
 
 def ways_to(

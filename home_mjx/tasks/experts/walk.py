@@ -26,6 +26,7 @@ from home_mjx.tasks.sensors.sight import SHIFTS, clear
 
 LAG = 0.2  # [m]: what walks may be so much farther away when `stop` is heard
 MARGIN = 0.1  # [m]: with something in its hand an agent goes so much nearer than it must
+TOUCHING = 0.05  # [m]: who cannot get that near, for what it carries, is content with this
 OPENS = 6  # steps between two tries to open a door; in between an agent gets out of its way, or through
 ON_THE_SPOT = 1.0  # [rad], by which who waits turns: there is no action that does nothing
 ALIGNED = 0.8  # [rad]: an agent that looks farther away from its way turns first
@@ -67,7 +68,8 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
         actions = to_actions(config, jnp.where(waits, ON_THE_SPOT, error), tilt, near | waits, stop)
         return or_words(snapshot, state, values, actions)
     farther = values.at[Feature.DISTANCE].add(MARGIN)  # what is carried pushes
-    stop = stop & (there | should_stop(state, later.at[Feature.DISTANCE].add(MARGIN)))
+    spare = jnp.where(snapshot.contact, TOUCHING, MARGIN)[:, None, None]
+    stop = stop & (there | should_stop(state, later.at[Feature.DISTANCE].add(spare)))
     grip = find_grip(snapshot, state, values, box[:, guide])
     works = (grip.take | grip.put) & ~stop
     goes, where = elsewhere(snapshot, state)

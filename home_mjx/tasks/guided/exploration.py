@@ -41,7 +41,7 @@ class ExplorationState(Pytree):
     collisions: Int[Array, " a"]  # steps in which an agent touched anything but the floor
 
     def expert(self, snapshot: Snapshot) -> Array:
-        """Towards the nearest tile that nobody has covered."""
+        """Towards the nearest tile that nobody has covered; `stop` where none is left."""
         tiles = tiles_of(snapshot.bank, snapshot.house)
         left = _of_cells(~self.covered, snapshot.bank)
         return seek(snapshot, tiles.middle & left, left)

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.core.checks import check_known, check_number
-from home_mjx.navigation.grid import cell_of, row_of_cell, stored_distance
+from home_mjx.navigation.grid import cell_of, geodesic_distance, is_home, row_of_cell, stored_distance
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import Specs
 from home_mjx.tasks.experts.descent import descend
@@ -26,7 +26,7 @@ from home_mjx.tasks.suite.audio_nav import DISTRACTING, NUM_PLACES, SPLITS
 from home_mjx.tasks.suite.navigation import Navigation
 
 FOLLOWER, PIPER = 0, 1  # agents
-ROUTE = 2  # first of the two descriptors between which piper and others walk
+ROUTE = 2  # first of the two descriptors between which the piper walks
 THERE = 0.5  # [m]: then they turn round
 PACE = 3  # every so many steps who is led rests
 PATIENCE = 30  # steps in touch with something, after which the first of them turns round as well; the next later
@@ -36,7 +36,8 @@ APART = 0.9  # [m]: the expert comes no nearer
 class PiedPiperState(RowState):
     """Where an episode stands, and where those who are led are going; A agents."""
 
-    heading: Int[Array, " a"]  # descriptor of the place
+    stray: Int[Array, "2"]  # the house's goals between which the others walk
+    heading: Int[Array, " a"]  # 0 or 1: to which end of its route
     blocked: Int[Array, " a"]  # steps in touch with something, one after the other
     near: Int[Array, ""]  # steps in which the follower was near
 
@@ -83,8 +84,9 @@ class PiedPiper(Navigation):
     """Stay near the agent that plays. The task itself leads that one, and the others, which make other noises.
 
     The first agent is yours. The second, the piper, walks to and fro between two places of the house, at two thirds of
-    the speed. So do the others; whoever follows the nearest agent may follow the wrong one. Outwardly there is
-    your agent alone: its action, its observations, its reward.
+    the speed. So do the others, between two places that are as far from the piper's as the house has them: whoever
+    follows the nearest agent may follow the wrong one. Outwardly there is your agent alone: its action, its
+    observations, its reward.
 
     Attributes:
         others: So many agents beside the piper, 0 or 1.
@@ -158,17 +160,18 @@ class PiedPiper(Navigation):
         return [Stage((Go(1, (near, clear)),), guide=0), Stage((win, Go(0, bars=(near,))), guide=0)]
 
     def init(self, snapshot: Snapshot, key: Array, columns: dict[str, Array] | None) -> PiedPiperState:
-        """Everybody sets out to the first place."""
+        """Everybody sets out to the first end of their route."""
         agents = snapshot.pose.yaw.shape[0]
         base, zero = super().init(snapshot, key, columns), jnp.zeros(agents, jnp.int32)
         own = {option.name: getattr(base, option.name) for option in fields(RowState)}
-        return PiedPiperState(**own, heading=zero + ROUTE, blocked=zero, near=zero[0])
+        stray = _far_goals(snapshot, base.program.place[ROUTE : ROUTE + 2])
+        return PiedPiperState(**own, stray=stray, heading=zero, blocked=zero, near=zero[0])
 
     def lead(self, snapshot: Snapshot, state: PiedPiperState) -> tuple[Bool[Array, " a"], Array]:
         """The piper and the others, down the distances to where they are going, but for every third step."""
         pose, config = snapshot.pose, snapshot.config
         everybody = jnp.ones_like(snapshot.stopped)
-        error = turn_towards(snapshot, _aims(snapshot, state, state.heading))
+        error = turn_towards(snapshot, _aims(snapshot, state))
         actions = to_actions(config, error, -pose.pitch, ~everybody, ~everybody)
         rests = snapshot.step % PACE == 0
         nothing = (
@@ -181,12 +184,12 @@ class PiedPiper(Navigation):
         new = super().update(snapshot, state)
         assert isinstance(new, PiedPiperState)
         blocked = jnp.where(snapshot.contact, state.blocked + 1, 0)
-        left = jnp.take_along_axis(new.distance, state.heading[:, None], axis=1)[:, 0]
+        left = _left(snapshot, state)
         # Not both at once: the first needs the time to turn and to go.
         turns = (left < THERE) | (blocked >= PATIENCE * jnp.arange(len(blocked)))
         near = (new.distance[FOLLOWER, 0] <= jnp.float32(self.follow_distance)).astype(jnp.int32)
         return new.replace(
-            heading=jnp.where(turns, 2 * ROUTE + 1 - state.heading, state.heading),
+            heading=jnp.where(turns, 1 - state.heading, state.heading),
             blocked=jnp.where(turns, 0, blocked),
             near=state.near + near,
         )
@@ -212,11 +215,43 @@ class PiedPiper(Navigation):
         }
 
 
-def _aims(snapshot: Snapshot, state: PiedPiperState, place: Int[Array, " a"]) -> Float[Array, "a 2"]:
-    """Where each agent walks straight on its way to a place of the route [m]."""
-    column = jnp.maximum(state.program.field, 0).astype(jnp.int32)[place]
+def _far_goals(snapshot: Snapshot, route: Float[Array, "2 3"]) -> Int[Array, "2"]:
+    """Two of the house's goals: that which is farthest from both ends of a route, and then from these and the first."""
+    bank, house = snapshot.bank, snapshot.house
+    to_goals = jax.vmap(lambda end: geodesic_distance(bank, house, None, end))(route)
+    first = jnp.argmax(jnp.min(to_goals, axis=0))
+    from_first = geodesic_distance(bank, house, None, bank.navigation.goal[house, first])
+    return jnp.stack([first, jnp.argmax(jnp.minimum(jnp.min(to_goals, axis=0), from_first))]).astype(jnp.int32)
+
+
+def _columns(state: PiedPiperState) -> tuple[Int[Array, " a"], Int[Array, " a"]]:
+    """Where each agent is heading to: column of the task bank's fields for the piper, of the house's for the others."""
+    ends = jnp.maximum(state.program.field[ROUTE : ROUTE + 2], 0).astype(jnp.int32)
+    return ends[state.heading], state.stray[state.heading]
+
+
+def _left(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, " a"]:
+    """How far each agent still has to walk [m]."""
+
+    def to(pos: Array, column: Array, field: Array | None) -> Array:
+        return geodesic_distance(snapshot.bank, snapshot.house, column, pos, field)
+
+    own, stray = _columns(state)
+    pos = snapshot.pose.pos
+    piper = to(pos[PIPER], own[PIPER], snapshot.tasks.field)
+    return jax.vmap(lambda at, column: to(at, column, None))(pos, stray).at[PIPER].set(piper)
+
+
+def _aims(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, "a 2"]:
+    """Where each agent walks straight on its way [m]."""
+    own, stray = _columns(state)
+    fields_ = snapshot.tasks.field, snapshot.bank.navigation.field
 
     def one(agent: Array) -> Array:
-        return descend(snapshot, agent, lambda _, cell: stored_distance(snapshot.tasks.field, cell, column[agent]))[0]
+        def far(_: Array, cell: Array) -> Array:
+            piper, other = (stored_distance(f, cell, c[agent]) for f, c in zip(fields_, (own, stray), strict=True))
+            return jnp.where(agent == PIPER, piper, other)
 
-    return jax.vmap(one)(jnp.arange(len(place)))
+        return descend(snapshot, agent, far)[0]
+
+    return jax.vmap(one)(jnp.arange(snapshot.config.num_agents))

@@ -101,9 +101,12 @@ class CellGraph:
         return dijkstra(graph, indices=np.arange(cells, cells + goals)).T[:cells]
 
     def around(self, low: Float[np.ndarray, " 3"], high: Float[np.ndarray, " 3"], most: int) -> Ends:
-        """The cells of a box's storey that are nearest to it in the plan, at most so many, and how far it is."""
+        """The cells of a box's storey that are nearest to it in the plan, at most so many, and how far it is.
+
+        None at the leaf of an open door: who goes there may push it, and then it hides what is behind.
+        """
         here = (self.place[:, 2] <= high[2]) & (self.place[:, 2] > low[2] - STOREY)
-        storey = np.flatnonzero(here & ~self.cut_off)
+        storey = np.flatnonzero(here & ~self.at_leaf)
         gap = np.maximum(low[:2] - self.place[storey, :2], 0) + np.maximum(self.place[storey, :2] - high[:2], 0)
         away = np.hypot(*gap.T)
         order = np.argsort(away, kind="stable")[:most]

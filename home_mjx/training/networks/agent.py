@@ -29,7 +29,8 @@ class NetworkConfig:
         memory: Numbers that the GRU keeps.
         channels: Of the blocks that read images.
         dtype: Type in which images are convolved: "float32" or "bfloat16". Everything else is float32.
-        mentions: Mark in images of ids what instructions name, see `mentioned`. Without, each word has to be learned.
+        mentions: Mark in images of ids what instructions name, see `mentioned`, and look there, see `Glimpse`. Without,
+            each word has to be learned.
 
     Raises:
         ConfigError: A value cannot be used.

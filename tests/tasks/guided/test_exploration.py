@@ -116,11 +116,22 @@ def test_the_id_makes_the_task(bank):
     env = home_mjx.make("Exploration-v0", bank, sensors=("state",), cover_radius=1.5)
     assert env.task == Exploration(cover_radius=1.5)
     assert env.config.discrete is not None
+    assert env.config.episode_length == 1000
+
+
+def test_the_expert_stops_once_nothing_is_left(env, walk):
+    def expert(state, covered):
+        return expert_action(env.core.snapshot(env.params, state), state.task.replace(covered=covered))[0]
+
+    stop, act = env.core.action_names.index("stop"), jax.jit(jax.vmap(expert))
+    covered = walk[-1].task.covered
+    assert (act(walk[-1], covered) != stop).all()
+    np.testing.assert_array_equal(act(walk[-1], jnp.ones_like(covered)), stop)
 
 
 @pytest.mark.slow
 def test_the_expert_covers_the_house_and_chance_does_not(env):
-    """Within the usual 500 steps."""
+    """Within 500 steps, half of what the id gives: these houses are small."""
     states = jax.jit(jax.vmap(env.core.begin, (None, 0, 0)))(
         env.params, jax.random.split(jax.random.key(0), NUM), jnp.arange(NUM) % 2
     )

@@ -30,15 +30,18 @@ def test_fields_to_the_banks_goals_are_the_banks(bank):
         assert apart[found != FIELD_FAR].max() < 0.01
 
 
-def test_the_cells_around_a_box_are_the_nearest(bank):
+def test_the_cells_around_a_box_are_the_nearest_that_are_at_no_leaf(bank):
     graph = CellGraph(bank, 0)
-    low = graph.place[0] - [0.5, 0.5, 0]
+    low = graph.place[np.flatnonzero(graph.at_leaf)[0]] - [0.5, 0.5, 0]
     cells, away = graph.around(low, low + 1, 40)
     plan = graph.place[:, :2]
     gap = np.hypot(*np.maximum(np.maximum(low[:2] - plan, plan - low[:2] - 1), 0).T)
     np.testing.assert_allclose(gap[cells], away)
     assert len(set(cells.tolist())) == 40
-    assert away.max() <= np.delete(gap, cells).min()
+    others = np.setdiff1d(np.flatnonzero(~graph.at_leaf), cells)
+    assert not graph.at_leaf[cells].any()
+    assert graph.at_leaf[gap <= away.max()].any()
+    assert away.max() <= gap[others].min()
     assert not len(graph.around(low + 50, low + 51, 40)[0])
 
 
