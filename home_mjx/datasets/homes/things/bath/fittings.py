@@ -27,17 +27,19 @@ def tub(
         power: Squareness of the plan, 2 is an ellipse.
         sides: Facets around.
     """
-    outer = [np.insert(loop(w, d, sides, power) + (x, 0.0), 1, y, axis=1) for y, w, d, x in levels]
+    outer = [np.insert(loop(w, d, sides, power) + np.array([x, 0.0]), 1, y, axis=1) for y, w, d, x in levels]
     inner = [
-        np.insert(loop(w - 2 * wall, d - 2 * wall, sides, power) + (x, 0.0), 1, max(y, levels[0][0] + wall), axis=1)
+        np.insert(
+            loop(w - 2 * wall, d - 2 * wall, sides, power) + np.array([x, 0.0]), 1, max(y, levels[0][0] + wall), axis=1
+        )
         for y, w, d, x in levels
     ]
     return between_loops(slot, [*outer, *inner[::-1]])
 
 
 def _seat(y: float, z: float, lid: str = "up") -> Iterator[Solid]:
-    outer = [np.insert(loop(0.36, 0.42, 28, 2.3) + (0.0, z), 1, h, axis=1) for h in (y, y + 0.02)]
-    inner = [np.insert(loop(0.23, 0.28, 28, 2.2) + (0.0, z + 0.01), 1, h, axis=1) for h in (y, y + 0.02)]
+    outer = [np.insert(loop(0.36, 0.42, 28, 2.3) + np.array([0.0, z]), 1, h, axis=1) for h in (y, y + 0.02)]
+    inner = [np.insert(loop(0.23, 0.28, 28, 2.2) + np.array([0.0, z + 0.01]), 1, h, axis=1) for h in (y, y + 0.02)]
     if lid == "down":
         yield prism("ceramic", loop(0.37, 0.43, 28, 2.3), 0.026, (0.0, y, z), "top")
         return

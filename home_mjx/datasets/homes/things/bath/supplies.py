@@ -128,7 +128,7 @@ def mirror(width: float = 0.6, height: float = 0.8, kind: str = "frame") -> Iter
         yield prism("mirror", loop(width, high, 36), 0.01, (0.0, high / 2, -0.006))
         yield tube(
             "wood" if kind == "oval" else "brass",
-            np.insert(loop(width, high, 36) + (0.0, high / 2), 2, 0.0, axis=1),
+            np.insert(loop(width, high, 36) + np.array([0.0, high / 2]), 2, 0.0, axis=1),
             0.018,
             8,
             closed=True,
@@ -180,6 +180,15 @@ def mirror(width: float = 0.6, height: float = 0.8, kind: str = "frame") -> Iter
             tilted.append(rounded("wood", (0.035, 1.5, 0.03), (s * (width - 0.03) / 2, 0.13, -0.004), 0.01, 1))
             tilted.append(rounded("wood", (width, 0.035, 0.03), (0.0, 0.13 + 1.465 * (s + 1) / 2, -0.004), 0.01, 1))
         yield from (rotate(p, 0, -0.12, (0.0, 0.85, 0.0)) for p in tilted)
+
+
+def mirror_tiles(columns: int = 2, rows: int = 3, size: float = 0.28) -> Iterator[Solid]:
+    """Small square mirrors in rows."""
+    for i in range(columns):
+        for j in range(rows):
+            at = ((i - (columns - 1) / 2) * (size + 0.02), j * (size + 0.02), 0.0)
+            yield rounded("black", (size, size, 0.02), at, 0.005, 1)
+            yield box("mirror", (size - 0.02, size - 0.02, 0.004), (at[0], at[1] + 0.01, 0.011))
 
 
 def paper(kind: str = "wall") -> Iterator[Solid]:
@@ -314,7 +323,7 @@ MIRRORS = (
     design(mirror), design(mirror, kind="oval"), design(mirror, kind="round", width=0.55),
     design(mirror, kind="sun", width=0.4), design(mirror, kind="arch", height=1.2), design(mirror, kind="shelf"),
     design(mirror, kind="cabinet", height=0.65), design(mirror, kind="standing", width=0.5),
-    design(mirror, kind="ornate", width=0.8, height=1.0), design(mirror, width=0.45, height=1.3),
+    design(mirror, kind="ornate", width=0.8, height=1.0), design(mirror, width=0.45, height=1.3), design(mirror_tiles),
 )  # fmt: skip
 
 

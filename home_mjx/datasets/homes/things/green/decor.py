@@ -1,14 +1,14 @@
 """Vases, pictures, clocks, books, figures, and other ornaments."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
-from home_mjx.datasets.homes.shapes.curves import fillet, loop, spline, star
-from home_mjx.datasets.homes.shapes.groups import stretched
+from home_mjx.datasets.homes.shapes.curves import fillet, loop, spline
 from home_mjx.datasets.homes.shapes.sheets import leaf
 from home_mjx.datasets.homes.shapes.soft import ball, between_loops, rounded, soft
-from home_mjx.datasets.homes.shapes.swept import beam, prism, ring, rod, sweep, tube
+from home_mjx.datasets.homes.shapes.swept import beam, prism, ring, rod, tube
 from home_mjx.datasets.homes.shapes.turned import turned, vessel
 from home_mjx.datasets.homes.things.family import Family, design
 from home_mjx.datasets.homes.things.joinery import book_row, disc
@@ -30,7 +30,11 @@ def vase(kind: str = "amphora", slot: str = "glaze", stems: int = 0) -> Iterator
     shape = VASE_SHAPES[kind]
     yield vessel(slot, shape, 0.005, sides=24, steps=1 if kind == "cylinder" else 4)
     if slot in ("glass", "tint"):
-        yield cylinder("water", 0.85 * shape[1][0], 0.45 * shape[-1][1], (0.0, 0.008, 0.0), sides=20) if kind == "cylinder" else ball("water", (0.09, 0.05, 0.09), (0.0, 0.07, 0.0), 18, 10)
+        yield (
+            cylinder("water", 0.85 * shape[1][0], 0.45 * shape[-1][1], (0.0, 0.008, 0.0), sides=20)
+            if kind == "cylinder"
+            else ball("water", (0.09, 0.05, 0.09), (0.0, 0.07, 0.0), 18, 10)
+        )
     yield from flowers(stems, shape[-1][1], shape[-1][0])
 
 
@@ -44,7 +48,17 @@ def flowers(stems: int, top: float, mouth: float) -> Iterator[Solid]:
         yield leaf("leaf", 0.12, 0.03, (0.5 * tip[0], top + 0.07, 0.5 * tip[2]), a, 0.9, 1.0, pieces=3)
         for k in range(2):
             for p in range(6):
-                yield leaf(f"petal_{i % 3}", 0.045 - 0.012 * k, 0.028, tip, np.pi * (p / 3 + k / 6), 0.35 + 0.6 * k, 0.5, 1.2, 2)
+                yield leaf(
+                    f"petal_{i % 3}",
+                    0.045 - 0.012 * k,
+                    0.028,
+                    tip,
+                    np.pi * (p / 3 + k / 6),
+                    0.35 + 0.6 * k,
+                    0.5,
+                    1.2,
+                    2,
+                )
         yield ball("yellow", 0.01, (tip[0], tip[1] + 0.008, tip[2]), 8, 4)
 
 
@@ -57,7 +71,12 @@ def twigs(kind: str = "floor") -> Iterator[Solid]:
         tip = (0.22 * np.cos(a), top + 0.5 - 0.03 * (i % 4), 0.22 * np.sin(a))
         path = spline([(0.0, 0.4 * top, 0.0), (0.03 * np.cos(a), top, 0.03 * np.sin(a)), tip], 4)
         yield tube("bark", path, 0.004, 5)
-        yield tube("cream", [path[-3], path[-2], tip, (1.25 * tip[0], tip[1] + 0.05, 1.25 * tip[2])], [0.012, 0.03, 0.022, 0.003], 7)
+        yield tube(
+            "cream",
+            np.array([path[-3], path[-2], tip, (1.25 * tip[0], tip[1] + 0.05, 1.25 * tip[2])]),
+            [0.012, 0.03, 0.022, 0.003],
+            7,
+        )
 
 
 def ribbed(square: bool = False) -> Iterator[Solid]:
@@ -82,31 +101,59 @@ def ribbed(square: bool = False) -> Iterator[Solid]:
 
 def twin_handles() -> Iterator[Solid]:
     """An urn with two handles on a foot."""
-    yield vessel("terracotta", [(0.07, 0.0), (0.03, 0.04), (0.1, 0.16), (0.11, 0.24), (0.05, 0.32), (0.06, 0.36)], 0.006, sides=24, steps=3)
+    yield vessel(
+        "terracotta",
+        [(0.07, 0.0), (0.03, 0.04), (0.1, 0.16), (0.11, 0.24), (0.05, 0.32), (0.06, 0.36)],
+        0.006,
+        sides=24,
+        steps=3,
+    )
     for s in (-1, 1):
-        yield tube("terracotta", spline([(s * 0.105, 0.23, 0.0), (s * 0.17, 0.3, 0.0), (s * 0.11, 0.36, 0.0), (s * 0.05, 0.33, 0.0)], 4), 0.011, 8)
+        yield tube(
+            "terracotta",
+            spline([(s * 0.105, 0.23, 0.0), (s * 0.17, 0.3, 0.0), (s * 0.11, 0.36, 0.0), (s * 0.05, 0.33, 0.0)], 4),
+            0.011,
+            8,
+        )
 
 
-def picture(width: float = 0.6, height: float = 0.45, rim: float = 0.03, mount: float = 0.0, slot: str = "wood") -> Iterator[Solid]:
+def picture(
+    width: float = 0.6, height: float = 0.45, rim: float = 0.03, mount: float = 0.0, slot: str = "wood"
+) -> Iterator[Solid]:
     """A picture in a frame, with a pale mount or none, flat or carved."""
     inner = rim + mount
     if mount:
         yield box("paper", (width - rim, height - rim, 0.01), (0.0, rim / 2, -0.008))
-    yield picture_uv(box("picture", (width - 2 * inner + 0.002, height - 2 * inner + 0.002, 0.006), (0.0, inner - 0.001, 0.0)))
+    yield picture_uv(
+        box("picture", (width - 2 * inner + 0.002, height - 2 * inner + 0.002, 0.006), (0.0, inner - 0.001, 0.0))
+    )
     corners = [(-1, -1), (1, -1), (1, 1), (-1, 1)]
     path = [(x * (width - rim) / 2, height / 2 + y * (height - rim) / 2, 0.0) for x, y in corners]
     for a, b in zip(path, path[1:] + path[:1], strict=True):
         grow = np.sign(np.subtract(b, a)) * rim / 2
-        yield beam(slot, tuple(np.subtract(a, grow).tolist()), tuple(np.add(b, grow).tolist()), 0.026, rim) if a[1] == b[1] else beam(slot, tuple(np.add(a, grow).tolist()), tuple(np.subtract(b, grow).tolist()), rim, 0.026)
+        yield (
+            beam(slot, tuple(np.subtract(a, grow).tolist()), tuple(np.add(b, grow).tolist()), 0.026, rim)
+            if a[1] == b[1]
+            else beam(slot, tuple(np.add(a, grow).tolist()), tuple(np.subtract(b, grow).tolist()), rim, 0.026)
+        )
 
 
 def gallery(count: int = 3) -> Iterator[Solid]:
     """Several pictures in a group."""
-    places = {3: ((-0.5, 0.0, 0.44, 0.6), (0.0, 0.0, 0.44, 0.6), (0.5, 0.0, 0.44, 0.6)), 5: ((-0.36, 0.3, 0.5, 0.38), (0.2, 0.34, 0.44, 0.34), (-0.44, 0.0, 0.3, 0.26), (-0.02, 0.0, 0.4, 0.28), (0.44, 0.0, 0.34, 0.3))}
+    places = {
+        3: ((-0.5, 0.0, 0.44, 0.6), (0.0, 0.0, 0.44, 0.6), (0.5, 0.0, 0.44, 0.6)),
+        5: (
+            (-0.36, 0.3, 0.5, 0.38),
+            (0.2, 0.34, 0.44, 0.34),
+            (-0.44, 0.0, 0.3, 0.26),
+            (-0.02, 0.0, 0.4, 0.28),
+            (0.44, 0.0, 0.34, 0.3),
+        ),
+    }
     for i, (x, y, w, h) in enumerate(places[count]):
         for piece in picture(w, h, 0.022, 0.04 if count == 3 else 0.03 * (i % 2), "black" if count == 3 else "wood"):
             material = f"picture_{i}" if piece.material == "picture" else piece.material
-            yield move(piece, np.array([x)
+            yield replace(move(piece, (x, y, 0.0)), material=material)
 
 
 def canvas(width: float = 0.9, height: float = 0.6) -> Iterator[Solid]:
@@ -118,12 +165,48 @@ def canvas(width: float = 0.9, height: float = 0.6) -> Iterator[Solid]:
     yield ball("chrome", 0.006, (0.0, height + 0.042, -0.014), 8, 4)
 
 
+def scroll(width: float = 0.45, height: float = 1.1) -> Iterator[Solid]:
+    """A painting on cloth between two rods."""
+    yield box("cream", (width, height, 0.004), (0.0, 0.0, -0.004))
+    yield picture_uv(box("picture", (width - 0.1, 0.62 * height, 0.004), (0.0, 0.2 * height, 0.0)))
+    for y in (0.0, height):
+        yield rod("wood", (-width / 2 - 0.03, y, 0.0), (width / 2 + 0.03, y, 0.0), 0.014)
+    for s in (-1, 1):
+        yield rod("leather", (s * width / 3, height + 0.01, -0.004), (0.0, height + 0.12, -0.008), 0.002, sides=4)
+
+
+def triptych(width: float = 1.3, height: float = 0.8) -> Iterator[Solid]:
+    """One picture over three canvases."""
+    for i in range(3):
+        third = width / 3
+        for piece in canvas(third - 0.03, height):
+            if piece.material in ("picture", "paper"):
+                uv = piece.uv * (1 / 3, 1.0) + np.array([i / 3, 0.0])
+                yield replace(move(piece, ((i - 1) * third, 0.0, 0.0)), uv=uv)
+
+
+def poster(width: float = 0.5, height: float = 0.7) -> Iterator[Solid]:
+    """A sheet that hangs between two pairs of laths."""
+    yield picture_uv(box("picture", (width, height, 0.003)))
+    for y in (0.0, height):
+        for z in (-0.008, 0.008):
+            yield rounded("wood", (width + 0.02, 0.024, 0.01), (0.0, y - 0.012, z), 0.003, 1)
+    for s in (-1, 1):
+        yield rod("black", (s * width / 2.2, height + 0.01, 0.0), (0.0, height + 0.14, -0.006), 0.0015, sides=4)
+
+
 def oval_picture(width: float = 0.4, height: float = 0.5) -> Iterator[Solid]:
     """An oval portrait in a gilded frame."""
     flat = prism("picture", loop(width, height, 32), 0.01, (0.0, height / 2, 0.0))
     yield picture_uv(flat)
     for r, t, slot in ((1.0, 0.02, "gold"), (1.1, 0.012, "gold")):
-        yield tube(slot, np.insert(loop(width * r, height * r, 36) + (0.0, height / 2), 2, 0.004, axis=1), t, 8, closed=True)
+        yield tube(
+            slot,
+            np.insert(loop(width * r, height * r, 36) + np.array([0.0, height / 2]), 2, 0.004, axis=1),
+            t,
+            8,
+            closed=True,
+        )
 
 
 def easel(width: float = 0.18, height: float = 0.24) -> Iterator[Solid]:
@@ -135,14 +218,21 @@ def easel(width: float = 0.18, height: float = 0.24) -> Iterator[Solid]:
 
 def clock(kind: str = "round") -> Iterator[Solid]:
     """On a wall: round, sun, pendulum, square, cuckoo; on a table: alarm, mantel, digital; on the floor: tall."""
+
     def face(radius: float, y: float, z: float, numbers: int = 12) -> Iterator[Solid]:
         yield disc("face", radius, 0.008, (0.0, y, z), 30)
         for i in range(numbers):
             a = 2 * np.pi * i / numbers
             r = 0.84 * radius
-            yield move(rotate(box("black", (0.05 * radius, 0.16 * radius, 0.004), (0.0, r - 0.08 * radius, 0.0)), 2, -a), (0.0, y, z + 0.009))
+            yield move(
+                rotate(box("black", (0.05 * radius, 0.16 * radius, 0.004), (0.0, r - 0.08 * radius, 0.0)), 2, -a),
+                (0.0, y, z + 0.009),
+            )
         for turn, long in ((-0.9, 0.5), (0.9, 0.72)):
-            yield move(rotate(box("black", (0.06 * radius, long * radius, 0.004), (0.0, 0.0, 0.0)), 2, turn), (0.0, y, z + 0.013))
+            yield move(
+                rotate(box("black", (0.06 * radius, long * radius, 0.004), (0.0, 0.0, 0.0)), 2, turn),
+                (0.0, y, z + 0.013),
+            )
         yield disc("brass", 0.07 * radius, 0.012, (0.0, y, z + 0.008), 12)
 
     if kind in ("round", "sun"):
@@ -151,7 +241,14 @@ def clock(kind: str = "round") -> Iterator[Solid]:
         if kind == "sun":
             for i in range(16):
                 a = 2 * np.pi * i / 16
-                yield rod("brass", (0.16 * np.cos(a), 0.16 + 0.16 * np.sin(a), -0.005), ((0.24 + 0.06 * (i % 2)) * np.cos(a), 0.16 + (0.24 + 0.06 * (i % 2)) * np.sin(a), -0.005), 0.007, 0.003, 6)
+                yield rod(
+                    "brass",
+                    (0.16 * np.cos(a), 0.16 + 0.16 * np.sin(a), -0.005),
+                    ((0.24 + 0.06 * (i % 2)) * np.cos(a), 0.16 + (0.24 + 0.06 * (i % 2)) * np.sin(a), -0.005),
+                    0.007,
+                    0.003,
+                    6,
+                )
     elif kind == "square":
         yield rounded("wood", (0.3, 0.3, 0.035), (0.0, 0.0, -0.02), 0.03, 3)
         yield from face(0.12, 0.15, -0.004, 4)
@@ -164,7 +261,9 @@ def clock(kind: str = "round") -> Iterator[Solid]:
             yield prism("wood", fillet([(-0.22, 0.0), (0.22, 0.0), (0.0, 0.2)], 0.12, 5, True), 0.26, (0.0, 1.7, 0.0))
         else:
             yield rounded("wood", (0.26, 0.62, 0.12), (0.0, 0.0, -0.02), 0.012, 1)
-            yield prism("wood", fillet([(-0.16, 0.0), (0.16, 0.0), (0.0, 0.12)], 0.08, 4, True), 0.12, (0.0, 0.62, -0.02))
+            yield prism(
+                "wood", fillet([(-0.16, 0.0), (0.16, 0.0), (0.0, 0.12)], 0.08, 4, True), 0.12, (0.0, 0.62, -0.02)
+            )
         z = 0.131 if kind == "tall" else 0.041
         yield from face(0.15 if kind == "tall" else 0.1, base, z)
         low = 0.45 if kind == "tall" else 0.1
@@ -178,9 +277,13 @@ def clock(kind: str = "round") -> Iterator[Solid]:
         for s in (-1, 1):
             yield rod("chrome", (s * 0.035, 0.03, -0.005), (s * 0.05, 0.0, 0.0), 0.006)
             yield ball("brass", (0.03, 0.022, 0.03), (s * 0.038, 0.15, -0.005), 12, 6)
-        yield tube("chrome", fillet([(-0.03, 0.155, -0.005), (0.0, 0.19, -0.005), (0.03, 0.155, -0.005)], 0.03), 0.004, 6)
+        yield tube(
+            "chrome", fillet([(-0.03, 0.155, -0.005), (0.0, 0.19, -0.005), (0.03, 0.155, -0.005)], 0.03), 0.004, 6
+        )
     elif kind == "mantel":
-        shape = fillet([(-0.2, 0.0), (0.2, 0.0), (0.19, 0.06), (0.1, 0.1), (0.0, 0.28), (-0.1, 0.1), (-0.19, 0.06)], 0.07, 4, True)
+        shape = fillet(
+            [(-0.2, 0.0), (0.2, 0.0), (0.19, 0.06), (0.1, 0.1), (0.0, 0.28), (-0.1, 0.1), (-0.19, 0.06)], 0.07, 4, True
+        )
         yield prism("wood", shape, 0.11)
         yield rounded("wood", (0.44, 0.03, 0.14), (0.0, 0.0, 0.0), 0.008, 1)
         yield from face(0.075, 0.13, 0.056)
@@ -213,7 +316,11 @@ def books(kind: str = "row", seed: int = 1) -> Iterator[Solid]:
         yield from book_row(-0.2, 0.0, 0.42, 0.27, 0.0, seed)
         if kind == "ends":
             for s in (-1, 1):
-                yield prism("brass", [(0.0, 0.0), (0.09, 0.0), (0.0, 0.14)], 0.1, (0.22 * s, 0.0, 0.0)) if s > 0 else prism("brass", [(0.0, 0.0), (0.0, 0.14), (-0.09, 0.0)], 0.1, (-0.22, 0.0, 0.0))
+                yield (
+                    prism("brass", [(0.0, 0.0), (0.09, 0.0), (0.0, 0.14)], 0.1, (0.22 * s, 0.0, 0.0))
+                    if s > 0
+                    else prism("brass", [(0.0, 0.0), (0.0, 0.14), (-0.09, 0.0)], 0.1, (-0.22, 0.0, 0.0))
+                )
     elif kind == "pile":
         rng = np.random.default_rng(seed)
         y = 0.0
@@ -228,7 +335,9 @@ def books(kind: str = "row", seed: int = 1) -> Iterator[Solid]:
         yield box("gold", (0.12, 0.001, 0.012), (0.0, 0.035, -0.03))
     else:
         for s in (-1, 1):
-            page = [(s * t * 0.15, 0.006 + 0.022 * np.sin(np.pi * t) ** 0.7 + 0.004, 0.0) for t in np.linspace(0.02, 1, 9)]
+            page = [
+                (s * t * 0.15, 0.006 + 0.022 * np.sin(np.pi * t) ** 0.7 + 0.004, 0.0) for t in np.linspace(0.02, 1, 9)
+            ]
             under = [(x, 0.003, z) for x, _, z in page]
             outline = [(x, y) for x, y, _ in page] + [(x, y) for x, y, _ in under[::-1]]
             yield prism("paper", outline, 0.21)
@@ -250,16 +359,32 @@ def magazines(kind: str = "fan") -> Iterator[Solid]:
         for i in range(4):
             page = box(f"picture_{i}", (0.21, 0.005, 0.28), (0.0, 0.005 * i, 0.0))
             low, high = page.box[:, [0, 2]]
-            page = Solid(page.vertices, page.faces, (page.vertices[page.faces][..., [0, 2]] - low) / (high - low) * (1, -1), page.material)
+            page = Solid(
+                page.vertices,
+                page.faces,
+                (page.vertices[page.faces][..., [0, 2]] - low) / (high - low) * (1, -1),
+                page.material,
+            )
             yield rotate(page, 1, 0.25 * i - 0.4, (0.0, 0.0, 0.1))
         return
     for s in (-1, 1):
-        yield prism("wood", fillet([(-0.15, 0.0), (0.15, 0.0), (0.2, 0.3), (-0.2, 0.3)], 0.03, 2, True), 0.012, (s * 0.17, 0.0, 0.0), "side")
+        yield prism(
+            "wood",
+            fillet([(-0.15, 0.0), (0.15, 0.0), (0.2, 0.3), (-0.2, 0.3)], 0.03, 2, True),
+            0.012,
+            (s * 0.17, 0.0, 0.0),
+            "side",
+        )
     yield box("wood", (0.33, 0.012, 0.2), (0.0, 0.04, 0.0))
     for z, a in ((-0.12, -0.35), (0.0, 0.0), (0.12, 0.35)):
         yield rotate(box("wood_1", (0.33, 0.24, 0.01), (0.0, 0.05, z * 0.7)), 0, a, (0.0, 0.05, z * 0.7))
     for i in range(4):
-        yield rotate(box(f"cover_{i}", (0.22, 0.29, 0.007), (0.02 * (i - 2), 0.055, -0.05 + 0.034 * i)), 0, -0.15 + 0.1 * i, (0.0, 0.05, 0.0))
+        yield rotate(
+            box(f"cover_{i}", (0.22, 0.29, 0.007), (0.02 * (i - 2), 0.055, -0.05 + 0.034 * i)),
+            0,
+            -0.15 + 0.1 * i,
+            (0.0, 0.05, 0.0),
+        )
 
 
 def figure(kind: str = "cat") -> Iterator[Solid]:
@@ -292,7 +417,12 @@ def figure(kind: str = "cat") -> Iterator[Solid]:
             yield prism("black", [(0.06, 0.2), (0.1, 0.28), (0.08, 0.28), (0.035, 0.2)], 0.01, (0.0, 0.0, 0.0), "side")
         else:
             yield ball(slot, (0.042, 0.045, 0.042), (0.0, 0.2, 0.1), 16, 10)
-            yield tube(slot, spline([(0.0, 0.19, 0.13), (0.0, 0.12, 0.17), (0.0, 0.06, 0.16), (0.0, 0.05, 0.19)], 3), np.linspace(0.018, 0.008, 10), 8)
+            yield tube(
+                slot,
+                spline([(0.0, 0.19, 0.13), (0.0, 0.12, 0.17), (0.0, 0.06, 0.16), (0.0, 0.05, 0.19)], 3),
+                np.linspace(0.018, 0.008, 10),
+                8,
+            )
             for s in (-1, 1):
                 yield ball(slot, (0.012, 0.05, 0.038), (s * 0.05, 0.2, 0.09), 12, 8)
                 yield tube("cream", [(s * 0.02, 0.16, 0.13), (s * 0.026, 0.14, 0.18)], [0.006, 0.002], 6)
@@ -309,7 +439,9 @@ def figure(kind: str = "cat") -> Iterator[Solid]:
         yield ball("gold", (0.034, 0.042, 0.036), (0.0, 0.21, -0.005), 16, 10)
         yield ball("gold", 0.016, (0.0, 0.255, -0.008), 10, 6)
         for s in (-1, 1):
-            yield tube("gold", spline([(s * 0.055, 0.15, -0.01), (s * 0.08, 0.1, 0.01), (s * 0.02, 0.085, 0.06)], 3), 0.014, 8)
+            yield tube(
+                "gold", spline([(s * 0.055, 0.15, -0.01), (s * 0.08, 0.1, 0.01), (s * 0.02, 0.085, 0.06)], 3), 0.014, 8
+            )
     elif kind == "ring":
         yield rounded("black", (0.16, 0.025, 0.08), (0.0, 0.0, 0.0), 0.005, 1)
         yield ring("brass", 0.12, 0.034, (0.0, 0.16, 0.0), 2, 30)
@@ -317,7 +449,12 @@ def figure(kind: str = "cat") -> Iterator[Solid]:
     elif kind == "bird":
         yield foot(0.05)
         yield rod("brass", (0.0, 0.01, 0.0), (0.0, 0.12, 0.0), 0.004, sides=6)
-        yield tube("glaze", spline([(0.0, 0.16, -0.13), (0.0, 0.14, -0.06), (0.0, 0.15, 0.02), (0.0, 0.19, 0.06)], 4), [0.004, 0.008, 0.014, 0.022, 0.03, 0.036, 0.04, 0.04, 0.037, 0.034, 0.032, 0.03, 0.026], 12)
+        yield tube(
+            "glaze",
+            spline([(0.0, 0.16, -0.13), (0.0, 0.14, -0.06), (0.0, 0.15, 0.02), (0.0, 0.19, 0.06)], 4),
+            [0.004, 0.008, 0.014, 0.022, 0.03, 0.036, 0.04, 0.04, 0.037, 0.034, 0.032, 0.03, 0.026],
+            12,
+        )
         yield ball("glaze", 0.028, (0.0, 0.205, 0.07), 14, 8)
         yield tube("yellow", [(0.0, 0.205, 0.095), (0.0, 0.2, 0.12)], [0.007, 0.001], 8)
         for s in (-1, 1):
@@ -326,17 +463,31 @@ def figure(kind: str = "cat") -> Iterator[Solid]:
     elif kind == "dancers":
         yield foot(0.08)
         for s in (-1, 1):
-            yield tube("iron", spline([(s * 0.03, 0.01, 0.0), (s * 0.05, 0.14, 0.0), (s * 0.02, 0.24, 0.0), (s * 0.05, 0.32, 0.0)], 4), np.concatenate([np.linspace(0.008, 0.022, 9), np.linspace(0.024, 0.01, 4)]), 8)
+            yield tube(
+                "iron",
+                spline([(s * 0.03, 0.01, 0.0), (s * 0.05, 0.14, 0.0), (s * 0.02, 0.24, 0.0), (s * 0.05, 0.32, 0.0)], 4),
+                np.concatenate([np.linspace(0.008, 0.022, 9), np.linspace(0.024, 0.01, 4)]),
+                8,
+            )
             yield ball("iron", 0.022, (s * 0.055, 0.35, 0.0), 12, 8)
-            yield tube("iron", spline([(s * 0.04, 0.29, 0.0), (s * 0.0, 0.36, 0.04), (s * -0.04, 0.42, 0.02)], 4), 0.007, 6)
+            yield tube(
+                "iron", spline([(s * 0.04, 0.29, 0.0), (s * 0.0, 0.36, 0.04), (s * -0.04, 0.42, 0.02)], 4), 0.007, 6
+            )
     elif kind == "globe":
         yield turned("wood", [(0.09, 0.0), (0.08, 0.02), (0.02, 0.04), (0.015, 0.09)], sides=20, steps=2)
         yield ball("blue", 0.11, (0.0, 0.22, 0.0), 26, 16)
         for i in range(7):
             a, t = 2.4 * i, 0.6 * np.sin(1.7 * i)
             spot = [0.112 * np.cos(t) * np.cos(a), 0.22 + 0.112 * np.sin(t), 0.112 * np.cos(t) * np.sin(a)]
-            yield ball("green", (0.03, 0.024, 0.03), (0.82 * spot[0], 0.22 + 0.82 * (spot[1] - 0.22), 0.82 * spot[2]), 10, 6)
-        yield tube("brass", [(0.128 * np.sin(a), 0.22 + 0.128 * np.cos(a), 0.0) for a in np.linspace(0.2, np.pi + 0.2, 14)], 0.006, 6)
+            yield ball(
+                "green", (0.03, 0.024, 0.03), (0.82 * spot[0], 0.22 + 0.82 * (spot[1] - 0.22), 0.82 * spot[2]), 10, 6
+            )
+        yield tube(
+            "brass",
+            [(0.128 * np.sin(a), 0.22 + 0.128 * np.cos(a), 0.0) for a in np.linspace(0.2, np.pi + 0.2, 14)],
+            0.006,
+            6,
+        )
     else:
         yield rounded("wood", (0.3, 0.02, 0.1), (0.0, 0.0, 0.0), 0.005, 1)
         hull = [(-0.15, 0.07), (0.16, 0.07), (0.12, 0.03), (-0.11, 0.03)]
@@ -359,7 +510,9 @@ def ornament(kind: str = "bowl") -> Iterator[Solid]:
         for i in range(6):
             a = 2 * np.pi * i / 5
             r = 0.075 if i < 5 else 0.0
-            yield ball(("cane", "bark", "cream")[i % 3], 0.042, (r * np.cos(a), 0.075 + 0.03 * (i == 5), r * np.sin(a)), 14, 8)
+            yield ball(
+                ("cane", "bark", "cream")[i % 3], 0.042, (r * np.cos(a), 0.075 + 0.03 * (i == 5), r * np.sin(a)), 14, 8
+            )
     elif kind == "wreath":
         yield ring("bark", 0.15, 0.04, (0.0, 0.2, 0.0), 2, 24)
         for i in range(54):
@@ -378,20 +531,39 @@ def ornament(kind: str = "bowl") -> Iterator[Solid]:
             for z in (-0.065, 0.065):
                 yield rounded("brass", (0.025, 0.025, 0.025), (x, 0.0, z), 0.004, 1)
     elif kind == "jar":
-        yield vessel("glass", [(0.07, 0.0), (0.085, 0.03), (0.085, 0.15), (0.06, 0.19), (0.065, 0.2)], 0.003, sides=22, steps=2)
+        yield vessel(
+            "glass", [(0.07, 0.0), (0.085, 0.03), (0.085, 0.15), (0.06, 0.19), (0.065, 0.2)], 0.003, sides=22, steps=2
+        )
         for i in range(16):
             a = 2.4 * i
             r = 0.045 * ((i % 4) / 3)
-            yield ball(("cream", "terracotta", "white")[i % 3], (0.022, 0.015, 0.018), (r * np.cos(a), 0.02 + 0.006 * i, r * np.sin(a)), 8, 6)
+            yield ball(
+                ("cream", "terracotta", "white")[i % 3],
+                (0.022, 0.015, 0.018),
+                (r * np.cos(a), 0.02 + 0.006 * i, r * np.sin(a)),
+                8,
+                6,
+            )
         yield turned("wood", [(0.062, 0.2), (0.062, 0.215), (0.05, 0.225)], sides=20, steps=1)
     elif kind == "trophy":
         yield rounded("black", (0.1, 0.06, 0.1), (0.0, 0.0, 0.0), 0.006, 1)
-        yield vessel("gold", [(0.04, 0.06), (0.012, 0.08), (0.012, 0.13), (0.06, 0.19), (0.065, 0.27)], 0.004, sides=20, steps=3)
+        yield vessel(
+            "gold", [(0.04, 0.06), (0.012, 0.08), (0.012, 0.13), (0.06, 0.19), (0.065, 0.27)], 0.004, sides=20, steps=3
+        )
         for s in (-1, 1):
-            yield tube("gold", fillet([(s * 0.06, 0.25, 0.0), (s * 0.11, 0.25, 0.0), (s * 0.09, 0.18, 0.0), (s * 0.045, 0.17, 0.0)], 0.03), 0.006, 6)
+            yield tube(
+                "gold",
+                fillet(
+                    [(s * 0.06, 0.25, 0.0), (s * 0.11, 0.25, 0.0), (s * 0.09, 0.18, 0.0), (s * 0.045, 0.17, 0.0)], 0.03
+                ),
+                0.006,
+                6,
+            )
         yield box("gold", (0.06, 0.03, 0.004), (0.0, 0.015, 0.05))
     else:
-        for i, (x, y, r) in enumerate(((0.0, 0.32, 0.15), (-0.27, 0.18, 0.11), (0.26, 0.2, 0.12), (-0.1, 0.05, 0.09), (0.14, 0.02, 0.08))):
+        for i, (x, y, r) in enumerate(
+            ((0.0, 0.32, 0.15), (-0.27, 0.18, 0.11), (0.26, 0.2, 0.12), (-0.1, 0.05, 0.09), (0.14, 0.02, 0.08))
+        ):
             plate = vessel(f"crockery_{i}", [(0.5 * r, 0.0), (0.6 * r, 0.004), (r, 0.02)], 0.004, sides=24, steps=1)
             yield move(rotate(plate, 0, np.pi / 2), (x, y + 0.1, -0.01))
             yield disc(f"glaze_{i}", 0.4 * r, 0.006, (x, y + 0.1, -0.006), 18)
@@ -399,6 +571,7 @@ def ornament(kind: str = "bowl") -> Iterator[Solid]:
 
 def candles(kind: str = "pillar") -> Iterator[Solid]:
     """Pillars on a tray, a candlestick, a five-armed one, lights in jars, a lantern, tapers."""
+
     def flame(x: float, y: float, z: float) -> Iterator[Solid]:
         yield rod("black", (x, y, z), (x, y + 0.012, z), 0.0015, sides=4)
         yield turned("bulb", [(0.003, y + 0.01), (0.007, y + 0.02), (0.001, y + 0.04)], (x, 0.0, z), 8, 2)
@@ -411,7 +584,13 @@ def candles(kind: str = "pillar") -> Iterator[Solid]:
     elif kind in ("stick", "tapers"):
         for i, x in enumerate((0.0,) if kind == "stick" else (-0.1, 0.0, 0.1)):
             h = 0.22 + 0.08 * (i % 2)
-            yield turned("brass", [(0.05, 0.0), (0.012, 0.03), (0.02, 0.5 * h), (0.01, 0.7 * h), (0.022, h)], (x, 0.0, 0.0), 16, 3)
+            yield turned(
+                "brass",
+                [(0.05, 0.0), (0.012, 0.03), (0.02, 0.5 * h), (0.01, 0.7 * h), (0.022, h)],
+                (x, 0.0, 0.0),
+                16,
+                3,
+            )
             yield turned("wax", [(0.011, h), (0.009, h + 0.18)], (x, 0.0, 0.0), 12, 1)
             yield from flame(x, h + 0.18, 0.0)
     elif kind == "arms":
@@ -451,6 +630,8 @@ PICTURES = (
     design(picture, width=1.0, height=0.7, rim=0.07, slot="gold"), design(gallery), design(gallery, count=5),
     design(canvas), design(oval_picture), design(picture, width=0.4, height=0.4, mount=0.05),
     design(canvas, width=0.5, height=0.9), design(picture, width=1.2, height=0.5, rim=0.025, slot="white"),
+    design(scroll),
+    design(triptych), design(poster),
 )  # fmt: skip
 
 
@@ -460,7 +641,9 @@ def _of(build: object, *kinds: str) -> tuple:
 
 WALL_CLOCKS = _of(clock, "round", "sun", "square", "pendulum", "cuckoo")
 TABLE_CLOCKS = _of(clock, "alarm", "mantel", "digital")
-FIGURES = _of(figure, "cat", "bust", "horse", "elephant", "obelisk", "seated", "ring", "bird", "dancers", "globe", "ship")
+FIGURES = _of(
+    figure, "cat", "bust", "horse", "elephant", "obelisk", "seated", "ring", "bird", "dancers", "globe", "ship"
+)
 
 FAMILIES = (
     Family("vase", "vase", VASES),
@@ -469,7 +652,11 @@ FAMILIES = (
     Family("wall_clock", "clock", WALL_CLOCKS),
     Family("table_clock", "clock", TABLE_CLOCKS),
     Family("tall_clock", "clock", _of(clock, "tall")),
-    Family("books", "books", (*_of(books, "row", "pile", "ends"), design(books, kind="row", seed=5), design(books, kind="pile", seed=6))),
+    Family(
+        "books",
+        "books",
+        (*_of(books, "row", "pile", "ends"), design(books, kind="row", seed=5), design(books, kind="pile", seed=6)),
+    ),
     Family("book", "book", _of(books, "single", "open")),
     Family("magazines", "magazines", _of(magazines, "fan", "rack")),
     Family("figure", "trinket", FIGURES),

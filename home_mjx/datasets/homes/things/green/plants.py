@@ -41,13 +41,30 @@ def pot(kind: str = "clay", radius: float = 0.15, height: float = 0.26) -> Itera
     yield cylinder("soil", 0.8 * radius * min(1.0, shapes[kind][-1][0]), 0.01, (0.0, 0.86 * height, 0.0), sides=18)
 
 
-def rosette(kind: str = "clay", count: int = 26, long: float = 0.5, wide: float = 0.07, radius: float = 0.14, rise: float = 1.3, droop: float = 1.4) -> Iterator[Solid]:
+def rosette(
+    kind: str = "clay",
+    count: int = 26,
+    long: float = 0.5,
+    wide: float = 0.07,
+    radius: float = 0.14,
+    rise: float = 1.3,
+    droop: float = 1.4,
+) -> Iterator[Solid]:
     """Leaves that spring from the soil in a spiral: ferns, grasses, lilies."""
     high = 1.7 * radius
     yield from pot(kind, radius, high)
     for i in range(count):
         share = i / count
-        yield leaf("leaf", long * (0.6 + 0.4 * share), wide, (0.0, 0.85 * high, 0.0), GOLDEN * i, rise - 0.7 * (1 - share) + 0.1, droop * (0.7 + 0.5 * (1 - share)), pieces=5)
+        yield leaf(
+            "leaf",
+            long * (0.6 + 0.4 * share),
+            wide,
+            (0.0, 0.85 * high, 0.0),
+            GOLDEN * i,
+            rise - 0.7 * (1 - share) + 0.1,
+            droop * (0.7 + 0.5 * (1 - share)),
+            pieces=5,
+        )
 
 
 def snake(kind: str = "square", count: int = 12) -> Iterator[Solid]:
@@ -58,7 +75,9 @@ def snake(kind: str = "square", count: int = 12) -> Iterator[Solid]:
         yield leaf("leaf", 0.5 + 0.04 * (i % 4) * 2, 0.065, (r * np.cos(a), 0.22, r * np.sin(a)), a, 1.5, 0.12, 0.7, 5)
 
 
-def tree(kind: str = "basket", height: float = 1.6, leaves: int = 60, size: float = 0.22, stems: int = 1) -> Iterator[Solid]:
+def tree(
+    kind: str = "basket", height: float = 1.6, leaves: int = 60, size: float = 0.22, stems: int = 1
+) -> Iterator[Solid]:
     """A trunk with a crown of leaves: figs, rubber trees."""
     radius = 0.19
     yield from pot(kind, radius, 0.34)
@@ -66,30 +85,57 @@ def tree(kind: str = "basket", height: float = 1.6, leaves: int = 60, size: floa
         a = 2 * np.pi * k / stems
         lean = 0.12 * (stems > 1)
         top = height - 0.12 * k
-        points = spline([(0.03 * k, 0.28, 0.0), (0.04 + lean * np.cos(a), 0.5 * top, lean * np.sin(a)), (1.6 * lean * np.cos(a), top - 0.1, 1.6 * lean * np.sin(a))], 4)
+        points = spline(
+            [
+                (0.03 * k, 0.28, 0.0),
+                (0.04 + lean * np.cos(a), 0.5 * top, lean * np.sin(a)),
+                (1.6 * lean * np.cos(a), top - 0.1, 1.6 * lean * np.sin(a)),
+            ],
+            4,
+        )
         yield tube("bark", points, np.linspace(0.026, 0.01, len(points)), 8)
         share = leaves // stems
         for i in range(share):
             t = 0.35 + 0.65 * i / share
-            at = points[min(int(t * (len(points) - 1)), len(points) - 1)] + (0.0, (t * (len(points) - 1) % 1) * (top - 0.4) / len(points), 0.0)
-            yield leaf("leaf", size * (1.1 - 0.4 * t), 0.5 * size, (float(at[0]), float(at[1]), float(at[2])), GOLDEN * i + k, 0.55, 0.9, 1.1, 4)
+            at = points[min(int(t * (len(points) - 1)), len(points) - 1)] + (
+                0.0,
+                (t * (len(points) - 1) % 1) * (top - 0.4) / len(points),
+                0.0,
+            )
+            yield leaf(
+                "leaf",
+                size * (1.1 - 0.4 * t),
+                0.5 * size,
+                (float(at[0]), float(at[1]), float(at[2])),
+                GOLDEN * i + k,
+                0.55,
+                0.9,
+                1.1,
+                4,
+            )
 
 
 def palm(kind: str = "round", fronds: int = 11, height: float = 0.9) -> Iterator[Solid]:
     """Feathered fronds on a ringed trunk."""
     yield from pot(kind, 0.2, 0.34)
-    rings = [(0.045 - 0.012 * t + 0.006 * (i % 2), 0.28 + (height - 0.28) * t) for i, t in enumerate(np.linspace(0, 1, 15))]
+    rings = [
+        (0.045 - 0.012 * t + 0.006 * (i % 2), 0.28 + (height - 0.28) * t) for i, t in enumerate(np.linspace(0, 1, 15))
+    ]
     yield turned("bark", rings, sides=10, steps=1)
     for i in range(fronds):
         yaw, long, up = GOLDEN * i, 0.75, 1.15 - 0.06 * (i % 5)
         t = np.linspace(0, 1, 9)
         pitch = up - 1.7 * t
         out, rise = np.cumsum(np.cos(pitch)) * long / 9, np.cumsum(np.sin(pitch)) * long / 9
-        stem = [(float(o * np.sin(yaw)), float(height + r), float(o * np.cos(yaw))) for o, r in zip(out, rise, strict=True)]
+        stem = [
+            (float(o * np.sin(yaw)), float(height + r), float(o * np.cos(yaw))) for o, r in zip(out, rise, strict=True)
+        ]
         yield tube("leaf", [(0.0, height - 0.02, 0.0), *stem], 0.006, 4)
         for k in range(2, 9):
             for s in (-1, 1):
-                yield leaf("leaf", 0.26 * (1.1 - 0.06 * k), 0.035, stem[k], yaw + s * 0.85, float(pitch[k]) * 0.4, 0.8, 0.8, 2)
+                yield leaf(
+                    "leaf", 0.26 * (1.1 - 0.06 * k), 0.035, stem[k], yaw + s * 0.85, float(pitch[k]) * 0.4, 0.8, 0.8, 2
+                )
 
 
 def monstera(kind: str = "cylinder", count: int = 13) -> Iterator[Solid]:
@@ -113,12 +159,27 @@ def cactus(kind: str = "clay", arms: int = 2) -> Iterator[Solid]:
     angle = 2 * np.pi * np.arange(24) / 24
     section = np.stack([np.cos(angle), np.sin(angle)], -1) * (1 + 0.13 * (np.arange(24) % 2 * 2 - 1))[:, None]
     if arms:
-        yield sweep("leaf", [(0.0, y, 0.0) for y in (0.11, 0.2, 0.4, 0.5, 0.54, 0.56)], section * 0.055, [0.9, 1.0, 1.0, 0.85, 0.5, 0.12])
+        yield sweep(
+            "leaf",
+            [(0.0, y, 0.0) for y in (0.11, 0.2, 0.4, 0.5, 0.54, 0.56)],
+            section * 0.055,
+            [0.9, 1.0, 1.0, 0.85, 0.5, 0.12],
+        )
         for s in (-1, 1)[:arms]:
-            path = spline([(s * 0.03, 0.24 + 0.04 * s, 0.0), (s * 0.11, 0.26 + 0.04 * s, 0.0), (s * 0.13, 0.36, 0.0), (s * 0.13, 0.43, 0.0)], 3)
+            path = spline(
+                [
+                    (s * 0.03, 0.24 + 0.04 * s, 0.0),
+                    (s * 0.11, 0.26 + 0.04 * s, 0.0),
+                    (s * 0.13, 0.36, 0.0),
+                    (s * 0.13, 0.43, 0.0),
+                ],
+                3,
+            )
             yield tube("leaf", path, [0.03] * (len(path) - 2) + [0.024, 0.008], 10)
     else:
-        yield sweep("leaf", [(0.0, y, 0.0) for y in (0.11, 0.14, 0.19, 0.23, 0.25)], section * 0.09, [0.6, 0.95, 1.0, 0.6, 0.1])
+        yield sweep(
+            "leaf", [(0.0, y, 0.0) for y in (0.11, 0.14, 0.19, 0.23, 0.25)], section * 0.09, [0.6, 0.95, 1.0, 0.6, 0.1]
+        )
     for i in range(6):
         yield leaf("petal", 0.035, 0.02, (0.0, 0.555 if arms else 0.245, 0.0), i * np.pi / 3, 1.0, 0.8, pieces=2)
 
@@ -129,13 +190,23 @@ def succulents() -> Iterator[Solid]:
     yield box("soil", (0.3, 0.006, 0.09), (0.0, 0.088, 0.0))
     for k in range(3):
         for i in range(18):
-            yield leaf(f"leaf_{k}", 0.06 - 0.0018 * i, 0.024, ((k - 1) * 0.1, 0.09 + 0.001 * i, 0.0), GOLDEN * i, 0.3 + 0.065 * i, 0.3, 1.4, 2)
+            yield leaf(
+                f"leaf_{k}",
+                0.06 - 0.0018 * i,
+                0.024,
+                ((k - 1) * 0.1, 0.09 + 0.001 * i, 0.0),
+                GOLDEN * i,
+                0.3 + 0.065 * i,
+                0.3,
+                1.4,
+                2,
+            )
 
 
 def hanging(kind: str = "round") -> Iterator[Solid]:
     """Trailing vines in a pot on cords, for a ceiling."""
     for piece in pot(kind, 0.14, 0.2):
-        yield move(piece, np.array([0.0)
+        yield move(piece, (0.0, 0.62, 0.0))
     for i in range(4):
         a = 2 * np.pi * i / 4
         yield rod("cream", (0.13 * np.cos(a), 0.78, 0.13 * np.sin(a)), (0.0, 1.3, 0.0), 0.004, sides=5)
@@ -143,23 +214,43 @@ def hanging(kind: str = "round") -> Iterator[Solid]:
         a = GOLDEN * i
         c, s = np.cos(a), np.sin(a)
         drop = 0.62 - 0.06 * (i % 5)
-        path = spline([(0.08 * c, 0.8, 0.08 * s), (0.17 * c, 0.82, 0.17 * s), (0.2 * c, 0.6, 0.2 * s), (0.19 * c, 0.8 - drop, 0.19 * s)], 3)
+        path = spline(
+            [
+                (0.08 * c, 0.8, 0.08 * s),
+                (0.17 * c, 0.82, 0.17 * s),
+                (0.2 * c, 0.6, 0.2 * s),
+                (0.19 * c, 0.8 - drop, 0.19 * s),
+            ],
+            3,
+        )
         yield tube("leaf", path, 0.004, 4)
         for k, at in enumerate(path[1:]):
-            yield leaf("leaf", 0.075, 0.05, (float(at[0]), float(at[1]), float(at[2])), a + 1.4 * (-1) ** k, 0.1, 1.3, 0.8, 2)
+            yield leaf(
+                "leaf", 0.075, 0.05, (float(at[0]), float(at[1]), float(at[2])), a + 1.4 * (-1) ** k, 0.1, 1.3, 0.8, 2
+            )
 
 
 def trailing(kind: str = "cylinder") -> Iterator[Solid]:
     """Vines that hang over the rim of a pot on a shelf or a stand."""
     yield turned("wood", [(0.14, 0.0), (0.03, 0.03), (0.025, 0.5), (0.13, 0.53), (0.13, 0.55)], sides=18, steps=1)
     for piece in pot(kind, 0.12, 0.18):
-        yield move(piece, np.array([0.0)
+        yield move(piece, (0.0, 0.55, 0.0))
     for i in range(10):
         a = GOLDEN * i
         c, s = np.cos(a), np.sin(a)
-        path = spline([(0.06 * c, 0.7, 0.06 * s), (0.15 * c, 0.76, 0.15 * s), (0.19 * c, 0.55, 0.19 * s), (0.19 * c, 0.25 + 0.04 * (i % 4), 0.19 * s)], 3)
+        path = spline(
+            [
+                (0.06 * c, 0.7, 0.06 * s),
+                (0.15 * c, 0.76, 0.15 * s),
+                (0.19 * c, 0.55, 0.19 * s),
+                (0.19 * c, 0.25 + 0.04 * (i % 4), 0.19 * s),
+            ],
+            3,
+        )
         for k, at in enumerate(path):
-            yield leaf("leaf", 0.09, 0.055, (float(at[0]), float(at[1]), float(at[2])), a + 1.2 * (-1) ** k, 0.2, 1.2, 0.8, 2)
+            yield leaf(
+                "leaf", 0.09, 0.055, (float(at[0]), float(at[1]), float(at[2])), a + 1.2 * (-1) ** k, 0.2, 1.2, 0.8, 2
+            )
 
 
 def orchid(kind: str = "cylinder", stems: int = 2) -> Iterator[Solid]:
@@ -174,7 +265,17 @@ def orchid(kind: str = "cylinder", stems: int = 2) -> Iterator[Solid]:
         for j in range(5):
             at = path[-1 - j]
             for p in range(5):
-                yield leaf("petal", 0.035, 0.028, (float(at[0]), float(at[1]), float(at[2]) + 0.004), 2 * np.pi * p / 5, 0.25, 0.2, 1.1, 2)
+                yield leaf(
+                    "petal",
+                    0.035,
+                    0.028,
+                    (float(at[0]), float(at[1]), float(at[2]) + 0.004),
+                    2 * np.pi * p / 5,
+                    0.25,
+                    0.2,
+                    1.1,
+                    2,
+                )
             yield ball("yellow", 0.007, (float(at[0]), float(at[1]) + 0.008, float(at[2]) + 0.004), 8, 4)
 
 
@@ -202,7 +303,16 @@ def topiary(kind: str = "square", balls: int = 2) -> Iterator[Solid]:
             t = 1 - 2 * (i + 0.5) / (90 - 25 * k)
             r = np.sqrt(1 - t * t)
             a = GOLDEN * i
-            yield leaf("leaf", 0.07, 0.045, (0.88 * radius * r * np.sin(a), y + 0.88 * radius * t, 0.88 * radius * r * np.cos(a)), a, float(np.arcsin(t)), 0.3, pieces=2)
+            yield leaf(
+                "leaf",
+                0.07,
+                0.045,
+                (0.88 * radius * r * np.sin(a), y + 0.88 * radius * t, 0.88 * radius * r * np.cos(a)),
+                a,
+                float(np.arcsin(t)),
+                0.3,
+                pieces=2,
+            )
 
 
 def bamboo(kind: str = "cylinder") -> Iterator[Solid]:
@@ -215,7 +325,13 @@ def bamboo(kind: str = "cylinder") -> Iterator[Solid]:
         for k in range(4):
             y = 0.45 + 0.25 * k
             if y < top:
-                yield cylinder("leaf_1", 0.015, 0.012, (x * (1 + 0.5 * (y - 0.26) / (top - 0.26)), y, z * (1 + 0.5 * (y - 0.26) / (top - 0.26))), sides=8)
+                yield cylinder(
+                    "leaf_1",
+                    0.015,
+                    0.012,
+                    (x * (1 + 0.5 * (y - 0.26) / (top - 0.26)), y, z * (1 + 0.5 * (y - 0.26) / (top - 0.26))),
+                    sides=8,
+                )
         for k in range(7):
             y = top - 0.09 * k
             yield leaf("leaf", 0.24, 0.035, (1.5 * x, y, 1.5 * z), GOLDEN * (i + 5 * k), 0.5, 1.0, 0.8, 3)
@@ -237,13 +353,27 @@ def bonsai() -> Iterator[Solid]:
     """A small bent tree with flat clouds of leaves in a dish."""
     yield rounded("glaze", (0.3, 0.06, 0.2), (0.0, 0.0, 0.0), 0.015, 2)
     yield rounded("soil", (0.26, 0.02, 0.16), (0.0, 0.05, 0.0), 0.01, 2)
-    yield tube("bark", spline([(-0.04, 0.06, 0.0), (0.02, 0.13, 0.0), (-0.04, 0.2, 0.02), (0.05, 0.28, 0.0)], 4), np.linspace(0.024, 0.008, 13), 8)
+    yield tube(
+        "bark",
+        spline([(-0.04, 0.06, 0.0), (0.02, 0.13, 0.0), (-0.04, 0.2, 0.02), (0.05, 0.28, 0.0)], 4),
+        np.linspace(0.024, 0.008, 13),
+        8,
+    )
     for x, y, z, r in ((0.05, 0.31, 0.0, 0.085), (-0.11, 0.23, 0.02, 0.065), (0.12, 0.2, -0.02, 0.055)):
         yield rod("bark", (0.0, y - 0.05, 0.0), (x, y, z), 0.007)
         yield ball("leaf_1", (r, 0.4 * r, 0.8 * r), (x, y, z), 12, 6)
         for i in range(30):
             a, d = GOLDEN * i, r * np.sqrt(i / 30)
-            yield leaf("leaf", 0.03, 0.02, (x + d * np.cos(a), y + 0.35 * r * (1 - i / 40), z + 0.8 * d * np.sin(a)), a, 0.7, 0.4, pieces=2)
+            yield leaf(
+                "leaf",
+                0.03,
+                0.02,
+                (x + d * np.cos(a), y + 0.35 * r * (1 - i / 40), z + 0.8 * d * np.sin(a)),
+                a,
+                0.7,
+                0.4,
+                pieces=2,
+            )
 
 
 PLANTS = (
@@ -259,4 +389,8 @@ SMALL = (
     design(snake, count=7, kind="clay"), design(flowers, kind="clay", count=9),
 )  # fmt: skip
 
-FAMILIES = (Family("plant", "plant", PLANTS), Family("small_plant", "plant", SMALL), Family("hanging_plant", "plant", (design(hanging), design(hanging, kind="basket"))))
+FAMILIES = (
+    Family("plant", "plant", PLANTS),
+    Family("small_plant", "plant", SMALL),
+    Family("hanging_plant", "plant", (design(hanging), design(hanging, kind="basket"))),
+)

@@ -33,7 +33,7 @@ def _fall(
         wave = deep * np.sin(2 * np.pi * folds * u) * (0.75 + 0.25 * v)
         return left + share * width, top - v * (top - low), wave + 0.2 * deep * np.sin(2 * np.pi * folds * 0.43 * u + 1)
 
-    return surface(slot, place, int((8 if tie else 10) * folds), 8 if tie else 3, 0.006)
+    return surface(slot, place, int((7 if tie else 10) * folds), 8 if tie else 3, 0.006)
 
 
 def _pole(width: float, y: float, slot: str = "wood", ends: str = "ball") -> Iterator[Solid]:
@@ -71,6 +71,12 @@ def drapes(
             )
     if sheers:
         yield _fall("sheer", -width / 2 + 0.02, width / 2 - 0.02, height - 0.05, 0.02, 11, 0.018)
+
+
+def portiere(width: float = 1.0, height: float = 2.1) -> Iterator[Solid]:
+    """One length of cloth, drawn to one side."""
+    yield from _pole(width, height - 0.03, "iron", "block")
+    yield _fall("curtain", -width / 2, -0.05, height - 0.05, 0.01, 6, 0.04)
 
 
 def cafe(width: float = 1.3, height: float = 0.75) -> Iterator[Solid]:
@@ -276,7 +282,7 @@ CURTAINS = (
     design(drapes), design(drapes, tied=True), design(drapes, sheers=True), design(cafe), design(valance),
     design(roman), design(roller), design(slats), design(slats, upright=True, width=1.8, height=2.2),
     design(drapes, width=1.4, open_=0.22), design(drapes, width=2.6, sheers=True, open_=0.2),
-    design(roman, width=0.8, height=0.9, drawn=0.45),
+    design(roman, width=0.8, height=0.9, drawn=0.45), design(portiere),
 )  # fmt: skip
 RUGS = (
     design(rug), design(rug, width=2.4, depth=1.7, fringe=True), design(round_rug), design(round_rug, braided=True),

@@ -145,7 +145,7 @@ def desk_lamp(kind: str = "arm") -> Iterator[Piece]:
 
 
 def floor_lamp(kind: str = "pole") -> Iterator[Piece]:
-    """On a pole, on a tripod, an arc, a torch to the ceiling, with a tray, a paper column, spots, a reading arm, three cones, a basket."""
+    """Pole, tripod, arc, torch, tray, paper column, spots, reading arm, balls on stems, basket, urn."""
     if kind in ("pole", "tray", "basket"):
         yield foot_plate("brass" if kind != "basket" else "black", 0.15, 0.025)
         yield cylinder("brass" if kind != "basket" else "black", 0.012, 1.35, (0.0, 0.02, 0.0), sides=10)
@@ -447,7 +447,7 @@ def ceiling(kind: str = "bowl") -> Iterator[Piece]:
 
 
 def wall_lamp(kind: str = "cone") -> Iterator[Piece]:
-    """On a wall: an up-light, a shade on an arm, two candles, a bulkhead, a swing arm, a half bowl, a picture lamp, a globe, a lantern, a tube."""
+    """Up-light, shade, candles, bulkhead, swing arm, half bowl, picture lamp, globe, lantern, tube, block."""
     back = -0.09
     if kind == "cone":
         yield vessel("paint", [(0.03, 0.0), (0.05, 0.08), (0.09, 0.2)], 0.005, (0.0, 0.0, 0.0), 22, 2)

@@ -132,7 +132,7 @@ def drums() -> Iterator[Solid]:
             cylinder("white", 0.97 * radius, 0.006, (0.0, high, 0.0), sides=26),
             cylinder("white", 0.97 * radius, 0.006, (0.0, -0.006, 0.0), sides=26),
         ]
-        parts += [ring("chrome", radius, 0.016, (0.0, y, 0.0), 1, 18) for y in (0.0, high)]
+        parts += [ring("chrome", radius, 0.016, (0.0, y, 0.0), 1, 14) for y in (0.0, high)]
         yield from (move(rotate(rotate(p, 0, tilt), 1, turn), at) for p in parts)
 
     yield from drum(0.28, 0.4, (0.0, 0.29, 0.02), np.pi / 2)

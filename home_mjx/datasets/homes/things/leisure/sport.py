@@ -57,7 +57,7 @@ def wheel(
 
 
 def gym(kind: str = "treadmill") -> Iterator[Solid]:
-    """Treadmill, bench press, exercise bike, rowing machine, dumbbells, mat and ball, punch bag, cross trainer, power rack, weights."""
+    """Treadmill, bench press, bikes, rower, dumbbells, mat, punch bag, cross trainer, rack, kettlebells."""
     if kind == "treadmill":
         yield rounded("black", (0.72, 0.14, 1.6), (0.0, 0.02, 0.0), 0.03, 2)
         yield rounded("gray", (0.46, 0.02, 1.46), (0.0, 0.15, 0.02), 0.008, 1)

@@ -247,15 +247,10 @@ def task(width: float = 0.5, mesh_back: bool = False, arms: bool = True, high: b
 
     yield surface("gray" if mesh_back else "upholstery", place, 8, 8, 0.012 if mesh_back else 0.05)
     if mesh_back:
-        rim = np.stack(
-            [
-                np.array(place(np.array(a), np.array(b)))
-                for a, b in [(0, k / 5) for k in range(6)]
-                + [(k / 5, 1) for k in range(1, 6)]
-                + [(1, 1 - k / 5) for k in range(1, 6)]
-                + [(1 - k / 5, 0) for k in range(1, 5)]
-            ]
-        )
+        up, across = np.arange(6) / 5, np.arange(1, 6) / 5
+        u = np.concatenate([0 * up, across, 0 * across + 1, 1 - across[:4]])
+        v = np.concatenate([up, 0 * across + 1, 1 - across, 0 * across[:4]])
+        rim = np.stack(np.broadcast_arrays(*place(u, v)), -1)
         yield tube("black", rim, 0.014, 6, closed=True)
     if arms:
         yield from mirrored(

@@ -89,6 +89,15 @@ def storage_pouf() -> Iterator[Solid]:
         yield cylinder("wood", 0.025, 0.03, (0.18 * np.cos(angle), 0.0, 0.18 * np.sin(angle)), sides=10)
 
 
+def saddle() -> Iterator[Solid]:
+    """A seat that sags between two ends, on splayed legs."""
+    yield from legs("wood", 0.5, 0.34, 0.36, "splay", 0.05)
+    yield surface("wood", lambda u, v: ((u - 0.5) * 0.56, 0.36 + 0.1 * (2 * u - 1) ** 2, (v - 0.5) * 0.38), 12, 3, 0.03)
+    yield surface(
+        "leather", lambda u, v: ((u - 0.5) * 0.48, 0.395 + 0.1 * (2 * u - 1) ** 2 * 0.73, (v - 0.5) * 0.34), 12, 4, 0.04
+    )
+
+
 def plank(width: float = 1.2, kind: LegKind = "square") -> Iterator[Solid]:
     """A thick board on legs."""
     yield from legs("wood", width - 0.1, 0.32, 0.42, kind, 0.055)
@@ -301,7 +310,7 @@ def plastic_chair() -> Iterator[Solid]:
 OTTOMANS = (
     design(cube), design(pouf), design(footstool), design(drum), design(tufted), design(x_stool),
     design(storage_pouf), design(footstool, kind="splay", fabric="upholstery"),
-    design(footstool, kind="sled", width=0.8, fabric="leather"), design(footstool, kind="cabriole", width=0.54),
+    design(footstool, kind="sled", width=0.8, fabric="leather"), design(footstool, kind="cabriole", width=0.54), design(saddle),
 )  # fmt: skip
 BENCHES = (
     design(plank), design(padded), design(scroll_bench), design(hall_bench), design(plank, width=1.4, kind="sled"),

@@ -527,7 +527,9 @@ WARDROBES = (
 )  # fmt: skip
 DRESSERS = (
     design(dresser),
-    design(dresser, style="raised", kind="cabriole", grip=("brass", "ring"), graded=True, columns=1, rows=4, width=0.95, height=0.95),
+    design(
+        dresser, style="raised", kind="cabriole", grip=("brass", "ring"), graded=True, columns=1, rows=4, width=0.95
+    ),
     design(bow_front), design(basket_chest), design(apothecary), design(tallboy),
     design(dresser, style="shaker", kind="block", columns=3, rows=3, width=1.5, grip=("black", "cup")),
     design(dresser, style="cane", kind="splay", rows=2, height=0.75),

@@ -202,6 +202,14 @@ def wall_shelf(width: float = 0.8, count: int = 2, kind: str = "bracket") -> Ite
                     yield rod("cream", (x, y - 0.01, z), (x, y + 0.36, 0.5 * z), 0.006, sides=6)
 
 
+def wall_cubes(count: int = 3) -> Iterator[Solid]:
+    """Open boxes on a wall, at different heights."""
+    for i in range(count):
+        x, y = (i - (count - 1) / 2) * 0.42, 0.14 * (i % 2)
+        yield from case("wood", 0.34, 0.34, 0.22, (), (x, y, 0.0), (), "wood_1")
+        yield from filled(0.28, y + 0.02, 0.29, 0.0, 200 + i, x)
+
+
 def metal_rack(width: float = 0.9, height: float = 1.8, depth: float = 0.42) -> Iterator[Solid]:
     """Perforated posts and steel shelves with boxes and tins, for a store."""
     for x, z in corners(width - 0.03, depth - 0.03):
@@ -471,7 +479,7 @@ BOOKSHELVES = (
 SHELVING = (
     design(wall_shelf), design(metal_rack), design(wire_rack), design(corner_etagere), design(pegboard),
     design(wine_rack), design(wall_shelf, count=1, width=1.0), design(wall_shelf, count=2, kind="rope", width=0.7),
-    design(zigzag, width=0.6, height=1.4), design(metal_rack, width=1.2, height=2.0, depth=0.5),
+    design(zigzag, width=0.6, height=1.4), design(metal_rack, width=1.2, height=2.0, depth=0.5), design(wall_cubes),
 )  # fmt: skip
 HANGERS = (
     design(coat_stand),
