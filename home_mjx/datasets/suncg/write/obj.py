@@ -11,7 +11,7 @@ DECIMALS = 6  # of metres
 
 
 def obj_text(mesh: Mesh, library: str) -> str:
-    """The mesh as OBJ text, with flat normals.
+    """The mesh as OBJ text, with its own normals, or else flat ones.
 
     Args:
         mesh: What to write; faces of one group and material become one block.
@@ -39,11 +39,11 @@ def _block(
     used, corner = np.unique(mesh.faces[faces], return_inverse=True)
     positions = _rounded(mesh.vertices[used])
     uvs, uv = _unique(mesh.uv[faces].reshape(-1, 2))
-    normals, normal = _unique(_normals(mesh.vertices[mesh.faces[faces]]))
+    normals, normal = _unique(_flat(mesh, faces) if mesh.normal is None else mesh.normal[faces].reshape(-1, 3))
     lines = [f"v {x} {y} {z}" for x, y, z in positions.tolist()]
     lines += [f"vt {u} {v}" for u, v in uvs.tolist()]
     lines += [f"vn {x} {y} {z}" for x, y, z in normals.tolist()]
-    index = np.stack([corner.reshape(-1, 3), uv.reshape(-1, 3), np.repeat(normal[:, None], 3, 1)], -1) + first
+    index = np.stack([corner.reshape(-1, 3), uv.reshape(-1, 3), normal.reshape(-1, 3)], -1) + first
     slot = mesh.slot[faces]
     for number in np.unique(slot):
         lines.append(f"usemtl {mesh.materials[number].name}")
@@ -51,10 +51,12 @@ def _block(
     return lines, np.array([len(positions), len(uvs), len(normals)])
 
 
-def _normals(corners: Float[np.ndarray, "n 3 3"]) -> Float[np.ndarray, "n 3"]:
+def _flat(mesh: Mesh, faces: Int[np.ndarray, " n"]) -> Float[np.ndarray, "c 3"]:
+    """The normal of each face, for its three corners."""
+    corners = mesh.vertices[mesh.faces[faces]]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(normal, axis=-1, keepdims=True)
-    return normal / np.where(length > 0, length, 1)
+    return np.repeat(normal / np.where(length > 0, length, 1), 3, axis=0)
 
 
 def _rounded(rows: Float[np.ndarray, "n d"]) -> Float[np.ndarray, "n d"]:

@@ -1,0 +1,1 @@
+"""Round, swept, bent and leafy solids, from which things are made."""

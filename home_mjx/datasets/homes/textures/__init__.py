@@ -1,0 +1,1 @@
+"""Texture images by recipe: floors, walls, fabrics, woods, rugs and pictures."""

@@ -1,0 +1,1 @@
+"""Bathroom fittings and what lies about in bathrooms."""

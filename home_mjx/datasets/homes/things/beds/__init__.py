@@ -1,0 +1,1 @@
+"""Beds, made and unmade."""

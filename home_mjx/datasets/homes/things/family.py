@@ -1,0 +1,108 @@
+"""Designs of one kind of thing, each of another construction, which become library models."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from home_mjx.datasets.homes.shapes.normals import corner_normals
+from home_mjx.datasets.homes.things.finishes import FINISHES
+from home_mjx.datasets.procedural.primitives.family import Bulb, Furniture
+from home_mjx.datasets.procedural.primitives.solids import Solid, move, to_mesh
+from home_mjx.schema.house import Light, Mesh
+
+
+@dataclass(frozen=True)
+class Design:
+    """A construction and its measures."""
+
+    build: Callable[..., Iterable[Solid | Bulb]]
+    parameters: Mapping[str, Any]
+
+    @property
+    def name(self) -> str:
+        """Of the construction."""
+        return self.build.__name__
+
+
+def design(build: Callable[..., Iterable[Solid | Bulb]], **parameters: Any) -> Design:
+    """A construction with these measures."""
+    return Design(build, parameters)
+
+
+@dataclass(frozen=True)
+class Family:
+    """Things that can stand for one another.
+
+    A slot's finish is its name less a trailing number, unless `finishes` says otherwise; slots are numbered as the
+    solids first name them.
+
+    Args:
+        name: Names the models `home_<name>_<k>`.
+        fine: Fine class.
+        designs: One for each model.
+        closed: Parameters that turn a design into its closed state, for doors.
+        centred: Move the middle of the box to x = z = 0; openings stay on their wall's centre-line.
+        finishes: Slot name -> finish, where the name does not say it.
+    """
+
+    name: str
+    fine: str
+    designs: tuple[Design, ...]
+    closed: Mapping[str, Any] | None = None
+    centred: bool = True
+    finishes: Mapping[str, str] = field(default_factory=dict)
+
+    def models(self) -> Iterator[Furniture]:
+        """The library models of the family."""
+        for number, made in enumerate(self.designs, 1):
+            yield self._model(f"home_{self.name}_{number}", number, made)
+
+    def _model(self, model_id: str, number: int, made: Design) -> Furniture:
+        solids, bulbs = _built(made, {}, self.centred)
+        names = list(dict.fromkeys(str(solid.material) for solid in solids))
+        slots = {name: self.finishes.get(name, name.rstrip("_0123456789")) for name in names}
+        materials = tuple(
+            replace(FINISHES[finish][(number + i * (finish != "wood")) % len(FINISHES[finish])], name=f"material_{i}")
+            for i, finish in enumerate(slots.values())
+        )
+        folder = Path("object") / model_id
+        mesh = _smooth(to_mesh(folder / f"{model_id}.obj", solids, names, materials))
+        closed = None
+        if self.closed is not None:
+            shut = _built(made, self.closed, self.centred)[0]
+            closed = _smooth(to_mesh(folder / f"{model_id}_0.obj", shut, names, materials))
+        parts = np.stack([solid.box for solid in solids])
+        return Furniture(model_id, self.name, self.fine, slots, mesh, parts, tuple(map(_light, bulbs)), closed)
+
+
+def _built(made: Design, change: Mapping[str, Any], centred: bool) -> tuple[list[Solid], list[Bulb]]:
+    """Solids and bulbs of a design, its lowest point at height 0."""
+    pieces = list(made.build(**{**made.parameters, **change}))
+    solids = [piece for piece in pieces if isinstance(piece, Solid)]
+    shift = _to_origin(solids, centred)
+    bulbs = [piece for piece in pieces if isinstance(piece, Bulb)]
+    return [move(solid, shift) for solid in solids], [_shifted(bulb, shift) for bulb in bulbs]
+
+
+def _to_origin(solids: list[Solid], centred: bool) -> Float[np.ndarray, " 3"]:
+    low, high = np.min([s.box[0] for s in solids], 0), np.max([s.box[1] for s in solids], 0)
+    middle = (low + high) / 2 if centred else np.zeros(3)
+    return -np.array([middle[0], low[1] if centred else 0.0, middle[2]])
+
+
+def _shifted(bulb: Bulb, shift: Float[np.ndarray, " 3"]) -> Bulb:
+    x, y, z = (np.asarray(bulb.position) + shift).tolist()
+    return Bulb((x, y, z), bulb.power)
+
+
+def _smooth(mesh: Mesh) -> Mesh:
+    return replace(mesh, normal=corner_normals(mesh.vertices, mesh.faces))
+
+
+def _light(bulb: Bulb) -> Light:
+    x, y, z = np.round(bulb.position, 6).tolist()
+    return Light("PointLight", bulb.power, (1.0, 1.0, 1.0), (x, y, z))

@@ -1,0 +1,1 @@
+"""Sport, music, garage and garden."""

@@ -1,0 +1,1 @@
+"""Chairs, armchairs, sofas, stools and benches."""

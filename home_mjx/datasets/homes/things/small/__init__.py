@@ -1,0 +1,1 @@
+"""Small things: decoration, books, toys, clothes, electronics."""

@@ -1,0 +1,1 @@
+"""Cabinets, shelves, wardrobes and stands."""

@@ -1,0 +1,1 @@
+"""Tables to eat, work, play and dress at."""
