@@ -45,7 +45,8 @@ def owners_before(room: int, others: Sequence[int], rooms: Rooms) -> list[list[P
         others: Rooms of its level that have such a surface, too.
         rooms: Outlines.
     """
-    order = sorted(np.flatnonzero(rooms.level == rooms.level[room]), key=lambda r: -polygon_area(rooms.polygon[r]))
+    here = np.flatnonzero(rooms.level == rooms.level[room]).tolist()
+    order = sorted(here, key=lambda r: -polygon_area(rooms.polygon[r]))
     smaller = [r for r in order[order.index(room) + 1 :] if r in others]
     found = [(_triangles(rooms.polygon[r], 0.0), _triangles(rooms.polygon[r], -STRIP)) for r in smaller]
     mine = _triangles(rooms.polygon[room], 0.0)

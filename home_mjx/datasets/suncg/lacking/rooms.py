@@ -133,8 +133,8 @@ def _walls(shape: Shape, room_id: str, path: Path, gaps: Sequence[Gap], material
     pieces: list[Piece] = []
     for number, (start, end) in enumerate(zip(shape.corners, np.roll(shape.corners, -1, axis=0), strict=True)):
         holes = tuple(hole for gap in gaps if (hole := _hole(gap, start, end, shape)) is not None)
-        base = [np.array([x, shape.low, z]) for x, z in (start, end)]
-        wall = Wall(*base, shape.height, holes)
+        first, last = (np.array([x, shape.low, z]) for x, z in (start, end))
+        wall = Wall(first, last, shape.height, holes)
         pieces += [replace(p, slot=p.slot + 3 * number) for p in wall_pieces(wall, f"{room_id}_{number}")]
     solid = [piece for piece in pieces if len(piece.faces)]
     if not solid:  # all of them are holes
