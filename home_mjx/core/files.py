@@ -125,7 +125,7 @@ def read_arrays(path: Path, names: Sequence[str], what: str, hint: str) -> list[
     except KeyError as error:
         raise DatasetError(f"file lacks {error.args[0]}", file=path, hint="Another version made it.") from None
     except Exception as error:  # a made-up file can make NumPy and zipfile raise nearly anything, MemoryError too
-        raise DatasetError(f"file is no {what}: {error}", file=path, hint=hint) from None
+        raise DatasetError(f"file is no {what}: {error!s:.300}", file=path, hint=hint) from None
 
 
 def _is_array(found: Any, name: str) -> np.ndarray:

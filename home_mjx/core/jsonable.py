@@ -12,6 +12,7 @@ from home_mjx.errors import ConfigError
 
 PACKAGE = __name__.split(".")[0]
 TYPE, TUPLE = "__type__", "__tuple__"
+MOST_SHOWN = 600  # characters of a message
 HINT = "Another version of home_mjx wrote it, or it was changed by hand."
 
 
@@ -51,9 +52,15 @@ def from_json(text: str, file: Path | None = None) -> Any:
     try:
         return _rebuilt(json.loads(text))
     except ConfigError as error:  # it is a ValueError as well
-        raise type(error)(error.message, file=file or error.file, element=error.element, hint=error.hint) from error
+        message, hint = _shown(error.message), _shown(error.hint or HINT)
+        raise type(error)(message, file=file or error.file, element=error.element, hint=hint) from error
     except (ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError) as error:
-        raise ConfigError(f"cannot be read as options: {error}", file=file, hint=HINT) from error
+        raise ConfigError(f"cannot be read as options: {_shown(str(error))}", file=file, hint=HINT) from error
+
+
+def _shown(text: str) -> str:
+    """As a message has it: what a file holds may be long, or no text that can be printed."""
+    return text.encode(errors="backslashreplace").decode()[:MOST_SHOWN]
 
 
 def _plain(value: Any, where: str) -> Any:

@@ -34,7 +34,7 @@ def check_listener(listener: Listener) -> None:
         >>> import jax.numpy as jnp
         >>> check_listener(Listener(jnp.zeros(3), jnp.array([1.0, 0.0, 0.0, 0.0])))
     """
-    if isinstance(listener.quat, jax.core.Tracer):
+    if isinstance(listener.quat, jax.core.Tracer):  # pyright: ignore[reportAttributeAccessIssue]
         return
     norm = float(np.linalg.norm(listener.quat))
     if not abs(norm**2 - 1) < UNIT_SLACK:

@@ -71,8 +71,15 @@ def described(problem: Exception) -> dict[str, str | None]:
 def done_houses(lines: list[dict[str, Any]]) -> set[str]:
     """Houses that the lines of a report say are in the cache, and that are."""
     entries = {line["id"]: line.get("entry") for line in lines if line["status"] != FAILED}
-    # The end of an entry's archive is looked at: one that was cut off has lost it.
-    return {house_id for house_id, entry in entries.items() if entry and is_zipfile(cache_folder() / entry)}
+    return {house_id for house_id, entry in entries.items() if entry and _is_there(entry)}
+
+
+def _is_there(entry: str) -> bool:
+    """The end of an entry's archive is looked at: one that was cut off has lost it."""
+    try:
+        return is_zipfile(cache_folder() / entry)
+    except ValueError:  # no name of a file
+        return False
 
 
 def earlier_lines(path: Path) -> list[dict[str, Any]]:
