@@ -1,1 +1,1 @@
-"""Homes of the second generator: plans of several storeys, and many things in many shapes."""
+"""The second generator of procedural houses: homes of up to three storeys, in SUNCG's on-disk format."""
