@@ -310,7 +310,8 @@ def plastic_chair() -> Iterator[Solid]:
 OTTOMANS = (
     design(cube), design(pouf), design(footstool), design(drum), design(tufted), design(x_stool),
     design(storage_pouf), design(footstool, kind="splay", fabric="upholstery"),
-    design(footstool, kind="sled", width=0.8, fabric="leather"), design(footstool, kind="cabriole", width=0.54), design(saddle),
+    design(footstool, kind="sled", width=0.8, fabric="leather"), design(footstool, kind="cabriole", width=0.54),
+    design(saddle),
 )  # fmt: skip
 BENCHES = (
     design(plank), design(padded), design(scroll_bench), design(hall_bench), design(plank, width=1.4, kind="sled"),
