@@ -157,8 +157,10 @@ def test_half_of_the_models_have_hundreds_of_triangles():
 def test_normals_are_unit_and_smooth_where_things_are_round():
     for model in library().values():
         for mesh in meshes(model):
+            assert mesh.normal is not None
             np.testing.assert_allclose(np.linalg.norm(mesh.normal, axis=-1), 1.0, atol=1e-9, err_msg=model.id)
     vase = library()["home_vase_1"].mesh
+    assert vase.normal is not None
     corners = vase.vertices[vase.faces]
     flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     flat /= np.linalg.norm(flat, axis=1, keepdims=True)
@@ -233,5 +235,7 @@ def test_files_keep_smooth_normals(tmp_path):
     (tmp_path / "x.obj").write_text(obj_text(mesh, "x.mtl"))
     (tmp_path / "x.mtl").write_text(mtl_text(mesh.materials))
     read = read_obj(tmp_path / "x.obj", Textures(tmp_path))
+    assert read.normal is not None
+    assert mesh.normal is not None
     # The file's faces are in the order of their slots, as the mesh's are: it has one.
     np.testing.assert_allclose(read.normal, mesh.normal, atol=2e-6)

@@ -22,7 +22,7 @@ def spline(points: Points, steps: int = 4) -> Float[np.ndarray, "_ _"]:
     p = np.asarray(points, float)
     padded = np.concatenate([p[:1], p, p[-1:]])
     t = np.arange(steps)[:, None] / steps
-    pieces = [_between(*padded[i : i + 4], t) for i in range(len(p) - 1)]
+    pieces = [_between(padded[i], padded[i + 1], padded[i + 2], padded[i + 3], t) for i in range(len(p) - 1)]
     return _distinct(np.concatenate([*pieces, p[-1:]]))
 
 

@@ -415,7 +415,7 @@ def tv_low(
                 "wood_1",
                 (third - 0.01, high),
                 (0.005 - width / 2 + i * third, foot + 0.015, z),
-                style,
+                style,  # type: ignore[arg-type]
                 ("brass", "knob", 0.88 if i == 0 else 0.12, 0.5),
             )
         yield from drawers(
