@@ -33,6 +33,11 @@ def design(build: Callable[..., Iterable[Solid | Bulb]], **parameters: Any) -> D
     return Design(build, parameters)
 
 
+def kinds_of(build: Callable[..., Iterable[Solid | Bulb]], *kinds: str) -> tuple[Design, ...]:
+    """The constructions of these kinds, each as its default measures make it."""
+    return tuple(design(build, kind=kind) for kind in kinds)
+
+
 @dataclass(frozen=True)
 class Family:
     """Things that can stand for one another.
