@@ -1,6 +1,7 @@
 """Toilets, basins, tubs, showers."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 
 import numpy as np
 
@@ -87,98 +88,133 @@ def bidet() -> Iterator[Solid]:
     yield from (move(p, (0.0, 0.0, 0.0)) for p in tap(0.0, 0.385, -0.22, "lever"))
 
 
+def _pedestal(width: float) -> Iterator[Solid]:
+    yield turned("ceramic", [(0.13, 0.0), (0.09, 0.1), (0.08, 0.5), (0.12, 0.68)], (0.0, 0.0, -0.06), 24, 3)
+    yield tub("ceramic", [(0.66, 0.26, 0.22, 0.0), (0.74, 0.5, 0.4, 0.0), (0.84, width, 0.46, 0.0)], 0.05, 3.0)
+    yield box("ceramic", (width - 0.06, 0.12, 0.08), (0.0, 0.72, -0.19))
+    yield from tap(0.0, 0.835, -0.18, "lever")
+
+
+def _bowl(width: float) -> Iterator[Solid]:
+    yield from legs("wood", 0.9, 0.46, 0.76, "square", 0.05)
+    yield rounded("wood", (0.96, 0.05, 0.5), (0.0, 0.74, 0.0), 0.01, 1)
+    yield box("wood", (0.86, 0.022, 0.44), (0.0, 0.2, 0.0))
+    for i in range(3):
+        yield soft("towel", (0.32, 0.07, 0.3), (-0.2, 0.222 + 0.06 * i, 0.0), 5.0, 4)
+    yield rounded("cane", (0.3, 0.2, 0.3), (0.2, 0.222, 0.0), 0.03, 1)
+    yield vessel("ceramic", [(0.1, 0.0), (0.17, 0.04), (0.21, 0.13)], 0.012, (0.0, 0.79, 0.03), 32, 3)
+    yield from tap(0.0, 0.79, -0.2, "arc")
+
+
+def _vanity(kind: str, width: float) -> Iterator[Solid]:
+    wide = 0.8 if kind == "vanity" else 1.3
+    yield box("black", (wide - 0.08, 0.08, 0.4), (0.0, 0.0, -0.03))
+    yield rounded("paint", (wide - 0.01, 0.7, 0.46), (0.0, 0.08, -0.02), 0.004, 1)
+    count = 1 if kind == "vanity" else 2
+    if kind == "vanity":
+        yield from doors("paint", wide - 0.02, 0.66, (0.01 - wide / 2, 0.1, 0.21), 2, "shaker", ("brass", "knob"), 0.85)
+    else:
+        yield from drawers("paint", wide - 0.02, 0.66, (0.01 - wide / 2, 0.1, 0.21), 2, 2, "flat", ("black", "bar"))
+    for i in range(count):
+        x = (i - (count - 1) / 2) * wide / count
+        yield tub("ceramic", [(0.76, wide / count, 0.48, x), (0.86, wide / count, 0.48, x)], 0.06, 9.0)
+        yield from tap(x, 0.86, -0.2, "lever")
+
+
+def _hung(width: float) -> Iterator[Solid]:
+    yield tub("ceramic", [(0.72, 0.3, 0.24, 0.0), (0.78, 0.44, 0.36, 0.0), (0.86, 0.5, 0.4, 0.0)], 0.04, 5.0)
+    yield from tap(0.0, 0.855, -0.15, "lever")
+    yield rod("chrome", (0.0, 0.0, -0.1), (0.0, 0.74, -0.1), 0.022, sides=12)
+    yield turned("chrome", [(0.05, 0.0), (0.045, 0.012), (0.02, 0.03)], (0.0, 0.0, -0.1), 16, 1)
+    yield turned("chrome", [(0.02, 0.45), (0.04, 0.48), (0.04, 0.58), (0.02, 0.62)], (0.0, 0.0, -0.1), 16, 2)
+    yield box("ceramic", (0.42, 0.2, 0.04), (0.0, 0.66, -0.18))
+
+
+def _slab(width: float) -> Iterator[Solid]:
+    yield box("wood", (0.9, 0.32, 0.44), (0.0, 0.5, 0.0))
+    yield from drawers("wood_1", 0.88, 0.3, (-0.44, 0.51, 0.21), 1, 1, "flat", ("black", "slot"))
+    yield tub("stone", [(0.82, 0.9, 0.46, 0.0), (0.94, 0.9, 0.46, 0.0)], 0.05, 10.0)
+    yield from tap(0.0, 0.94, -0.19, "bridge")
+    yield rounded("wood", (0.86, 0.5, 0.03), (0.0, 0.0, -0.2), 0.008, 1)
+
+
+_BASIN_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+    "pedestal": _pedestal,
+    "bowl": _bowl,
+    "vanity": partial(_vanity, "vanity"),
+    "double": partial(_vanity, "double"),
+    "hung": _hung,
+    "slab": _slab,
+}
+
+
 def basin(kind: str = "pedestal", width: float = 0.58) -> Iterator[Solid]:
     """A wash basin: on a column, a bowl on a board, in a cabinet, hung, or two in a row."""
-    if kind == "pedestal":
-        yield turned("ceramic", [(0.13, 0.0), (0.09, 0.1), (0.08, 0.5), (0.12, 0.68)], (0.0, 0.0, -0.06), 24, 3)
-        yield tub("ceramic", [(0.66, 0.26, 0.22, 0.0), (0.74, 0.5, 0.4, 0.0), (0.84, width, 0.46, 0.0)], 0.05, 3.0)
-        yield box("ceramic", (width - 0.06, 0.12, 0.08), (0.0, 0.72, -0.19))
-        yield from tap(0.0, 0.835, -0.18, "lever")
-    elif kind == "bowl":
-        yield from legs("wood", 0.9, 0.46, 0.76, "square", 0.05)
-        yield rounded("wood", (0.96, 0.05, 0.5), (0.0, 0.74, 0.0), 0.01, 1)
-        yield box("wood", (0.86, 0.022, 0.44), (0.0, 0.2, 0.0))
-        for i in range(3):
-            yield soft("towel", (0.32, 0.07, 0.3), (-0.2, 0.222 + 0.06 * i, 0.0), 5.0, 4)
-        yield rounded("cane", (0.3, 0.2, 0.3), (0.2, 0.222, 0.0), 0.03, 1)
-        yield vessel("ceramic", [(0.1, 0.0), (0.17, 0.04), (0.21, 0.13)], 0.012, (0.0, 0.79, 0.03), 32, 3)
-        yield from tap(0.0, 0.79, -0.2, "arc")
-    elif kind in ("vanity", "double"):
-        wide = 0.8 if kind == "vanity" else 1.3
-        yield box("black", (wide - 0.08, 0.08, 0.4), (0.0, 0.0, -0.03))
-        yield rounded("paint", (wide - 0.01, 0.7, 0.46), (0.0, 0.08, -0.02), 0.004, 1)
-        count = 1 if kind == "vanity" else 2
-        if kind == "vanity":
-            yield from doors(
-                "paint", wide - 0.02, 0.66, (0.01 - wide / 2, 0.1, 0.21), 2, "shaker", ("brass", "knob"), 0.85
-            )
-        else:
-            yield from drawers("paint", wide - 0.02, 0.66, (0.01 - wide / 2, 0.1, 0.21), 2, 2, "flat", ("black", "bar"))
-        for i in range(count):
-            x = (i - (count - 1) / 2) * wide / count
-            yield tub("ceramic", [(0.76, wide / count, 0.48, x), (0.86, wide / count, 0.48, x)], 0.06, 9.0)
-            yield from tap(x, 0.86, -0.2, "lever")
-    elif kind == "hung":
-        yield tub("ceramic", [(0.72, 0.3, 0.24, 0.0), (0.78, 0.44, 0.36, 0.0), (0.86, 0.5, 0.4, 0.0)], 0.04, 5.0)
-        yield from tap(0.0, 0.855, -0.15, "lever")
-        yield rod("chrome", (0.0, 0.0, -0.1), (0.0, 0.74, -0.1), 0.022, sides=12)
-        yield turned("chrome", [(0.05, 0.0), (0.045, 0.012), (0.02, 0.03)], (0.0, 0.0, -0.1), 16, 1)
-        yield turned("chrome", [(0.02, 0.45), (0.04, 0.48), (0.04, 0.58), (0.02, 0.62)], (0.0, 0.0, -0.1), 16, 2)
-        yield box("ceramic", (0.42, 0.2, 0.04), (0.0, 0.66, -0.18))
-    else:
-        yield box("wood", (0.9, 0.32, 0.44), (0.0, 0.5, 0.0))
-        yield from drawers("wood_1", 0.88, 0.3, (-0.44, 0.51, 0.21), 1, 1, "flat", ("black", "slot"))
-        yield tub("stone", [(0.82, 0.9, 0.46, 0.0), (0.94, 0.9, 0.46, 0.0)], 0.05, 10.0)
-        yield from tap(0.0, 0.94, -0.19, "bridge")
-        yield rounded("wood", (0.86, 0.5, 0.03), (0.0, 0.0, -0.2), 0.008, 1)
+    yield from _BASIN_KINDS[kind](width)
+
+
+def _builtin(width: float) -> Iterator[Solid]:
+    yield tub("ceramic", [(0.0, width, 0.75, 0.0), (0.56, width, 0.75, 0.0)], 0.07, 14.0, 44)
+    yield prism("ceramic", [(width / 2 - 0.08, 0.05), (width / 2 - 0.08, 0.5), (width / 2 - 0.3, 0.05)], 0.6)
+    yield from (rotate(p, 1, -np.pi / 2) for p in tap(0.0, 0.56, 0.04 - width / 2, "lever"))
+
+
+def _free(width: float) -> Iterator[Solid]:
+    yield tub("ceramic", [(0.0, 1.3, 0.56, 0.0), (0.08, 1.38, 0.62, 0.0), (0.58, width, 0.8, 0.0)], 0.035, 2.5, 44)
+    yield tube(
+        "chrome",
+        fillet([(0.0, 0.0, -0.48), (0.0, 0.95, -0.48), (0.0, 0.95, -0.22), (0.0, 0.82, -0.2)], 0.1, 5),
+        0.018,
+    )
+    yield rod("chrome", (0.0, 0.72, -0.48), (0.1, 0.76, -0.46), 0.01)
+
+
+def _claw(width: float) -> Iterator[Solid]:
+    yield tub("ceramic", [(0.14, 1.0, 0.46, 0.0), (0.24, 1.3, 0.62, 0.0), (0.6, 1.6, 0.76, 0.0)], 0.03, 2.6, 40)
+    yield tube("ceramic", np.insert(loop(1.6, 0.76, 40, 2.6), 1, 0.605, axis=1), 0.025, 8, closed=True)
+    for x, z in ((-0.45, -0.2), (0.45, -0.2), (-0.45, 0.2), (0.45, 0.2)):
+        yield tube(
+            "brass", [(x, 0.22, z), (1.16 * x, 0.12, 1.3 * z), (1.1 * x, 0.03, 1.3 * z)], [0.035, 0.025, 0.02], 10
+        )
+        yield ball("brass", 0.03, (1.12 * x, 0.03, 1.35 * z), 10, 6)
+    for z in (-0.06, 0.06):
+        yield rod("brass", (0.72, 0.0, z), (0.72, 0.7, z), 0.012)
+    yield from (move(rotate(p, 1, -np.pi / 2), (0.8, 0.08, 0.0)) for p in tap(0.0, 0.6, 0.06, "bridge"))
+
+
+def _corner_tub(width: float) -> Iterator[Solid]:
+    curve = [(0.75 - 1.5 * (1 - np.cos(a)) * 0.98, -0.75 + 1.48 * np.sin(a)) for a in np.linspace(0.0, np.pi / 2, 14)]
+    outline = np.array([(-0.75, -0.75), *[(x, z) for x, z in curve]])
+    levels = [np.insert(outline * k, 1, y, axis=1) for k, y in ((1.0, 0.0), (1.0, 0.55), (0.86, 0.55), (0.72, 0.16))]
+    yield between_loops("ceramic", levels)
+    yield from (move(rotate(p, 1, np.pi / 4), (0.0, 0.0, 0.0)) for p in tap(0.0, 0.55, -0.86, "lever"))
+    for i in range(4):
+        yield cylinder("chrome", 0.025, 0.02, (-0.3 + 0.2 * i, 0.15, -0.2), sides=12)
+
+
+def _barrel(width: float) -> Iterator[Solid]:
+    for i in range(26):
+        a = 2 * np.pi * i / 26
+        x, z = 0.62 * np.cos(a), 0.62 * np.sin(a)
+        yield rod("wood", (0.92 * x, 0.0, 0.92 * z), (x, 0.74, z), 0.082, sides=4)
+    for y in (0.15, 0.58):
+        yield ring("iron", 0.645 + 0.05 * y, 0.018, (0.0, y, 0.0), 1, 30)
+    yield cylinder("wood", 0.55, 0.04, (0.0, 0.06, 0.0), sides=28)
+    yield cylinder("water", 0.55, 0.01, (0.0, 0.6, 0.0), sides=28)
+
+
+_BATHTUB_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+    "builtin": _builtin,
+    "free": _free,
+    "claw": _claw,
+    "corner": _corner_tub,
+    "barrel": _barrel,
+}
 
 
 def bathtub(kind: str = "builtin", width: float = 1.7) -> Iterator[Solid]:
     """Built in, freestanding, on claw feet, for a corner, a wooden barrel."""
-    if kind == "builtin":
-        yield tub("ceramic", [(0.0, width, 0.75, 0.0), (0.56, width, 0.75, 0.0)], 0.07, 14.0, 44)
-        yield prism("ceramic", [(width / 2 - 0.08, 0.05), (width / 2 - 0.08, 0.5), (width / 2 - 0.3, 0.05)], 0.6)
-        yield from (rotate(p, 1, -np.pi / 2) for p in tap(0.0, 0.56, 0.04 - width / 2, "lever"))
-    elif kind == "free":
-        yield tub("ceramic", [(0.0, 1.3, 0.56, 0.0), (0.08, 1.38, 0.62, 0.0), (0.58, width, 0.8, 0.0)], 0.035, 2.5, 44)
-        yield tube(
-            "chrome",
-            fillet([(0.0, 0.0, -0.48), (0.0, 0.95, -0.48), (0.0, 0.95, -0.22), (0.0, 0.82, -0.2)], 0.1, 5),
-            0.018,
-        )
-        yield rod("chrome", (0.0, 0.72, -0.48), (0.1, 0.76, -0.46), 0.01)
-    elif kind == "claw":
-        yield tub("ceramic", [(0.14, 1.0, 0.46, 0.0), (0.24, 1.3, 0.62, 0.0), (0.6, 1.6, 0.76, 0.0)], 0.03, 2.6, 40)
-        yield tube("ceramic", np.insert(loop(1.6, 0.76, 40, 2.6), 1, 0.605, axis=1), 0.025, 8, closed=True)
-        for x, z in ((-0.45, -0.2), (0.45, -0.2), (-0.45, 0.2), (0.45, 0.2)):
-            yield tube(
-                "brass", [(x, 0.22, z), (1.16 * x, 0.12, 1.3 * z), (1.1 * x, 0.03, 1.3 * z)], [0.035, 0.025, 0.02], 10
-            )
-            yield ball("brass", 0.03, (1.12 * x, 0.03, 1.35 * z), 10, 6)
-        for z in (-0.06, 0.06):
-            yield rod("brass", (0.72, 0.0, z), (0.72, 0.7, z), 0.012)
-        yield from (move(rotate(p, 1, -np.pi / 2), (0.8, 0.08, 0.0)) for p in tap(0.0, 0.6, 0.06, "bridge"))
-    elif kind == "corner":
-        curve = [
-            (0.75 - 1.5 * (1 - np.cos(a)) * 0.98, -0.75 + 1.48 * np.sin(a)) for a in np.linspace(0.0, np.pi / 2, 14)
-        ]
-        outline = np.array([(-0.75, -0.75), *[(x, z) for x, z in curve]])
-        levels = [
-            np.insert(outline * k, 1, y, axis=1) for k, y in ((1.0, 0.0), (1.0, 0.55), (0.86, 0.55), (0.72, 0.16))
-        ]
-        yield between_loops("ceramic", levels)
-        yield from (move(rotate(p, 1, np.pi / 4), (0.0, 0.0, 0.0)) for p in tap(0.0, 0.55, -0.86, "lever"))
-        for i in range(4):
-            yield cylinder("chrome", 0.025, 0.02, (-0.3 + 0.2 * i, 0.15, -0.2), sides=12)
-    else:
-        for i in range(26):
-            a = 2 * np.pi * i / 26
-            x, z = 0.62 * np.cos(a), 0.62 * np.sin(a)
-            yield rod("wood", (0.92 * x, 0.0, 0.92 * z), (x, 0.74, z), 0.082, sides=4)
-        for y in (0.15, 0.58):
-            yield ring("iron", 0.645 + 0.05 * y, 0.018, (0.0, y, 0.0), 1, 30)
-        yield cylinder("wood", 0.55, 0.04, (0.0, 0.06, 0.0), sides=28)
-        yield cylinder("water", 0.55, 0.01, (0.0, 0.6, 0.0), sides=28)
+    yield from _BATHTUB_KINDS[kind](width)
 
 
 def _head(x: float, z: float, top: float, rain: bool = False) -> Iterator[Solid]:

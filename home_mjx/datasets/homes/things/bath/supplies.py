@@ -32,52 +32,70 @@ def draped(slot: str, width: float, x: float, y: float, z: float, front: float, 
     return sheet(slot, np.stack(rows), 0.01)
 
 
+def _towel_bar(kind: str) -> Iterator[Solid]:
+    for k in range(1 if kind == "bar" else 2):
+        y, z = 0.5 + 0.1 * k, -0.01 + 0.0 * k if kind == "bar" else 0.05 - 0.06 * k
+        yield rod("chrome", (-0.3, y, z), (0.3, y, z), 0.009)
+        yield draped(f"towel_{k}" if k else "towel", 0.4 - 0.06 * k, 0.04 * k, y, z, 0.42, 0.36)
+    for s in (-1, 1):
+        yield rounded("chrome", (0.045, 0.15, 0.012), (s * 0.3, 0.48, -0.08), 0.005, 1)
+        for k in range(1 if kind == "bar" else 2):
+            y, z = 0.5 + 0.1 * k, -0.01 if kind == "bar" else 0.05 - 0.06 * k
+            yield rod("chrome", (s * 0.3, y, -0.075), (s * 0.3, y, z), 0.008)
+
+
+def _heated() -> Iterator[Solid]:
+    for s in (-1, 1):
+        yield rod("white", (s * 0.25, 0.0, 0.0), (s * 0.25, 1.1, 0.0), 0.018, sides=12)
+        for y in (0.12, 0.98):
+            yield rod("chrome", (s * 0.25, y, -0.06), (s * 0.25, y, 0.0), 0.012)
+    for group in range(3):
+        for i in range(5):
+            yield rod(
+                "white",
+                (-0.25, 0.06 + 0.37 * group + 0.05 * i, 0.01),
+                (0.25, 0.06 + 0.37 * group + 0.05 * i, 0.01),
+                0.012,
+            )
+    yield draped("towel", 0.4, 0.0, 0.97, 0.03, 0.4, 0.3)
+
+
+def _ladder() -> Iterator[Solid]:
+    for s in (-1, 1):
+        yield rod("wood", (s * 0.24, 0.0, 0.16), (s * 0.2, 1.6, -0.16), 0.018, sides=10)
+    for i in range(5):
+        y = 0.25 + 0.3 * i
+        w, z = 0.24 - 0.04 * y / 1.6, 0.16 - 0.32 * y / 1.6
+        yield rod("wood", (-w, y, z), (w, y, z), 0.014)
+        if i in (2, 4):
+            yield draped(f"towel_{i}", 0.34, 0.0, y, z, 0.3, 0.2)
+
+
+def _stand() -> Iterator[Solid]:
+    for s in (-1, 1):
+        yield tube("brass", fillet([(s * 0.3, 0.01, -0.12), (s * 0.3, 0.01, 0.12)], 0.01), 0.012)
+        yield rod("brass", (s * 0.3, 0.01, 0.0), (s * 0.3, 0.85, 0.0), 0.012)
+    for y, z in ((0.83, 0.0), (0.62, 0.07), (0.4, -0.07)):
+        yield rod("brass", (-0.3, y, z), (0.3, y, z), 0.01)
+    yield draped("towel", 0.42, 0.0, 0.83, 0.0, 0.42, 0.36)
+    yield draped("towel_1", 0.3, 0.08, 0.62, 0.07, 0.3, 0.2)
+    for s in (-1, 1):
+        for y, z in ((0.62, 0.07), (0.4, -0.07)):
+            yield rod("brass", (s * 0.3, y, 0.0), (s * 0.3, y, z), 0.008)
+
+
+_TOWEL_RACK_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+    "bar": partial(_towel_bar, "bar"),
+    "double": partial(_towel_bar, "double"),
+    "heated": _heated,
+    "ladder": _ladder,
+    "stand": _stand,
+}
+
+
 def towel_rack(kind: str = "bar") -> Iterator[Solid]:
     """A bar with a towel, a ladder, a heated frame, a ring, a free stand."""
-    if kind in ("bar", "double"):
-        for k in range(1 if kind == "bar" else 2):
-            y, z = 0.5 + 0.1 * k, -0.01 + 0.0 * k if kind == "bar" else 0.05 - 0.06 * k
-            yield rod("chrome", (-0.3, y, z), (0.3, y, z), 0.009)
-            yield draped(f"towel_{k}" if k else "towel", 0.4 - 0.06 * k, 0.04 * k, y, z, 0.42, 0.36)
-        for s in (-1, 1):
-            yield rounded("chrome", (0.045, 0.15, 0.012), (s * 0.3, 0.48, -0.08), 0.005, 1)
-            for k in range(1 if kind == "bar" else 2):
-                y, z = 0.5 + 0.1 * k, -0.01 if kind == "bar" else 0.05 - 0.06 * k
-                yield rod("chrome", (s * 0.3, y, -0.075), (s * 0.3, y, z), 0.008)
-    elif kind == "heated":
-        for s in (-1, 1):
-            yield rod("white", (s * 0.25, 0.0, 0.0), (s * 0.25, 1.1, 0.0), 0.018, sides=12)
-            for y in (0.12, 0.98):
-                yield rod("chrome", (s * 0.25, y, -0.06), (s * 0.25, y, 0.0), 0.012)
-        for group in range(3):
-            for i in range(5):
-                yield rod(
-                    "white",
-                    (-0.25, 0.06 + 0.37 * group + 0.05 * i, 0.01),
-                    (0.25, 0.06 + 0.37 * group + 0.05 * i, 0.01),
-                    0.012,
-                )
-        yield draped("towel", 0.4, 0.0, 0.97, 0.03, 0.4, 0.3)
-    elif kind == "ladder":
-        for s in (-1, 1):
-            yield rod("wood", (s * 0.24, 0.0, 0.16), (s * 0.2, 1.6, -0.16), 0.018, sides=10)
-        for i in range(5):
-            y = 0.25 + 0.3 * i
-            w, z = 0.24 - 0.04 * y / 1.6, 0.16 - 0.32 * y / 1.6
-            yield rod("wood", (-w, y, z), (w, y, z), 0.014)
-            if i in (2, 4):
-                yield draped(f"towel_{i}", 0.34, 0.0, y, z, 0.3, 0.2)
-    else:
-        for s in (-1, 1):
-            yield tube("brass", fillet([(s * 0.3, 0.01, -0.12), (s * 0.3, 0.01, 0.12)], 0.01), 0.012)
-            yield rod("brass", (s * 0.3, 0.01, 0.0), (s * 0.3, 0.85, 0.0), 0.012)
-        for y, z in ((0.83, 0.0), (0.62, 0.07), (0.4, -0.07)):
-            yield rod("brass", (-0.3, y, z), (0.3, y, z), 0.01)
-        yield draped("towel", 0.42, 0.0, 0.83, 0.0, 0.42, 0.36)
-        yield draped("towel_1", 0.3, 0.08, 0.62, 0.07, 0.3, 0.2)
-        for s in (-1, 1):
-            for y, z in ((0.62, 0.07), (0.4, -0.07)):
-                yield rod("brass", (s * 0.3, y, 0.0), (s * 0.3, y, z), 0.008)
+    yield from _TOWEL_RACK_KINDS[kind]()
 
 
 def towel_hook(kind: str = "ring") -> Iterator[Solid]:
@@ -214,32 +232,46 @@ def mirror_tiles(columns: int = 2, rows: int = 3, size: float = 0.28) -> Iterato
             yield box("mirror", (size - 0.02, size - 0.02, 0.004), (at[0], at[1] + 0.01, 0.011))
 
 
+def _roll(x: float, y: float, z: float) -> Solid:
+    return turned("white", [(0.055, 0.0), (0.055, 0.1)], (x, y, z), 22, 1)
+
+
+def _paper_holder() -> Iterator[Solid]:
+    yield rounded("chrome", (0.05, 0.05, 0.012), (0.08, 0.09, -0.07), 0.005, 1)
+    yield tube("chrome", fillet([(0.08, 0.115, -0.065), (0.08, 0.115, 0.0), (-0.08, 0.115, 0.0)], 0.02), 0.006)
+    yield move(rotate(_roll(0.0, -0.05, 0.0), 2, np.pi / 2), (0.0, 0.115, 0.0))
+    yield surface(
+        "white", lambda u, v: ((u - 0.5) * 0.098, 0.115 - 0.115 * v, 0.056 + 0.006 * np.sin(3 * v)), 3, 5, 0.002
+    )
+
+
+def _paper_stand() -> Iterator[Solid]:
+    yield turned("chrome", [(0.09, 0.0), (0.085, 0.012), (0.01, 0.02)], sides=22, steps=1)
+    yield rod("chrome", (0.0, 0.01, 0.0), (0.0, 0.6, 0.0), 0.008)
+    for i in range(3):
+        yield _roll(0.0, 0.03 + 0.105 * i, 0.0)
+    yield ball("chrome", 0.016, (0.0, 0.61, 0.0), 10, 6)
+    yield tube("chrome", fillet([(0.0, 0.52, 0.0), (0.1, 0.52, 0.0), (0.1, 0.52, 0.01)], 0.01), 0.006)
+
+
+def _paper_basket() -> Iterator[Solid]:
+    yield vessel("cane", [(0.14, 0.0), (0.16, 0.06), (0.16, 0.14)], 0.008, sides=24, steps=1)
+    for i in range(3):
+        a = 2 * np.pi * i / 3
+        yield _roll(0.075 * np.cos(a), 0.012, 0.075 * np.sin(a))
+        yield _roll(0.065 * np.cos(a + 1), 0.114, 0.065 * np.sin(a + 1))
+
+
+_PAPER_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+    "wall": _paper_holder,
+    "stand": _paper_stand,
+    "basket": _paper_basket,
+}
+
+
 def paper(kind: str = "wall") -> Iterator[Solid]:
     """A roll on a holder, on a stand, or a pile of rolls."""
-
-    def roll(x: float, y: float, z: float) -> Solid:
-        return turned("white", [(0.055, 0.0), (0.055, 0.1)], (x, y, z), 22, 1)
-
-    if kind == "wall":
-        yield rounded("chrome", (0.05, 0.05, 0.012), (0.08, 0.09, -0.07), 0.005, 1)
-        yield tube("chrome", fillet([(0.08, 0.115, -0.065), (0.08, 0.115, 0.0), (-0.08, 0.115, 0.0)], 0.02), 0.006)
-        yield move(rotate(roll(0.0, -0.05, 0.0), 2, np.pi / 2), (0.0, 0.115, 0.0))
-        yield surface(
-            "white", lambda u, v: ((u - 0.5) * 0.098, 0.115 - 0.115 * v, 0.056 + 0.006 * np.sin(3 * v)), 3, 5, 0.002
-        )
-    elif kind == "stand":
-        yield turned("chrome", [(0.09, 0.0), (0.085, 0.012), (0.01, 0.02)], sides=22, steps=1)
-        yield rod("chrome", (0.0, 0.01, 0.0), (0.0, 0.6, 0.0), 0.008)
-        for i in range(3):
-            yield roll(0.0, 0.03 + 0.105 * i, 0.0)
-        yield ball("chrome", 0.016, (0.0, 0.61, 0.0), 10, 6)
-        yield tube("chrome", fillet([(0.0, 0.52, 0.0), (0.1, 0.52, 0.0), (0.1, 0.52, 0.01)], 0.01), 0.006)
-    else:
-        yield vessel("cane", [(0.14, 0.0), (0.16, 0.06), (0.16, 0.14)], 0.008, sides=24, steps=1)
-        for i in range(3):
-            a = 2 * np.pi * i / 3
-            yield roll(0.075 * np.cos(a), 0.012, 0.075 * np.sin(a))
-            yield roll(0.065 * np.cos(a + 1), 0.114, 0.065 * np.sin(a + 1))
+    yield from _PAPER_KINDS[kind]()
 
 
 def soap(kind: str = "pump") -> Iterator[Solid]:
@@ -261,50 +293,67 @@ def soap_dish() -> Iterator[Solid]:
     yield soft("bright", (0.075, 0.026, 0.045), (0.0, 0.01, 0.0), 3.0, 5)
 
 
+def _bottles() -> Iterator[Solid]:
+    for i, (r, h) in enumerate(((0.03, 0.2), (0.034, 0.17), (0.025, 0.13))):
+        yield turned(
+            f"bright_{i}", [(r, 0.0), (r, 0.8 * h), (0.5 * r, 0.86 * h)], (-0.075 + 0.075 * i, 0.0, 0.0), 16, 1
+        )
+        yield turned("white", [(0.55 * r, 0.85 * h), (0.5 * r, h)], (-0.075 + 0.075 * i, 0.0, 0.0), 14, 1)
+    yield rounded("white", (0.035, 0.13, 0.02), (0.03, 0.0, 0.05), 0.009, 2)
+
+
+def _brushes() -> Iterator[Solid]:
+    yield vessel("glaze", [(0.035, 0.0), (0.038, 0.1)], 0.004, sides=20, steps=1)
+    for i in range(3):
+        a = 2 * np.pi * i / 3 + 0.4
+        foot, tip = (0.0, 0.012, 0.0), (0.045 * np.cos(a), 0.18, 0.045 * np.sin(a))
+        yield rod(f"bright_{i}", foot, tip, 0.0045, 0.0035, 6)
+        yield move(rounded("white", (0.012, 0.024, 0.02), (0.0, -0.012, 0.0), 0.003, 1), tip)
+    yield rounded("blue", (0.035, 0.012, 0.13), (0.085, 0.0, 0.0), 0.005, 2)
+
+
+def _tray() -> Iterator[Solid]:
+    yield vessel("brass", [(0.13, 0.0), (0.135, 0.02)], 0.004, sides=28, steps=1, stretch=0.6)
+    yield rounded("tint", (0.05, 0.06, 0.03), (-0.05, 0.005, 0.0), 0.006, 2)
+    yield turned("gold", [(0.012, 0.065), (0.014, 0.09)], (-0.05, 0.0, 0.0), 12, 1)
+    yield turned("glass", [(0.02, 0.005), (0.03, 0.03), (0.012, 0.06)], (0.03, 0.0, 0.01), 16, 2)
+    yield ball("gold", 0.014, (0.03, 0.075, 0.01), 10, 6)
+    yield turned("bright", [(0.012, 0.005), (0.012, 0.06)], (0.08, 0.0, -0.01), 12, 1)
+
+
+def _caddy() -> Iterator[Solid]:
+    for y in (0.0, 0.3):
+        yield rounded("chrome", (0.26, 0.008, 0.1), (0.0, y, 0.0), 0.003, 1)
+        for z in (-0.05, 0.05):
+            yield rod("chrome", (-0.13, y + 0.06, z), (0.13, y + 0.06, z), 0.004, sides=6)
+    for s in (-1, 1):
+        yield tube(
+            "chrome",
+            fillet([(s * 0.13, 0.0, -0.045), (s * 0.13, 0.55, -0.045), (0.0, 0.62, -0.045)], 0.06),
+            0.005,
+            6,
+        )
+    for i in range(4):
+        yield turned(
+            f"bright_{i}",
+            [(0.025, 0.0), (0.026, 0.13), (0.012, 0.15), (0.012, 0.18)],
+            (-0.08 + 0.055 * i, 0.308 if i % 2 else 0.008, 0.0),
+            14,
+            1,
+        )
+
+
+_TOILETRIES_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+    "bottles": _bottles,
+    "brushes": _brushes,
+    "tray": _tray,
+    "caddy": _caddy,
+}
+
+
 def toiletries(kind: str = "bottles") -> Iterator[Solid]:
     """Bottles and tubes, tooth brushes in a cup, a tray with perfume, a caddy."""
-    if kind == "bottles":
-        for i, (r, h) in enumerate(((0.03, 0.2), (0.034, 0.17), (0.025, 0.13))):
-            yield turned(
-                f"bright_{i}", [(r, 0.0), (r, 0.8 * h), (0.5 * r, 0.86 * h)], (-0.075 + 0.075 * i, 0.0, 0.0), 16, 1
-            )
-            yield turned("white", [(0.55 * r, 0.85 * h), (0.5 * r, h)], (-0.075 + 0.075 * i, 0.0, 0.0), 14, 1)
-        yield rounded("white", (0.035, 0.13, 0.02), (0.03, 0.0, 0.05), 0.009, 2)
-    elif kind == "brushes":
-        yield vessel("glaze", [(0.035, 0.0), (0.038, 0.1)], 0.004, sides=20, steps=1)
-        for i in range(3):
-            a = 2 * np.pi * i / 3 + 0.4
-            foot, tip = (0.0, 0.012, 0.0), (0.045 * np.cos(a), 0.18, 0.045 * np.sin(a))
-            yield rod(f"bright_{i}", foot, tip, 0.0045, 0.0035, 6)
-            yield move(rounded("white", (0.012, 0.024, 0.02), (0.0, -0.012, 0.0), 0.003, 1), tip)
-        yield rounded("blue", (0.035, 0.012, 0.13), (0.085, 0.0, 0.0), 0.005, 2)
-    elif kind == "tray":
-        yield vessel("brass", [(0.13, 0.0), (0.135, 0.02)], 0.004, sides=28, steps=1, stretch=0.6)
-        yield rounded("tint", (0.05, 0.06, 0.03), (-0.05, 0.005, 0.0), 0.006, 2)
-        yield turned("gold", [(0.012, 0.065), (0.014, 0.09)], (-0.05, 0.0, 0.0), 12, 1)
-        yield turned("glass", [(0.02, 0.005), (0.03, 0.03), (0.012, 0.06)], (0.03, 0.0, 0.01), 16, 2)
-        yield ball("gold", 0.014, (0.03, 0.075, 0.01), 10, 6)
-        yield turned("bright", [(0.012, 0.005), (0.012, 0.06)], (0.08, 0.0, -0.01), 12, 1)
-    else:
-        for y in (0.0, 0.3):
-            yield rounded("chrome", (0.26, 0.008, 0.1), (0.0, y, 0.0), 0.003, 1)
-            for z in (-0.05, 0.05):
-                yield rod("chrome", (-0.13, y + 0.06, z), (0.13, y + 0.06, z), 0.004, sides=6)
-        for s in (-1, 1):
-            yield tube(
-                "chrome",
-                fillet([(s * 0.13, 0.0, -0.045), (s * 0.13, 0.55, -0.045), (0.0, 0.62, -0.045)], 0.06),
-                0.005,
-                6,
-            )
-        for i in range(4):
-            yield turned(
-                f"bright_{i}",
-                [(0.025, 0.0), (0.026, 0.13), (0.012, 0.15), (0.012, 0.18)],
-                (-0.08 + 0.055 * i, 0.308 if i % 2 else 0.008, 0.0),
-                14,
-                1,
-            )
+    yield from _TOILETRIES_KINDS[kind]()
 
 
 def plunger(kind: str = "plunger") -> Iterator[Solid]:

@@ -1,6 +1,6 @@
 """Crockery, glasses, pots, food, and what stands on kitchen counters."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -21,105 +21,158 @@ def _ear(slot: str, radius: float, low: float, high: float, bar: float = 0.005) 
     return tube(slot, path, bar, 8)
 
 
+def _mug() -> Iterator[Solid]:
+    yield vessel("crockery", [(0.038, 0.0), (0.041, 0.006), (0.041, 0.09), (0.042, 0.095)], 0.004, sides=20, steps=1)
+    yield cylinder("brown", 0.036, 0.002, (0.0, 0.08, 0.0), sides=18)
+    yield _ear("crockery", 0.04, 0.022, 0.076, 0.006)
+
+
+def _tea() -> Iterator[Solid]:
+    yield vessel("crockery", [(0.035, 0.0), (0.05, 0.006), (0.076, 0.018)], 0.003, sides=24, steps=2)
+    yield vessel(
+        "crockery", [(0.02, 0.0), (0.022, 0.008), (0.04, 0.03), (0.047, 0.065)], 0.003, (0.0, 0.005, 0.0), 20, 3
+    )
+    yield _ear("crockery", 0.042, 0.03, 0.058, 0.004)
+    yield cylinder("brown", 0.04, 0.002, (0.0, 0.052, 0.0), sides=18)
+
+
+def _enamel() -> Iterator[Solid]:
+    yield vessel("white", [(0.04, 0.0), (0.042, 0.08)], 0.003, sides=20, steps=1)
+    yield ring("blue", 0.0415, 0.004, (0.0, 0.08, 0.0), 1, 20)
+    yield _ear("white", 0.041, 0.015, 0.065, 0.004)
+
+
+def _bowl() -> Iterator[Solid]:
+    yield vessel("glaze", [(0.03, 0.0), (0.032, 0.008), (0.06, 0.03), (0.068, 0.06)], 0.004, sides=22, steps=3)
+    for s in (-1, 1):
+        yield rounded("glaze", (0.03, 0.012, 0.03), (s * 0.075, 0.045, 0.0), 0.005, 2)
+
+
+def _footed() -> Iterator[Solid]:
+    yield vessel(
+        "glaze", [(0.03, 0.0), (0.02, 0.01), (0.014, 0.02), (0.035, 0.04), (0.04, 0.1)], 0.004, sides=20, steps=3
+    )
+    yield _ear("glaze", 0.038, 0.045, 0.09, 0.005)
+
+
+def _travel() -> Iterator[Solid]:
+    yield turned("bright", [(0.032, 0.0), (0.035, 0.01), (0.042, 0.15)], sides=20, steps=1)
+    yield turned("black", [(0.043, 0.15), (0.043, 0.165), (0.036, 0.178)], sides=20, steps=1)
+    yield turned("rubber", [(0.0395, 0.06), (0.042, 0.1)], sides=20, steps=1)
+
+
+def _espresso() -> Iterator[Solid]:
+    yield vessel("crockery", [(0.028, 0.0), (0.05, 0.01)], 0.003, sides=22, steps=1)
+    yield vessel("crockery_1", [(0.018, 0.0), (0.028, 0.02), (0.03, 0.05)], 0.003, (0.0, 0.004, 0.0), 18, 2)
+    yield _ear("crockery_1", 0.027, 0.02, 0.042, 0.004)
+    yield rod("chrome", (-0.03, 0.012, 0.035), (0.03, 0.014, 0.035), 0.0025, sides=6)
+
+
+def _stack() -> Iterator[Solid]:
+    for i in range(3):
+        yield vessel(
+            f"crockery_{i}", [(0.026, 0.0), (0.04, 0.03), (0.042, 0.055)], 0.003, (0.003 * i, 0.028 * i, 0.0), 18, 2
+        )
+        yield move(_ear(f"crockery_{i}", 0.038, 0.015, 0.045, 0.004), (0.003 * i, 0.028 * i, 0.0))
+
+
+def _hex() -> Iterator[Solid]:
+    yield vessel("glaze", [(0.036, 0.0), (0.044, 0.03), (0.044, 0.09)], 0.005, sides=6, steps=1)
+    yield _ear("glaze", 0.038, 0.025, 0.075, 0.007)
+    yield cylinder("cream", 0.034, 0.002, (0.0, 0.078, 0.0), sides=12)
+    yield ring("brass", 0.041, 0.003, (0.0, 0.09, 0.0), 1, 6)
+
+
+def _pens() -> Iterator[Solid]:
+    yield vessel("glaze", [(0.03, 0.0), (0.036, 0.02), (0.034, 0.06), (0.038, 0.1)], 0.004, sides=20, steps=3)
+    for i in range(5):
+        yield rod("wood", (0.01 * (i - 2), 0.02, 0.0), (0.022 * (i - 2), 0.17, 0.012 * (-1) ** i), 0.003, sides=6)
+
+
+_CUP_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+    "mug": _mug,
+    "tea": _tea,
+    "enamel": _enamel,
+    "bowl": _bowl,
+    "footed": _footed,
+    "travel": _travel,
+    "espresso": _espresso,
+    "stack": _stack,
+    "hex": _hex,
+    "pens": _pens,
+}
+
+
 def cup(kind: str = "mug") -> Iterator[Solid]:
     """A mug, a tea cup with its saucer, an enamel beaker, a bowl-shaped or a footed cup."""
-    if kind == "mug":
+    yield from _CUP_KINDS[kind]()
+
+
+def _stack_plates() -> Iterator[Solid]:
+    for i in range(6):
         yield vessel(
-            "crockery", [(0.038, 0.0), (0.041, 0.006), (0.041, 0.09), (0.042, 0.095)], 0.004, sides=20, steps=1
+            "crockery",
+            [(0.06, 0.0), (0.09, 0.004), (0.13, 0.02)],
+            0.004,
+            (0.002 * (-1) ** i, 0.0085 * i, 0.0),
+            24,
+            1,
         )
-        yield cylinder("brown", 0.036, 0.002, (0.0, 0.08, 0.0), sides=18)
-        yield _ear("crockery", 0.04, 0.022, 0.076, 0.006)
-    elif kind == "tea":
-        yield vessel("crockery", [(0.035, 0.0), (0.05, 0.006), (0.076, 0.018)], 0.003, sides=24, steps=2)
+
+
+def _bowls() -> Iterator[Solid]:
+    for i in range(4):
         yield vessel(
-            "crockery", [(0.02, 0.0), (0.022, 0.008), (0.04, 0.03), (0.047, 0.065)], 0.003, (0.0, 0.005, 0.0), 20, 3
+            "glaze",
+            [(0.035, 0.0), (0.04, 0.008), (0.07, 0.03), (0.08, 0.055)],
+            0.004,
+            (0.0, 0.018 * i, 0.002 * (-1) ** i),
+            22,
+            2,
         )
-        yield _ear("crockery", 0.042, 0.03, 0.058, 0.004)
-        yield cylinder("brown", 0.04, 0.002, (0.0, 0.052, 0.0), sides=18)
-    elif kind == "enamel":
-        yield vessel("white", [(0.04, 0.0), (0.042, 0.08)], 0.003, sides=20, steps=1)
-        yield ring("blue", 0.0415, 0.004, (0.0, 0.08, 0.0), 1, 20)
-        yield _ear("white", 0.041, 0.015, 0.065, 0.004)
-    elif kind == "bowl":
-        yield vessel("glaze", [(0.03, 0.0), (0.032, 0.008), (0.06, 0.03), (0.068, 0.06)], 0.004, sides=22, steps=3)
-        for s in (-1, 1):
-            yield rounded("glaze", (0.03, 0.012, 0.03), (s * 0.075, 0.045, 0.0), 0.005, 2)
-    elif kind == "footed":
-        yield vessel(
-            "glaze", [(0.03, 0.0), (0.02, 0.01), (0.014, 0.02), (0.035, 0.04), (0.04, 0.1)], 0.004, sides=20, steps=3
+
+
+def _rack() -> Iterator[Solid]:
+    for s in (-1, 1):
+        yield tube("chrome", fillet([(-0.17, 0.006, s * 0.08), (0.17, 0.006, s * 0.08)], 0.01), 0.005, 6)
+    for i in range(8):
+        x = -0.15 + 0.043 * i
+        yield tube(
+            "chrome", fillet([(x, 0.006, -0.08), (x, 0.1, -0.02), (x, 0.1, 0.02), (x, 0.006, 0.08)], 0.03), 0.003, 5
         )
-        yield _ear("glaze", 0.038, 0.045, 0.09, 0.005)
-    elif kind == "travel":
-        yield turned("bright", [(0.032, 0.0), (0.035, 0.01), (0.042, 0.15)], sides=20, steps=1)
-        yield turned("black", [(0.043, 0.15), (0.043, 0.165), (0.036, 0.178)], sides=20, steps=1)
-        yield turned("rubber", [(0.0395, 0.06), (0.042, 0.1)], sides=20, steps=1)
-    elif kind == "espresso":
-        yield vessel("crockery", [(0.028, 0.0), (0.05, 0.01)], 0.003, sides=22, steps=1)
-        yield vessel("crockery_1", [(0.018, 0.0), (0.028, 0.02), (0.03, 0.05)], 0.003, (0.0, 0.004, 0.0), 18, 2)
-        yield _ear("crockery_1", 0.027, 0.02, 0.042, 0.004)
-        yield rod("chrome", (-0.03, 0.012, 0.035), (0.03, 0.014, 0.035), 0.0025, sides=6)
-    elif kind == "stack":
-        for i in range(3):
-            yield vessel(
-                f"crockery_{i}", [(0.026, 0.0), (0.04, 0.03), (0.042, 0.055)], 0.003, (0.003 * i, 0.028 * i, 0.0), 18, 2
+        if i in (0, 1, 2, 4, 5):
+            plate = rotate(
+                vessel("crockery", [(0.05, 0.0), (0.075, 0.004), (0.105, 0.016)], 0.004, sides=22, steps=1),
+                2,
+                -1.42,
             )
-            yield move(_ear(f"crockery_{i}", 0.038, 0.015, 0.045, 0.004), (0.003 * i, 0.028 * i, 0.0))
-    elif kind == "hex":
-        yield vessel("glaze", [(0.036, 0.0), (0.044, 0.03), (0.044, 0.09)], 0.005, sides=6, steps=1)
-        yield _ear("glaze", 0.038, 0.025, 0.075, 0.007)
-        yield cylinder("cream", 0.034, 0.002, (0.0, 0.078, 0.0), sides=12)
-        yield ring("brass", 0.041, 0.003, (0.0, 0.09, 0.0), 1, 6)
-    else:
-        yield vessel("glaze", [(0.03, 0.0), (0.036, 0.02), (0.034, 0.06), (0.038, 0.1)], 0.004, sides=20, steps=3)
-        for i in range(5):
-            yield rod("wood", (0.01 * (i - 2), 0.02, 0.0), (0.022 * (i - 2), 0.17, 0.012 * (-1) ** i), 0.003, sides=6)
+            yield move(plate, (x + 0.01, 0.112, 0.0))
+
+
+def _platter() -> Iterator[Solid]:
+    yield vessel("crockery", [(0.08, 0.0), (0.11, 0.005), (0.15, 0.022)], 0.004, sides=28, steps=2, stretch=0.66)
+    for i in range(5):
+        yield ball("red" if i % 2 else "green", 0.026, (-0.07 + 0.035 * i, 0.03, 0.015 * (-1) ** i), 10, 6)
+
+
+def _plate_set() -> Iterator[Solid]:
+    yield vessel("crockery", [(0.06, 0.0), (0.09, 0.004), (0.13, 0.016)], 0.004, sides=26, steps=1)
+    yield vessel("crockery", [(0.05, 0.0), (0.07, 0.004), (0.1, 0.014)], 0.004, (0.0, 0.006, 0.0), 24, 1)
+    yield from _cutlery(-0.16, 0.17)
+
+
+_PLATES_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+    "stack": _stack_plates,
+    "bowls": _bowls,
+    "rack": _rack,
+    "platter": _platter,
+    "set": _plate_set,
+}
 
 
 def plates(kind: str = "stack") -> Iterator[Solid]:
     """A pile of plates, a laid place, bowls, a plate in a rack, a platter."""
-    if kind == "stack":
-        for i in range(6):
-            yield vessel(
-                "crockery",
-                [(0.06, 0.0), (0.09, 0.004), (0.13, 0.02)],
-                0.004,
-                (0.002 * (-1) ** i, 0.0085 * i, 0.0),
-                24,
-                1,
-            )
-    elif kind == "bowls":
-        for i in range(4):
-            yield vessel(
-                "glaze",
-                [(0.035, 0.0), (0.04, 0.008), (0.07, 0.03), (0.08, 0.055)],
-                0.004,
-                (0.0, 0.018 * i, 0.002 * (-1) ** i),
-                22,
-                2,
-            )
-    elif kind == "rack":
-        for s in (-1, 1):
-            yield tube("chrome", fillet([(-0.17, 0.006, s * 0.08), (0.17, 0.006, s * 0.08)], 0.01), 0.005, 6)
-        for i in range(8):
-            x = -0.15 + 0.043 * i
-            yield tube(
-                "chrome", fillet([(x, 0.006, -0.08), (x, 0.1, -0.02), (x, 0.1, 0.02), (x, 0.006, 0.08)], 0.03), 0.003, 5
-            )
-            if i in (0, 1, 2, 4, 5):
-                plate = rotate(
-                    vessel("crockery", [(0.05, 0.0), (0.075, 0.004), (0.105, 0.016)], 0.004, sides=22, steps=1),
-                    2,
-                    -1.42,
-                )
-                yield move(plate, (x + 0.01, 0.112, 0.0))
-    elif kind == "platter":
-        yield vessel("crockery", [(0.08, 0.0), (0.11, 0.005), (0.15, 0.022)], 0.004, sides=28, steps=2, stretch=0.66)
-        for i in range(5):
-            yield ball("red" if i % 2 else "green", 0.026, (-0.07 + 0.035 * i, 0.03, 0.015 * (-1) ** i), 10, 6)
-    else:
-        yield vessel("crockery", [(0.06, 0.0), (0.09, 0.004), (0.13, 0.016)], 0.004, sides=26, steps=1)
-        yield vessel("crockery", [(0.05, 0.0), (0.07, 0.004), (0.1, 0.014)], 0.004, (0.0, 0.006, 0.0), 24, 1)
-        yield from _cutlery(-0.16, 0.17)
+    yield from _PLATES_KINDS[kind]()
 
 
 def _cutlery(left: float, right: float) -> Iterator[Solid]:
@@ -191,53 +244,71 @@ def glass(kind: str = "wine") -> Iterator[Solid]:
             yield rotate(rounded("water", (0.024, 0.024, 0.024), (x, 0.02 + 0.026 * i, z), 0.004, 1), 1, 0.6 * i)
 
 
+def _wine_bottle() -> Iterator[Solid]:
+    yield turned(
+        "green",
+        [(0.034, 0.0), (0.038, 0.006), (0.038, 0.17), (0.03, 0.21), (0.014, 0.235), (0.013, 0.3)],
+        sides=18,
+        steps=1,
+    )
+    yield turned("red", [(0.0145, 0.27), (0.0145, 0.302)], sides=14, steps=1)
+    yield turned("cream", [(0.0385, 0.05), (0.0385, 0.13)], sides=18, steps=1)
+
+
+def _water_bottle() -> Iterator[Solid]:
+    yield turned(
+        "water",
+        [
+            (0.03, 0.0),
+            (0.034, 0.01),
+            (0.034, 0.06),
+            (0.03, 0.08),
+            (0.034, 0.1),
+            (0.034, 0.16),
+            (0.013, 0.21),
+            (0.013, 0.225),
+        ],
+        sides=18,
+        steps=2,
+    )
+    yield cylinder("blue", 0.015, 0.018, (0.0, 0.222, 0.0), sides=14)
+    yield turned("blue", [(0.0345, 0.105), (0.0345, 0.15)], sides=18, steps=1)
+
+
+def _oil_bottle() -> Iterator[Solid]:
+    yield turned("tint", [(0.035, 0.0), (0.038, 0.02), (0.034, 0.15), (0.012, 0.2), (0.011, 0.25)], sides=4, steps=2)
+    yield tube("chrome", [(0.0, 0.25, 0.0), (0.0, 0.28, 0.0), (0.02, 0.3, 0.0)], [0.008, 0.006, 0.003])
+    yield rounded("cream", (0.03, 0.06, 0.002), (0.0, 0.05, 0.029), 0.001, 1)
+
+
+def _milk_bottle() -> Iterator[Solid]:
+    yield turned(
+        "white",
+        [(0.038, 0.0), (0.042, 0.01), (0.042, 0.14), (0.022, 0.19), (0.02, 0.22), (0.024, 0.225)],
+        sides=20,
+        steps=2,
+    )
+    yield turned("red", [(0.025, 0.222), (0.024, 0.235)], sides=16, steps=1)
+
+
+def _jar_bottle() -> Iterator[Solid]:
+    yield turned("tint", [(0.04, 0.0), (0.044, 0.012), (0.044, 0.1), (0.036, 0.115)], sides=20, steps=1)
+    yield turned("red", [(0.039, 0.115), (0.039, 0.13)], sides=20, steps=1)
+    yield turned("paper", [(0.0445, 0.03), (0.0445, 0.085)], sides=20, steps=1)
+
+
+_BOTTLE_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+    "wine": _wine_bottle,
+    "water": _water_bottle,
+    "oil": _oil_bottle,
+    "milk": _milk_bottle,
+    "jar": _jar_bottle,
+}
+
+
 def bottle(kind: str = "wine") -> Iterator[Solid]:
     """A bottle of wine, water, oil, milk, or a jar."""
-    if kind == "wine":
-        yield turned(
-            "green",
-            [(0.034, 0.0), (0.038, 0.006), (0.038, 0.17), (0.03, 0.21), (0.014, 0.235), (0.013, 0.3)],
-            sides=18,
-            steps=1,
-        )
-        yield turned("red", [(0.0145, 0.27), (0.0145, 0.302)], sides=14, steps=1)
-        yield turned("cream", [(0.0385, 0.05), (0.0385, 0.13)], sides=18, steps=1)
-    elif kind == "water":
-        yield turned(
-            "water",
-            [
-                (0.03, 0.0),
-                (0.034, 0.01),
-                (0.034, 0.06),
-                (0.03, 0.08),
-                (0.034, 0.1),
-                (0.034, 0.16),
-                (0.013, 0.21),
-                (0.013, 0.225),
-            ],
-            sides=18,
-            steps=2,
-        )
-        yield cylinder("blue", 0.015, 0.018, (0.0, 0.222, 0.0), sides=14)
-        yield turned("blue", [(0.0345, 0.105), (0.0345, 0.15)], sides=18, steps=1)
-    elif kind == "oil":
-        yield turned(
-            "tint", [(0.035, 0.0), (0.038, 0.02), (0.034, 0.15), (0.012, 0.2), (0.011, 0.25)], sides=4, steps=2
-        )
-        yield tube("chrome", [(0.0, 0.25, 0.0), (0.0, 0.28, 0.0), (0.02, 0.3, 0.0)], [0.008, 0.006, 0.003])
-        yield rounded("cream", (0.03, 0.06, 0.002), (0.0, 0.05, 0.029), 0.001, 1)
-    elif kind == "milk":
-        yield turned(
-            "white",
-            [(0.038, 0.0), (0.042, 0.01), (0.042, 0.14), (0.022, 0.19), (0.02, 0.22), (0.024, 0.225)],
-            sides=20,
-            steps=2,
-        )
-        yield turned("red", [(0.025, 0.222), (0.024, 0.235)], sides=16, steps=1)
-    else:
-        yield turned("tint", [(0.04, 0.0), (0.044, 0.012), (0.044, 0.1), (0.036, 0.115)], sides=20, steps=1)
-        yield turned("red", [(0.039, 0.115), (0.039, 0.13)], sides=20, steps=1)
-        yield turned("paper", [(0.0445, 0.03), (0.0445, 0.085)], sides=20, steps=1)
+    yield from _BOTTLE_KINDS[kind]()
 
 
 def fruit(kind: str = "bowl") -> Iterator[Solid]:
@@ -394,74 +465,99 @@ def utensils(kind: str = "jar") -> Iterator[Solid]:
             yield vessel("steel", [(0.012, 0.0), (0.03, 0.01), (0.034, 0.03)], 0.003, (x, y - 0.01, z), 16, 2)
 
 
+def _frying_pan() -> Iterator[Solid]:
+    yield vessel("iron", [(0.11, 0.0), (0.13, 0.01), (0.14, 0.045)], 0.004, sides=28, steps=2)
+    yield tube("black", [(0.135, 0.04, 0.0), (0.2, 0.055, 0.0), (0.33, 0.065, 0.0)], [0.008, 0.011, 0.012], 8)
+
+
+def _cooking_pot() -> Iterator[Solid]:
+    yield vessel("steel", [(0.11, 0.0), (0.115, 0.01), (0.115, 0.14)], 0.004, sides=28, steps=1)
+    yield turned("steel", [(0.118, 0.14), (0.11, 0.15), (0.03, 0.168), (0.012, 0.17)], sides=28, steps=1)
+    yield turned("black", [(0.01, 0.17), (0.01, 0.18), (0.022, 0.19), (0.012, 0.2)], sides=14, steps=1)
+    for s in (-1, 1):
+        yield tube(
+            "black",
+            fillet(
+                [
+                    (s * 0.113, 0.11, -0.035),
+                    (s * 0.155, 0.115, -0.03),
+                    (s * 0.155, 0.115, 0.03),
+                    (s * 0.113, 0.11, 0.035),
+                ],
+                0.02,
+            ),
+            0.007,
+        )
+
+
+def _wok() -> Iterator[Solid]:
+    yield vessel("iron", [(0.04, 0.0), (0.1, 0.02), (0.16, 0.09)], 0.004, sides=28, steps=3)
+    yield tube("wood", [(0.155, 0.085, 0.0), (0.2, 0.1, 0.0), (0.31, 0.12, 0.0)], [0.008, 0.012, 0.013], 8)
+    yield tube(
+        "iron",
+        fillet([(-0.155, 0.085, -0.03), (-0.19, 0.1, -0.025), (-0.19, 0.1, 0.025), (-0.155, 0.085, 0.03)], 0.02),
+        0.005,
+    )
+
+
+def _casserole() -> Iterator[Solid]:
+    yield turned("bright", [(0.11, 0.0), (0.125, 0.02), (0.13, 0.11)], sides=28, steps=2, stretch=0.8)
+    yield turned("bright", [(0.135, 0.11), (0.13, 0.125), (0.06, 0.145), (0.015, 0.15)], sides=28, steps=2, stretch=0.8)
+    yield turned("brass", [(0.01, 0.148), (0.01, 0.16), (0.02, 0.17), (0.01, 0.178)], sides=14, steps=1)
+    for s in (-1, 1):
+        yield rounded("bright", (0.045, 0.018, 0.08), (s * 0.14, 0.085, 0.0), 0.008, 2)
+
+
+_PAN_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+    "frying": _frying_pan,
+    "pot": _cooking_pot,
+    "wok": _wok,
+    "casserole": _casserole,
+}
+
+
 def pan(kind: str = "frying") -> Iterator[Solid]:
     """A frying pan, a pot with a lid, a wok, a casserole."""
-    if kind == "frying":
-        yield vessel("iron", [(0.11, 0.0), (0.13, 0.01), (0.14, 0.045)], 0.004, sides=28, steps=2)
-        yield tube("black", [(0.135, 0.04, 0.0), (0.2, 0.055, 0.0), (0.33, 0.065, 0.0)], [0.008, 0.011, 0.012], 8)
-    elif kind == "pot":
-        yield vessel("steel", [(0.11, 0.0), (0.115, 0.01), (0.115, 0.14)], 0.004, sides=28, steps=1)
-        yield turned("steel", [(0.118, 0.14), (0.11, 0.15), (0.03, 0.168), (0.012, 0.17)], sides=28, steps=1)
-        yield turned("black", [(0.01, 0.17), (0.01, 0.18), (0.022, 0.19), (0.012, 0.2)], sides=14, steps=1)
-        for s in (-1, 1):
-            yield tube(
-                "black",
-                fillet(
-                    [
-                        (s * 0.113, 0.11, -0.035),
-                        (s * 0.155, 0.115, -0.03),
-                        (s * 0.155, 0.115, 0.03),
-                        (s * 0.113, 0.11, 0.035),
-                    ],
-                    0.02,
-                ),
-                0.007,
-            )
-    elif kind == "wok":
-        yield vessel("iron", [(0.04, 0.0), (0.1, 0.02), (0.16, 0.09)], 0.004, sides=28, steps=3)
-        yield tube("wood", [(0.155, 0.085, 0.0), (0.2, 0.1, 0.0), (0.31, 0.12, 0.0)], [0.008, 0.012, 0.013], 8)
-        yield tube(
-            "iron",
-            fillet([(-0.155, 0.085, -0.03), (-0.19, 0.1, -0.025), (-0.19, 0.1, 0.025), (-0.155, 0.085, 0.03)], 0.02),
-            0.005,
-        )
-    else:
-        yield turned("bright", [(0.11, 0.0), (0.125, 0.02), (0.13, 0.11)], sides=28, steps=2, stretch=0.8)
-        yield turned(
-            "bright", [(0.135, 0.11), (0.13, 0.125), (0.06, 0.145), (0.015, 0.15)], sides=28, steps=2, stretch=0.8
-        )
-        yield turned("brass", [(0.01, 0.148), (0.01, 0.16), (0.02, 0.17), (0.01, 0.178)], sides=14, steps=1)
-        for s in (-1, 1):
-            yield rounded("bright", (0.045, 0.018, 0.08), (s * 0.14, 0.085, 0.0), 0.008, 2)
+    yield from _PAN_KINDS[kind]()
+
+
+def _pitcher() -> Iterator[Solid]:
+    yield vessel(
+        "glaze", [(0.05, 0.0), (0.075, 0.05), (0.06, 0.14), (0.045, 0.19), (0.055, 0.23)], 0.005, sides=22, steps=3
+    )
+    yield prism("glaze", [(-0.045, 0.19), (-0.085, 0.232), (-0.045, 0.228)], 0.03)
+    yield tube(
+        "glaze", fillet([(0.05, 0.2, 0.0), (0.12, 0.2, 0.0), (0.11, 0.08, 0.0), (0.07, 0.06, 0.0)], 0.05, 4), 0.009
+    )
+
+
+def _carafe() -> Iterator[Solid]:
+    yield vessel(
+        "glass",
+        [(0.06, 0.0), (0.075, 0.03), (0.06, 0.1), (0.022, 0.16), (0.024, 0.2), (0.04, 0.23)],
+        0.003,
+        sides=24,
+        steps=3,
+    )
+    yield turned("water", [(0.057, 0.006), (0.071, 0.03), (0.06, 0.085)], sides=20, steps=2)
+
+
+def _thermos() -> Iterator[Solid]:
+    yield turned("bright", [(0.055, 0.0), (0.06, 0.01), (0.06, 0.18), (0.04, 0.22), (0.038, 0.25)], sides=22, steps=2)
+    yield turned("black", [(0.042, 0.25), (0.045, 0.26), (0.03, 0.29), (0.01, 0.295)], sides=18, steps=1)
+    yield tube("black", fillet([(0.04, 0.24, 0.0), (0.11, 0.23, 0.0), (0.1, 0.08, 0.0), (0.06, 0.07, 0.0)], 0.04), 0.01)
+
+
+_JUG_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+    "pitcher": _pitcher,
+    "carafe": _carafe,
+    "thermos": _thermos,
+}
 
 
 def jug(kind: str = "pitcher") -> Iterator[Solid]:
     """A pitcher, a carafe, a milk can, a thermos."""
-    if kind == "pitcher":
-        yield vessel(
-            "glaze", [(0.05, 0.0), (0.075, 0.05), (0.06, 0.14), (0.045, 0.19), (0.055, 0.23)], 0.005, sides=22, steps=3
-        )
-        yield prism("glaze", [(-0.045, 0.19), (-0.085, 0.232), (-0.045, 0.228)], 0.03)
-        yield tube(
-            "glaze", fillet([(0.05, 0.2, 0.0), (0.12, 0.2, 0.0), (0.11, 0.08, 0.0), (0.07, 0.06, 0.0)], 0.05, 4), 0.009
-        )
-    elif kind == "carafe":
-        yield vessel(
-            "glass",
-            [(0.06, 0.0), (0.075, 0.03), (0.06, 0.1), (0.022, 0.16), (0.024, 0.2), (0.04, 0.23)],
-            0.003,
-            sides=24,
-            steps=3,
-        )
-        yield turned("water", [(0.057, 0.006), (0.071, 0.03), (0.06, 0.085)], sides=20, steps=2)
-    else:
-        yield turned(
-            "bright", [(0.055, 0.0), (0.06, 0.01), (0.06, 0.18), (0.04, 0.22), (0.038, 0.25)], sides=22, steps=2
-        )
-        yield turned("black", [(0.042, 0.25), (0.045, 0.26), (0.03, 0.29), (0.01, 0.295)], sides=18, steps=1)
-        yield tube(
-            "black", fillet([(0.04, 0.24, 0.0), (0.11, 0.23, 0.0), (0.1, 0.08, 0.0), (0.06, 0.07, 0.0)], 0.04), 0.01
-        )
+    yield from _JUG_KINDS[kind]()
 
 
 def teapot(kind: str = "round") -> Iterator[Solid]:
@@ -496,51 +592,68 @@ def teapot(kind: str = "round") -> Iterator[Solid]:
     )
 
 
+def _jars() -> Iterator[Solid]:
+    for i, high in enumerate((0.18, 0.145, 0.11)):
+        x = (-0.11, 0.0, 0.1)[i]
+        yield turned(
+            "glaze",
+            [(0.044, 0.0), (0.048, 0.008), (0.048, high - 0.02), (0.042, high - 0.01)],
+            (x, 0.0, 0.0),
+            18,
+            1,
+        )
+        yield turned(
+            "wood",
+            [(0.048, high - 0.01), (0.048, high + 0.008), (0.012, high + 0.012), (0.014, high + 0.026)],
+            (x, 0.0, 0.0),
+            18,
+            1,
+        )
+
+
+def _tins() -> Iterator[Solid]:
+    for i in range(3):
+        yield turned(f"bright_{i}", [(0.05, 0.0), (0.05, 0.13)], (-0.11 + 0.11 * i, 0.0, 0.0), 20, 1)
+        yield turned("chrome", [(0.052, 0.128), (0.052, 0.145), (0.045, 0.15)], (-0.11 + 0.11 * i, 0.0, 0.0), 20, 1)
+
+
+def _spices() -> Iterator[Solid]:
+    yield from (box("wood", (0.36, 0.012, 0.08), (0.0, y, 0.0)) for y in (0.0, 0.13))
+    yield from (box("wood", (0.012, 0.26, 0.08), (s * 0.18, 0.0, 0.0)) for s in (-1, 1))
+    for row in range(2):
+        for i in range(6):
+            at = (-0.14 + 0.056 * i, 0.012 + 0.13 * row, 0.0)
+            yield turned(
+                ("orange", "red", "green", "brown", "yellow", "cream")[(i + row) % 6],
+                [(0.02, 0.0), (0.02, 0.06)],
+                at,
+                12,
+                1,
+            )
+            yield turned("black", [(0.021, 0.06), (0.021, 0.078)], at, 12, 1)
+
+
+def _bread_box() -> Iterator[Solid]:
+    half = [
+        (-0.12, 0.0),
+        (0.12, 0.0),
+        *[(0.12 * np.cos(a), 0.03 + 0.16 * np.sin(a)) for a in np.linspace(0, np.pi, 11)],
+    ]
+    yield prism("bright", half, 0.36, (0.0, 0.0, 0.0), "side")
+    yield rounded("chrome", (0.1, 0.014, 0.02), (0.0, 0.05, 0.125), 0.005, 1)
+
+
+_CONTAINERS_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+    "jars": _jars,
+    "tins": _tins,
+    "spices": _spices,
+    "bread": _bread_box,
+}
+
+
 def containers(kind: str = "jars") -> Iterator[Solid]:
     """Three jars with lids, tins, or boxes for bread."""
-    if kind == "jars":
-        for i, high in enumerate((0.18, 0.145, 0.11)):
-            x = (-0.11, 0.0, 0.1)[i]
-            yield turned(
-                "glaze",
-                [(0.044, 0.0), (0.048, 0.008), (0.048, high - 0.02), (0.042, high - 0.01)],
-                (x, 0.0, 0.0),
-                18,
-                1,
-            )
-            yield turned(
-                "wood",
-                [(0.048, high - 0.01), (0.048, high + 0.008), (0.012, high + 0.012), (0.014, high + 0.026)],
-                (x, 0.0, 0.0),
-                18,
-                1,
-            )
-    elif kind == "tins":
-        for i in range(3):
-            yield turned(f"bright_{i}", [(0.05, 0.0), (0.05, 0.13)], (-0.11 + 0.11 * i, 0.0, 0.0), 20, 1)
-            yield turned("chrome", [(0.052, 0.128), (0.052, 0.145), (0.045, 0.15)], (-0.11 + 0.11 * i, 0.0, 0.0), 20, 1)
-    elif kind == "spices":
-        yield from (box("wood", (0.36, 0.012, 0.08), (0.0, y, 0.0)) for y in (0.0, 0.13))
-        yield from (box("wood", (0.012, 0.26, 0.08), (s * 0.18, 0.0, 0.0)) for s in (-1, 1))
-        for row in range(2):
-            for i in range(6):
-                at = (-0.14 + 0.056 * i, 0.012 + 0.13 * row, 0.0)
-                yield turned(
-                    ("orange", "red", "green", "brown", "yellow", "cream")[(i + row) % 6],
-                    [(0.02, 0.0), (0.02, 0.06)],
-                    at,
-                    12,
-                    1,
-                )
-                yield turned("black", [(0.021, 0.06), (0.021, 0.078)], at, 12, 1)
-    else:
-        half = [
-            (-0.12, 0.0),
-            (0.12, 0.0),
-            *[(0.12 * np.cos(a), 0.03 + 0.16 * np.sin(a)) for a in np.linspace(0, np.pi, 11)],
-        ]
-        yield prism("bright", half, 0.36, (0.0, 0.0, 0.0), "side")
-        yield rounded("chrome", (0.1, 0.014, 0.02), (0.0, 0.05, 0.125), 0.005, 1)
+    yield from _CONTAINERS_KINDS[kind]()
 
 
 def cake(kind: str = "whole") -> Iterator[Solid]:
@@ -591,38 +704,52 @@ def bread(kind: str = "loaf") -> Iterator[Solid]:
             )
 
 
+def _pizza() -> Iterator[Solid]:
+    yield cylinder("wood", 0.17, 0.012, sides=30)
+    yield turned("crust", [(0.15, 0.012), (0.155, 0.02), (0.145, 0.028), (0.13, 0.02)], sides=30, steps=2)
+    yield cylinder("yellow", 0.132, 0.004, (0.0, 0.019, 0.0), sides=30)
+    for i in range(9):
+        a = 2.4 * i
+        yield cylinder(
+            "red", 0.018, 0.004, (0.038 * np.sqrt(i) * np.cos(a), 0.0225, 0.038 * np.sqrt(i) * np.sin(a)), sides=12
+        )
+
+
+def _salad() -> Iterator[Solid]:
+    yield vessel("wood", [(0.06, 0.0), (0.11, 0.03), (0.13, 0.09)], 0.007, sides=26, steps=2)
+    for i in range(22):
+        yield leaf(
+            "leaf",
+            0.1,
+            0.06,
+            (0.05 * np.cos(2.4 * i), 0.05 + 0.0015 * i, 0.05 * np.sin(2.4 * i)),
+            1.3 * i,
+            0.7,
+            1.2,
+            pieces=3,
+        )
+    for i in range(5):
+        yield ball("red", 0.016, (0.06 * np.cos(1.3 * i), 0.1, 0.06 * np.sin(1.3 * i)), 10, 6)
+
+
+def _sushi() -> Iterator[Solid]:
+    yield rounded("black", (0.3, 0.014, 0.16), (0.0, 0.0, 0.0), 0.006, 1)
+    for i in range(6):
+        x, z = -0.1 + 0.1 * (i % 3), -0.035 + 0.07 * (i // 3)
+        yield soft("white", (0.06, 0.026, 0.032), (x, 0.014, z), 3.0, 4)
+        yield soft(("orange", "red")[i % 2], (0.066, 0.012, 0.036), (x, 0.038, z), 3.0, 4)
+
+
+_MEAL_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+    "pizza": _pizza,
+    "salad": _salad,
+    "sushi": _sushi,
+}
+
+
 def meal(kind: str = "pizza") -> Iterator[Solid]:
     """A pizza, a salad, or a tray of sushi."""
-    if kind == "pizza":
-        yield cylinder("wood", 0.17, 0.012, sides=30)
-        yield turned("crust", [(0.15, 0.012), (0.155, 0.02), (0.145, 0.028), (0.13, 0.02)], sides=30, steps=2)
-        yield cylinder("yellow", 0.132, 0.004, (0.0, 0.019, 0.0), sides=30)
-        for i in range(9):
-            a = 2.4 * i
-            yield cylinder(
-                "red", 0.018, 0.004, (0.038 * np.sqrt(i) * np.cos(a), 0.0225, 0.038 * np.sqrt(i) * np.sin(a)), sides=12
-            )
-    elif kind == "salad":
-        yield vessel("wood", [(0.06, 0.0), (0.11, 0.03), (0.13, 0.09)], 0.007, sides=26, steps=2)
-        for i in range(22):
-            yield leaf(
-                "leaf",
-                0.1,
-                0.06,
-                (0.05 * np.cos(2.4 * i), 0.05 + 0.0015 * i, 0.05 * np.sin(2.4 * i)),
-                1.3 * i,
-                0.7,
-                1.2,
-                pieces=3,
-            )
-        for i in range(5):
-            yield ball("red", 0.016, (0.06 * np.cos(1.3 * i), 0.1, 0.06 * np.sin(1.3 * i)), 10, 6)
-    else:
-        yield rounded("black", (0.3, 0.014, 0.16), (0.0, 0.0, 0.0), 0.006, 1)
-        for i in range(6):
-            x, z = -0.1 + 0.1 * (i % 3), -0.035 + 0.07 * (i // 3)
-            yield soft("white", (0.06, 0.026, 0.032), (x, 0.014, z), 3.0, 4)
-            yield soft(("orange", "red")[i % 2], (0.066, 0.012, 0.036), (x, 0.038, z), 3.0, 4)
+    yield from _MEAL_KINDS[kind]()
 
 
 def mortar() -> Iterator[Solid]:

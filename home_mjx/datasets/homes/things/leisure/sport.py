@@ -548,7 +548,7 @@ def _round_grill() -> Iterator[Solid]:
     yield tube(
         "wood", fillet([(-0.06, 0.92, 0.0), (-0.06, 0.97, 0.0), (0.06, 0.97, 0.0), (0.06, 0.92, 0.0)], 0.02), 0.012
     )
-    yield from (p for p in around([rod("iron", (0.0, 0.0, 0.32), (0.0, 0.58, 0.16), 0.013)], 3) if isinstance(p, Solid))
+    yield from around([rod("iron", (0.0, 0.0, 0.32), (0.0, 0.58, 0.16), 0.013)], 3)
     yield cylinder("gray", 0.15, 0.012, (0.0, 0.2, 0.0), sides=22)
 
 

@@ -100,11 +100,7 @@ def egg(width: float = 0.82) -> Iterator[Solid]:
     yield surface("upholstery", place, 18, 14, 0.05)
     yield soft("upholstery", (0.46, 0.11, 0.44), (0.0, 0.36, 0.03), 3.5, 6)
     yield cylinder("chrome", 0.03, 0.33, (0.0, 0.02, 0.0), sides=12)
-    yield from (
-        p
-        for p in around([beam("chrome", (0.0, 0.02, 0.0), (0.0, 0.012, 0.3), 0.05, 0.024)], 4, np.pi / 4)
-        if isinstance(p, Solid)
-    )
+    yield from around([beam("chrome", (0.0, 0.02, 0.0), (0.0, 0.012, 0.3), 0.05, 0.024)], 4, np.pi / 4)
 
 
 def rocker(width: float = 0.62) -> Iterator[Solid]:

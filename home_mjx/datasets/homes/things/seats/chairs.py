@@ -270,11 +270,7 @@ def bar_stool(height: float = 0.72, base: str = "legs", back: bool = False) -> I
 def milking_stool() -> Iterator[Solid]:
     """A round wooden top on three splayed legs."""
     yield turned("wood", [(0.15, 0.0), (0.17, 0.01), (0.17, 0.03), (0.155, 0.04)], (0.0, 0.41, 0.0), 24, 1)
-    yield from (
-        p
-        for p in around([rod("wood", (0.0, 0.0, 0.19), (0.0, 0.42, 0.1), 0.013, 0.019, 10)], 3)
-        if isinstance(p, Solid)
-    )
+    yield from around([rod("wood", (0.0, 0.0, 0.19), (0.0, 0.42, 0.1), 0.013, 0.019, 10)], 3)
     yield ring("wood", 0.14, 0.016, (0.0, 0.17, 0.0), 1, 18)
 
 

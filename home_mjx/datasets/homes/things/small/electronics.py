@@ -1,6 +1,7 @@
 """Screens, sound, computers, telephones, and household machines."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 
 import numpy as np
 
@@ -80,50 +81,71 @@ def computer(kind: str = "desk") -> Iterator[Solid]:
     yield soft("white" if kind == "all" else "black", (0.06, 0.03, 0.1), (0.24, 0.0, 0.13), 3.0, 5)
 
 
+def _cone(r: float, x: float, y: float, z: float) -> Iterator[Solid]:
+    yield ring("gray", r, 0.014, (x, y, z), 2, 24)
+    yield disc("black", 0.96 * r, 0.006, (x, y, z - 0.004), 24)
+    yield ball("gray", (0.3 * r, 0.3 * r, 0.02), (x, y, z), 12, 6)
+
+
+def _box_speaker(kind: str) -> Iterator[Solid]:
+    wide, high, deep = (0.2, 0.95, 0.28) if kind == "tower" else (0.17, 0.28, 0.2)
+    yield rounded("wood", (wide, high, deep), (0.0, 0.02, 0.0), 0.008, 1)
+    for k, r in enumerate((0.07, 0.07, 0.035) if kind == "tower" else (0.06, 0.03)):
+        y = (0.45, 0.65, 0.83)[k] if kind == "tower" else (0.11, 0.22)[k]
+        yield from _cone(r, 0.0, y, deep / 2 + 0.002)
+    for x in (-0.4, 0.4):
+        yield cylinder("black", 0.012, 0.02, (x * wide, 0.0, 0.3 * deep), sides=10)
+        yield cylinder("black", 0.012, 0.02, (x * wide, 0.0, -0.3 * deep), sides=10)
+
+
+def _sound_bar() -> Iterator[Solid]:
+    yield rounded("black", (0.9, 0.06, 0.08), (0.0, 0.006, 0.0), 0.02, 3)
+    for i in range(40):
+        yield box("gray", (0.003, 0.045, 0.004), (-0.42 + 0.0215 * i, 0.014, 0.039))
+
+
+def _ball_speaker() -> Iterator[Solid]:
+    yield ball("textile", 0.11, (0.0, 0.11, 0.0), 22, 14)
+    yield turned("white", [(0.06, 0.0), (0.08, 0.02), (0.06, 0.03)], sides=20, steps=1)
+    yield disc("white", 0.05, 0.006, (0.0, 0.11, 0.107), 20)
+
+
+def _radio() -> Iterator[Solid]:
+    yield rounded("wood", (0.34, 0.2, 0.13), (0.0, 0.01, 0.0), 0.025, 3)
+    yield rounded("cream", (0.3, 0.16, 0.01), (0.0, 0.03, 0.062), 0.004, 1)
+    for i in range(11):
+        yield box("brown", (0.006, 0.12, 0.006), (-0.13 + 0.015 * i, 0.05, 0.067))
+    for y in (0.07, 0.14):
+        yield disc("brass", 0.02, 0.018, (0.1, y, 0.066), 16)
+    yield tube(
+        "brass",
+        fillet([(-0.12, 0.2, 0.0), (-0.12, 0.26, 0.0), (0.12, 0.26, 0.0), (0.12, 0.2, 0.0)], 0.03),
+        0.006,
+        6,
+    )
+    yield rod("chrome", (0.15, 0.2, -0.04), (0.24, 0.42, -0.04), 0.002, sides=5)
+
+
+def _smart_speaker() -> Iterator[Solid]:
+    yield turned("gray", [(0.045, 0.0), (0.05, 0.01), (0.05, 0.14), (0.046, 0.15)], sides=24, steps=1)
+    yield ring("blue", 0.044, 0.005, (0.0, 0.15, 0.0), 1, 24)
+    for k in range(7):
+        yield ring("black", 0.0505, 0.003, (0.0, 0.025 + 0.015 * k, 0.0), 1, 24)
+
+
+_SPEAKER_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+    "tower": partial(_box_speaker, "tower"),
+    "small": partial(_box_speaker, "small"),
+    "bar": _sound_bar,
+    "ball": _ball_speaker,
+    "radio": _radio,
+    "smart": _smart_speaker,
+}
+
+
 def speaker(kind: str = "tower") -> Iterator[Solid]:
     """A loudspeaker: tall, small, a bar, a ball, a radio, a smart one."""
-
-    def cone(r: float, x: float, y: float, z: float) -> Iterator[Solid]:
-        yield ring("gray", r, 0.014, (x, y, z), 2, 24)
-        yield disc("black", 0.96 * r, 0.006, (x, y, z - 0.004), 24)
-        yield ball("gray", (0.3 * r, 0.3 * r, 0.02), (x, y, z), 12, 6)
-
-    if kind in ("tower", "small"):
-        wide, high, deep = (0.2, 0.95, 0.28) if kind == "tower" else (0.17, 0.28, 0.2)
-        yield rounded("wood", (wide, high, deep), (0.0, 0.02, 0.0), 0.008, 1)
-        for k, r in enumerate((0.07, 0.07, 0.035) if kind == "tower" else (0.06, 0.03)):
-            y = (0.45, 0.65, 0.83)[k] if kind == "tower" else (0.11, 0.22)[k]
-            yield from cone(r, 0.0, y, deep / 2 + 0.002)
-        for x in (-0.4, 0.4):
-            yield cylinder("black", 0.012, 0.02, (x * wide, 0.0, 0.3 * deep), sides=10)
-            yield cylinder("black", 0.012, 0.02, (x * wide, 0.0, -0.3 * deep), sides=10)
-    elif kind == "bar":
-        yield rounded("black", (0.9, 0.06, 0.08), (0.0, 0.006, 0.0), 0.02, 3)
-        for i in range(40):
-            yield box("gray", (0.003, 0.045, 0.004), (-0.42 + 0.0215 * i, 0.014, 0.039))
-    elif kind == "ball":
-        yield ball("textile", 0.11, (0.0, 0.11, 0.0), 22, 14)
-        yield turned("white", [(0.06, 0.0), (0.08, 0.02), (0.06, 0.03)], sides=20, steps=1)
-        yield disc("white", 0.05, 0.006, (0.0, 0.11, 0.107), 20)
-    elif kind == "radio":
-        yield rounded("wood", (0.34, 0.2, 0.13), (0.0, 0.01, 0.0), 0.025, 3)
-        yield rounded("cream", (0.3, 0.16, 0.01), (0.0, 0.03, 0.062), 0.004, 1)
-        for i in range(11):
-            yield box("brown", (0.006, 0.12, 0.006), (-0.13 + 0.015 * i, 0.05, 0.067))
-        for y in (0.07, 0.14):
-            yield disc("brass", 0.02, 0.018, (0.1, y, 0.066), 16)
-        yield tube(
-            "brass",
-            fillet([(-0.12, 0.2, 0.0), (-0.12, 0.26, 0.0), (0.12, 0.26, 0.0), (0.12, 0.2, 0.0)], 0.03),
-            0.006,
-            6,
-        )
-        yield rod("chrome", (0.15, 0.2, -0.04), (0.24, 0.42, -0.04), 0.002, sides=5)
-    else:
-        yield turned("gray", [(0.045, 0.0), (0.05, 0.01), (0.05, 0.14), (0.046, 0.15)], sides=24, steps=1)
-        yield ring("blue", 0.044, 0.005, (0.0, 0.15, 0.0), 1, 24)
-        for k in range(7):
-            yield ring("black", 0.0505, 0.003, (0.0, 0.025 + 0.015 * k, 0.0), 1, 24)
+    yield from _SPEAKER_KINDS[kind]()
 
 
 def stereo(kind: str = "rack") -> Iterator[Solid]:
@@ -164,52 +186,64 @@ def console(kind: str = "upright") -> Iterator[Solid]:
         yield cylinder("black", 0.01, 0.018, (x + s * 0.022, 0.034, 0.062), sides=12)
 
 
+def _dial_telephone() -> Iterator[Solid]:
+    yield turned("bright", [(0.11, 0.0), (0.105, 0.03), (0.06, 0.09), (0.05, 0.1)], sides=20, steps=3)
+    yield rotate(cylinder("cream", 0.05, 0.012, (0.0, 0.07, 0.045), sides=24), 0, 0.75, (0.0, 0.07, 0.045))
+    for i in range(10):
+        a = 0.5 + 0.5 * i
+        yield rotate(
+            cylinder("black", 0.008, 0.014, (0.036 * np.cos(a), 0.07, 0.045 + 0.036 * np.sin(a)), sides=10),
+            0,
+            0.75,
+            (0.0, 0.07, 0.045),
+        )
+    yield tube(
+        "bright",
+        fillet([(-0.12, 0.115, -0.01), (-0.08, 0.15, -0.01), (0.08, 0.15, -0.01), (0.12, 0.115, -0.01)], 0.05, 4),
+        0.016,
+        10,
+    )
+    for s in (-1, 1):
+        yield ball("bright", (0.032, 0.022, 0.032), (s * 0.115, 0.115, -0.01), 14, 8)
+
+
+def _cordless() -> Iterator[Solid]:
+    yield rounded("black", (0.09, 0.04, 0.1), (0.0, 0.0, 0.0), 0.015, 2)
+    handset = [
+        rounded("black", (0.05, 0.17, 0.026), (0.0, 0.02, 0.0), 0.012, 3),
+        box("tint", (0.034, 0.03, 0.002), (0.0, 0.13, 0.013)),
+    ]
+    handset += [
+        rounded("gray", (0.01, 0.008, 0.004), ((i - 1) * 0.013, 0.055 + 0.016 * j, 0.012), 0.002, 1)
+        for i in range(3)
+        for j in range(4)
+    ]
+    yield from (rotate(p, 0, -0.25, (0.0, 0.02, 0.0)) for p in handset)
+
+
+def _desk_telephone() -> Iterator[Solid]:
+    yield prism("black", [(-0.09, 0.0), (0.1, 0.0), (0.1, 0.02), (-0.09, 0.09)], 0.19, (0.0, 0.0, 0.0), "side")
+    yield move(rotate(rounded("black", (0.05, 0.045, 0.2), (0.0, 0.0, 0.0), 0.018, 3), 0, 0.35), (-0.06, 0.065, 0.0))
+    for i in range(3):
+        for j in range(4):
+            yield rotate(
+                rounded("gray", (0.02, 0.012, 0.016), (0.0 + 0.027 * i, 0.058, -0.005 + 0.022 * j), 0.004, 1),
+                0,
+                0.35,
+                (0.0, 0.058, 0.0),
+            )
+
+
+_TELEPHONE_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+    "dial": _dial_telephone,
+    "cordless": _cordless,
+    "desk": _desk_telephone,
+}
+
+
 def telephone(kind: str = "dial") -> Iterator[Solid]:
     """An old telephone with a dial, a cordless one, a desk set."""
-    if kind == "dial":
-        yield turned("bright", [(0.11, 0.0), (0.105, 0.03), (0.06, 0.09), (0.05, 0.1)], sides=20, steps=3)
-        yield rotate(cylinder("cream", 0.05, 0.012, (0.0, 0.07, 0.045), sides=24), 0, 0.75, (0.0, 0.07, 0.045))
-        for i in range(10):
-            a = 0.5 + 0.5 * i
-            yield rotate(
-                cylinder("black", 0.008, 0.014, (0.036 * np.cos(a), 0.07, 0.045 + 0.036 * np.sin(a)), sides=10),
-                0,
-                0.75,
-                (0.0, 0.07, 0.045),
-            )
-        yield tube(
-            "bright",
-            fillet([(-0.12, 0.115, -0.01), (-0.08, 0.15, -0.01), (0.08, 0.15, -0.01), (0.12, 0.115, -0.01)], 0.05, 4),
-            0.016,
-            10,
-        )
-        for s in (-1, 1):
-            yield ball("bright", (0.032, 0.022, 0.032), (s * 0.115, 0.115, -0.01), 14, 8)
-    elif kind == "cordless":
-        yield rounded("black", (0.09, 0.04, 0.1), (0.0, 0.0, 0.0), 0.015, 2)
-        handset = [
-            rounded("black", (0.05, 0.17, 0.026), (0.0, 0.02, 0.0), 0.012, 3),
-            box("tint", (0.034, 0.03, 0.002), (0.0, 0.13, 0.013)),
-        ]
-        handset += [
-            rounded("gray", (0.01, 0.008, 0.004), ((i - 1) * 0.013, 0.055 + 0.016 * j, 0.012), 0.002, 1)
-            for i in range(3)
-            for j in range(4)
-        ]
-        yield from (rotate(p, 0, -0.25, (0.0, 0.02, 0.0)) for p in handset)
-    else:
-        yield prism("black", [(-0.09, 0.0), (0.1, 0.0), (0.1, 0.02), (-0.09, 0.09)], 0.19, (0.0, 0.0, 0.0), "side")
-        yield move(
-            rotate(rounded("black", (0.05, 0.045, 0.2), (0.0, 0.0, 0.0), 0.018, 3), 0, 0.35), (-0.06, 0.065, 0.0)
-        )
-        for i in range(3):
-            for j in range(4):
-                yield rotate(
-                    rounded("gray", (0.02, 0.012, 0.016), (0.0 + 0.027 * i, 0.058, -0.005 + 0.022 * j), 0.004, 1),
-                    0,
-                    0.35,
-                    (0.0, 0.058, 0.0),
-                )
+    yield from _TELEPHONE_KINDS[kind]()
 
 
 def slab(kind: str = "phone") -> Iterator[Solid]:
@@ -308,9 +342,7 @@ def camera(kind: str = "camera") -> Iterator[Solid]:
         yield disc("glass", 0.024, 0.004, (0.0, 0.04, 0.086), 20)
         yield cylinder("chrome", 0.012, 0.012, (0.045, 0.08, 0.0), sides=14)
         return
-    yield from (
-        p for p in around([rod("black", (0.0, 0.0, 0.42), (0.0, 0.95, 0.03), 0.013, 0.018)], 3) if isinstance(p, Solid)
-    )
+    yield from around([rod("black", (0.0, 0.0, 0.42), (0.0, 0.95, 0.03), 0.013, 0.018)], 3)
     yield cylinder("black", 0.04, 0.09, (0.0, 0.93, 0.0), sides=14)
     for z0, z1, r in ((-0.35, -0.2, 0.018), (-0.2, 0.1, 0.03), (0.1, 0.45, 0.042)):
         yield tube("white", [(0.0, 1.1 + 0.35 * z0, z0), (0.0, 1.1 + 0.35 * z1, z1)], r, 14)

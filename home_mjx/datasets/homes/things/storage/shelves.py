@@ -327,31 +327,19 @@ def coat_stand(kind: str = "tree") -> Iterator[Solid]:
             tube("wood", fillet([(0.0, 1.52, 0.0), (0.0, 1.5, 0.12), (0.0, 1.62, 0.17)], 0.05), 0.01),
             ball("brass", 0.016, (0.0, 1.63, 0.17), 8, 4),
         ]
-        yield from (p for p in around(hook, 6) if isinstance(p, Solid))
-        yield from (
-            p
-            for p in around(
-                [tube("wood", fillet([(0.0, 1.2, 0.0), (0.0, 1.18, 0.1), (0.0, 1.27, 0.14)], 0.04), 0.009)], 4, 0.4
-            )
-            if isinstance(p, Solid)
+        yield from around(hook, 6)
+        yield from around(
+            [tube("wood", fillet([(0.0, 1.2, 0.0), (0.0, 1.18, 0.1), (0.0, 1.27, 0.14)], 0.04), 0.009)], 4, 0.4
         )
     else:
-        yield from (
-            p
-            for p in around([rod("wood", (0.0, 0.0, 0.26), (0.1, 1.72, -0.12), 0.018, 0.013)], 3)
-            if isinstance(p, Solid)
-        )
-        yield from (
-            p
-            for p in around(
-                [
-                    rod("wood", (0.0, 1.3, 0.0), (0.02, 1.38, 0.14), 0.009),
-                    rod("wood", (0.0, 1.52, 0.0), (0.02, 1.58, 0.12), 0.009),
-                ],
-                3,
-                1.0,
-            )
-            if isinstance(p, Solid)
+        yield from around([rod("wood", (0.0, 0.0, 0.26), (0.1, 1.72, -0.12), 0.018, 0.013)], 3)
+        yield from around(
+            [
+                rod("wood", (0.0, 1.3, 0.0), (0.02, 1.38, 0.14), 0.009),
+                rod("wood", (0.0, 1.52, 0.0), (0.02, 1.58, 0.12), 0.009),
+            ],
+            3,
+            1.0,
         )
         yield ring("brass", 0.08, 0.012, (0.0, 0.95, 0.0), 1, 16)
     coat = [
