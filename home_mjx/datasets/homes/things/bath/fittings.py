@@ -254,77 +254,108 @@ def _head(x: float, z: float, top: float, rain: bool = False) -> Iterator[Solid]
     )
 
 
-def shower(kind: str = "square", size: float = 0.9) -> Iterator[Solid]:
-    """A cabin: square, a quarter circle, a walk-in screen, with a curtain, or between walls of glass blocks."""
-    half, top = size / 2, 2.0
-    if kind == "round":
-        arc = [(-half + size * np.cos(a), -half + size * np.sin(a)) for a in np.linspace(0, np.pi / 2, 14)]
-        outline = np.array([(-half, -half), *arc])
-        yield prism("ceramic", outline, 0.1, (0.0, 0.0, 0.0), "top")
+_TOP = 2.0  # [m], of a cabin
 
-        def pane(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, ...]:
-            a = 0.06 + 1.45 * u
-            return -half + 0.98 * size * np.cos(a), 0.1 + 1.88 * v, -half + 0.98 * size * np.sin(a)
 
-        yield surface("glass", pane, 14, 1, 0.008)
-        for y in (0.11, top - 0.03):
-            yield tube(
-                "chrome",
-                [
-                    (-half + 0.98 * size * np.cos(a), y, -half + 0.98 * size * np.sin(a))
-                    for a in np.linspace(0.02, 1.55, 14)
-                ],
-                0.014,
-            )
-    else:
-        yield tub("ceramic", [(0.0, size, size, 0.0), (0.1, size, size, 0.0)], 0.05, 30.0, 32)
-        yield box("ceramic", (size - 0.08, 0.05, size - 0.08), (0.0, 0.02, 0.0))
-    if kind == "square":
-        for x in (-half + 0.012, half - 0.012):
-            yield rounded("chrome", (0.024, top - 0.1, 0.024), (x, 0.1, half - 0.012), 0.004, 1)
-        yield rounded("chrome", (0.024, top - 0.1, 0.024), (half - 0.012, 0.1, -half + 0.012), 0.004, 1)
-        yield box("glass", (size - 0.05, top - 0.14, 0.008), (0.0, 0.12, half - 0.012))
-        yield box("glass", (0.008, top - 0.14, size - 0.05), (half - 0.012, 0.12, 0.0))
-        yield rounded("chrome", (size, 0.03, 0.024), (0.0, top - 0.03, half - 0.012), 0.004, 1)
-        yield rounded("chrome", (0.024, 0.03, size), (half - 0.012, top - 0.03, 0.0), 0.004, 1)
-        yield rod("chrome", (0.05, 0.9, half + 0.02), (0.05, 1.2, half + 0.02), 0.008)
-    elif kind == "screen":
-        yield box("glass", (0.01, top - 0.1, size - 0.02), (half - 0.02, 0.1, 0.0))
-        yield rod("chrome", (half - 0.02, top, half - 0.05), (-half + 0.02, top, half - 0.05), 0.009)
-        yield rounded("chrome", (0.02, 0.02, size), (half - 0.02, 0.1, 0.0), 0.004, 1)
-    elif kind == "curtain":
+def _tray(size: float) -> Iterator[Solid]:
+    yield tub("ceramic", [(0.0, size, size, 0.0), (0.1, size, size, 0.0)], 0.05, 30.0, 32)
+    yield box("ceramic", (size - 0.08, 0.05, size - 0.08), (0.0, 0.02, 0.0))
+
+
+def _round_cabin(size: float) -> Iterator[Solid]:
+    half = size / 2
+    arc = [(-half + size * np.cos(a), -half + size * np.sin(a)) for a in np.linspace(0, np.pi / 2, 14)]
+    outline = np.array([(-half, -half), *arc])
+    yield prism("ceramic", outline, 0.1, (0.0, 0.0, 0.0), "top")
+
+    def pane(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, ...]:
+        a = 0.06 + 1.45 * u
+        return -half + 0.98 * size * np.cos(a), 0.1 + 1.88 * v, -half + 0.98 * size * np.sin(a)
+
+    yield surface("glass", pane, 14, 1, 0.008)
+    for y in (0.11, _TOP - 0.03):
         yield tube(
             "chrome",
-            fillet(
-                [(-half + 0.02, top, half - 0.04), (half - 0.04, top, half - 0.04), (half - 0.04, top, -half + 0.02)],
-                0.12,
-                5,
-            ),
-            0.011,
+            [
+                (-half + 0.98 * size * np.cos(a), y, -half + 0.98 * size * np.sin(a))
+                for a in np.linspace(0.02, 1.55, 14)
+            ],
+            0.014,
         )
-        yield surface(
-            "patterned",
-            lambda u, v: ((u - 0.5) * (size - 0.1), 0.16 + 1.82 * v, half - 0.04 + 0.03 * np.sin(30 * u)),
-            60,
-            3,
-            0.004,
-        )
-        yield surface(
-            "patterned",
-            lambda u, v: (half - 0.04 + 0.03 * np.sin(16 * u), 0.16 + 1.82 * v, half - 0.08 - u * 0.4),
-            30,
-            3,
-            0.004,
-        )
-    elif kind == "blocks":
-        for i in range(9):
-            for j in range(4):
-                yield rounded(
-                    "glass", (0.08, 0.2, 0.2), (half - 0.04, 0.1 + 0.205 * i, -half + 0.12 + 0.205 * j), 0.02, 1
-                )
-    yield from _head(
-        -half + 0.06, -half + 0.06, 2.05 if kind != "screen" else 2.1, kind in ("screen", "blocks", "round")
+
+
+def _square_cabin(size: float) -> Iterator[Solid]:
+    half = size / 2
+    yield from _tray(size)
+    for x in (-half + 0.012, half - 0.012):
+        yield rounded("chrome", (0.024, _TOP - 0.1, 0.024), (x, 0.1, half - 0.012), 0.004, 1)
+    yield rounded("chrome", (0.024, _TOP - 0.1, 0.024), (half - 0.012, 0.1, -half + 0.012), 0.004, 1)
+    yield box("glass", (size - 0.05, _TOP - 0.14, 0.008), (0.0, 0.12, half - 0.012))
+    yield box("glass", (0.008, _TOP - 0.14, size - 0.05), (half - 0.012, 0.12, 0.0))
+    yield rounded("chrome", (size, 0.03, 0.024), (0.0, _TOP - 0.03, half - 0.012), 0.004, 1)
+    yield rounded("chrome", (0.024, 0.03, size), (half - 0.012, _TOP - 0.03, 0.0), 0.004, 1)
+    yield rod("chrome", (0.05, 0.9, half + 0.02), (0.05, 1.2, half + 0.02), 0.008)
+
+
+def _screen(size: float) -> Iterator[Solid]:
+    half = size / 2
+    yield from _tray(size)
+    yield box("glass", (0.01, _TOP - 0.1, size - 0.02), (half - 0.02, 0.1, 0.0))
+    yield rod("chrome", (half - 0.02, _TOP, half - 0.05), (-half + 0.02, _TOP, half - 0.05), 0.009)
+    yield rounded("chrome", (0.02, 0.02, size), (half - 0.02, 0.1, 0.0), 0.004, 1)
+
+
+def _curtained(size: float) -> Iterator[Solid]:
+    half = size / 2
+    yield from _tray(size)
+    yield tube(
+        "chrome",
+        fillet(
+            [(-half + 0.02, _TOP, half - 0.04), (half - 0.04, _TOP, half - 0.04), (half - 0.04, _TOP, -half + 0.02)],
+            0.12,
+            5,
+        ),
+        0.011,
     )
+    yield surface(
+        "patterned",
+        lambda u, v: ((u - 0.5) * (size - 0.1), 0.16 + 1.82 * v, half - 0.04 + 0.03 * np.sin(30 * u)),
+        60,
+        3,
+        0.004,
+    )
+    yield surface(
+        "patterned",
+        lambda u, v: (half - 0.04 + 0.03 * np.sin(16 * u), 0.16 + 1.82 * v, half - 0.08 - u * 0.4),
+        30,
+        3,
+        0.004,
+    )
+
+
+def _glass_blocks(size: float) -> Iterator[Solid]:
+    half = size / 2
+    yield from _tray(size)
+    for i in range(9):
+        for j in range(4):
+            yield rounded("glass", (0.08, 0.2, 0.2), (half - 0.04, 0.1 + 0.205 * i, -half + 0.12 + 0.205 * j), 0.02, 1)
+
+
+# Its walls; whether its head is a wide one; the height of that [m].
+_SHOWERS: dict[str, tuple[Callable[[float], Iterator[Solid]], bool, float]] = {
+    "square": (_square_cabin, False, 2.05),
+    "round": (_round_cabin, True, 2.05),
+    "screen": (_screen, True, 2.1),
+    "curtain": (_curtained, False, 2.05),
+    "blocks": (_glass_blocks, True, 2.05),
+}
+
+
+def shower(kind: str = "square", size: float = 0.9) -> Iterator[Solid]:
+    """A cabin: square, a quarter circle, a walk-in screen, with a curtain, or between walls of glass blocks."""
+    walls, rain, high = _SHOWERS[kind]
+    yield from walls(size)
+    yield from _head(-size / 2 + 0.06, -size / 2 + 0.06, high, rain)
 
 
 TOILETS = (*(design(toilet, kind=kind) for kind in ("tank", "hung", "high", "one")), design(bidet))

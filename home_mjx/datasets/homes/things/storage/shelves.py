@@ -305,43 +305,52 @@ def wine_rack(columns: int = 4, rows: int = 5) -> Iterator[Solid]:
                 )
 
 
-def coat_stand(kind: str = "tree") -> Iterator[Solid]:
-    """A post with hooks, a bent tripod, or a rail with clothes."""
-    if kind == "rail":
-        for s in (-1, 1):
-            yield tube("iron", fillet([(s * 0.45, 0.03, -0.22), (s * 0.45, 0.03, 0.22)], 0.01), 0.014)
-            yield rod("iron", (s * 0.45, 0.03, 0.0), (s * 0.45, 1.5, 0.0), 0.014)
-            for z in (-0.2, 0.2):
-                yield ball("rubber", 0.025, (s * 0.45, 0.025, z), 10, 6)
-        yield rod("iron", (-0.5, 1.5, 0.0), (0.5, 1.5, 0.0), 0.014)
-        for i in range(7):
-            yield from garment(f"textile_{i % 5}", -0.33 + 0.11 * i, 1.5, 0.7 + 0.06 * (i % 4))
-        return
-    if kind == "tree":
-        yield turned(
-            "wood",
-            [(0.2, 0.0), (0.19, 0.03), (0.04, 0.06), (0.025, 0.2), (0.022, 1.6), (0.03, 1.68), (0.005, 1.74)],
-            sides=14,
-        )
-        hook = [
-            tube("wood", fillet([(0.0, 1.52, 0.0), (0.0, 1.5, 0.12), (0.0, 1.62, 0.17)], 0.05), 0.01),
-            ball("brass", 0.016, (0.0, 1.63, 0.17), 8, 4),
-        ]
-        yield from around(hook, 6)
-        yield from around(
-            [tube("wood", fillet([(0.0, 1.2, 0.0), (0.0, 1.18, 0.1), (0.0, 1.27, 0.14)], 0.04), 0.009)], 4, 0.4
-        )
-    else:
-        yield from around([rod("wood", (0.0, 0.0, 0.26), (0.1, 1.72, -0.12), 0.018, 0.013)], 3)
-        yield from around(
-            [
-                rod("wood", (0.0, 1.3, 0.0), (0.02, 1.38, 0.14), 0.009),
-                rod("wood", (0.0, 1.52, 0.0), (0.02, 1.58, 0.12), 0.009),
-            ],
-            3,
-            1.0,
-        )
-        yield ring("brass", 0.08, 0.012, (0.0, 0.95, 0.0), 1, 16)
+def clothes_rail() -> Iterator[Solid]:
+    """A rail with clothes on hangers."""
+    for s in (-1, 1):
+        yield tube("iron", fillet([(s * 0.45, 0.03, -0.22), (s * 0.45, 0.03, 0.22)], 0.01), 0.014)
+        yield rod("iron", (s * 0.45, 0.03, 0.0), (s * 0.45, 1.5, 0.0), 0.014)
+        for z in (-0.2, 0.2):
+            yield ball("rubber", 0.025, (s * 0.45, 0.025, z), 10, 6)
+    yield rod("iron", (-0.5, 1.5, 0.0), (0.5, 1.5, 0.0), 0.014)
+    for i in range(7):
+        yield from garment(f"textile_{i % 5}", -0.33 + 0.11 * i, 1.5, 0.7 + 0.06 * (i % 4))
+
+
+def coat_tree() -> Iterator[Solid]:
+    """A post with bent hooks and a coat."""
+    yield turned(
+        "wood",
+        [(0.2, 0.0), (0.19, 0.03), (0.04, 0.06), (0.025, 0.2), (0.022, 1.6), (0.03, 1.68), (0.005, 1.74)],
+        sides=14,
+    )
+    hook = [
+        tube("wood", fillet([(0.0, 1.52, 0.0), (0.0, 1.5, 0.12), (0.0, 1.62, 0.17)], 0.05), 0.01),
+        ball("brass", 0.016, (0.0, 1.63, 0.17), 8, 4),
+    ]
+    yield from around(hook, 6)
+    yield from around(
+        [tube("wood", fillet([(0.0, 1.2, 0.0), (0.0, 1.18, 0.1), (0.0, 1.27, 0.14)], 0.04), 0.009)], 4, 0.4
+    )
+    yield _coat()
+
+
+def coat_tripod() -> Iterator[Solid]:
+    """Three crossed poles and a coat."""
+    yield from around([rod("wood", (0.0, 0.0, 0.26), (0.1, 1.72, -0.12), 0.018, 0.013)], 3)
+    yield from around(
+        [
+            rod("wood", (0.0, 1.3, 0.0), (0.02, 1.38, 0.14), 0.009),
+            rod("wood", (0.0, 1.52, 0.0), (0.02, 1.58, 0.12), 0.009),
+        ],
+        3,
+        1.0,
+    )
+    yield ring("brass", 0.08, 0.012, (0.0, 0.95, 0.0), 1, 16)
+    yield _coat()
+
+
+def _coat() -> Solid:
     coat = [
         (0.0, 0.0),
         (0.16, -0.1),
@@ -353,7 +362,7 @@ def coat_stand(kind: str = "tree") -> Iterator[Solid]:
         (-0.22, -0.5),
         (-0.16, -0.1),
     ]
-    yield prism("textile", fillet([(x, 1.56 + y) for x, y in coat], 0.03, 2, True), 0.07, (0.0, 0.0, 0.16))
+    return prism("textile", fillet([(x, 1.56 + y) for x, y in coat], 0.03, 2, True), 0.07, (0.0, 0.0, 0.16))
 
 
 def hook_board(width: float = 0.8, shelf: bool = False) -> Iterator[Solid]:
@@ -381,16 +390,13 @@ def hook_board(width: float = 0.8, shelf: bool = False) -> Iterator[Solid]:
     )
 
 
-def trolley(kind: str = "tea") -> Iterator[Solid]:
-    """A serving trolley: with a tray of cups, with bottles, or of plastic baskets."""
-    wide, deep, levels = (0.7, 0.42, (0.2, 0.72)) if kind != "baskets" else (0.42, 0.34, (0.12, 0.42, 0.72))
-    slot = {"tea": "wood", "bar": "brass", "baskets": "paint"}[kind]
+def _trolley(slot: str, board: str, wide: float, deep: float, levels: tuple[float, ...]) -> Iterator[Solid]:
     for x, z in corners(wide, deep):
         yield rod(slot, (x, 0.05, z), (x, levels[-1] + 0.08, z), 0.013)
         wheel = rotate(cylinder("rubber", 0.03, 0.02, (0.0, -0.01, 0.0), sides=12), 2, np.pi / 2)
         yield move(wheel, (x, 0.03, z))
     for y in levels:
-        yield rounded("glass" if kind == "bar" else slot, (wide, 0.015, deep), (0.0, y, 0.0), 0.004, 1)
+        yield rounded(board, (wide, 0.015, deep), (0.0, y, 0.0), 0.004, 1)
         for s in (-1, 1):
             yield rod(slot, (-wide / 2, y + 0.06, s * deep / 2), (wide / 2, y + 0.06, s * deep / 2), 0.007, sides=6)
             yield rod(slot, (s * wide / 2, y + 0.06, -deep / 2), (s * wide / 2, y + 0.06, deep / 2), 0.007, sides=6)
@@ -407,40 +413,54 @@ def trolley(kind: str = "tea") -> Iterator[Solid]:
         ),
         0.01,
     )
-    top = levels[-1] + 0.015
-    if kind == "bar":
-        for i in range(4):
-            yield turned(
-                ("green", "tint", "brown", "tint_1")[i],
-                [(0.035, 0.0), (0.037, 0.16), (0.013, 0.21), (0.013, 0.28)],
-                (-0.22 + 0.1 * i, top, -0.08),
-                12,
-                2,
-            )
-        for i in range(3):
-            yield vessel(
-                "glass",
-                [(0.028, 0.0), (0.006, 0.008), (0.006, 0.07), (0.035, 0.1), (0.032, 0.16)],
-                0.003,
-                (-0.1 + 0.12 * i, top, 0.1),
-                12,
-                2,
-            )
-    elif kind == "tea":
-        for i in range(2):
-            yield vessel(
-                "crockery", [(0.022, 0.0), (0.04, 0.03), (0.042, 0.06)], 0.004, (0.08 + 0.16 * i, top, 0.06), 14, 2
-            )
+
+
+def bar_trolley() -> Iterator[Solid]:
+    """A serving trolley with bottles and glasses."""
+    yield from _trolley("brass", "glass", 0.7, 0.42, (0.2, 0.72))
+    top = 0.72 + 0.015
+    for i in range(4):
         yield turned(
-            "crockery",
-            [(0.05, 0.0), (0.085, 0.05), (0.06, 0.11), (0.02, 0.12), (0.012, 0.14)],
-            (-0.15, top, 0.0),
-            16,
+            ("green", "tint", "brown", "tint_1")[i],
+            [(0.035, 0.0), (0.037, 0.16), (0.013, 0.21), (0.013, 0.28)],
+            (-0.22 + 0.1 * i, top, -0.08),
+            12,
             2,
         )
-    else:
-        for k, y in enumerate(levels):
-            yield rounded(f"bright_{k}", (0.3, 0.12, 0.24), (0.0, y + 0.016, 0.0), 0.03, 1)
+    for i in range(3):
+        yield vessel(
+            "glass",
+            [(0.028, 0.0), (0.006, 0.008), (0.006, 0.07), (0.035, 0.1), (0.032, 0.16)],
+            0.003,
+            (-0.1 + 0.12 * i, top, 0.1),
+            12,
+            2,
+        )
+
+
+def tea_trolley() -> Iterator[Solid]:
+    """A serving trolley with a pot and cups."""
+    yield from _trolley("wood", "wood", 0.7, 0.42, (0.2, 0.72))
+    top = 0.72 + 0.015
+    for i in range(2):
+        yield vessel(
+            "crockery", [(0.022, 0.0), (0.04, 0.03), (0.042, 0.06)], 0.004, (0.08 + 0.16 * i, top, 0.06), 14, 2
+        )
+    yield turned(
+        "crockery",
+        [(0.05, 0.0), (0.085, 0.05), (0.06, 0.11), (0.02, 0.12), (0.012, 0.14)],
+        (-0.15, top, 0.0),
+        16,
+        2,
+    )
+
+
+def basket_trolley() -> Iterator[Solid]:
+    """A trolley of plastic baskets."""
+    levels = (0.12, 0.42, 0.72)
+    yield from _trolley("paint", "paint", 0.42, 0.34, levels)
+    for k, y in enumerate(levels):
+        yield rounded(f"bright_{k}", (0.3, 0.12, 0.24), (0.0, y + 0.016, 0.0), 0.03, 1)
 
 
 def safe(height: float = 0.5) -> Iterator[Solid]:
@@ -470,9 +490,9 @@ SHELVING = (
     design(zigzag, width=0.6, height=1.4), design(metal_rack, width=1.2, height=2.0, depth=0.5), design(wall_cubes),
 )  # fmt: skip
 HANGERS = (
-    design(coat_stand),
-    design(coat_stand, kind="tripod"),
-    design(coat_stand, kind="rail"),
+    design(coat_tree),
+    design(coat_tripod),
+    design(clothes_rail),
     design(hook_board),
     design(hook_board, shelf=True, width=1.0),
 )
@@ -481,6 +501,6 @@ FAMILIES = (
     Family("bookshelf", "bookshelf", BOOKSHELVES),
     Family("shelving", "shelving", SHELVING),
     Family("hanger", "hanger", HANGERS),
-    Family("cart", "cart", (design(trolley), design(trolley, kind="bar"), design(trolley, kind="baskets"))),
+    Family("cart", "cart", (design(tea_trolley), design(bar_trolley), design(basket_trolley))),
     Family("safe", "safe", (design(safe), design(safe, height=0.8))),
 )
