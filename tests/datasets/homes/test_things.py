@@ -8,11 +8,11 @@ import trimesh
 
 from home_mjx.datasets.homes.shapes.normals import corner_normals
 from home_mjx.datasets.homes.things import library
-from home_mjx.datasets.homes.things.beds import frames
+from home_mjx.datasets.homes.things.beds import double
 from home_mjx.datasets.homes.things.categories import CATEGORIES
 from home_mjx.datasets.homes.things.finishes import FINISHES
 from home_mjx.datasets.homes.things.green import plants
-from home_mjx.datasets.homes.things.storage import shelves
+from home_mjx.datasets.homes.things.storage import bookshelves
 from home_mjx.datasets.procedural.primitives.solids import box
 from home_mjx.datasets.suncg.formats.obj import read_obj
 from home_mjx.datasets.suncg.formats.texture_paths import Textures
@@ -225,7 +225,7 @@ def test_doors_shut_by_a_turn():
 
 
 def test_same_models_twice():
-    for family in (plants.FAMILIES[0], frames.FAMILIES[0], shelves.FAMILIES[0]):
+    for family in (plants.FAMILIES[0], double.FAMILIES[0], bookshelves.FAMILIES[0]):
         for model in family.models():
             assert obj_text(model.mesh, "x") == obj_text(library()[model.id].mesh, "x"), model.id
 
