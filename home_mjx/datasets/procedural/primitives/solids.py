@@ -42,7 +42,8 @@ def project_uv(vertices: Float[np.ndarray, "v 3"], faces: Int[np.ndarray, "f 3"]
     normal = _cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     axis = np.abs(normal).argmax(-1)
     extent = (vertices.max(0) - vertices.min(0)).tolist()
-    columns = np.array([sorted(pair, key=lambda i: -extent[i]) for pair in ((2, 1), (0, 2), (0, 1))])[axis]
+    planes = ((2, 1), (0, 2), (0, 1))
+    columns = np.array([(a, b) if extent[a] >= extent[b] else (b, a) for a, b in planes])[axis]
     return np.take_along_axis(corners, columns[:, None, :], -1)
 
 
