@@ -2,6 +2,7 @@
 
 from collections import defaultdict
 
+import jaxtyping
 import numpy as np
 import pytest
 import trimesh
@@ -101,6 +102,19 @@ SIZES = {
     "window": ((0.6, 0.7, 0.05), (2.1, 1.6, 0.25)),
 }
 FEWEST, MOST = 40, 6000  # triangles; boxes of boards have few
+
+
+@pytest.fixture(autouse=True, scope="module")
+def models():
+    """The library, built once, without the checks of annotations, which take half of the time.
+
+    `test_same_models_twice` builds some families with them.
+    """
+    jaxtyping.config.update("jaxtyping_disable", True)
+    try:
+        return library()
+    finally:
+        jaxtyping.config.update("jaxtyping_disable", False)
 
 
 def meshes(model):
