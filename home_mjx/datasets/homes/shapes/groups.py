@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from typing import overload
 
 import numpy as np
 
@@ -42,6 +43,10 @@ def mirrored(pieces: Iterable[Solid]) -> Iterator[Solid]:
         yield replace(piece, vertices=piece.vertices * (-1, 1, 1), faces=piece.faces[:, ::-1], uv=piece.uv[:, ::-1])
 
 
+@overload
+def around(pieces: Iterable[Solid], count: int, start: float = 0.0) -> Iterator[Solid]: ...
+@overload
+def around(pieces: Iterable[Piece], count: int, start: float = 0.0) -> Iterator[Piece]: ...
 def around(pieces: Iterable[Piece], count: int, start: float = 0.0) -> Iterator[Piece]:
     """Copies of pieces turned about the vertical axis, in equal steps from an angle on [rad]."""
     kept = list(pieces)

@@ -1,6 +1,7 @@
 """Solids made by moving an outline along a path or straight through a board."""
 
 from collections.abc import Sequence
+from functools import cache
 from typing import Literal
 
 import numpy as np
@@ -19,6 +20,13 @@ def triangulate(outline: Float[np.ndarray, "n 2"]) -> Int[np.ndarray, "_ 3"]:
         >>> triangulate(np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])).tolist()
         [[3, 0, 1], [1, 2, 3]]
     """
+    return _ears(outline.tobytes(), str(outline.dtype))
+
+
+@cache
+def _ears(outline_bytes: bytes, dtype: str) -> Int[np.ndarray, "_ 3"]:
+    """The triangles; sections of bars return thousands of times."""
+    outline = np.frombuffer(outline_bytes, dtype).reshape(-1, 2)
     x, y = outline.T
     turn = 1.0 if (x * np.roll(y, -1) - np.roll(x, -1) * y).sum() > 0 else -1.0
     left, ears = list(range(len(outline))), []
@@ -26,7 +34,9 @@ def triangulate(outline: Float[np.ndarray, "n 2"]) -> Int[np.ndarray, "_ 3"]:
         k = next((k for k in range(len(left)) if _is_ear(outline, left, k, turn)), 0)
         ears.append((left[k - 1], left[k], left[(k + 1) % len(left)]))
         left.pop(k)
-    return np.array([*ears, tuple(left)])
+    triangles = np.array([*ears, tuple(left)])
+    triangles.flags.writeable = False
+    return triangles
 
 
 def _is_ear(outline: np.ndarray, left: list[int], k: int, turn: float) -> bool:

@@ -5,30 +5,73 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from types import MappingProxyType
 
-from home_mjx.datasets.homes.things.bath import fittings, supplies
-from home_mjx.datasets.homes.things.beds import frames
-from home_mjx.datasets.homes.things.green import decor, plants, textiles
-from home_mjx.datasets.homes.things.kitchen import appliances, tableware, units
-from home_mjx.datasets.homes.things.lamps import lamps
-from home_mjx.datasets.homes.things.leisure import music, sport
-from home_mjx.datasets.homes.things.openings import doors, walls
-from home_mjx.datasets.homes.things.seats import armchairs, benches, chairs, sofas
-from home_mjx.datasets.homes.things.small import electronics, toys, wear
-from home_mjx.datasets.homes.things.storage import cabinets, shelves
-from home_mjx.datasets.homes.things.tables import coffee, desks, dining
+from home_mjx.datasets.homes.things.appliances import fridges, hot_drinks, mixers, ovens, washing
+from home_mjx.datasets.homes.things.bath import basins, bathtubs, mirrors, paper, showers, toiletries, toilets, towels
+from home_mjx.datasets.homes.things.beds import bunks, cots, double, single
+from home_mjx.datasets.homes.things.decor import books, candles, clocks, figures, ornaments, pictures, vases
+from home_mjx.datasets.homes.things.electronics import cleaning, gadgets, phones, screens, sound
+from home_mjx.datasets.homes.things.green import plants
+from home_mjx.datasets.homes.things.kitchen import cabinets, cookers, hanging, hoods, sinks
+from home_mjx.datasets.homes.things.lamps import ceiling, chandeliers, floor, outdoor, pendants, table, wall
+from home_mjx.datasets.homes.things.leisure import gym, music, pianos
+from home_mjx.datasets.homes.things.openings import arches, doors, windows
+from home_mjx.datasets.homes.things.outdoors import tools, yard
+from home_mjx.datasets.homes.things.seats import armchairs, benches, chairs, office, ottomans, patio, sofas, stools
+from home_mjx.datasets.homes.things.storage import (
+    bookshelves,
+    carts,
+    dressers,
+    hangers,
+    media,
+    nightstands,
+    shelves,
+    shoes,
+    wardrobes,
+)
+from home_mjx.datasets.homes.things.tables import coffee, desks, dining, vanities
+from home_mjx.datasets.homes.things.tableware import (
+    containers,
+    cups,
+    cutting,
+    food,
+    fruit,
+    glasses,
+    jugs,
+    mortar,
+    pans,
+    plates,
+)
+from home_mjx.datasets.homes.things.textiles import curtains, cushions, rugs, wear
+from home_mjx.datasets.homes.things.toys import baskets, bins, pets, toys
+from home_mjx.datasets.homes.things.vehicles import cars, cycles
+from home_mjx.datasets.homes.things.walls import coolers, fans, fences, fireplaces, heaters, partitions, switches
 from home_mjx.datasets.procedural.primitives.family import Furniture
 
 __all__ = ["family_models", "library"]
 
 _MODULES = (
-    *(chairs, armchairs, sofas, benches),
-    *(dining, coffee, desks),
-    *(frames, cabinets, shelves),
-    *(units, appliances, tableware),
-    *(fittings, supplies, lamps),
-    *(electronics, toys, wear),
-    *(plants, textiles, decor),
-    *(doors, walls, sport, music),
+    *(chairs, stools, armchairs, office, sofas, ottomans, benches, patio),
+    *(dining, coffee, desks, vanities),
+    *(double, single, cots, bunks),
+    *(wardrobes, dressers, nightstands, media, shoes),
+    *(bookshelves, shelves, hangers, carts),
+    *(cabinets, hanging, sinks, cookers, hoods),
+    *(fridges, washing, ovens, hot_drinks, mixers),
+    *(cups, plates, glasses, fruit, cutting, pans, jugs, containers, food, mortar),
+    *(toilets, basins, bathtubs, showers, towels, mirrors, paper, toiletries),
+    *(table, floor, pendants, chandeliers, ceiling, wall, outdoor),
+    *(screens, sound, phones, cleaning, gadgets),
+    *(toys, pets, bins, baskets),
+    wear,
+    plants,
+    *(curtains, rugs, cushions),
+    *(vases, pictures, clocks, books, figures, ornaments, candles),
+    *(doors, windows, arches),
+    *(heaters, fireplaces, partitions, fences, switches, coolers, fans),
+    gym,
+    *(cars, cycles),
+    *(tools, yard),
+    *(pianos, music),
 )
 
 

@@ -33,6 +33,11 @@ def design(build: Callable[..., Iterable[Solid | Bulb]], **parameters: Any) -> D
     return Design(build, parameters)
 
 
+def kinds_of(build: Callable[..., Iterable[Solid | Bulb]], *kinds: str) -> tuple[Design, ...]:
+    """The constructions of these kinds, each as its default measures make it."""
+    return tuple(design(build, kind=kind) for kind in kinds)
+
+
 @dataclass(frozen=True)
 class Family:
     """Things that can stand for one another.
@@ -62,7 +67,7 @@ class Family:
             yield self._model(f"home_{self.name}_{number}", number, made)
 
     def _model(self, model_id: str, number: int, made: Design) -> Furniture:
-        solids, bulbs = _built(made, {}, self.centred)
+        solids, bulbs, parts = _built(made, {}, self.centred)
         names = list(dict.fromkeys(str(solid.material) for solid in solids))
         slots = {name: self.finishes.get(name, name.rstrip("_0123456789")) for name in names}
         materials = tuple(
@@ -75,21 +80,23 @@ class Family:
         if self.closed is not None:
             shut = _built(made, self.closed, self.centred)[0]
             closed = _smooth(to_mesh(folder / f"{model_id}_0.obj", shut, names, materials))
-        parts = np.stack([solid.box for solid in solids])
         return Furniture(model_id, self.name, self.fine, slots, mesh, parts, tuple(map(_light, bulbs)), closed)
 
 
-def _built(made: Design, change: Mapping[str, Any], centred: bool) -> tuple[list[Solid], list[Bulb]]:
-    """Solids and bulbs of a design, its lowest point at height 0."""
+def _built(
+    made: Design, change: Mapping[str, Any], centred: bool
+) -> tuple[list[Solid], list[Bulb], Float[np.ndarray, "_ 2 3"]]:
+    """Solids and bulbs of a design, its lowest point at height 0, and the solids' bounding boxes."""
     pieces = list(made.build(**{**made.parameters, **change}))
     solids = [piece for piece in pieces if isinstance(piece, Solid)]
-    shift = _to_origin(solids, centred)
-    bulbs = [piece for piece in pieces if isinstance(piece, Bulb)]
-    return [move(solid, shift) for solid in solids], [_shifted(bulb, shift) for bulb in bulbs]
+    boxes = np.stack([solid.box for solid in solids])
+    shift = _to_origin(boxes, centred)
+    bulbs = [_shifted(piece, shift) for piece in pieces if isinstance(piece, Bulb)]
+    return [move(solid, shift) for solid in solids], bulbs, boxes + shift
 
 
-def _to_origin(solids: list[Solid], centred: bool) -> Float[np.ndarray, " 3"]:
-    low, high = np.min([s.box[0] for s in solids], 0), np.max([s.box[1] for s in solids], 0)
+def _to_origin(boxes: Float[np.ndarray, "_ 2 3"], centred: bool) -> Float[np.ndarray, " 3"]:
+    low, high = boxes[:, 0].min(0), boxes[:, 1].max(0)
     middle = (low + high) / 2 if centred else np.zeros(3)
     return -np.array([middle[0], low[1] if centred else 0.0, middle[2]])
 

@@ -30,13 +30,20 @@ class Solid:
         return np.stack([self.vertices.min(0), self.vertices.max(0)])
 
 
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """`np.cross` of rows of three, which takes most of its time to look at their shapes."""
+    (x, y, z), (u, v, w) = a.T, b.T
+    return np.array([y * w - z * v, z * u - x * w, x * v - y * u]).T
+
+
 def project_uv(vertices: Float[np.ndarray, "v 3"], faces: Int[np.ndarray, "f 3"]) -> Float[np.ndarray, "f 3 2"]:
     """UVs in metres by projecting each face along its dominant axis, u along the longer way, as wood grain runs."""
     corners = vertices[faces]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normal = _cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     axis = np.abs(normal).argmax(-1)
-    extent = np.ptp(vertices, axis=0)
-    columns = np.array([sorted(pair, key=lambda i: -extent[i]) for pair in ((2, 1), (0, 2), (0, 1))])[axis]
+    extent = (vertices.max(0) - vertices.min(0)).tolist()
+    planes = ((2, 1), (0, 2), (0, 1))
+    columns = np.array([(a, b) if extent[a] >= extent[b] else (b, a) for a, b in planes])[axis]
     return np.take_along_axis(corners, columns[:, None, :], -1)
 
 
@@ -49,7 +56,7 @@ def picture_uv(piece: Solid) -> Solid:
 def solid(material: str, vertices: Float[np.ndarray, "v 3"], faces: Int[np.ndarray, "f 3"]) -> Solid:
     """A solid with projected UVs whose faces are turned outwards if they are not."""
     corners = vertices[faces] - vertices.mean(0)
-    if np.einsum("fi,fi->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) < 0:
+    if np.einsum("fi,fi->", corners[:, 0], _cross(corners[:, 1], corners[:, 2])) < 0:
         faces = faces[:, ::-1]
     return Solid(vertices, faces, project_uv(vertices, faces), material)
 

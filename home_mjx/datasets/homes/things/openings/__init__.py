@@ -1,1 +1,1 @@
-"""Doors, windows, fences, screens, fireplaces, radiators: what belongs to walls."""
+"""Doors, windows, arches."""

@@ -1,4 +1,4 @@
-"""Armchairs and office chairs."""
+"""Armchairs."""
 
 from collections.abc import Iterator
 
@@ -8,7 +8,7 @@ from home_mjx.datasets.homes.shapes.curves import fillet, spline
 from home_mjx.datasets.homes.shapes.groups import around, mirrored
 from home_mjx.datasets.homes.shapes.sheets import surface
 from home_mjx.datasets.homes.shapes.soft import ball, pillow, rounded, soft
-from home_mjx.datasets.homes.shapes.swept import band, beam, prism, ring, rod, tube
+from home_mjx.datasets.homes.shapes.swept import band, beam, prism, rod, tube
 from home_mjx.datasets.homes.shapes.turned import turned
 from home_mjx.datasets.homes.things.family import Family, design
 from home_mjx.datasets.homes.things.joinery import LegKind, legs
@@ -100,11 +100,7 @@ def egg(width: float = 0.82) -> Iterator[Solid]:
     yield surface("upholstery", place, 18, 14, 0.05)
     yield soft("upholstery", (0.46, 0.11, 0.44), (0.0, 0.36, 0.03), 3.5, 6)
     yield cylinder("chrome", 0.03, 0.33, (0.0, 0.02, 0.0), sides=12)
-    yield from (
-        p
-        for p in around([beam("chrome", (0.0, 0.02, 0.0), (0.0, 0.012, 0.3), 0.05, 0.024)], 4, np.pi / 4)
-        if isinstance(p, Solid)
-    )
+    yield from around([beam("chrome", (0.0, 0.02, 0.0), (0.0, 0.012, 0.3), 0.05, 0.024)], 4, np.pi / 4)
 
 
 def rocker(width: float = 0.62) -> Iterator[Solid]:
@@ -227,119 +223,10 @@ def _closed_skin(material: str, points: np.ndarray) -> Solid:
     return welded(material, points.reshape(-1, 3), faces)
 
 
-def _star(material: str, reach: float = 0.3, casters: bool = True) -> Iterator[Solid]:
-    arm = [beam(material, (0.0, 0.09, 0.02), (0.0, 0.065, reach), 0.045, 0.03)]
-    if casters:
-        arm += [rotate(cylinder("black", 0.03, 0.036, (0.0, 0.0, 0.0), sides=12), 2, np.pi / 2)]
-        arm[1] = move(arm[1], (0.018, 0.03, reach - 0.02))
-    yield from (piece for piece in around(arm, 5) if isinstance(piece, Solid))
-
-
-def task(width: float = 0.5, mesh_back: bool = False, arms: bool = True, high: bool = False) -> Iterator[Solid]:
-    """A swivel chair on casters with a padded or a netted back."""
-    yield from _star("black")
-    yield cylinder("chrome", 0.025, 0.34, (0.0, 0.08, 0.0), sides=12)
-    yield rounded("black", (0.2, 0.05, 0.2), (0.0, 0.4, 0.0), 0.02, 1)
-    yield soft("upholstery", (width, 0.09, 0.5), (0.0, 0.44, 0.02), 5.0, 6)
-    yield beam("black", (0.0, 0.42, -0.18), (0.0, 0.62, -0.27), 0.08, 0.025)
-    top = 0.72 if high else 0.5
-
-    def place(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, ...]:
-        s = 2 * u - 1
-        wide = (width / 2 - 0.02) * (1 - 0.2 * v**3)
-        return s * wide, 0.54 + top * v, -0.24 - 0.08 * v - 0.03 * np.sin(np.pi * v) + 0.06 * s**2
-
-    yield surface("gray" if mesh_back else "upholstery", place, 8, 8, 0.012 if mesh_back else 0.05)
-    if mesh_back:
-        up, across = np.arange(6) / 5, np.arange(1, 6) / 5
-        u = np.concatenate([0 * up, across, 0 * across + 1, 1 - across[:4]])
-        v = np.concatenate([up, 0 * across + 1, 1 - across, 0 * across[:4]])
-        rim = np.stack(np.broadcast_arrays(*place(u, v)), -1)
-        yield tube("black", rim, 0.014, 6, closed=True)
-    if arms:
-        yield from mirrored(
-            [
-                beam("black", (0.24, 0.46, -0.02), (0.29, 0.66, -0.02), 0.04, 0.025),
-                rounded("black", (0.07, 0.03, 0.26), (0.29, 0.66, 0.02), 0.012, 2),
-            ]
-        )
-    if high:
-        yield soft("upholstery_1", (0.26, 0.14, 0.07), (0.0, 1.12, -0.33), 3.0, 5)
-
-
-def executive() -> Iterator[Solid]:
-    """A tall leather chair with quilted back and padded arms."""
-    yield from _star("wood", 0.32)
-    yield cylinder("chrome", 0.03, 0.3, (0.0, 0.08, 0.0), sides=12)
-    yield soft("leather", (0.54, 0.14, 0.54), (0.0, 0.38, 0.02), 5.0, 6)
-    for i in range(4):
-        y = 0.5 + 0.17 * i
-        yield soft("leather", (0.52 - 0.02 * i, 0.19, 0.13), (0.0, y, -0.24 - 0.025 * i), 3.5, 5)
-    yield from mirrored(
-        [
-            tube(
-                "wood",
-                fillet([(0.24, 0.42, 0.1), (0.31, 0.5, 0.18), (0.31, 0.66, 0.14), (0.31, 0.66, -0.24)], 0.06),
-                0.018,
-            ),
-            soft("leather", (0.07, 0.05, 0.26), (0.31, 0.665, -0.04), 3.0, 4),
-        ]
-    )
-
-
-def gamer() -> Iterator[Solid]:
-    """A racing seat with side bolsters, headrest and stripes."""
-    yield from _star("black", 0.33)
-    yield cylinder("chrome", 0.028, 0.32, (0.0, 0.08, 0.0), sides=12)
-    yield soft("black", (0.4, 0.1, 0.5), (0.0, 0.4, 0.02), 6.0, 5)
-    yield from mirrored([soft("bright", (0.09, 0.15, 0.5), (0.22, 0.39, 0.02), 3.0, 5)])
-    back = [
-        soft("black", (0.34, 0.8, 0.1), (0.0, 0.5, -0.24), 6.0, 5),
-        soft("bright", (0.28, 0.14, 0.08), (0.0, 1.1, -0.2), 4.0, 5),
-        soft("bright", (0.3, 0.16, 0.09), (0.0, 0.6, -0.19), 4.0, 5),
-    ]
-    back += list(mirrored([soft("bright", (0.08, 0.74, 0.13), (0.2, 0.5, -0.21), 3.0, 5)]))
-    yield from (rotate(piece, 0, -0.14, (0.0, 0.5, -0.24)) for piece in back)
-    yield from mirrored(
-        [
-            beam("black", (0.27, 0.42, -0.02), (0.31, 0.66, -0.02), 0.05, 0.025),
-            rounded("black", (0.08, 0.03, 0.26), (0.31, 0.66, 0.02), 0.012, 2),
-        ]
-    )
-
-
-def banker() -> Iterator[Solid]:
-    """A wooden swivel chair with a bent arm rail and slats."""
-    yield from _star("wood", 0.3)
-    yield turned("wood", [(0.035, 0.08), (0.05, 0.14), (0.03, 0.22), (0.03, 0.4)], sides=12)
-    yield soft("wood", (0.5, 0.05, 0.46), (0.0, 0.42, 0.02), 4.0, 6)
-    rail = [(0.29 * np.cos(a), 0.7, 0.02 + 0.29 * np.sin(a)) for a in np.linspace(np.pi * 0.93, np.pi * 2.07, 15)]
-    yield band("wood", rail, 0.06, 0.025)
-    for a in np.linspace(np.pi * 1.0, np.pi * 2.0, 10):
-        yield rod(
-            "wood",
-            (0.22 * np.cos(a), 0.45, 0.02 + 0.2 * np.sin(a)),
-            (0.285 * np.cos(a), 0.7, 0.02 + 0.285 * np.sin(a)),
-            0.008,
-            sides=6,
-        )
-
-
-def stool_on_wheels() -> Iterator[Solid]:
-    """A round swivel stool with a foot ring."""
-    yield from _star("chrome", 0.24)
-    yield cylinder("chrome", 0.025, 0.38, (0.0, 0.08, 0.0), sides=12)
-    yield ring("chrome", 0.17, 0.02, (0.0, 0.2, 0.0))
-    yield turned("upholstery", [(0.15, 0.0), (0.18, 0.02), (0.18, 0.07), (0.15, 0.09)], (0.0, 0.44, 0.0), 20, 2)
-
-
 ARMCHAIRS = (
     design(club), design(wing), design(lounge), design(track_arm), design(egg), design(rocker), design(sling),
     design(barrel), design(bergere), design(recliner), design(bean_bag), design(track_arm, width=0.78, kind="splay"),
 )  # fmt: skip
-OFFICE = (
-    design(task), design(task, mesh_back=True), design(executive), design(gamer), design(banker),
-    design(stool_on_wheels), design(task, arms=False, width=0.46), design(task, mesh_back=True, high=True),
-)  # fmt: skip
 
-FAMILIES = (Family("armchair", "armchair", ARMCHAIRS), Family("office_chair", "office_chair", OFFICE))
+
+FAMILIES = (Family("armchair", "armchair", ARMCHAIRS),)

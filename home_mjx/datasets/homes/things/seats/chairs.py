@@ -1,17 +1,16 @@
-"""Chairs without arms, and stools."""
+"""Chairs."""
 
 from collections.abc import Iterator
 
 import numpy as np
 
 from home_mjx.datasets.homes.shapes.curves import arc, fillet, loop, spline
-from home_mjx.datasets.homes.shapes.groups import around
 from home_mjx.datasets.homes.shapes.sheets import surface
 from home_mjx.datasets.homes.shapes.soft import rounded, soft
 from home_mjx.datasets.homes.shapes.swept import band, beam, prism, ring, rod, tube
 from home_mjx.datasets.homes.shapes.turned import turned
 from home_mjx.datasets.homes.things.family import Family, design
-from home_mjx.datasets.homes.things.joinery import LegKind, corners, foot_plate, legs
+from home_mjx.datasets.homes.things.joinery import LegKind, corners, legs
 from home_mjx.datasets.procedural.primitives.solids import Solid, box, cylinder, rotate
 
 SEAT = 0.45  # [m], height
@@ -238,46 +237,6 @@ def slipper(width: float = 0.5, kind: LegKind = "taper", top: float = 0.86) -> I
     yield surface("upholstery", place, 14, 5, 0.05)
 
 
-def bar_stool(height: float = 0.72, base: str = "legs", back: bool = False) -> Iterator[Solid]:
-    """A high stool on four legs or on one column with a footrest."""
-    yield soft("upholstery", (0.38, 0.08, 0.38), (0.0, height - 0.07, 0.0), 3.0, 5)
-    if base == "legs":
-        for x, z in corners(0.24, 0.24):
-            yield rod("wood", (1.7 * x, 0.0, 1.7 * z), (x, height - 0.05, z), 0.014, 0.018)
-        for i in range(4):
-            turn = np.pi / 4 + i * np.pi / 2
-            a, b = ((0.245 * np.cos(turn + k), 0.24, 0.245 * np.sin(turn + k)) for k in (0, np.pi / 2))
-            yield rod("wood", a, b, 0.01)
-    else:
-        yield foot_plate("chrome", 0.2, 0.02)
-        yield cylinder("chrome", 0.03, height - 0.06, sides=12)
-        yield ring("chrome", 0.15, 0.02, (0.0, 0.26, 0.0))
-        yield rod("chrome", (-0.15, 0.26, 0.0), (0.15, 0.26, 0.0), 0.008)
-    if back:
-        yield surface(
-            "upholstery",
-            lambda u, v: (
-                0.19 * np.cos(np.pi * (1.15 + 0.7 * u)),
-                height + 0.26 * v,
-                0.19 * np.sin(np.pi * (1.15 + 0.7 * u)),
-            ),
-            10,
-            3,
-            0.03,
-        )
-
-
-def milking_stool() -> Iterator[Solid]:
-    """A round wooden top on three splayed legs."""
-    yield turned("wood", [(0.15, 0.0), (0.17, 0.01), (0.17, 0.03), (0.155, 0.04)], (0.0, 0.41, 0.0), 24, 1)
-    yield from (
-        p
-        for p in around([rod("wood", (0.0, 0.0, 0.19), (0.0, 0.42, 0.1), 0.013, 0.019, 10)], 3)
-        if isinstance(p, Solid)
-    )
-    yield ring("wood", 0.14, 0.016, (0.0, 0.17, 0.0), 1, 18)
-
-
 CHAIRS = (
     design(ladder_back), design(windsor), design(parsons), design(shell), design(shell, base="wire", width=0.5),
     design(cantilever), design(wishbone), design(bentwood), design(medallion), design(industrial), design(plywood),
@@ -285,9 +244,6 @@ CHAIRS = (
     design(ladder_back, slats=2, top=0.84, width=0.46), design(folding), design(shell, base="column", padded=True),
     design(windsor, spindles=9, top=0.9, width=0.5),
 )  # fmt: skip
-STOOLS = (
-    design(bar_stool), design(bar_stool, base="column"), design(bar_stool, base="column", back=True, height=0.78),
-    design(bar_stool, height=0.66, back=True), design(milking_stool),
-)  # fmt: skip
 
-FAMILIES = (Family("chair", "chair", CHAIRS), Family("stool", "chair", STOOLS))
+
+FAMILIES = (Family("chair", "chair", CHAIRS),)

@@ -119,11 +119,7 @@ def round_coffee(width: float = 0.9, base: str = "legs") -> Iterator[Solid]:
     """A round top on legs, slats or wires."""
     yield from top("wood" if base != "wire" else "marble", width, width, 0.42, "round", 0.03)
     if base == "legs":
-        yield from (
-            p
-            for p in around([rod("wood", (0.0, 0.0, 0.42 * width), (0.0, 0.39, 0.3 * width), 0.013, 0.02, 10)], 3)
-            if isinstance(p, Solid)
-        )
+        yield from around([rod("wood", (0.0, 0.0, 0.42 * width), (0.0, 0.39, 0.3 * width), 0.013, 0.02, 10)], 3)
         yield cylinder("wood", 0.26, 0.018, (0.0, 0.14, 0.0), sides=28)
     elif base == "slats":
         yield from drum_base(0.34 * width, 0.39, 24)

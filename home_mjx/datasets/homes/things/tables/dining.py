@@ -143,7 +143,7 @@ def bistro(width: float = 0.65, height: float = 0.74, shape: TopKind = "round") 
         tube("iron", fillet([(0.0, 0.16, 0.02), (0.0, 0.1, 0.2), (0.0, 0.014, 0.3)], 0.08), 0.014),
         ball("iron", 0.018, (0.0, 0.018, 0.3), 8, 4),
     ]
-    yield from (p for p in around(foot, 3 if shape == "round" else 4) if isinstance(p, Solid))
+    yield from around(foot, 3 if shape == "round" else 4)
 
 
 def folding_table(width: float = 1.2, depth: float = 0.6) -> Iterator[Solid]:

@@ -1,0 +1,1 @@
+"""Kitchen and washing machines."""

@@ -1,0 +1,121 @@
+"""Refrigerators."""
+
+from collections.abc import Iterator
+
+from home_mjx.datasets.homes.shapes.curves import fillet
+from home_mjx.datasets.homes.shapes.soft import rounded
+from home_mjx.datasets.homes.shapes.swept import rod, tube
+from home_mjx.datasets.homes.things.family import Family, design
+from home_mjx.datasets.homes.things.joinery import disc
+from home_mjx.datasets.procedural.primitives.solids import Solid, box, cylinder
+
+
+def fridge(width: float = 0.6, height: float = 1.85, split: float = 0.7, slot: str = "steel") -> Iterator[Solid]:
+    """Two doors, one above the other."""
+    yield box("black", (width - 0.02, 0.05, 0.56), (0.0, 0.0, -0.03))
+    yield rounded(slot, (width, height - 0.05, 0.58), (0.0, 0.05, -0.04), 0.012, 1)
+    for low, high, grip in ((0.06, split - 0.004, split - 0.36), (split + 0.004, height, split + 0.06)):
+        yield rounded(slot, (width - 0.004, high - low, 0.065), (0.0, low, 0.285), 0.015, 2)
+        for s in (0.02, 0.28):
+            yield rod("chrome", (width / 2 - 0.05, grip + s, 0.31), (width / 2 - 0.05, grip + s, 0.35), 0.006)
+        yield rod("chrome", (width / 2 - 0.05, grip, 0.35), (width / 2 - 0.05, grip + 0.3, 0.35), 0.01)
+
+
+def side_by_side(width: float = 0.92, height: float = 1.8, dispenser: bool = True) -> Iterator[Solid]:
+    """Two tall doors, one with a water dispenser."""
+    yield box("black", (width - 0.02, 0.06, 0.6), (0.0, 0.0, -0.03))
+    yield rounded("steel", (width, height - 0.06, 0.62), (0.0, 0.06, -0.04), 0.012, 1)
+    for s in (-1, 1):
+        yield rounded("steel", (width / 2 - 0.005, height - 0.08, 0.07), (s * width / 4, 0.07, 0.305), 0.018, 2)
+        yield rod("chrome", (s * 0.04, 0.5, 0.38), (s * 0.04, 1.4, 0.38), 0.012)
+        for y in (0.56, 1.34):
+            yield rod("chrome", (s * 0.04, y, 0.33), (s * 0.04, y, 0.38), 0.008)
+    if dispenser:
+        yield rounded("black", (0.2, 0.36, 0.03), (-width / 4, 0.95, 0.335), 0.012, 1)
+        yield box("screen", (0.14, 0.06, 0.006), (-width / 4, 1.22, 0.352))
+        yield rounded("chrome", (0.05, 0.06, 0.03), (-width / 4, 1.12, 0.345), 0.008, 1)
+
+
+def retro(height: float = 1.5) -> Iterator[Solid]:
+    """A rounded refrigerator of the fifties on short feet."""
+    for x in (-0.22, 0.22):
+        for z in (-0.2, 0.2):
+            yield cylinder("chrome", 0.02, 0.07, (x, 0.0, z), sides=10)
+    yield rounded("bright", (0.6, height - 0.06, 0.56), (0.0, 0.06, -0.04), 0.1, 4)
+    yield rounded("bright", (0.58, height - 0.1, 0.12), (0.0, 0.08, 0.25), 0.055, 4)
+    yield box("chrome", (0.56, 0.014, 0.1), (0.0, height * 0.72, 0.262))
+    yield rounded("chrome", (0.05, 0.2, 0.05), (0.22, height * 0.5, 0.32), 0.02, 2)
+    yield rounded("chrome", (0.2, 0.035, 0.02), (-0.05, height * 0.82, 0.312), 0.009, 2)
+
+
+def french(width: float = 0.9, height: float = 1.78) -> Iterator[Solid]:
+    """Two doors above a freezer drawer."""
+    yield box("black", (width - 0.02, 0.05, 0.6), (0.0, 0.0, -0.03))
+    yield rounded("gray", (width, height - 0.05, 0.62), (0.0, 0.05, -0.04), 0.012, 1)
+    for s in (-1, 1):
+        yield rounded("gray", (width / 2 - 0.004, height - 0.74, 0.07), (s * width / 4, 0.73, 0.305), 0.016, 2)
+        yield tube(
+            "chrome",
+            fillet(
+                [(s * 0.05, 0.9, 0.33), (s * 0.05, 0.92, 0.38), (s * 0.05, 1.5, 0.38), (s * 0.05, 1.52, 0.33)], 0.03
+            ),
+            0.01,
+        )
+    yield rounded("gray", (width - 0.004, 0.64, 0.07), (0.0, 0.06, 0.305), 0.016, 2)
+    yield tube(
+        "chrome", fillet([(-0.34, 0.58, 0.33), (-0.32, 0.58, 0.38), (0.32, 0.58, 0.38), (0.34, 0.58, 0.33)], 0.03), 0.01
+    )
+
+
+def mini() -> Iterator[Solid]:
+    """A small refrigerator with a magnet or two on its door."""
+    yield rounded("white", (0.5, 0.8, 0.46), (0.0, 0.02, -0.03), 0.015, 2)
+    yield rounded("white", (0.5, 0.79, 0.05), (0.0, 0.025, 0.225), 0.018, 2)
+    yield box("black", (0.44, 0.03, 0.4))
+    yield rounded("gray", (0.03, 0.16, 0.03), (0.21, 0.55, 0.25), 0.01, 1)
+    for x, y, slot in ((-0.1, 0.6, "red"), (0.02, 0.5, "yellow"), (-0.06, 0.42, "blue")):
+        yield disc(slot, 0.022, 0.012, (x, y, 0.247), 14)
+    yield box("paper", (0.1, 0.14, 0.004), (-0.12, 0.36, 0.25))
+
+
+def wine_cooler() -> Iterator[Solid]:
+    """A glazed cooler with bottles on shelves."""
+    for s in (-1, 1):
+        yield box("black", (0.03, 1.2, 0.5), (s * 0.265, 0.03, 0.0))
+    for y in (0.0, 1.2):
+        yield box("black", (0.56, 0.05, 0.5), (0.0, y, 0.0))
+    yield box("black", (0.54, 1.2, 0.02), (0.0, 0.03, -0.24))
+    for row in range(6):
+        y = 0.16 + 0.18 * row
+        yield box("wood", (0.5, 0.012, 0.42), (0.0, y - 0.05, 0.0))
+        for i in range(5):
+            yield tube(
+                "green",
+                [
+                    ((i - 2) * 0.095, y, -0.16),
+                    ((i - 2) * 0.095, y, 0.06),
+                    ((i - 2) * 0.095, y, 0.1),
+                    ((i - 2) * 0.095, y, 0.17),
+                ],
+                [0.036, 0.036, 0.014, 0.014],
+                8,
+            )
+    yield box("glass", (0.48, 1.12, 0.01), (0.0, 0.07, 0.245))
+    for s in (-1, 1):
+        yield box("steel", (0.035, 1.18, 0.03), (s * 0.255, 0.04, 0.255))
+        yield box("steel", (0.48, 0.04, 0.03), (0.0, 0.04 + 1.14 * (s + 1) / 2, 0.255))
+    yield rod("chrome", (0.22, 0.5, 0.3), (0.22, 0.9, 0.3), 0.009)
+
+
+FRIDGES = (
+    design(fridge),
+    design(side_by_side),
+    design(retro),
+    design(french),
+    design(mini),
+    design(wine_cooler),
+    design(fridge, slot="white", split=1.3, height=1.7),
+)
+
+
+FAMILIES = (Family("refrigerator", "refrigerator", FRIDGES),)

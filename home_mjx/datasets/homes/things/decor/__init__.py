@@ -1,0 +1,1 @@
+"""Vases, pictures, clocks, books, ornaments."""

@@ -1,0 +1,107 @@
+"""Bowls, caskets, wreaths and other ornaments."""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from home_mjx.datasets.homes.shapes.curves import fillet
+from home_mjx.datasets.homes.shapes.sheets import leaf
+from home_mjx.datasets.homes.shapes.soft import ball, rounded
+from home_mjx.datasets.homes.shapes.swept import ring, tube
+from home_mjx.datasets.homes.shapes.turned import turned, vessel
+from home_mjx.datasets.homes.things.family import Family, kinds_of
+from home_mjx.datasets.homes.things.joinery import disc
+from home_mjx.datasets.procedural.primitives.solids import Solid, box, move, rotate
+
+
+def _bowl() -> Iterator[Solid]:
+    yield vessel("wood", [(0.06, 0.0), (0.13, 0.03), (0.16, 0.07)], 0.007, sides=26, steps=2)
+    for i in range(6):
+        a = 2 * np.pi * i / 5
+        r = 0.075 if i < 5 else 0.0
+        yield ball(
+            ("cane", "bark", "cream")[i % 3], 0.042, (r * np.cos(a), 0.075 + 0.03 * (i == 5), r * np.sin(a)), 14, 8
+        )
+
+
+def _wreath() -> Iterator[Solid]:
+    yield ring("bark", 0.15, 0.04, (0.0, 0.2, 0.0), 2, 24)
+    for i in range(54):
+        a = 2 * np.pi * i / 54
+        at = ((0.15 + 0.015 * np.sin(5 * i)) * np.cos(a), 0.2 + (0.15 + 0.015 * np.sin(5 * i)) * np.sin(a), 0.012)
+        blade = leaf("leaf", 0.08, 0.03, (0.0, 0.0, 0.0), 0.0, 0.5, 0.4, pieces=2)
+        yield move(rotate(rotate(blade, 1, np.pi / 2 * (-1) ** i), 2, a + 0.5), at)
+    for i in range(8):
+        a = 2 * np.pi * i / 8
+        yield ball("red", 0.012, (0.15 * np.cos(a), 0.2 + 0.15 * np.sin(a), 0.03), 8, 6)
+
+
+def _casket() -> Iterator[Solid]:
+    yield rounded("wood", (0.22, 0.08, 0.14), (0.0, 0.0, 0.0), 0.006, 1)
+    yield rounded("wood", (0.23, 0.035, 0.15), (0.0, 0.08, 0.0), 0.012, 2)
+    yield rounded("brass", (0.03, 0.04, 0.008), (0.0, 0.065, 0.073), 0.003, 1)
+    for x in (-0.105, 0.105):
+        for z in (-0.065, 0.065):
+            yield rounded("brass", (0.025, 0.025, 0.025), (x, 0.0, z), 0.004, 1)
+
+
+def _jar() -> Iterator[Solid]:
+    yield vessel(
+        "glass", [(0.07, 0.0), (0.085, 0.03), (0.085, 0.15), (0.06, 0.19), (0.065, 0.2)], 0.003, sides=22, steps=2
+    )
+    for i in range(16):
+        a = 2.4 * i
+        r = 0.045 * ((i % 4) / 3)
+        yield ball(
+            ("cream", "terracotta", "white")[i % 3],
+            (0.022, 0.015, 0.018),
+            (r * np.cos(a), 0.02 + 0.006 * i, r * np.sin(a)),
+            8,
+            6,
+        )
+    yield turned("wood", [(0.062, 0.2), (0.062, 0.215), (0.05, 0.225)], sides=20, steps=1)
+
+
+def _trophy() -> Iterator[Solid]:
+    yield rounded("black", (0.1, 0.06, 0.1), (0.0, 0.0, 0.0), 0.006, 1)
+    yield vessel(
+        "gold", [(0.04, 0.06), (0.012, 0.08), (0.012, 0.13), (0.06, 0.19), (0.065, 0.27)], 0.004, sides=20, steps=3
+    )
+    for s in (-1, 1):
+        yield tube(
+            "gold",
+            fillet([(s * 0.06, 0.25, 0.0), (s * 0.11, 0.25, 0.0), (s * 0.09, 0.18, 0.0), (s * 0.045, 0.17, 0.0)], 0.03),
+            0.006,
+            6,
+        )
+    yield box("gold", (0.06, 0.03, 0.004), (0.0, 0.015, 0.05))
+
+
+def _plates() -> Iterator[Solid]:
+    for i, (x, y, r) in enumerate(
+        ((0.0, 0.32, 0.15), (-0.27, 0.18, 0.11), (0.26, 0.2, 0.12), (-0.1, 0.05, 0.09), (0.14, 0.02, 0.08))
+    ):
+        plate = vessel(f"crockery_{i}", [(0.5 * r, 0.0), (0.6 * r, 0.004), (r, 0.02)], 0.004, sides=24, steps=1)
+        yield move(rotate(plate, 0, np.pi / 2), (x, y + 0.1, -0.01))
+        yield disc(f"glaze_{i}", 0.4 * r, 0.006, (x, y + 0.1, -0.006), 18)
+
+
+_ORNAMENT_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+    "bowl": _bowl,
+    "wreath": _wreath,
+    "box": _casket,
+    "jar": _jar,
+    "trophy": _trophy,
+    "plates": _plates,
+}
+
+
+def ornament(kind: str = "bowl") -> Iterator[Solid]:
+    """A bowl of balls, a lantern, a wreath, a box, shells in a jar, a trophy, letters, a wall plate set."""
+    yield from _ORNAMENT_KINDS[kind]()
+
+
+FAMILIES = (
+    Family("ornament", "decoration", kinds_of(ornament, "bowl", "box", "jar", "trophy")),
+    Family("wall_ornament", "decoration", kinds_of(ornament, "wreath", "plates")),
+)

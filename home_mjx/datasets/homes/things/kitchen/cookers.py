@@ -1,0 +1,130 @@
+"""Cookers and ovens."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from home_mjx.datasets.homes.shapes.curves import fillet
+from home_mjx.datasets.homes.shapes.soft import rounded
+from home_mjx.datasets.homes.shapes.swept import beam, ring, rod, tube
+from home_mjx.datasets.homes.shapes.turned import turned
+from home_mjx.datasets.homes.things.family import Family, design
+from home_mjx.datasets.homes.things.joinery import disc, doors
+from home_mjx.datasets.homes.things.kitchen.cases import DEPTH, FACE, WORKTOP
+from home_mjx.datasets.procedural.primitives.solids import Solid, box
+
+
+def _burner(x: float, z: float, radius: float, gas: bool) -> Iterator[Solid]:
+    if gas:
+        yield turned(
+            "iron", [(radius * 0.5, 0.0), (radius * 0.5, 0.012), (radius * 0.3, 0.018)], (x, WORKTOP, z), 14, 1
+        )
+        for a in range(4):
+            c, s = np.cos(a * np.pi / 2), np.sin(a * np.pi / 2)
+            yield beam(
+                "iron",
+                (x + 0.03 * c, WORKTOP + 0.026, z + 0.03 * s),
+                (x + 0.11 * c, WORKTOP + 0.026, z + 0.11 * s),
+                0.008,
+            )
+        yield ring("iron", 0.1, 0.009, (x, WORKTOP + 0.02, z), 1, 16)
+    else:
+        yield ring("gray", radius, 0.004, (x, WORKTOP + 0.0012, z), 1, 24)
+        yield ring("gray", 0.6 * radius, 0.004, (x, WORKTOP + 0.0012, z), 1, 20)
+
+
+def cooker(width: float = 0.6, gas: bool = False, doors_: int = 1, slot: str = "steel") -> Iterator[Solid]:
+    """A hob above one or two ovens with glass doors and knobs."""
+    yield box("black", (width - 0.02, 0.08, DEPTH - 0.1), (0.0, 0.0, -0.05))
+    yield box(slot, (width, WORKTOP - 0.1, DEPTH - 0.04), (0.0, 0.08, -0.02))
+    yield rounded("screen" if not gas else slot, (width, 0.02, DEPTH - 0.01), (0.0, WORKTOP - 0.02, 0.0), 0.004, 1)
+    wide = width / doors_
+    for i in range(doors_):
+        x = (i - (doors_ - 1) / 2) * wide
+        yield rounded(slot, (wide - 0.03, 0.56, 0.035), (x, 0.12, DEPTH / 2 - 0.035), 0.008, 1)
+        yield box("screen", (wide - 0.14, 0.32, 0.006), (x, 0.22, DEPTH / 2 - 0.017))
+        yield rod(
+            "chrome",
+            (x - wide / 2 + 0.06, 0.63, DEPTH / 2 + 0.025),
+            (x + wide / 2 - 0.06, 0.63, DEPTH / 2 + 0.025),
+            0.01,
+        )
+        for s in (-1, 1):
+            yield rod(
+                "chrome",
+                (x + s * (wide / 2 - 0.08), 0.63, DEPTH / 2 - 0.02),
+                (x + s * (wide / 2 - 0.08), 0.63, DEPTH / 2 + 0.02),
+                0.007,
+            )
+    count = 5 if width < 0.8 else 7
+    for i in range(count):
+        yield disc("black", 0.02, 0.03, ((i - (count - 1) / 2) * width / (count + 1.5), 0.77, DEPTH / 2 - 0.04), 14)
+    for i in range(4 if width < 0.8 else 6):
+        yield from _burner(
+            (i // 2 - (0.5 if width < 0.8 else 1.0)) * 0.27,
+            (i % 2 - 0.5) * 0.25,
+            0.085 - 0.02 * ((i * 3) % 4 == 2),
+            gas,
+        )
+
+
+def oven_column(width: float = 0.6, height: float = 2.1) -> Iterator[Solid]:
+    """A tall unit with an oven and a microwave at hand height."""
+    yield box("black", (width, 0.1, DEPTH - 0.12), (0.0, 0.0, -0.05))
+    yield box("paint", (width, height - 0.1, DEPTH - 0.04), (0.0, 0.1, -0.02))
+    yield from doors("paint", width - 0.006, 0.6, (0.003 - width / 2, 0.105, FACE), 1, "flat", ("chrome", "bar"), 0.85)
+    yield from doors(
+        "paint", width - 0.006, height - 1.75, (0.003 - width / 2, 1.74, FACE), 1, "flat", ("chrome", "bar"), 0.2
+    )
+    for y, high in ((0.73, 0.58), (1.33, 0.39)):
+        yield rounded("steel", (width - 0.01, high, 0.03), (0.0, y, FACE + 0.012), 0.006, 1)
+        yield box("screen", (width - 0.1, 0.62 * high, 0.006), (0.0, y + 0.05, FACE + 0.027))
+        yield rod("chrome", (-0.22, y + 0.78 * high, FACE + 0.06), (0.22, y + 0.78 * high, FACE + 0.06), 0.009)
+        yield box("screen", (0.16, 0.04, 0.004), (0.0, y + 0.87 * high, FACE + 0.027))
+
+
+def range_stove(width: float = 1.0) -> Iterator[Solid]:
+    """A cast range with four doors, lidded plates and a rail."""
+    yield rounded("glaze", (width, 0.78, DEPTH), (0.0, 0.06, 0.0), 0.015, 2)
+    yield box("black", (width - 0.06, 0.06, DEPTH - 0.06))
+    yield rounded("glaze", (width + 0.02, 0.045, DEPTH + 0.02), (0.0, WORKTOP - 0.045, 0.0), 0.015, 2)
+    for i in range(2):
+        for j in range(2):
+            yield rounded(
+                "glaze",
+                (width / 2 - 0.06, 0.31, 0.03),
+                ((i - 0.5) * width / 2, 0.12 + 0.36 * j, DEPTH / 2 + 0.005),
+                0.012,
+                1,
+            )
+            yield rounded("chrome", (0.03, 0.02, 0.03), ((i - 0.5) * 0.16, 0.27 + 0.36 * j, DEPTH / 2 + 0.03), 0.006, 1)
+    for x in (-0.24, 0.24):
+        yield turned("chrome", [(0.18, 0.0), (0.18, 0.02), (0.12, 0.06), (0.02, 0.07)], (x, WORKTOP, 0.0), 24, 2)
+        yield tube(
+            "iron",
+            fillet(
+                [
+                    (x - 0.04, WORKTOP + 0.06, 0.0),
+                    (x - 0.04, WORKTOP + 0.11, 0.0),
+                    (x + 0.04, WORKTOP + 0.11, 0.0),
+                    (x + 0.04, WORKTOP + 0.06, 0.0),
+                ],
+                0.02,
+            ),
+            0.007,
+            6,
+        )
+    yield rod("chrome", (-width / 2, 0.82, DEPTH / 2 + 0.06), (width / 2, 0.82, DEPTH / 2 + 0.06), 0.011)
+
+
+COOKERS = (
+    design(cooker),
+    design(cooker, gas=True),
+    design(oven_column),
+    design(range_stove),
+    design(cooker, gas=True, width=0.9, doors_=2),
+    design(cooker, slot="white"),
+)
+
+
+FAMILIES = (Family("cooker", "range_oven", COOKERS),)

@@ -1,1 +1,0 @@
-"""Small things: decoration, books, toys, clothes, electronics."""

@@ -1,0 +1,1 @@
+"""Cups, plates, pans, food."""

@@ -1,0 +1,119 @@
+"""Glasses and bottles."""
+
+from collections.abc import Callable, Iterator
+
+from home_mjx.datasets.homes.shapes.soft import rounded
+from home_mjx.datasets.homes.shapes.swept import rod, tube
+from home_mjx.datasets.homes.shapes.turned import turned, vessel
+from home_mjx.datasets.homes.things.family import Family, kinds_of
+from home_mjx.datasets.procedural.primitives.solids import Solid, cylinder, move, rotate
+
+
+def glass(kind: str = "wine") -> Iterator[Solid]:
+    """A drinking glass: for wine, water, champagne, beer."""
+    shapes = {
+        "wine": [
+            (0.035, 0.0),
+            (0.03, 0.003),
+            (0.005, 0.012),
+            (0.004, 0.09),
+            (0.03, 0.115),
+            (0.04, 0.15),
+            (0.033, 0.205),
+        ],
+        "flute": [
+            (0.033, 0.0),
+            (0.028, 0.003),
+            (0.004, 0.012),
+            (0.004, 0.1),
+            (0.02, 0.13),
+            (0.026, 0.18),
+            (0.024, 0.235),
+        ],
+        "tumbler": [(0.034, 0.0), (0.036, 0.012), (0.041, 0.1)],
+        "highball": [(0.03, 0.0), (0.032, 0.01), (0.034, 0.15)],
+        "goblet": [(0.036, 0.0), (0.02, 0.01), (0.009, 0.025), (0.012, 0.045), (0.036, 0.07), (0.043, 0.13)],
+    }
+    yield vessel("glass" if kind != "goblet" else "tint", shapes[kind], 0.002, sides=22, steps=3)
+    if kind == "highball":
+        yield cylinder("orange", 0.031, 0.1, (0.0, 0.006, 0.0), sides=18)
+        yield rod("red", (-0.02, 0.02, 0.0), (0.035, 0.2, 0.0), 0.003, sides=6)
+        yield move(rotate(cylinder("yellow", 0.026, 0.005, sides=16), 2, 1.5), (0.036, 0.15, 0.0))
+    elif kind == "wine":
+        yield turned("red", [(0.006, 0.102), (0.03, 0.118), (0.036, 0.14)], sides=18, steps=2)
+    elif kind == "tumbler":
+        for i, (x, z) in enumerate(((0.008, 0.006), (-0.012, -0.004))):
+            yield rotate(rounded("water", (0.024, 0.024, 0.024), (x, 0.02 + 0.026 * i, z), 0.004, 1), 1, 0.6 * i)
+
+
+def _wine_bottle() -> Iterator[Solid]:
+    yield turned(
+        "green",
+        [(0.034, 0.0), (0.038, 0.006), (0.038, 0.17), (0.03, 0.21), (0.014, 0.235), (0.013, 0.3)],
+        sides=18,
+        steps=1,
+    )
+    yield turned("red", [(0.0145, 0.27), (0.0145, 0.302)], sides=14, steps=1)
+    yield turned("cream", [(0.0385, 0.05), (0.0385, 0.13)], sides=18, steps=1)
+
+
+def _water_bottle() -> Iterator[Solid]:
+    yield turned(
+        "water",
+        [
+            (0.03, 0.0),
+            (0.034, 0.01),
+            (0.034, 0.06),
+            (0.03, 0.08),
+            (0.034, 0.1),
+            (0.034, 0.16),
+            (0.013, 0.21),
+            (0.013, 0.225),
+        ],
+        sides=18,
+        steps=2,
+    )
+    yield cylinder("blue", 0.015, 0.018, (0.0, 0.222, 0.0), sides=14)
+    yield turned("blue", [(0.0345, 0.105), (0.0345, 0.15)], sides=18, steps=1)
+
+
+def _oil_bottle() -> Iterator[Solid]:
+    yield turned("tint", [(0.035, 0.0), (0.038, 0.02), (0.034, 0.15), (0.012, 0.2), (0.011, 0.25)], sides=4, steps=2)
+    yield tube("chrome", [(0.0, 0.25, 0.0), (0.0, 0.28, 0.0), (0.02, 0.3, 0.0)], [0.008, 0.006, 0.003])
+    yield rounded("cream", (0.03, 0.06, 0.002), (0.0, 0.05, 0.029), 0.001, 1)
+
+
+def _milk_bottle() -> Iterator[Solid]:
+    yield turned(
+        "white",
+        [(0.038, 0.0), (0.042, 0.01), (0.042, 0.14), (0.022, 0.19), (0.02, 0.22), (0.024, 0.225)],
+        sides=20,
+        steps=2,
+    )
+    yield turned("red", [(0.025, 0.222), (0.024, 0.235)], sides=16, steps=1)
+
+
+def _jar_bottle() -> Iterator[Solid]:
+    yield turned("tint", [(0.04, 0.0), (0.044, 0.012), (0.044, 0.1), (0.036, 0.115)], sides=20, steps=1)
+    yield turned("red", [(0.039, 0.115), (0.039, 0.13)], sides=20, steps=1)
+    yield turned("paper", [(0.0445, 0.03), (0.0445, 0.085)], sides=20, steps=1)
+
+
+_BOTTLE_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+    "wine": _wine_bottle,
+    "water": _water_bottle,
+    "oil": _oil_bottle,
+    "milk": _milk_bottle,
+    "jar": _jar_bottle,
+}
+
+
+def bottle(kind: str = "wine") -> Iterator[Solid]:
+    """A bottle of wine, water, oil, milk, or a jar."""
+    yield from _BOTTLE_KINDS[kind]()
+
+
+FAMILIES = (
+    Family("glass", "glass", kinds_of(glass, "wine", "flute", "tumbler", "highball", "goblet")),
+    Family("bottle", "bottle", kinds_of(bottle, "wine", "water", "oil", "milk", "jar")),
+)

@@ -1,0 +1,1 @@
+"""Curtains, rugs, cushions, clothes."""

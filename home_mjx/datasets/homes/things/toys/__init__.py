@@ -1,0 +1,1 @@
+"""Toys, pets, bins, baskets."""

@@ -1,0 +1,1 @@
+"""Cars, cycles and their wheels."""

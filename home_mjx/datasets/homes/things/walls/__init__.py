@@ -1,0 +1,1 @@
+"""Heaters, fences, fans and other things of walls."""
