@@ -252,3 +252,9 @@ def disc(material: str, radius: float, thick: float, at: Vector, sides: int = 20
     """A flat round piece whose axis points towards +z, its back at `at` [m]."""
     laid = rotate(cylinder(material, radius, thick, sides=sides), 0, np.pi / 2)
     return move(laid, np.asarray(at))
+
+
+def roller(material: str, radius: float, wide: float, at: Vector, sides: int) -> Solid:
+    """A round piece whose axis points along x, its middle at `at` [m]: wheels, castors, hubs."""
+    laid = rotate(cylinder(material, radius, wide, (0.0, -wide / 2, 0.0), sides=sides), 2, np.pi / 2)
+    return move(laid, np.asarray(at))
