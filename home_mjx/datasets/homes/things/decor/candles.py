@@ -1,6 +1,6 @@
 """Candles and what holds them."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 
 from home_mjx.datasets.homes.shapes.curves import spline
@@ -67,7 +67,7 @@ def _lantern() -> Iterator[Solid]:
     yield from _flame(0.0, 0.15, 0.0)
 
 
-_CANDLES_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_CANDLES_KINDS = {
     "pillar": _pillar,
     "stick": partial(_sticks, "stick"),
     "tapers": partial(_sticks, "tapers"),

@@ -1,6 +1,6 @@
 """Figures that stand on shelves."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
@@ -139,7 +139,7 @@ def _ship() -> Iterator[Solid]:
     yield prism("cream", [(0.06, 0.1), (0.14, 0.085), (0.06, 0.24)], 0.003)
 
 
-_FIGURE_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_FIGURE_KINDS = {
     "cat": _cat,
     "bust": _bust,
     "horse": partial(_beast, "horse"),

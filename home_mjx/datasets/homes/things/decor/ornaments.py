@@ -1,6 +1,6 @@
 """Bowls, caskets, wreaths and other ornaments."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -85,7 +85,7 @@ def _plates() -> Iterator[Solid]:
         yield disc(f"glaze_{i}", 0.4 * r, 0.006, (x, y + 0.1, -0.006), 18)
 
 
-_ORNAMENT_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_ORNAMENT_KINDS = {
     "bowl": _bowl,
     "wreath": _wreath,
     "box": _casket,

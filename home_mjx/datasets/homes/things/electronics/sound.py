@@ -1,6 +1,6 @@
 """Loudspeakers, radios, consoles."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 
 from home_mjx.datasets.homes.shapes.soft import ball, rounded, soft
@@ -58,7 +58,7 @@ def _smart_speaker() -> Iterator[Solid]:
         yield ring("black", 0.0505, 0.003, (0.0, 0.025 + 0.015 * k, 0.0), 1, 24)
 
 
-_SPEAKER_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_SPEAKER_KINDS = {
     "tower": partial(_box_speaker, "tower"),
     "small": partial(_box_speaker, "small"),
     "bar": _sound_bar,

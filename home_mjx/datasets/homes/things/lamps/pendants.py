@@ -1,6 +1,6 @@
 """Lamps that hang from a cord."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -124,7 +124,7 @@ def _ring() -> Iterator[Piece]:
         yield Bulb((0.25 * np.cos(a), -0.03, 0.0), 30.0)
 
 
-_PENDANT_KINDS: dict[str, Callable[..., Iterator[Piece]]] = {
+_PENDANT_KINDS = {
     "dome": _dome,
     "globe": _globe,
     "drum": _drum,

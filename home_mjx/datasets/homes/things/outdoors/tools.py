@@ -1,6 +1,6 @@
 """Things of a garage: ladders, mowers, tools."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -106,7 +106,7 @@ def _paint() -> Iterator[Solid]:
     yield rounded("black", (0.07, 0.014, 0.06), (0.05, 0.206, -0.09), 0.004, 1)
 
 
-_TOOLS_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_TOOLS_KINDS = {
     "ladder": _step_ladder,
     "long": _long_ladder,
     "mower": _mower,

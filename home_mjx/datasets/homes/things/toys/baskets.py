@@ -1,6 +1,6 @@
 """Baskets, chests and what they hold."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -84,7 +84,7 @@ def _chest() -> Iterator[Solid]:
         yield prism("yellow", star(0.06, 0.025, 5), 0.01, (-0.18 + 0.36 * i, 0.2, 0.2))
 
 
-_BASKET_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_BASKET_KINDS = {
     "laundry": _laundry,
     "hamper": _hamper,
     "logs": _logs,
