@@ -7,7 +7,7 @@ import numpy as np
 
 from home_mjx.datasets.homes.shapes.curves import fillet
 from home_mjx.datasets.homes.shapes.soft import ball, rounded
-from home_mjx.datasets.homes.shapes.swept import prism, ring, rod, sweep
+from home_mjx.datasets.homes.shapes.swept import prism, ring, rod, sweep, tube
 from home_mjx.datasets.homes.shapes.turned import turned
 from home_mjx.datasets.procedural.primitives.solids import Solid, Vector, box, cylinder, move, rotate
 
@@ -252,3 +252,18 @@ def disc(material: str, radius: float, thick: float, at: Vector, sides: int = 20
     """A flat round piece whose axis points towards +z, its back at `at` [m]."""
     laid = rotate(cylinder(material, radius, thick, sides=sides), 0, np.pi / 2)
     return move(laid, np.asarray(at))
+
+
+def roller(material: str, radius: float, wide: float, at: Vector, sides: int) -> Solid:
+    """A round piece whose axis points along x, its middle at `at` [m]: wheels, castors, hubs."""
+    laid = rotate(cylinder(material, radius, wide, (0.0, -wide / 2, 0.0), sides=sides), 2, np.pi / 2)
+    return move(laid, np.asarray(at))
+
+
+def bow(
+    material: str, half: float, heights: tuple[float, float], z: float, bend: float, radius: float, sides: int = 8
+) -> Solid:
+    """A bent handle: up, across and down between x = -half and half, from the first height to the second [m]."""
+    low, high = heights
+    path = fillet([(-half, low, z), (-half, high, z), (half, high, z), (half, low, z)], bend)
+    return tube(material, path, radius, sides)

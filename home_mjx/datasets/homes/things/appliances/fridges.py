@@ -6,7 +6,7 @@ from home_mjx.datasets.homes.shapes.curves import fillet
 from home_mjx.datasets.homes.shapes.soft import rounded
 from home_mjx.datasets.homes.shapes.swept import rod, tube
 from home_mjx.datasets.homes.things.family import Family, design
-from home_mjx.datasets.homes.things.joinery import disc
+from home_mjx.datasets.homes.things.joinery import corners, disc
 from home_mjx.datasets.procedural.primitives.solids import Solid, box, cylinder
 
 
@@ -38,9 +38,8 @@ def side_by_side(width: float = 0.92, height: float = 1.8, dispenser: bool = Tru
 
 def retro(height: float = 1.5) -> Iterator[Solid]:
     """A rounded refrigerator of the fifties on short feet."""
-    for x in (-0.22, 0.22):
-        for z in (-0.2, 0.2):
-            yield cylinder("chrome", 0.02, 0.07, (x, 0.0, z), sides=10)
+    for x, z in corners(0.44, 0.4):
+        yield cylinder("chrome", 0.02, 0.07, (x, 0.0, z), sides=10)
     yield rounded("bright", (0.6, height - 0.06, 0.56), (0.0, 0.06, -0.04), 0.1, 4)
     yield rounded("bright", (0.58, height - 0.1, 0.12), (0.0, 0.08, 0.25), 0.055, 4)
     yield box("chrome", (0.56, 0.014, 0.1), (0.0, height * 0.72, 0.262))

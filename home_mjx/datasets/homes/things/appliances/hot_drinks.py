@@ -1,6 +1,6 @@
 """Coffee machines and kettles."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -69,7 +69,7 @@ def _percolator() -> Iterator[Solid]:
     yield tube("black", fillet([(-0.05, 0.17, 0.0), (-0.1, 0.17, 0.0), (-0.095, 0.08, 0.0)], 0.03), 0.009)
 
 
-_COFFEE_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_COFFEE_KINDS = {
     "filter": _filter,
     "espresso": _espresso,
     "capsule": _capsule,
@@ -137,7 +137,7 @@ def _iron_kettle() -> Iterator[Solid]:
     yield tube("iron", [(0.06 * np.cos(a), 0.09 + 0.1 * np.sin(a), 0.0) for a in np.linspace(0, np.pi, 11)], 0.006)
 
 
-_KETTLE_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_KETTLE_KINDS = {
     "electric": _electric_kettle,
     "stove": _stove_kettle,
     "swan": _swan,

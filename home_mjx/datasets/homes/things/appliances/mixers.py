@@ -1,6 +1,6 @@
 """Mixers, fryers, water dispensers."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -61,7 +61,7 @@ def _juicer() -> Iterator[Solid]:
     yield rod("steel", (0.08, 0.12, 0.0), (0.13, 0.1, 0.0), 0.012, 0.008)
 
 
-_PROCESSOR_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_PROCESSOR_KINDS = {
     "blender": _blender,
     "mixer": _mixer,
     "chopper": _chopper,

@@ -1,6 +1,6 @@
 """Wash basins."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 
 from home_mjx.datasets.homes.shapes.soft import rounded, soft
@@ -63,7 +63,7 @@ def _slab(width: float) -> Iterator[Solid]:
     yield rounded("wood", (0.86, 0.5, 0.03), (0.0, 0.0, -0.2), 0.008, 1)
 
 
-_BASIN_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_BASIN_KINDS = {
     "pedestal": _pedestal,
     "bowl": _bowl,
     "vanity": partial(_vanity, "vanity"),

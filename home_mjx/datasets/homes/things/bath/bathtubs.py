@@ -1,6 +1,6 @@
 """Bathtubs."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -63,7 +63,7 @@ def _barrel(width: float) -> Iterator[Solid]:
     yield cylinder("water", 0.55, 0.01, (0.0, 0.6, 0.0), sides=28)
 
 
-_BATHTUB_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_BATHTUB_KINDS = {
     "builtin": _builtin,
     "free": _free,
     "claw": _claw,

@@ -1,6 +1,6 @@
 """Mirrors."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
@@ -95,7 +95,7 @@ def _standing_mirror(width: float, height: float) -> Iterator[Solid]:
     yield from (rotate(p, 0, -0.12, (0.0, 0.85, 0.0)) for p in tilted)
 
 
-_MIRROR_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_MIRROR_KINDS = {
     "frame": partial(_framed_mirror, "frame"),
     "shelf": partial(_framed_mirror, "shelf"),
     "ornate": partial(_framed_mirror, "ornate"),

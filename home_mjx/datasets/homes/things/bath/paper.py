@@ -1,6 +1,6 @@
 """Paper and soap."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -43,7 +43,7 @@ def _paper_basket() -> Iterator[Solid]:
         yield _roll(0.065 * np.cos(a + 1), 0.114, 0.065 * np.sin(a + 1))
 
 
-_PAPER_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_PAPER_KINDS = {
     "wall": _paper_holder,
     "stand": _paper_stand,
     "basket": _paper_basket,

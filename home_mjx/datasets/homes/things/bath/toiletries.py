@@ -1,6 +1,6 @@
 """Toiletries, brushes, scales, dryers."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -63,7 +63,7 @@ def _caddy() -> Iterator[Solid]:
         )
 
 
-_TOILETRIES_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_TOILETRIES_KINDS = {
     "bottles": _bottles,
     "brushes": _brushes,
     "tray": _tray,

@@ -1,6 +1,6 @@
 """Racks and hooks of towels."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
@@ -82,7 +82,7 @@ def _stand() -> Iterator[Solid]:
             yield rod("brass", (s * 0.3, y, 0.0), (s * 0.3, y, z), 0.008)
 
 
-_TOWEL_RACK_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_TOWEL_RACK_KINDS = {
     "bar": partial(_towel_bar, "bar"),
     "double": partial(_towel_bar, "double"),
     "heated": _heated,

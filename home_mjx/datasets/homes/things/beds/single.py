@@ -12,8 +12,8 @@ from home_mjx.datasets.homes.things.beds.bedding import Cover, bedding
 from home_mjx.datasets.homes.things.beds.frames import futon_floor, iron, platform, sleigh, upholstered
 from home_mjx.datasets.homes.things.beds.rails import LENGTH, rails
 from home_mjx.datasets.homes.things.family import Family, design
-from home_mjx.datasets.homes.things.joinery import drawers
-from home_mjx.datasets.procedural.primitives.solids import Solid, box, cylinder, move, rotate
+from home_mjx.datasets.homes.things.joinery import drawers, roller
+from home_mjx.datasets.procedural.primitives.solids import Solid, box, move, rotate
 
 
 def captain(width: float = 0.9, cover: Cover = "made") -> Iterator[Solid]:
@@ -74,8 +74,7 @@ def car_bed(width: float = 0.9) -> Iterator[Solid]:
     for z in (-0.7, 0.68):
         for s in (-1, 1):
             for slot, r, w in (("rubber", 0.19, 0.09), ("chrome", 0.1, 0.1)):
-                wheel = rotate(cylinder(slot, r, w, (0.0, -w / 2, 0.0), sides=20), 2, np.pi / 2)
-                yield move(wheel, (s * (width / 2 + 0.06), 0.19, z))
+                yield roller(slot, r, w, (s * (width / 2 + 0.06), 0.19, z), 20)
     for s in (-1, 1):
         yield ball("yellow", (0.09, 0.06, 0.03), (s * 0.3, 0.28, 1.1), 12, 6)
         yield box("red", (0.04, 0.2, 0.16), (s * 0.34, 0.72, -1.06))

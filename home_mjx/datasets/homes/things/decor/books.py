@@ -1,6 +1,6 @@
 """Books and magazines."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
@@ -51,7 +51,7 @@ def _open_book(seed: int) -> Iterator[Solid]:
             yield box("gray", (0.1, 0.0008, 0.004), (s * 0.075, 0.0315, -0.07 + 0.026 * i))
 
 
-_BOOKS_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_BOOKS_KINDS = {
     "row": partial(_book_line, "row"),
     "ends": partial(_book_line, "ends"),
     "pile": _pile,

@@ -1,6 +1,6 @@
 """Candles and what holds them."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 
 from home_mjx.datasets.homes.shapes.curves import spline
@@ -8,6 +8,7 @@ from home_mjx.datasets.homes.shapes.soft import rounded
 from home_mjx.datasets.homes.shapes.swept import ring, rod, tube
 from home_mjx.datasets.homes.shapes.turned import turned, vessel
 from home_mjx.datasets.homes.things.family import Family, kinds_of
+from home_mjx.datasets.homes.things.joinery import corners
 from home_mjx.datasets.procedural.primitives.solids import Solid, box, cylinder
 
 
@@ -56,9 +57,8 @@ def _jars() -> Iterator[Solid]:
 
 
 def _lantern() -> Iterator[Solid]:
-    for x in (-0.08, 0.08):
-        for z in (-0.08, 0.08):
-            yield box("iron", (0.012, 0.28, 0.012), (x, 0.02, z))
+    for x, z in corners(0.16, 0.16):
+        yield box("iron", (0.012, 0.28, 0.012), (x, 0.02, z))
     yield rounded("iron", (0.2, 0.02, 0.2), (0.0, 0.0, 0.0), 0.005, 1)
     yield turned("iron", [(0.14, 0.3), (0.03, 0.37), (0.02, 0.38)], sides=4, steps=1)
     yield ring("iron", 0.04, 0.008, (0.0, 0.42, 0.0), 2, 16)
@@ -67,7 +67,7 @@ def _lantern() -> Iterator[Solid]:
     yield from _flame(0.0, 0.15, 0.0)
 
 
-_CANDLES_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_CANDLES_KINDS = {
     "pillar": _pillar,
     "stick": partial(_sticks, "stick"),
     "tapers": partial(_sticks, "tapers"),

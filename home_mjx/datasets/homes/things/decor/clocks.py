@@ -1,6 +1,6 @@
 """Clocks for walls, tables and floors."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
@@ -114,7 +114,7 @@ def _cuckoo() -> Iterator[Solid]:
     yield rod("brass", (0.0, -0.02, 0.022), (0.0, 0.07, 0.022), 0.003, sides=5)
 
 
-_CLOCK_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_CLOCK_KINDS = {
     "round": partial(_rim_clock, "round"),
     "sun": partial(_rim_clock, "sun"),
     "square": _square_clock,

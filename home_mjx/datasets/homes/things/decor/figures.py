@@ -1,6 +1,6 @@
 """Figures that stand on shelves."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
@@ -11,6 +11,7 @@ from home_mjx.datasets.homes.shapes.soft import ball, rounded, soft
 from home_mjx.datasets.homes.shapes.swept import prism, ring, rod, tube
 from home_mjx.datasets.homes.shapes.turned import turned
 from home_mjx.datasets.homes.things.family import Family, kinds_of
+from home_mjx.datasets.homes.things.joinery import corners
 from home_mjx.datasets.procedural.primitives.solids import Solid
 
 
@@ -36,9 +37,8 @@ def _bust() -> Iterator[Solid]:
 def _beast(kind: str) -> Iterator[Solid]:
     slot, big = ("wood", 1.0) if kind == "horse" else ("gray", 1.2)
     yield ball(slot, (0.04 * big, 0.045 * big, 0.09), (0.0, 0.15, 0.0), 16, 10)
-    for x in (-0.022, 0.022):
-        for z in (-0.055, 0.055):
-            yield rod(slot, (x, 0.0, z), (x, 0.14, z), 0.011 * big, 0.017 * big)
+    for x, z in corners(0.044, 0.11):
+        yield rod(slot, (x, 0.0, z), (x, 0.14, z), 0.011 * big, 0.017 * big)
     if kind == "horse":
         yield tube(slot, [(0.0, 0.16, 0.07), (0.0, 0.24, 0.11), (0.0, 0.25, 0.13)], [0.032, 0.022, 0.02], 10)
         yield tube(slot, [(0.0, 0.26, 0.11), (0.0, 0.23, 0.18)], [0.022, 0.013], 10)
@@ -139,7 +139,7 @@ def _ship() -> Iterator[Solid]:
     yield prism("cream", [(0.06, 0.1), (0.14, 0.085), (0.06, 0.24)], 0.003)
 
 
-_FIGURE_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_FIGURE_KINDS = {
     "cat": _cat,
     "bust": _bust,
     "horse": partial(_beast, "horse"),

@@ -1,6 +1,6 @@
 """Bowls, caskets, wreaths and other ornaments."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from home_mjx.datasets.homes.shapes.soft import ball, rounded
 from home_mjx.datasets.homes.shapes.swept import ring, tube
 from home_mjx.datasets.homes.shapes.turned import turned, vessel
 from home_mjx.datasets.homes.things.family import Family, kinds_of
-from home_mjx.datasets.homes.things.joinery import disc
+from home_mjx.datasets.homes.things.joinery import corners, disc
 from home_mjx.datasets.procedural.primitives.solids import Solid, box, move, rotate
 
 
@@ -40,9 +40,8 @@ def _casket() -> Iterator[Solid]:
     yield rounded("wood", (0.22, 0.08, 0.14), (0.0, 0.0, 0.0), 0.006, 1)
     yield rounded("wood", (0.23, 0.035, 0.15), (0.0, 0.08, 0.0), 0.012, 2)
     yield rounded("brass", (0.03, 0.04, 0.008), (0.0, 0.065, 0.073), 0.003, 1)
-    for x in (-0.105, 0.105):
-        for z in (-0.065, 0.065):
-            yield rounded("brass", (0.025, 0.025, 0.025), (x, 0.0, z), 0.004, 1)
+    for x, z in corners(0.21, 0.13):
+        yield rounded("brass", (0.025, 0.025, 0.025), (x, 0.0, z), 0.004, 1)
 
 
 def _jar() -> Iterator[Solid]:
@@ -86,7 +85,7 @@ def _plates() -> Iterator[Solid]:
         yield disc(f"glaze_{i}", 0.4 * r, 0.006, (x, y + 0.1, -0.006), 18)
 
 
-_ORNAMENT_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_ORNAMENT_KINDS = {
     "bowl": _bowl,
     "wreath": _wreath,
     "box": _casket,

@@ -2,14 +2,12 @@
 
 from collections.abc import Iterator
 
-import numpy as np
-
 from home_mjx.datasets.homes.shapes.curves import fillet, spline
 from home_mjx.datasets.homes.shapes.soft import ball, rounded, soft
 from home_mjx.datasets.homes.shapes.swept import prism, rod, tube
 from home_mjx.datasets.homes.shapes.turned import turned
 from home_mjx.datasets.homes.things.family import Family, design, kinds_of
-from home_mjx.datasets.homes.things.joinery import disc
+from home_mjx.datasets.homes.things.joinery import disc, roller
 from home_mjx.datasets.procedural.primitives.solids import Solid, cylinder, move, rotate
 
 
@@ -24,8 +22,7 @@ def vacuum(kind: str = "canister") -> Iterator[Solid]:
     if kind == "canister":
         yield soft("bright", (0.26, 0.2, 0.38), (0.0, 0.05, 0.0), 3.5, 7)
         for s in (-1, 1):
-            wheel = rotate(cylinder("black", 0.09, 0.04, (0.0, -0.02, 0.0), sides=22), 2, np.pi / 2)
-            yield move(wheel, (s * 0.13, 0.09, -0.1))
+            yield roller("black", 0.09, 0.04, (s * 0.13, 0.09, -0.1), 22)
         yield ball("black", 0.025, (0.0, 0.025, 0.14), 10, 6)
         hose = spline([(0.0, 0.17, 0.17), (0.0, 0.4, 0.4), (0.25, 0.6, 0.35), (0.35, 0.85, 0.1)], 6)
         yield tube("gray", hose, 0.02, 10)

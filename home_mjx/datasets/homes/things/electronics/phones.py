@@ -1,6 +1,6 @@
 """Telephones and tablets."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -60,7 +60,7 @@ def _desk_telephone() -> Iterator[Solid]:
             )
 
 
-_TELEPHONE_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_TELEPHONE_KINDS = {
     "dial": _dial_telephone,
     "cordless": _cordless,
     "desk": _desk_telephone,

@@ -1,14 +1,13 @@
 """Loudspeakers, radios, consoles."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 
-from home_mjx.datasets.homes.shapes.curves import fillet
 from home_mjx.datasets.homes.shapes.soft import ball, rounded, soft
 from home_mjx.datasets.homes.shapes.swept import ring, rod, tube
 from home_mjx.datasets.homes.shapes.turned import turned
 from home_mjx.datasets.homes.things.family import Family, kinds_of
-from home_mjx.datasets.homes.things.joinery import disc
+from home_mjx.datasets.homes.things.joinery import bow, disc
 from home_mjx.datasets.procedural.primitives.solids import Solid, box, cylinder
 
 
@@ -48,12 +47,7 @@ def _radio() -> Iterator[Solid]:
         yield box("brown", (0.006, 0.12, 0.006), (-0.13 + 0.015 * i, 0.05, 0.067))
     for y in (0.07, 0.14):
         yield disc("brass", 0.02, 0.018, (0.1, y, 0.066), 16)
-    yield tube(
-        "brass",
-        fillet([(-0.12, 0.2, 0.0), (-0.12, 0.26, 0.0), (0.12, 0.26, 0.0), (0.12, 0.2, 0.0)], 0.03),
-        0.006,
-        6,
-    )
+    yield bow("brass", 0.12, (0.2, 0.26), 0.0, 0.03, 0.006, 6)
     yield rod("chrome", (0.15, 0.2, -0.04), (0.24, 0.42, -0.04), 0.002, sides=5)
 
 
@@ -64,7 +58,7 @@ def _smart_speaker() -> Iterator[Solid]:
         yield ring("black", 0.0505, 0.003, (0.0, 0.025 + 0.015 * k, 0.0), 1, 24)
 
 
-_SPEAKER_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_SPEAKER_KINDS = {
     "tower": partial(_box_speaker, "tower"),
     "small": partial(_box_speaker, "small"),
     "bar": _sound_bar,

@@ -1,6 +1,6 @@
 """Range hoods."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -60,7 +60,7 @@ def _mantel(width: float) -> Iterator[Solid]:
         yield rod("chrome", ((i - 2) * 0.16, 0.045, 0.27), ((i - 2) * 0.16, 0.045, 0.3), 0.006)
 
 
-_HOOD_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_HOOD_KINDS = {
     "chimney": _chimney,
     "glass": _glass,
     "slanted": _slanted,

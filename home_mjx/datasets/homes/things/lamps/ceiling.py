@@ -1,6 +1,6 @@
 """Lamps close under the ceiling."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -54,7 +54,7 @@ def _cluster() -> Iterator[Piece]:
         yield Bulb((x, y - 0.1, z), 12.0)
 
 
-_CEILING_KINDS: dict[str, Callable[..., Iterator[Piece]]] = {
+_CEILING_KINDS = {
     "bowl": _bowl,
     "square": _square,
     "disc": _disc,

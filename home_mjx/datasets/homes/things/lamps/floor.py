@@ -1,6 +1,6 @@
 """Floor lamps."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
@@ -146,7 +146,7 @@ def _urn() -> Iterator[Piece]:
     yield from bulb(1.1, 40.0)
 
 
-_FLOOR_LAMP_KINDS: dict[str, Callable[..., Iterator[Piece]]] = {
+_FLOOR_LAMP_KINDS = {
     "pole": partial(_shaded_pole, "pole"),
     "tray": partial(_shaded_pole, "tray"),
     "basket": partial(_shaded_pole, "basket"),

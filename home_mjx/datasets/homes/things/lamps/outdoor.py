@@ -1,6 +1,6 @@
 """Lamps of a garden."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 
 from home_mjx.datasets.homes.shapes.curves import fillet
@@ -14,7 +14,7 @@ from home_mjx.datasets.procedural.primitives.family import Bulb
 from home_mjx.datasets.procedural.primitives.solids import cylinder
 
 
-def _post_or_double(kind: str) -> Iterator[Piece]:
+def _posts(kind: str) -> Iterator[Piece]:
     yield turned("iron", [(0.12, 0.0), (0.1, 0.05), (0.04, 0.12), (0.03, 0.3), (0.03, 1.7)], sides=14, steps=2)
     for x in (0.0,) if kind == "post" else (-0.3, 0.3):
         if x:
@@ -40,9 +40,9 @@ def _ball_outdoor() -> Iterator[Piece]:
     yield Bulb((0.0, 0.39, 0.0), 20.0)
 
 
-_OUTDOOR_KINDS: dict[str, Callable[..., Iterator[Piece]]] = {
-    "post": partial(_post_or_double, "post"),
-    "double": partial(_post_or_double, "double"),
+_OUTDOOR_KINDS = {
+    "post": partial(_posts, "post"),
+    "double": partial(_posts, "double"),
     "bollard": _bollard,
     "ball": _ball_outdoor,
 }

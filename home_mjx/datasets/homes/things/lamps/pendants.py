@@ -1,6 +1,6 @@
 """Lamps that hang from a cord."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -9,6 +9,7 @@ from home_mjx.datasets.homes.shapes.soft import ball
 from home_mjx.datasets.homes.shapes.swept import beam, ring, rod, tube
 from home_mjx.datasets.homes.shapes.turned import shade, turned
 from home_mjx.datasets.homes.things.family import Family, kinds_of
+from home_mjx.datasets.homes.things.joinery import corners
 from home_mjx.datasets.homes.things.lamps.bulbs import bulb
 from home_mjx.datasets.procedural.primitives.family import Bulb
 from home_mjx.datasets.procedural.primitives.solids import Solid, box, cylinder
@@ -77,9 +78,8 @@ def _basket() -> Iterator[Piece]:
 
 
 def _lantern() -> Iterator[Piece]:
-    for x in (-0.11, 0.11):
-        for z in (-0.11, 0.11):
-            yield box("iron", (0.014, 0.3, 0.014), (x, 0.0, z))
+    for x, z in corners(0.22, 0.22):
+        yield box("iron", (0.014, 0.3, 0.014), (x, 0.0, z))
     for y in (0.0, 0.29):
         yield from (box("iron", (0.234, 0.014, 0.014), (0.0, y, s * 0.11)) for s in (-1, 1))
         yield from (box("iron", (0.014, 0.014, 0.234), (s * 0.11, y, 0.0)) for s in (-1, 1))
@@ -124,7 +124,7 @@ def _ring() -> Iterator[Piece]:
         yield Bulb((0.25 * np.cos(a), -0.03, 0.0), 30.0)
 
 
-_PENDANT_KINDS: dict[str, Callable[..., Iterator[Piece]]] = {
+_PENDANT_KINDS = {
     "dome": _dome,
     "globe": _globe,
     "drum": _drum,

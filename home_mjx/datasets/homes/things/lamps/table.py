@@ -1,6 +1,6 @@
 """Table and desk lamps."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -128,7 +128,7 @@ def _bent_tube() -> Iterator[Piece]:
     yield Bulb((0.0, 0.36, 0.1), 20.0)
 
 
-_DESK_LAMP_KINDS: dict[str, Callable[..., Iterator[Piece]]] = {
+_DESK_LAMP_KINDS = {
     "arm": _arm,
     "banker": _banker,
     "mushroom": _mushroom,

@@ -1,6 +1,6 @@
 """Lamps on walls."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
@@ -111,7 +111,7 @@ def _block() -> Iterator[Piece]:
         yield Bulb((0.0, y, -0.03), 20.0)
 
 
-_WALL_LAMP_KINDS: dict[str, Callable[..., Iterator[Piece]]] = {
+_WALL_LAMP_KINDS = {
     "cone": _cone_wall_lamp,
     "shade": partial(_on_arms, "shade"),
     "candles": partial(_on_arms, "candles"),

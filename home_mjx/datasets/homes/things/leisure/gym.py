@@ -1,6 +1,6 @@
 """Gym equipment."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -121,7 +121,7 @@ def _kettlebells() -> Iterator[Solid]:
         )
 
 
-_GYM_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_GYM_KINDS = {
     "treadmill": treadmill,
     "bench": _bench,
     "bike": bike,

@@ -1,6 +1,6 @@
 """Pianos and keyboards."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 from home_mjx.datasets.homes.shapes.curves import spline
 from home_mjx.datasets.homes.shapes.soft import rounded
@@ -75,7 +75,7 @@ def _electric() -> Iterator[Solid]:
     yield beam("iron", (-0.5, 0.36, 0.02), (0.5, 0.36, 0.02), 0.03)
 
 
-_PIANO_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_PIANO_KINDS = {
     "upright": _upright,
     "grand": _grand,
     "electric": _electric,

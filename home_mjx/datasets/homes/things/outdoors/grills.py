@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from home_mjx.datasets.homes.shapes.curves import fillet
 from home_mjx.datasets.homes.shapes.groups import around
 from home_mjx.datasets.homes.shapes.soft import ball, rounded
-from home_mjx.datasets.homes.shapes.swept import prism, rod, tube
+from home_mjx.datasets.homes.shapes.swept import prism, rod
 from home_mjx.datasets.homes.shapes.turned import turned
-from home_mjx.datasets.homes.things.joinery import corners, disc
+from home_mjx.datasets.homes.things.joinery import bow, corners, disc
 from home_mjx.datasets.procedural.primitives.solids import Solid, box, cylinder
 
 
@@ -15,9 +15,7 @@ def round_grill() -> Iterator[Solid]:
     """A round grill on three legs."""
     yield turned("iron", [(0.05, 0.5), (0.22, 0.56), (0.28, 0.7)], sides=26, steps=3)
     yield turned("iron", [(0.285, 0.71), (0.24, 0.84), (0.1, 0.92), (0.01, 0.93)], sides=26, steps=3)
-    yield tube(
-        "wood", fillet([(-0.06, 0.92, 0.0), (-0.06, 0.97, 0.0), (0.06, 0.97, 0.0), (0.06, 0.92, 0.0)], 0.02), 0.012
-    )
+    yield bow("wood", 0.06, (0.92, 0.97), 0.0, 0.02, 0.012)
     yield from around([rod("iron", (0.0, 0.0, 0.32), (0.0, 0.58, 0.16), 0.013)], 3)
     yield cylinder("gray", 0.15, 0.012, (0.0, 0.2, 0.0), sides=22)
 

@@ -1,6 +1,6 @@
 """Things of a garage: ladders, mowers, tools."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from home_mjx.datasets.homes.shapes.soft import rounded, soft
 from home_mjx.datasets.homes.shapes.swept import beam, prism, rod, tube
 from home_mjx.datasets.homes.shapes.turned import turned
 from home_mjx.datasets.homes.things.family import Family, kinds_of
+from home_mjx.datasets.homes.things.joinery import bow
 from home_mjx.datasets.homes.things.vehicles.wheels import wheel
 from home_mjx.datasets.procedural.primitives.solids import Solid
 
@@ -50,9 +51,7 @@ def _mower() -> Iterator[Solid]:
 def _tool_box() -> Iterator[Solid]:
     yield rounded("red", (0.46, 0.18, 0.22), (0.0, 0.0, 0.0), 0.012, 2)
     yield rounded("black", (0.47, 0.05, 0.23), (0.0, 0.17, 0.0), 0.012, 2)
-    yield tube(
-        "black", fillet([(-0.12, 0.21, 0.0), (-0.12, 0.28, 0.0), (0.12, 0.28, 0.0), (0.12, 0.21, 0.0)], 0.04), 0.012
-    )
+    yield bow("black", 0.12, (0.21, 0.28), 0.0, 0.04, 0.012)
     for s in (-1, 1):
         yield rounded("chrome", (0.04, 0.06, 0.01), (s * 0.14, 0.14, 0.115), 0.003, 1)
 
@@ -107,7 +106,7 @@ def _paint() -> Iterator[Solid]:
     yield rounded("black", (0.07, 0.014, 0.06), (0.05, 0.206, -0.09), 0.004, 1)
 
 
-_TOOLS_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_TOOLS_KINDS = {
     "ladder": _step_ladder,
     "long": _long_ladder,
     "mower": _mower,

@@ -1,6 +1,6 @@
 """Things of a garden: grills, parasols, pools, letter boxes."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
@@ -105,7 +105,7 @@ def _hoop() -> Iterator[Solid]:
         )
 
 
-_GARDEN_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_GARDEN_KINDS = {
     "kettle": round_grill,
     "gas": gas_grill,
     "stone": stone_grill,

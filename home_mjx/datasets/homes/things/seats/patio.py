@@ -10,9 +10,9 @@ from home_mjx.datasets.homes.shapes.sheets import surface
 from home_mjx.datasets.homes.shapes.soft import pillow, rounded, soft
 from home_mjx.datasets.homes.shapes.swept import beam, rod, tube
 from home_mjx.datasets.homes.things.family import Family, design
-from home_mjx.datasets.homes.things.joinery import corners
+from home_mjx.datasets.homes.things.joinery import corners, roller
 from home_mjx.datasets.homes.things.seats.sofas import standing
-from home_mjx.datasets.procedural.primitives.solids import Solid, box, cylinder, move, rotate
+from home_mjx.datasets.procedural.primitives.solids import Solid, box, rotate
 
 
 def park_bench(width: float = 1.5) -> Iterator[Solid]:
@@ -94,8 +94,7 @@ def sunbed(width: float = 0.66) -> Iterator[Solid]:
 
 
 def _wheel(x: float) -> Solid:
-    wheel = rotate(cylinder("rubber", 0.13, 0.03, (0.0, -0.015, 0.0), sides=18), 2, np.pi / 2)
-    return move(wheel, (x, 0.13, -0.4))
+    return roller("rubber", 0.13, 0.03, (x, 0.13, -0.4), 18)
 
 
 def swing(width: float = 1.5) -> Iterator[Solid]:

@@ -9,15 +9,14 @@ from home_mjx.datasets.homes.shapes.soft import rounded
 from home_mjx.datasets.homes.shapes.swept import rod, tube
 from home_mjx.datasets.homes.shapes.turned import turned, vessel
 from home_mjx.datasets.homes.things.family import Family, design
-from home_mjx.datasets.homes.things.joinery import corners, disc
-from home_mjx.datasets.procedural.primitives.solids import Solid, cylinder, move, rotate
+from home_mjx.datasets.homes.things.joinery import corners, disc, roller
+from home_mjx.datasets.procedural.primitives.solids import Solid, cylinder
 
 
 def _trolley(slot: str, board: str, wide: float, deep: float, levels: tuple[float, ...]) -> Iterator[Solid]:
     for x, z in corners(wide, deep):
         yield rod(slot, (x, 0.05, z), (x, levels[-1] + 0.08, z), 0.013)
-        wheel = rotate(cylinder("rubber", 0.03, 0.02, (0.0, -0.01, 0.0), sides=12), 2, np.pi / 2)
-        yield move(wheel, (x, 0.03, z))
+        yield roller("rubber", 0.03, 0.02, (x, 0.03, z), 12)
     for y in levels:
         yield rounded(board, (wide, 0.015, deep), (0.0, y, 0.0), 0.004, 1)
         for s in (-1, 1):

@@ -1,6 +1,6 @@
 """Jars, tins, boxes."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -62,7 +62,7 @@ def _bread_box() -> Iterator[Solid]:
     yield rounded("chrome", (0.1, 0.014, 0.02), (0.0, 0.05, 0.125), 0.005, 1)
 
 
-_CONTAINERS_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_CONTAINERS_KINDS = {
     "jars": _jars,
     "tins": _tins,
     "spices": _spices,

@@ -1,6 +1,6 @@
 """Cups."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 from home_mjx.datasets.homes.shapes.curves import fillet
 from home_mjx.datasets.homes.shapes.soft import rounded
@@ -86,7 +86,7 @@ def _pens() -> Iterator[Solid]:
         yield rod("wood", (0.01 * (i - 2), 0.02, 0.0), (0.022 * (i - 2), 0.17, 0.012 * (-1) ** i), 0.003, sides=6)
 
 
-_CUP_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_CUP_KINDS = {
     "mug": _mug,
     "tea": _tea,
     "enamel": _enamel,

@@ -1,6 +1,6 @@
 """Cakes, bread, meals."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -95,7 +95,7 @@ def _sushi() -> Iterator[Solid]:
         yield soft(("orange", "red")[i % 2], (0.066, 0.012, 0.036), (x, 0.038, z), 3.0, 4)
 
 
-_MEAL_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_MEAL_KINDS = {
     "pizza": _pizza,
     "salad": _salad,
     "sushi": _sushi,

@@ -1,6 +1,6 @@
 """Glasses and bottles."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 from home_mjx.datasets.homes.shapes.soft import rounded
 from home_mjx.datasets.homes.shapes.swept import rod, tube
@@ -99,7 +99,7 @@ def _jar_bottle() -> Iterator[Solid]:
     yield turned("paper", [(0.0445, 0.03), (0.0445, 0.085)], sides=20, steps=1)
 
 
-_BOTTLE_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_BOTTLE_KINDS = {
     "wine": _wine_bottle,
     "water": _water_bottle,
     "oil": _oil_bottle,

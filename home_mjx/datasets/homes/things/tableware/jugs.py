@@ -1,6 +1,6 @@
 """Jugs and teapots."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 from home_mjx.datasets.homes.shapes.curves import fillet, spline
 from home_mjx.datasets.homes.shapes.swept import prism, tube
@@ -36,7 +36,7 @@ def _thermos() -> Iterator[Solid]:
     yield tube("black", fillet([(0.04, 0.24, 0.0), (0.11, 0.23, 0.0), (0.1, 0.08, 0.0), (0.06, 0.07, 0.0)], 0.04), 0.01)
 
 
-_JUG_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_JUG_KINDS = {
     "pitcher": _pitcher,
     "carafe": _carafe,
     "thermos": _thermos,

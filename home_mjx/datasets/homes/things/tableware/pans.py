@@ -1,6 +1,6 @@
 """Pans and pots."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 from home_mjx.datasets.homes.shapes.curves import fillet
 from home_mjx.datasets.homes.shapes.soft import rounded
@@ -53,7 +53,7 @@ def _casserole() -> Iterator[Solid]:
         yield rounded("bright", (0.045, 0.018, 0.08), (s * 0.14, 0.085, 0.0), 0.008, 2)
 
 
-_PAN_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_PAN_KINDS = {
     "frying": _frying_pan,
     "pot": _cooking_pot,
     "wok": _wok,

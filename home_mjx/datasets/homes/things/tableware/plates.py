@@ -1,6 +1,6 @@
 """Plates and laid places."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 from home_mjx.datasets.homes.shapes.curves import fillet
 from home_mjx.datasets.homes.shapes.soft import ball, rounded, soft
@@ -63,7 +63,7 @@ def _plate_set() -> Iterator[Solid]:
     yield from _cutlery(-0.16, 0.17)
 
 
-_PLATES_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_PLATES_KINDS = {
     "stack": _stack_plates,
     "bowls": _bowls,
     "rack": _rack,

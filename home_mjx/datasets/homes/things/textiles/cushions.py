@@ -1,6 +1,6 @@
 """Cushions."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -52,7 +52,7 @@ def _pile() -> Iterator[Solid]:
     yield rotate(pillow("patterned_1", (0.44, 0.14, 0.44), (0.0, 0.125, 0.0), 8), 1, 0.5)
 
 
-_CUSHION_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_CUSHION_KINDS = {
     "square": _square,
     "oblong": _oblong,
     "roll": _roll,

@@ -1,6 +1,6 @@
 """Balls, rings, xylophones, robots, playpens."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -65,7 +65,7 @@ def _playpen() -> Iterator[Solid]:
         yield ball(f"bright_{i % 5}", 0.045, (r * np.cos(2.4 * i), 0.085, r * np.sin(2.4 * i)), 10, 6)
 
 
-_BALL_PIT_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_BALL_PIT_KINDS = {
     "ball": _ball,
     "rings": _rings,
     "xylophone": _xylophone,

@@ -1,6 +1,6 @@
 """Baskets, chests and what they hold."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -9,6 +9,7 @@ from home_mjx.datasets.homes.shapes.soft import ball, rounded
 from home_mjx.datasets.homes.shapes.swept import prism, rod, tube
 from home_mjx.datasets.homes.shapes.turned import turned, vessel
 from home_mjx.datasets.homes.things.family import Family, kinds_of
+from home_mjx.datasets.homes.things.joinery import bow
 from home_mjx.datasets.procedural.primitives.solids import Solid, rotate
 
 
@@ -32,12 +33,7 @@ def _laundry() -> Iterator[Solid]:
 def _hamper() -> Iterator[Solid]:
     yield vessel("cane", [(0.2, 0.0), (0.23, 0.3), (0.21, 0.6)], 0.012, sides=26, steps=2)
     yield turned("cane", [(0.225, 0.6), (0.22, 0.63), (0.08, 0.67), (0.02, 0.675)], sides=26, steps=2)
-    yield tube(
-        "leather",
-        fillet([(-0.05, 0.66, 0.0), (-0.05, 0.71, 0.0), (0.05, 0.71, 0.0), (0.05, 0.66, 0.0)], 0.02),
-        0.008,
-        6,
-    )
+    yield bow("leather", 0.05, (0.66, 0.71), 0.0, 0.02, 0.008, 6)
 
 
 def _logs() -> Iterator[Solid]:
@@ -88,7 +84,7 @@ def _chest() -> Iterator[Solid]:
         yield prism("yellow", star(0.06, 0.025, 5), 0.01, (-0.18 + 0.36 * i, 0.2, 0.2))
 
 
-_BASKET_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_BASKET_KINDS = {
     "laundry": _laundry,
     "hamper": _hamper,
     "logs": _logs,

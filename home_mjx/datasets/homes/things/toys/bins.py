@@ -1,6 +1,6 @@
 """Bins."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -74,7 +74,7 @@ def _barrel() -> Iterator[Solid]:
         )
 
 
-_BIN_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_BIN_KINDS = {
     "pedal": _pedal,
     "wire": _wire,
     "woven": _woven,

@@ -1,6 +1,6 @@
 """Pets and fish."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -88,7 +88,7 @@ def _cage() -> Iterator[Solid]:
     yield ring("gold", 0.02, 0.006, (0.0, 0.46, 0.0), 2, 14)
 
 
-_PET_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_PET_KINDS = {
     "cat": _cat,
     "dog": _dog,
     "basket": _dog_basket,

@@ -2,13 +2,12 @@
 
 from collections.abc import Iterator
 
-import numpy as np
-
 from home_mjx.datasets.homes.shapes.curves import fillet
 from home_mjx.datasets.homes.shapes.soft import ball, rounded
 from home_mjx.datasets.homes.shapes.swept import prism, rod, tube
 from home_mjx.datasets.homes.shapes.turned import turned
-from home_mjx.datasets.procedural.primitives.solids import Solid, box, cylinder, move, rotate
+from home_mjx.datasets.homes.things.joinery import roller
+from home_mjx.datasets.procedural.primitives.solids import Solid, box, cylinder, rotate
 
 
 def teddy(slot: str = "fur_coat", ears: str = "round") -> Iterator[Solid]:
@@ -57,8 +56,7 @@ def train() -> Iterator[Solid]:
         yield rounded(f"bright_{k}", (0.07, 0.025, 0.14), (0.0, 0.03, z), 0.008, 1)
         for s in (-1, 1):
             for dz in (-0.045, 0.045):
-                wheel = rotate(cylinder("wood", 0.024, 0.014, (0.0, -0.007, 0.0), sides=14), 2, np.pi / 2)
-                yield move(wheel, (s * 0.04, 0.024, z + dz))
+                yield roller("wood", 0.024, 0.014, (s * 0.04, 0.024, z + dz), 14)
         if k:
             yield (
                 rounded("wood", (0.06, 0.035, 0.11), (0.0, 0.055, z), 0.006, 1)
@@ -115,7 +113,5 @@ def toy_car(kind: str = "car") -> Iterator[Solid]:
                 )
     for z in (-0.07, 0.075):
         for s in (-1, 1):
-            wheel = rotate(cylinder("rubber", 0.032, 0.022, (0.0, -0.011, 0.0), sides=16), 2, np.pi / 2)
-            yield move(wheel, (s * 0.055, 0.032, z))
-            hub = rotate(cylinder("white", 0.014, 0.026, (0.0, -0.013, 0.0), sides=12), 2, np.pi / 2)
-            yield move(hub, (s * 0.055, 0.032, z))
+            yield roller("rubber", 0.032, 0.022, (s * 0.055, 0.032, z), 16)
+            yield roller("white", 0.014, 0.026, (s * 0.055, 0.032, z), 12)

@@ -1,6 +1,6 @@
 """Motorcycles, bicycles, tricycles."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 from home_mjx.datasets.homes.shapes.curves import fillet
 from home_mjx.datasets.homes.shapes.soft import ball, rounded, soft
@@ -68,7 +68,7 @@ def _road() -> Iterator[Solid]:
     yield tube("car", [(0.0, 0.62, 0.98), (0.0, 0.68, 0.74), (0.0, 0.62, 0.46)], 0.06, 8)
 
 
-_MOTORCYCLE_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_MOTORCYCLE_KINDS = {
     "scooter": _scooter,
     "road": _road,
 }

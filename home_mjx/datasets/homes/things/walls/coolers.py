@@ -1,6 +1,6 @@
 """Air conditioners."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 from home_mjx.datasets.homes.shapes.curves import fillet, spline
 from home_mjx.datasets.homes.shapes.soft import ball, rounded
@@ -42,7 +42,7 @@ def _mobile() -> Iterator[Solid]:
     )
 
 
-_COOLER_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_COOLER_KINDS = {
     "split": _split,
     "window": _window,
     "mobile": _mobile,

@@ -1,6 +1,6 @@
 """Fans, and a whiteboard."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
@@ -76,7 +76,7 @@ def _cage(y: float, size: float) -> Iterator[Solid]:
         yield tube("white", [(0.1 * c, y + 0.1 * s, 0.125), (c, y + s, 0.1), (c, y + s, 0.02)], 0.002, 4)
 
 
-_FAN_KINDS: dict[str, Callable[[], Iterator[Solid]]] = {
+_FAN_KINDS = {
     "ceiling": partial(_under_ceiling, False),
     "ceiling_wood": partial(_under_ceiling, True),
     "stand": partial(_on_foot, 1.15, 0.2, 0.19, 0.2),

@@ -1,6 +1,6 @@
 """Radiators."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
@@ -50,7 +50,7 @@ def _oil(width: float, height: float) -> Iterator[Solid]:
         yield box("gray", (0.04, 0.03, 0.22), (x, 0.05, 0.0))
 
 
-_RADIATOR_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_RADIATOR_KINDS = {
     "panel": partial(_panels, "panel"),
     "double": partial(_panels, "double"),
     "columns": _columns,

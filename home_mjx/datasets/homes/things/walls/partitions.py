@@ -1,6 +1,6 @@
 """Folding screens."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
@@ -51,7 +51,7 @@ def _rings() -> Iterator[Solid]:
         yield rounded("wood", (0.08, 0.04, 0.36), (s * 0.775, 0.0, 0.0), 0.012, 1)
 
 
-_SCREEN_KINDS: dict[str, Callable[..., Iterator[Solid]]] = {
+_SCREEN_KINDS = {
     "folding": partial(_folding_screen, "folding"),
     "paper": partial(_folding_screen, "paper"),
     "cane": partial(_folding_screen, "cane"),
