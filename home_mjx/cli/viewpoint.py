@@ -4,6 +4,7 @@ import argparse
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Int
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.cli.houses import add_house_arguments, load_compiled_house
@@ -11,6 +12,7 @@ from home_mjx.cli.parsing import number
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.agent import Body
+from home_mjx.schema.compiled import Rooms
 
 EYE_HEIGHT = Body().eye_height  # [m]
 BELOW_CEILING = 0.05  # [m], of a camera that looks down
@@ -86,8 +88,14 @@ def look_down(args: argparse.Namespace, storey: int) -> tuple[Viewpoint, np.ndar
     points = np.concatenate([house.rooms.polygon[room] for room in here])
     low, high = points.min(axis=0), points.max(axis=0)
     bank = HouseBank.from_compiled([house])
-    camera = np.array([*(low + high) / 2, house.rooms.ceiling[here].min() - BELOW_CEILING], np.float32)
+    camera = np.array([*(low + high) / 2, _lowest_ceiling(house.rooms, here) - BELOW_CEILING], np.float32)
     return Viewpoint(bank, _scene_of(bank), camera, _quat(np.pi / 2, -np.pi / 2)), high - low
+
+
+def _lowest_ceiling(rooms: Rooms, here: Int[np.ndarray, " n"]) -> float:
+    """Of the rooms that have one [m]: balconies and terraces end where their floor is."""
+    roofed = here[rooms.ceiling[here] > rooms.floor[here] + EYE_HEIGHT]
+    return float(rooms.ceiling[roofed].min() if len(roofed) else rooms.floor[here].max() + EYE_HEIGHT)
 
 
 def _scene_of(bank: HouseBank) -> Scene:

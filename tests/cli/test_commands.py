@@ -11,10 +11,11 @@ from PIL import Image
 from home_mjx.bank.bank import HouseBank
 from home_mjx.cli import main
 from home_mjx.cli.commands.render import CUT_WALL, MARGIN
-from home_mjx.cli.viewpoint import EYE_HEIGHT, longest_view
+from home_mjx.cli.viewpoint import EYE_HEIGHT, _lowest_ceiling, longest_view
 from home_mjx.datasets.procedural.dataset import generate_dataset
 from home_mjx.scene_compile.cache import house_cache
 from home_mjx.scene_compile.cache.house_set import HouseSet
+from home_mjx.schema.compiled import Rooms
 from home_mjx.viz.pictures import id_colours
 
 RECORD = ["case", "value", "unit", "num_envs", "device", "versions", "compile_seconds", "peer", "peer_value", "ratio"]
@@ -195,6 +196,15 @@ def test_a_plan_leaves_no_choice_of_the_camera(options: list[str], houses: Path,
 def test_a_storey_that_is_not_there_is_refused(houses: Path, tmp_path: Path, capsys):
     assert main(["render", "--dataset", str(houses), "--out", str(tmp_path), "--top", "1"]) == 2
     assert "--top 1: the house has 1 storeys. Give 0 to 0" in capsys.readouterr().err
+
+
+def test_a_terrace_does_not_lower_the_camera_of_a_plan():
+    """What is outdoors ends where its floor is."""
+    floor, ceiling = np.array([0.05, 0.05, 2.85]), np.array([2.69, 0.05, 5.5])
+    rooms = Rooms(np.zeros(3, int), np.zeros(3, int), (np.zeros((3, 2)),) * 3, floor, ceiling)
+    assert _lowest_ceiling(rooms, np.array([0, 1])) == pytest.approx(2.69)
+    assert _lowest_ceiling(rooms, np.array([0, 1, 2])) == pytest.approx(2.69)
+    assert 1 < _lowest_ceiling(rooms, np.array([1])) < 2
 
 
 def test_listen_hears_the_source_after_its_delay(houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture):
