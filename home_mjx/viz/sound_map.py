@@ -34,12 +34,12 @@ def sound_map(
     """
     known = np.isfinite(values)
     low, high = (float(f(values[known])) for f in (np.min, np.max)) if known.any() else (0.0, 0.0)
-    image = np.full((*values.shape, 3), BACKGROUND, np.uint8)
-    image[room] = WALL
+    rows, columns = values.shape
+    image = np.full((rows + 2 * MARGIN, columns + 2 * MARGIN, 3), BACKGROUND, np.uint8)
+    inner = image[MARGIN:-MARGIN, MARGIN:-MARGIN]
+    inner[room] = WALL
     span = max(high - low, 1e-6)
-    image[known] = depth_colours((high - values[known])[None], span)[0]
-    image = np.pad(image, ((MARGIN, MARGIN), (MARGIN, MARGIN), (0, 0)))
-    image[:MARGIN], image[-MARGIN:], image[:, :MARGIN], image[:, -MARGIN:] = 4 * (BACKGROUND,)
+    inner[known] = depth_colours((high - values[known])[None], span)[0]
     pixels = max(size // max(image.shape[:2]), 1)
     picture = Image.fromarray(np.repeat(np.repeat(image[::-1], pixels, axis=0), pixels, axis=1))
     y, x = (image.shape[0] - source[0] - MARGIN) * pixels, (source[1] + MARGIN) * pixels

@@ -5,13 +5,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from home_mjx.datasets.homes.fittings import fittings
+from home_mjx.datasets.homes.fittings import Owned, fittings
 from home_mjx.datasets.homes.furnish import furnish_home
 from home_mjx.datasets.homes.plan.home import HomePlan, draw_home
 from home_mjx.datasets.homes.plan.needs.program import Program, draw_program
 from home_mjx.datasets.homes.plan.needs.wants import OUTDOORS, WET
 from home_mjx.datasets.procedural.floor_plan.openings import HousePlan
-from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
 from home_mjx.datasets.procedural.floor_plan.walls import Surfaces
 from home_mjx.datasets.procedural.furnish.style import Style
 from home_mjx.datasets.procedural.primitives.palette import (
@@ -36,8 +35,6 @@ FLOORS = {
     **dict.fromkeys(("Garage", "Boiler_room", "Storage", "Entryway"), HARD_FLOORS),
     **dict.fromkeys(OUTDOORS, DECKS),
 }
-
-Owned = tuple[PlacedFurniture, int | None]  # an object on a level, and the index of its room
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from home_mjx.datasets.procedural.primitives.family import Furniture
 GAP = 0.01  # [m], between stairs and walls
 CORNER = 0.03  # [m], of railings from the outline, towards the room
 
-Owned = tuple[PlacedFurniture, int | None]
+Owned = tuple[PlacedFurniture, int | None]  # an object on a level, and the index of its room
 
 
 def fittings(home: HomePlan, level: int, style: Style) -> Iterator[Owned]:

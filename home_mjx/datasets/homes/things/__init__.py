@@ -1,9 +1,7 @@
 """Things of many shapes: `library()` holds every model, the same for all seeds."""
 
-from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from functools import cache
-from types import MappingProxyType
 
 from home_mjx.datasets.homes.things.appliances import fridges, hot_drinks, mixers, ovens, washing
 from home_mjx.datasets.homes.things.bath import basins, bathtubs, mirrors, paper, showers, toiletries, toilets, towels
@@ -45,7 +43,7 @@ from home_mjx.datasets.homes.things.textiles import curtains, cushions, rugs, we
 from home_mjx.datasets.homes.things.toys import baskets, bins, pets, toys
 from home_mjx.datasets.homes.things.vehicles import cars, cycles
 from home_mjx.datasets.homes.things.walls import coolers, fans, fences, fireplaces, heaters, partitions, switches
-from home_mjx.datasets.procedural.primitives.family import Furniture
+from home_mjx.datasets.procedural.primitives.family import Furniture, models_by_family, models_by_id
 
 __all__ = ["family_models", "library"]
 
@@ -83,14 +81,10 @@ def library() -> Mapping[str, Furniture]:
         >>> library()["home_sofa_2"].fine
         'sofa'
     """
-    families = [family for module in _MODULES for family in module.FAMILIES]
-    return MappingProxyType({model.id: model for family in families for model in family.models()})
+    return models_by_id(family for module in _MODULES for family in module.FAMILIES)
 
 
 @cache
 def family_models() -> Mapping[str, Sequence[Furniture]]:
     """The library models of every family."""
-    families: dict[str, list[Furniture]] = defaultdict(list)
-    for model in library().values():
-        families[model.family].append(model)
-    return dict(families)
+    return models_by_family(library().values())

@@ -1,10 +1,12 @@
 """Furniture families, whose variants become library models."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from types import MappingProxyType
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
@@ -97,6 +99,28 @@ class Family:
         shift = -(low + high) / 2 * (1, 0, 1) * self.centred
         solids = [move(solid, shift) for solid in solids]
         return solids, tuple(_light(piece, shift) for piece in built if isinstance(piece, Bulb))
+
+
+@runtime_checkable
+class Models(Protocol):
+    """What makes library models."""
+
+    def models(self) -> Iterator[Furniture]:
+        """The models, in order."""
+        ...
+
+
+def models_by_id(families: Iterable[Models]) -> Mapping[str, Furniture]:
+    """The models of all families, in order."""
+    return MappingProxyType({model.id: model for family in families for model in family.models()})
+
+
+def models_by_family(models: Iterable[Furniture]) -> Mapping[str, Sequence[Furniture]]:
+    """Models by the names of their families."""
+    families: dict[str, list[Furniture]] = defaultdict(list)
+    for model in models:
+        families[model.family].append(model)
+    return dict(families)
 
 
 def variant(**parameters: Any) -> Mapping[str, Any]:
