@@ -1,5 +1,6 @@
 """Bounded reading of files below a dataset root, and writing of files whole or not at all."""
 
+import io
 import json
 import os
 import shutil
@@ -140,7 +141,7 @@ def _is_array(found: Any, name: str) -> np.ndarray:
     raise ValueError(f"`{name}` is no array")
 
 
-def open_regular(path: Path) -> IO[bytes]:
+def open_regular(path: Path) -> io.BufferedReader:
     """Opens a regular file for reading; never waits, as a pipe would have it.
 
     Raises:

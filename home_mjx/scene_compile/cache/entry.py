@@ -115,10 +115,10 @@ def _members(content: np.ndarray) -> list[_Member]:
     """
     found, begin = [], 0
     at = listed = len(content) - _END.size - sum(_MEMBER.size + len(name) for name in (NOTES, DATA))
-    if at < 0 or _END.unpack_from(content, len(content) - _END.size)[0] != b"PK\5\6":
+    if at < 0 or _END.unpack_from(content.data, len(content) - _END.size)[0] != b"PK\5\6":
         raise ValueError("entry is cut off, or no archive of ours")
     for name in (NOTES, DATA):
-        mark, method, crc, stored, size, letters, *extra, place = _MEMBER.unpack_from(content, at)
+        mark, method, crc, stored, size, letters, *extra, place = _MEMBER.unpack_from(content.data, at)
         if method != zipfile.ZIP_STORED:
             raise ValueError("entry is packed")
         last = at + _MEMBER.size + len(name)
@@ -135,7 +135,7 @@ def _members(content: np.ndarray) -> list[_Member]:
 
 def _sound(content: np.ndarray, member: _Member) -> np.ndarray:
     found = content[member.begin : member.end]
-    if zlib.crc32(found) != member.crc:
+    if zlib.crc32(found.data) != member.crc:
         raise ValueError("entry has bytes that were not written")
     return found
 
