@@ -95,6 +95,17 @@ def test_functions_within_others_share_what_is_known_and_keep_what_they_enclose(
         made(1)("a")
 
 
+def test_hints_that_are_strings_are_checked():
+    @checks
+    def length(x: "np.ndarray") -> "int":
+        return len(x) if len(x) < 3 else "many"
+
+    assert length(np.ones(2)) == 2
+    for wrong in ("ab", np.ones(3)):
+        with pytest.raises(TypeCheckError):
+            length(wrong)
+
+
 def test_errors_are_those_of_the_function():
     @checks
     def refuse(n: int) -> int:

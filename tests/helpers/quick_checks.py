@@ -47,7 +47,7 @@ def _decorated(checker: Any, target: Any) -> Any:
     # By its code: a function within another one is made anew whenever that one is called.
     known = _functions.get(target.__code__)
     if known is None:
-        known = _functions[target.__code__] = _Function(checker, target)
+        known = _functions[target.__code__] = _Function(checker)
 
     @functools.wraps(target)
     def checked(*args: Any, **options: Any) -> Any:
@@ -61,8 +61,8 @@ def _decorated(checker: Any, target: Any) -> Any:
 class _Function:
     """What is known of the calls of a function."""
 
-    def __init__(self, checker: Any, target: Callable[..., Any]) -> None:
-        self.checker, self.target = checker, target
+    def __init__(self, checker: Any) -> None:
+        self.checker, self.full = checker, None
         self.ways: dict[Any, set[Any]] = {}  # to kinds of results
 
     def call(self, target: Callable[..., Any], args: tuple[Any, ...], options: dict[str, Any]) -> Any:
@@ -86,6 +86,8 @@ class _Function:
 
     def check(self, target: Callable[..., Any], args: tuple[Any, ...], options: dict[str, Any]) -> Any:
         """The result, checked as jaxtyping does."""
+        if self.full is None:
+            self.full = self.around(target)
         stack = _running.__dict__.setdefault("stack", [])
         stack.append(target)
         try:
@@ -93,14 +95,19 @@ class _Function:
         finally:
             stack.pop()
 
-    @functools.cached_property
-    def full(self) -> Callable[..., Any]:
-        """The checks, around whatever is to be called."""
+    def around(self, target: Callable[..., Any]) -> Callable[..., Any]:
+        """The checks, around whatever is to be called; keeps nothing of what the function encloses."""
 
-        @functools.wraps(self.target)
+        running = _running
+
         def run(*args: Any, **options: Any) -> Any:
-            return _running.stack[-1](*args, **options)
+            return running.stack[-1](*args, **options)
 
+        # With the function's names, by which hints that are strings are resolved.
+        run = types.FunctionType(run.__code__, target.__globals__, closure=run.__closure__)
+        for name in ("__module__", "__name__", "__qualname__", "__doc__"):
+            setattr(run, name, getattr(target, name))
+        run.__signature__ = inspect.signature(target)  # type: ignore[attr-defined]
         return _jaxtyped(run, typechecker=self.checker)
 
     @staticmethod
