@@ -4,8 +4,11 @@
 set -eu
 cd "$(dirname "$0")/.."
 
-# name | lowest Python | jax | other pins that this jax needs
+# name | lowest Python | jax | pins: nothing, those of all rows but jax; `lowest`, of every hard dependency the lowest
+# version that pyproject.toml allows; `newest`, none
 ROWS='
+lowest |3.11|        |lowest
+newest |3.12|        |newest
 jax0.9 |3.11|0.9.2   |
 jax0.10|3.11|0.10.2  |
 jax0.11|3.12|0.11.2  |
@@ -19,14 +22,26 @@ tests/physics/test_physics_batch.py tests/physics/test_physics_model.py
 tests/audio_jax/auralization/test_impulse_response.py tests/audio_jax/auralization/test_stream.py tests/tasks
 tests/adapters/test_gymnasium_adapter.py'
 
+# The common pins, less those that a row sets. With the lowest versions only the tools of the tests are pinned.
+pins_of() {
+    case $1 in
+    newest) ;;
+    lowest)
+        "$(scripts/find_python.sh 3.11)" scripts/lowest_pins.py &&
+            grep -E '^(beartype|embreex|hypothesis|pytest|pytest-xdist|setuptools)==' requirements/constraints.txt
+        ;;
+    *) grep -vE '^(jax|jaxlib|flax)==' requirements/constraints.txt && echo "jax==$2" ;;
+    esac
+}
+
 run_row() {
-    local name=$1 python=$2 jax=$3 extra=$4 venv=.venv-$1
+    local name=$1 python=$2 jax=$3 kind=$4 venv=.venv-$1
     if ! scripts/find_python.sh "$python" >/dev/null 2>&1; then
         echo "SKIPPED $name: no Python >= $python found"
         return
     fi
-    # The common pins, less those that this row sets. Steps are chained: `set -e` does not reach into `run_row ||`.
-    { grep -vE '^(jax|jaxlib|flax)==' requirements/constraints.txt; printf '%s\n' "jax==$jax" $extra; } >"$pins" &&
+    # Steps are chained: `set -e` does not reach into `run_row ||`.
+    pins_of "$kind" "$jax" >"$pins" &&
         MIN_PYTHON=$python scripts/setup_venv.sh "$venv" '.[test]' "$pins" &&
         echo "== $name: $("$venv/bin/python" -c 'import sys, jax; print("jax", jax.__version__, "Python", sys.version.split()[0])')" &&
         "$venv/bin/python" -m pytest -q -n "${WORKERS:-2}" --dist worksteal -m "not slow" $SUITE
@@ -35,10 +50,10 @@ run_row() {
 pins=$(mktemp)
 trap 'rm -f "$pins"' EXIT
 failed=''
-while IFS='|' read -r name python jax extra; do
+while IFS='|' read -r name python jax kind; do
     name=${name// /}
     [ -n "$name" ] || continue
     case " ${*:-$name} " in *" $name "*) ;; *) continue ;; esac
-    run_row "$name" "${python// /}" "${jax// /}" "$extra" </dev/null || failed="$failed $name"
+    run_row "$name" "${python// /}" "${jax// /}" "${kind// /}" </dev/null || failed="$failed $name"
 done <<<"$ROWS"
 [ -z "$failed" ] || { echo "FAILED:$failed" >&2; exit 1; }

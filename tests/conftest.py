@@ -2,6 +2,7 @@
 
 import gc
 import os
+import sys
 import tempfile
 from importlib.metadata import version
 from pathlib import Path
@@ -9,6 +10,7 @@ from pathlib import Path
 import hypothesis
 import numpy as np
 import pytest
+import quick_checks
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -27,6 +29,12 @@ SUNCG_DATA_DIR = os.environ.pop("SUNCG_DATA_DIR", None)
 os.environ.setdefault("MPLBACKEND", "agg")
 os.environ.setdefault("HOME_MJX_CACHE", str(Path(tempfile.gettempdir()) / "home_mjx_test_cache"))
 os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.5")
+
+# The processes that tests start, and the next run, need not compile every module anew.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
+
+quick_checks.install()
 
 # Tracing makes millions of objects that stay: looking for garbage among them takes a tenth of the time.
 gc.set_threshold(50_000, 20, 100)

@@ -147,6 +147,21 @@ def test_the_lowest_jax_is_one_that_is_tested():
     assert PROJECT["optional-dependencies"]["cuda"] == [f"jax[cuda12]>={lowest}"]
 
 
+def test_the_matrix_tries_the_lowest_of_every_declared_range():
+    """And the newest of all."""
+    matrix = (ROOT / "scripts" / "test_matrix.sh").read_text()
+    assert re.findall(r"^(lowest|newest) *\|3\.1[12]\| *\|(\w+)$", matrix, re.MULTILINE) == [
+        ("lowest",) * 2,
+        ("newest",) * 2,
+    ]
+    found = subprocess.run(
+        [sys.executable, ROOT / "scripts" / "lowest_pins.py"], capture_output=True, text=True, check=True
+    ).stdout.splitlines()
+    bounds = [requirement.split(",")[0].replace(">=", "==") for requirement in PROJECT["dependencies"]]
+    assert found[:-1] == bounds
+    assert found[-1].replace("jaxlib", "jax") in bounds
+
+
 def test_the_notice_names_every_file_of_data():
     data = [
         name for name in tracked_files() if name.startswith("home_mjx/") and name.endswith((".csv", ".json", ".npz"))

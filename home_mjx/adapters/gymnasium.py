@@ -13,6 +13,7 @@ from gymnasium.vector import AutoresetMode
 from home_mjx.adapters import gymnasium_tools as tools
 from home_mjx.adapters.spaces import action_space, observation_space
 from home_mjx.core.checks import check_number
+from home_mjx.core.native.forked import in_this_process
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.state import Episodes, State
 from home_mjx.tasks.environment.autoreset import AutoReset, where_envs
@@ -54,8 +55,8 @@ class GymEnv(gymnasium.Env, EzPickle):
         self.observation_space = observation_space(self.env)
         self.action_space = action_space(self.env)
         self._picture = tools.Picture(self.env, render_size) if render_mode else None
-        self._reset: Callable[..., State] = jax.jit(self.env.core.reset)
-        self._step: Callable[..., State] = jax.jit(self.env.core.step)
+        self._reset: Callable[..., State] = in_this_process(jax.jit(self.env.core.reset), "reset")
+        self._step: Callable[..., State] = in_this_process(jax.jit(self.env.core.step), "step")
         self._state: State | None = None
         self._next_episode = 0
 
@@ -138,8 +139,8 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         self.action_space = batch(self.single_action_space, num_envs)
         self._picture = tools.Picture(self.env, render_size) if render_mode else None
         auto = AutoReset(self.env.core, final_obs="all")
-        self._reset: Callable[..., State] = jax.jit(auto.reset)
-        self._step: Callable[..., State] = jax.jit(auto.step)
+        self._reset: Callable[..., State] = in_this_process(jax.jit(auto.reset), "reset")
+        self._step: Callable[..., State] = in_this_process(jax.jit(auto.step), "step")
         self._merge: Callable[..., State] = jax.jit(where_envs)
         self._state: State | None = None
 

@@ -1,10 +1,12 @@
 """Bounded reading of files below a dataset root, and writing of files whole or not at all."""
 
+import io
 import json
 import os
 import shutil
 import stat
 import tempfile
+import time
 import uuid
 import zipfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -18,12 +20,16 @@ from home_mjx.errors import ConfigError, DatasetError, HomeMjxError, MissingFile
 
 Row = TypeVar("Row")
 
+_swept: set[Path] = set()  # folders, by this process
+
 # The largest SUNCG file is a few MB and has 130,000 lines; anything larger is a mistake or an attack.
 MAX_BYTES = 1 << 25
 MAX_LINES = 1 << 20
 MAX_UNPACKED = 1 << 32  # [bytes], of arrays of one file
 MAX_NAME = 1000  # characters of a path that a message shows
 TEMPORARY = ".tmp"  # how names of files end that are not yet whole; they begin with a dot
+UNFINISHED = f".{'[0-9a-f]' * 32}{TEMPORARY}"  # pattern of the names that `write_whole` gives
+LEFTOVER_SECONDS = 3600.0  # nothing takes so long to write
 
 
 def read_text(path: Path, hint: str | None = None, most: int | None = None) -> str:
@@ -135,7 +141,7 @@ def _is_array(found: Any, name: str) -> np.ndarray:
     raise ValueError(f"`{name}` is no array")
 
 
-def open_regular(path: Path) -> IO[bytes]:
+def open_regular(path: Path) -> io.BufferedReader:
     """Opens a regular file for reading; never waits, as a pipe would have it.
 
     Raises:
@@ -204,7 +210,7 @@ def write_whole(path: Path) -> Iterator[IO[bytes]]:
     """A file beside `path` that takes its place when the block ends, so that no reader ever meets half a file.
 
     If the block raises, `path` stays as it was. Nothing is forced to the disk: what is written so is checked when it
-    is read, and can be made again.
+    is read, and can be made again. Who first writes to a folder sweeps it, see `sweep`.
 
     Args:
         path: The file; its folder is made if need be.
@@ -217,9 +223,27 @@ def write_whole(path: Path) -> Iterator[IO[bytes]]:
         ...     file.write(b"{}")
     """
     path.parent.mkdir(parents=True, exist_ok=True)
+    if path.parent not in _swept:
+        _swept.add(path.parent)
+        sweep(path.parent)
     beside = path.with_name(f".{uuid.uuid4().hex}{TEMPORARY}")
     with _in_place(path, beside, beside.open("xb")) as file:  # not private, so that others can read it
         yield file
+
+
+def sweep(folder: Path) -> None:
+    """Removes what killed processes have left of `write_whole` in a folder, more than an hour ago.
+
+    Args:
+        folder: Where they wrote; need not exist.
+
+    Example:
+        >>> sweep(Path("kernels"))
+    """
+    for path in folder.glob(UNFINISHED):
+        with suppress(OSError):  # another process was quicker, or it is someone else's
+            if time.time() - path.stat().st_mtime > LEFTOVER_SECONDS:
+                path.unlink()
 
 
 @contextmanager

@@ -29,6 +29,6 @@ def _start() -> None:
     note_start()
     from home_mjx.physics.native.handler import build_handler
 
-    task, handler = build_handler()
-    _kept.extend((task, handler))
-    jax.ffi.register_ffi_target(TARGET, jax.ffi.pycapsule(handler.ctypes), platform="cpu", api_version=1)
+    compiled = build_handler()
+    _kept.extend(compiled)
+    jax.ffi.register_ffi_target(TARGET, jax.ffi.pycapsule(compiled[-1].ctypes), platform="cpu", api_version=1)

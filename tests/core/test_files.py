@@ -41,6 +41,32 @@ def test_what_fails_half_way_leaves_the_old_file(tmp_path):
     assert list(tmp_path.iterdir()) == [path]
 
 
+def test_what_killed_writers_left_is_swept_by_the_first_who_writes_there(tmp_path):
+    """Files of an hour ago with our names, once in each process; a living writer may own younger ones."""
+    folder = tmp_path / "kernels"
+    folder.mkdir()
+    old, young, others = folder / f".{'0a' * 16}.tmp", folder / f".{'1b' * 16}.tmp", folder / ".notes.tmp"
+    for path in (old, young, others):
+        path.write_text("half")
+    for path in (old, others):
+        os.utime(path, times=(0, 0))
+    with write_whole(folder / "a.ptx") as file:
+        file.write(b"whole")
+    assert sorted(path.name for path in folder.iterdir()) == sorted((young.name, others.name, "a.ptx"))
+    os.utime(young, times=(0, 0))
+    with write_whole(folder / "b.ptx") as file:
+        file.write(b"whole")
+    assert young.exists()
+    files.sweep(folder)
+    assert not young.exists()
+
+
+def test_names_of_unfinished_files_are_those_that_are_swept(tmp_path):
+    with write_whole(tmp_path / "a"):
+        (beside,) = tmp_path.glob(files.UNFINISHED)
+    assert not beside.exists()
+
+
 def test_a_folder_is_replaced_with_all_that_was_in_it(tmp_path):
     target = tmp_path / "house"
     replace_folder(target, {"a": b"1", "sub/b": b"2"})

@@ -1,6 +1,11 @@
 """Numba's cache on disk: a damaged file of machine code is compiled anew and never run."""
 
 import importlib.util
+import itertools
+import subprocess
+import sys
+import threading
+import time
 from pathlib import Path
 
 import pytest
@@ -71,3 +76,48 @@ def test_code_of_the_compiler_of_houses_is_checked_once(monkeypatch):
     monkeypatch.setattr(kept, "_place", lambda _: (Path("/nowhere"), "code"))
     assert [double(x) for x in (1, 2, 3)] == [2, 4, 6]
     assert len(checks) == 1
+
+
+def test_one_compiles_while_the_others_wait(tmp_path, monkeypatch):
+    """Eight at once: of their stretches no two overlap, and none is left out."""
+    stretches = []
+
+    def build():
+        begun = time.monotonic()
+        time.sleep(0.02)
+        stretches.append((begun, time.monotonic()))
+
+    monkeypatch.setattr(kept, "_place", lambda _: (tmp_path, "code"))
+    monkeypatch.setattr(kept, "POLL_SECONDS", 0.001)
+    threads = [threading.Thread(target=kept.with_checked_cache(build)) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(30)
+    stretches.sort()
+    assert len(stretches) == 8
+    assert all(end <= begin for (_, end), (begin, _) in itertools.pairwise(stretches))
+
+
+HOLDS = """
+import fcntl, sys
+file = open(sys.argv[1], "ab")
+fcntl.flock(file, fcntl.LOCK_EX)
+print("held", flush=True)
+sys.stdin.read()
+"""
+
+
+def test_who_is_killed_or_stuck_holds_nobody_up_for_long(tmp_path, monkeypatch):
+    lock = tmp_path / "code.lock"
+    with subprocess.Popen([sys.executable, "-c", HOLDS, lock], stdin=-1, stdout=-1) as holder:
+        assert holder.stdout.readline() == b"held\n"
+        monkeypatch.setattr(kept, "WAIT_SECONDS", 0.3)
+        begun = time.monotonic()
+        with kept.alone(lock):
+            assert 0.3 <= time.monotonic() - begun < 5
+        monkeypatch.setattr(kept, "WAIT_SECONDS", 60)
+        threading.Timer(0.2, holder.kill).start()
+        begun = time.monotonic()
+        with kept.alone(lock):
+            assert 0.1 < time.monotonic() - begun < 10

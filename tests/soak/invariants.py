@@ -40,6 +40,7 @@ from house_oracle import HouseOracle, energy, plan_of  # noqa: E402
 
 KINDS = ("idle", "drawn", "held", "drives")
 DEEP = 0.05  # [m]; an agent that is struck is as deep for a moment
+NOTICED = 0.002  # [m]; an agent that is deeper in something when a physics step begins has a contact
 SINK = 0.02  # [m], that things may rise as they are freed from what they were placed in
 EVERY = 7  # steps between two times that numbers are broken
 BROKEN = (np.nan, np.inf, -np.inf, 1e38)
@@ -109,6 +110,7 @@ class Soak:
         core = HouseholdEnv(make_config(sensors=("state", "goal"), impl=impl, episode_length=200))
         self.env, self.layout = AutoReset(core).bind(bank), core.template(bank).layout
         self.body = core.config.physics.agents[0]
+        self.substep = core.config.timing.sim_dt
         self.limits = core.config.physics.max_body_speed, core.config.physics.max_body_spin
         self.physics = jax.device_get(bank.physics)
         self.houses = [HouseOracle.of(self.physics, h, plans and plans[h]) for h in range(bank.num_houses)]
@@ -152,6 +154,7 @@ class Soak:
         speeds = np.asarray(state.qvel[:, layout.body_qvel], float).reshape(n, -1, 6)
         return {
             "agents": np.asarray(state.qpos[:, layout.agent_qpos], float).reshape(n, -1, 4)[..., :3],
+            "walks": np.asarray(state.qvel[:, layout.agent_qpos], float).reshape(n, -1, 4)[..., :3],
             "bodies": np.asarray(state.qpos[:, layout.body_qpos], float).reshape(n, -1, 7),
             "speed": speeds[..., :3], "spin": speeds[..., 3:], "touched": np.asarray(state.touched),
             "house": np.asarray(found[1]), "status": np.asarray(found[2]), "done": np.asarray(found[3]),
@@ -194,9 +197,14 @@ class Soak:
     def look_at_house(self, h: int, own: np.ndarray, before: dict[str, np.ndarray], now: dict[str, np.ndarray]) -> None:
         """Whether everything is where it can be, in the environments of a house."""
         house, agents, body = self.houses[h], now["agents"][own], self.body
-        depth = house.depth(agents, body.radius, body.height).max(axis=-1, initial=-1)
+        was, depth = (
+            house.depth(seen["agents"][own], body.radius, body.height).max(axis=-1, initial=-1)
+            for seen in (before, now)
+        )
         self.fault("an agent is in a wall", (depth > DEEP).any(axis=-1), own)
-        unnoticed = (depth > 0.01) & (now["touched"][own] == 0) & (before["touched"][own] == 0)
+        # Contacts are found where a physics step begins: what the last one has led into something is not among them.
+        way = np.linalg.norm(now["walks"][own], axis=-1) * self.substep
+        unnoticed = (np.maximum(was, depth - way) > NOTICED) & (now["touched"][own] == 0)
         self.fault("an agent in something counts no contact", unnoticed.any(axis=-1), own)
         self.fault("an agent is outdoors", house.outdoors(agents).any(axis=-1), own)
         self.fault("an agent went through a wall", house.passed(before["agents"][own], agents).any(axis=-1), own)

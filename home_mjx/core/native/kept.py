@@ -1,13 +1,17 @@
-"""Numba's cache on disk, with checksums: it has none, and machine code with a wrong byte ends the process."""
+"""Numba's cache on disk, with checksums: it has none, and machine code with a wrong byte ends the process.
+
+Of several processes that find nothing there, one compiles; the others wait for it, and load what it has made.
+"""
 
 import functools
 import hashlib
 import json
 import logging
-from collections.abc import Callable
-from contextlib import suppress
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import IO, Any, TypeVar
 
 from numba.core.caching import FunctionCache
 
@@ -18,6 +22,9 @@ T = TypeVar("T")
 
 MAX_BYTES = 1 << 28  # of a compiled function
 SUMS = "sha256.json"
+LOCK = "lock"
+WAIT_SECONDS = 300.0  # that one waits for another process; nothing takes so long to compile
+POLL_SECONDS = 0.05
 
 log = logging.getLogger(__name__)
 
@@ -41,9 +48,10 @@ def with_checked_cache(build: Callable[..., T]) -> Callable[..., T]:
         if folder is None:
             return build(*args)
         sums = folder / f"{stem}.{SUMS}"
-        drop_unsound(folder, stem, sums)
-        made = build(*args)
-        _note(folder, stem, sums)
+        with alone(folder / f"{stem}.{LOCK}"):
+            drop_unsound(folder, stem, sums)
+            made = build(*args)
+            _note(folder, stem, sums)
         return made
 
     return checked
@@ -78,6 +86,35 @@ def drop_unsound(folder: Path, stem: str, sums: Path) -> None:
             log.log(logging.WARNING if path.name in known else logging.DEBUG, "cached code %s is made again", path)
             with suppress(OSError):  # another process was quicker
                 path.unlink()
+
+
+@contextmanager
+def alone(lock: Path) -> Iterator[None]:
+    """Runs the block while no other process does, or after `WAIT_SECONDS`; a killed one holds nobody up.
+
+    Where files cannot be locked, as on Windows and some networks, it runs at once.
+
+    Args:
+        lock: A file that is made for this, and stays.
+    """
+    with ExitStack() as stack:
+        with suppress(OSError, ImportError):
+            import fcntl
+
+            lock.parent.mkdir(parents=True, exist_ok=True)
+            file, end = stack.enter_context(lock.open("ab")), time.monotonic() + WAIT_SECONDS
+            while not _locked(fcntl, file) and time.monotonic() < end:
+                time.sleep(POLL_SECONDS)
+        yield
+
+
+def _locked(fcntl: Any, file: IO[bytes]) -> bool:
+    """Whether the file is ours now; given back when it is closed."""
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    return True
 
 
 def _place(build: Callable[[], Any]) -> tuple[Path | None, str]:

@@ -10,7 +10,7 @@ from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from home_mjx.core.native import ffi, memory
 from home_mjx.core.native.kept import with_checked_cache
-from home_mjx.core.native.memory import pointer_to, symbol_address
+from home_mjx.core.native.memory import call, pointer_to, symbol_address
 from home_mjx.physics.base import servo, state, touch
 from home_mjx.physics.native import constraint, contacts, forces, motion, sleep, solver, step
 from home_mjx.physics.native.data import limits, numbers, operands
@@ -52,12 +52,12 @@ from home_mjx.physics.native.shapes import box_box, capsule
 from home_mjx.physics.native.step import load_agents, load_house, scale_bodies, step_env
 
 CHUNK = 16  # environments that a thread takes at once
-TASK = "home_mjx_step_task"
+WORK, TASK = "home_mjx_step_work", "home_mjx_step_task"
 BYTES = 4  # of a number
 NUM_NUMBERS = len(Numbers._fields)
 
 float_pointer, int_pointer = pointer_to(types.float32), pointer_to(types.int32)
-task_address = symbol_address(TASK)
+work_address, task_address = symbol_address(WORK), symbol_address(TASK)
 compiled = njit(error_model="numpy")
 
 
@@ -91,15 +91,27 @@ def sources_digest() -> int:
 
 
 @with_checked_cache
-def build_handler() -> tuple[Any, Any]:
-    """The task and the handler, compiled or loaded from Numba's cache on disk; keep both as long as XLA may call."""
+def build_handler() -> tuple[Any, Any, Any]:
+    """The work, the task and the handler, compiled or loaded from Numba's cache on disk; keep all while XLA may call.
+
+    The others call the work at its address: each would else be compiled with a copy of it, which takes as long again.
+    """
     digest = sources_digest()
+
+    @cfunc(types.intp(types.intp), cache=True)
+    @no_type_check
+    def work(job):
+        _ = digest
+        _work(job)
+        return 0
+
+    llvmlite.binding.add_symbol(WORK, work.address)
 
     @cfunc(types.intp(types.intp), cache=True)
     @no_type_check
     def task(job):
         _ = digest
-        _work(job)
+        call(work_address(), job)
         ffi.leave(job)
         return 0
 
@@ -111,11 +123,11 @@ def build_handler() -> tuple[Any, Any]:
         _ = digest
         if ffi.wants_work(frame):
             job = ffi.open_job(frame, -(-ffi.dim(frame, ffi.OPERANDS, HOUSE, 0) // CHUNK), task_address())
-            _work(job)
+            call(work_address(), job)
             ffi.close_job(job)
         return 0
 
-    return task, handler
+    return work, task, handler
 
 
 @compiled

@@ -48,9 +48,9 @@ def _start() -> str | None:
     note_start()
     from home_mjx.raycast_render.executors.native.ffi_handler import build_handler
 
-    task, handler = build_handler()
-    _kept.extend((task, handler))
-    jax.ffi.register_ffi_target(TARGET, jax.ffi.pycapsule(handler.ctypes), platform="cpu", api_version=1)
+    compiled = build_handler()
+    _kept.extend(compiled)
+    jax.ffi.register_ffi_target(TARGET, jax.ffi.pycapsule(compiled[-1].ctypes), platform="cpu", api_version=1)
     with jax.default_device(devices_of("cpu")[0]):
         return probe(_call)
 

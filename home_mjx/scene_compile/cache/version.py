@@ -10,7 +10,7 @@ import shutil
 import time
 from pathlib import Path
 
-from home_mjx.core.files import TEMPORARY
+from home_mjx.core.files import sweep
 from home_mjx.core.paths import cache_folder
 
 FORMAT = 7
@@ -50,7 +50,6 @@ COMPILER = (
 VERSION_FOLDER = re.compile(r"v\d+-[0-9a-f]{12}")
 DISCARDED = ".discarded-"
 KEEP_SECONDS = 30 * 24 * 3600.0  # that an unused version's folder is kept
-LEFTOVER_SECONDS = 3600.0  # no entry takes so long to write
 
 log = logging.getLogger(__name__)
 
@@ -120,6 +119,5 @@ def prepare_folder() -> None:
     """
     folder = version_folder()
     claim(folder)
-    for path in folder.glob(f"*/.*{TEMPORARY}"):
-        if time.time() - path.stat().st_mtime > LEFTOVER_SECONDS:
-            path.unlink(missing_ok=True)
+    for entries in folder.iterdir():
+        sweep(entries)

@@ -75,6 +75,32 @@ print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
     assert out == ["refused", "7"]
 
 
+def test_an_environment_that_was_made_before_a_fork_is_refused_after_it():
+    """Its program is compiled: nothing is traced in the child, where errors of others arise."""
+    out = run("""
+import os, warnings
+warnings.simplefilter("ignore")
+from home_mjx.adapters.gymnasium import GymEnv, GymVectorEnv
+from home_mjx.errors import ExecutorError
+bank = HouseBank.from_compiled([shoebox()])
+options = {"houses": bank, "impl": "kinematic", "sensors": ("state",)}
+for env in (GymEnv(**options), GymVectorEnv(2, **options)):
+    env.reset(seed=0)
+    env.step(env.action_space.sample())
+    child = os.fork()
+    if child == 0:
+        for call in (lambda: env.step(env.action_space.sample()), lambda: env.reset(seed=1)):
+            try:
+                call()
+            except ExecutorError as error:
+                print("refused" if "spawn" in str(error) else error, flush=True)
+        os._exit(7)
+    print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+    env.step(env.action_space.sample())
+""")
+    assert out == ["refused", "refused", "7"] * 2
+
+
 def test_spawned_child_casts(tmp_path):
     # Spawning imports the main module again, so it has to be a file.
     (tmp_path / "main.py").write_text(
@@ -125,7 +151,7 @@ from home_mjx.raycast_render.executors.native.ffi_handler import build_handler
 print(*(compiled.cache_hits for compiled in build_handler()))
 """
     run(program)
-    assert run(program) == ["1", "1"]
+    assert run(program) == ["1", "1", "1"]
 
 
 def test_random_numbers_for_what_moves_kill_nothing():

@@ -3,6 +3,7 @@ import multiprocessing
 import os
 import signal
 import time
+import zipfile
 
 import numpy as np
 import pytest
@@ -291,7 +292,7 @@ def test_a_version_in_use_is_not_stale(root):
 def test_leftovers_of_killed_writers_are_removed(root):
     load(root)
     folder = entries()[0].parent
-    old, new = folder / ".old.tmp", folder / ".new.tmp"
+    old, new = (folder / f".{digit * 32}.tmp" for digit in "01")
     for path in (old, new):
         path.write_text("half")
     os.utime(old, times=(0, 0))
@@ -329,7 +330,35 @@ def test_entries_keep_every_kind_of_array(tmp_path, rng):
     assert back.keys() == arrays.keys()
     for name, array in arrays.items():
         assert back[name].dtype == array.dtype
+        assert back[name].flags.aligned
+        assert back[name].flags.writeable
         np.testing.assert_array_equal(back[name], array)
+
+
+def test_entries_are_archives_that_others_read_too_and_only_as_they_were_written(tmp_path, rng):
+    """Those of older versions, whose data begins anywhere; and not what has a comment, or a third member."""
+    path, x = tmp_path / "a.zip", rng.random(5)
+    write_entry(path, {"x": x}, {})
+    with zipfile.ZipFile(path) as archive:
+        assert archive.testzip() is None
+        notes, data = (archive.read(name) for name in ("notes.json", "data"))
+    assert np.frombuffer(data)[:5].tolist() == x.tolist()
+    for more in range(64):
+        with zipfile.ZipFile(path, "w") as archive:
+            archive.writestr("notes.json", notes + b" " * more)
+            archive.writestr("data", data)
+        found = read_entry(path)[0]["x"]
+        assert found.flags.aligned
+        assert found.tolist() == x.tolist()
+    with zipfile.ZipFile(path, "a") as archive:
+        archive.comment = b"mine"
+    with pytest.raises(BROKEN):
+        read_entry(path)
+    write_entry(path, {"x": x}, {})
+    with zipfile.ZipFile(path, "a") as archive:
+        archive.writestr("more", b"")
+    with pytest.raises(BROKEN):
+        read_entry(path)
 
 
 def test_folder_follows_the_environment(monkeypatch, tmp_path):

@@ -8,6 +8,7 @@ from flood import farthest_from_rooms, outside_rooms, reached, rows
 
 from home_mjx.datasets.procedural.dataset import generate_dataset
 from home_mjx.datasets.suncg.dataset import open_dataset
+from home_mjx.scene_compile.cache.house_set import HouseSet
 from home_mjx.scene_compile.collision.barriers import THIN, fence, find_barriers
 from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, join, no_boxes
 from home_mjx.scene_compile.geometry.rotations import plane_matrix
@@ -138,8 +139,7 @@ def house(dataset, request) -> House:
 
 
 def test_nobody_leaves_generated_houses(dataset):
-    for house_id in dataset.house_ids:
-        house = compile_house(dataset.load_house(house_id), dataset.metadata)
+    for house in HouseSet(dataset).load():
         check_enclosed(house)
         assert house.report["barriers"] == 0
         assert house.report["shut_leaves"] == 1

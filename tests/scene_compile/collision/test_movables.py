@@ -10,6 +10,7 @@ from boxes_by_hand import Solids
 from home_mjx.datasets.procedural.dataset import generate_dataset
 from home_mjx.datasets.suncg.dataset import open_dataset
 from home_mjx.errors import ConfigError
+from home_mjx.scene_compile.cache.house_set import HouseSet
 from home_mjx.scene_compile.collision.choose import choose_movables
 from home_mjx.scene_compile.collision.colliders import ColliderOptions, object_colliders
 from home_mjx.scene_compile.collision.movables import Candidate, MovableOptions
@@ -127,11 +128,9 @@ def rests(house: CompiledHouse) -> None:
         assert abs(below - under[2]) < 1e-3 or carried.any()
 
 
-@pytest.mark.parametrize("count", [3, pytest.param(20, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [2, pytest.param(20, marks=pytest.mark.slow)])
 def test_generated_houses_rest(tmp_path, count):
-    ids = generate_dataset(tmp_path, range(count))
-    dataset = open_dataset(tmp_path)
-    houses = [compile_house(dataset.load_house(i), dataset.metadata) for i in ids]
+    houses = HouseSet(tmp_path, ids=generate_dataset(tmp_path, range(count))).load()
     for house in houses:
         rests(house)
     assert np.mean([len(house.bodies.mass) for house in houses]) > 20

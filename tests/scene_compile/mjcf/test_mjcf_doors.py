@@ -6,9 +6,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from home_mjx.datasets.procedural.dataset import generate_dataset
-from home_mjx.datasets.suncg.dataset import open_dataset
+from home_mjx.scene_compile.cache.house_set import HouseSet
 from home_mjx.scene_compile.mjcf.export import to_mjcf
-from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.schema.agent import Body
 from home_mjx.schema.compiled import CompiledHouse
 
@@ -16,9 +15,7 @@ from home_mjx.schema.compiled import CompiledHouse
 @pytest.fixture(scope="module")
 def house(tmp_path_factory) -> CompiledHouse:
     root = tmp_path_factory.mktemp("generated")
-    (house_id,) = generate_dataset(root, [0])
-    dataset = open_dataset(root)
-    return compile_house(dataset.load_house(house_id), dataset.metadata)
+    return HouseSet(root, ids=generate_dataset(root, [0])).load()[0]
 
 
 @pytest.fixture(scope="module")

@@ -8,6 +8,7 @@ import pytest
 
 from home_mjx.datasets.procedural.dataset import generate_dataset
 from home_mjx.datasets.suncg.dataset import open_dataset
+from home_mjx.scene_compile.cache.house_set import HouseSet
 from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, join, no_boxes
 from home_mjx.scene_compile.objects.doors import Leaf
 from home_mjx.scene_compile.objects.leaves import CLEARANCE, ajar_leaves, make_doors, swing
@@ -173,7 +174,7 @@ def dataset(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def houses(dataset) -> list[CompiledHouse]:
-    return [compile_house(dataset.load_house(i), dataset.metadata) for i in dataset.house_ids]
+    return HouseSet(dataset).load()
 
 
 def test_leaves_of_generated_houses_turn_as_far_as_there_is_room(houses):

@@ -11,6 +11,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.datasets.procedural.dataset import generate_dataset
 from home_mjx.datasets.suncg.dataset import open_dataset
 from home_mjx.errors import ConfigError
+from home_mjx.scene_compile.cache.house_set import HouseSet
 from home_mjx.scene_compile.pipeline.compile import CompileOptions, compile_house
 from home_mjx.scene_compile.semantics.describe import describe_object
 from home_mjx.scene_compile.semantics.engine import house_semantics
@@ -42,8 +43,8 @@ def meanings(houses, dataset):
 
 
 @pytest.fixture(scope="module")
-def compiled(houses, dataset):
-    return [compile_house(house, dataset.metadata) for house in houses]
+def compiled(dataset):
+    return HouseSet(dataset).load()
 
 
 @pytest.fixture(scope="module")

@@ -19,7 +19,7 @@ KEY = jax.ShapeDtypeStruct((2,), np.uint32)
 STOP, FORWARD = 0, 1
 BODIES = (Body(), Body(eye_height=1.2), Body(turn_rate=1.0))
 CHEAP = ("state", "gps_compass", "prev_action", "prev_reward", "goal")
-COSTLY = ("depth", "instance", "lidar", "audio")
+COSTLY = ("depth", "audio")
 
 
 @dataclasses.dataclass(frozen=True)

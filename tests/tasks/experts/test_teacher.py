@@ -29,31 +29,28 @@ def test_it_is_the_action_for_each_state_also_after_automatic_resets(env):
     batch = AutoReset(taught.core)
     states = jax.jit(batch.reset)(env.params, jax.random.split(jax.random.key(0), 4))
     step = jax.jit(batch.step)
-    own = jax.jit(jax.vmap(lambda p, s: expert_action(env.core.snapshot(p, s), s.task)[0], (None, 0)))
+
+    def both(params, state):
+        """As it would be asked, and by one that looks at everything anew instead of what the task has looked at."""
+        snapshot = taught.core.snapshot(params, state)
+        return tuple(expert_action(snapshot, task)[0] for task in (state.task, state.task.replace(looked=None)))
+
+    own = jax.jit(jax.vmap(both, (None, 0)))
     ended = 0
     for _ in range(40):
-        assert np.array_equal(states.obs["expert"], own(env.params, states))
+        told, anew = own(env.params, states)
+        np.testing.assert_array_equal(states.obs["expert"], told)
+        np.testing.assert_array_equal(told, anew)
         states = step(env.params, states, states.obs["expert"])
         ended += int(states.done.sum())
     assert ended >= 1
     assert np.array_equal(states.obs["state"].shape, (4, *env.observation_spec["state"].shape))
 
 
-def test_what_the_task_has_looked_at_is_what_an_expert_would_see(env):
-    """Also after transitions: its action is that of an expert that looks at everything anew."""
-    taught = with_expert(env)
-    assert jax.eval_shape(env.reset, jax.random.key(0)).task.looked is None  # nobody else pays for it
-
-    def both(params, state):
-        anew = state.task.replace(looked=None)
-        return state.obs["expert"], expert_action(taught.core.snapshot(params, state), anew)[0]
-
-    states = jax.jit(jax.vmap(taught.core.reset, (None, 0)))(env.params, jax.random.split(jax.random.key(3), 8))
-    step, both = jax.jit(jax.vmap(taught.core.step, (None, 0, 0))), jax.jit(jax.vmap(both, (None, 0)))
-    for _ in range(12):
-        told, anew = both(env.params, states)
-        np.testing.assert_array_equal(told, anew)
-        states = step(env.params, states, told)
+def test_nobody_else_pays_for_what_an_expert_looks_at(env):
+    looked = [jax.eval_shape(each.reset, jax.random.key(0)).task.looked for each in (env, with_expert(env))]
+    assert looked[0] is None
+    assert jax.tree.leaves(looked[1])
 
 
 def test_who_is_asked_for_time_in_a_place_waits_there_until_it_is_over(env):

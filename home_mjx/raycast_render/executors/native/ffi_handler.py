@@ -10,7 +10,7 @@ from numba import cfunc, njit, types
 from home_mjx.core.native import ffi
 from home_mjx.core.native import memory as native_memory
 from home_mjx.core.native.kept import with_checked_cache
-from home_mjx.core.native.memory import stack_of, symbol_address
+from home_mjx.core.native.memory import call, stack_of, symbol_address
 from home_mjx.raycast_render.executors.native import intersect as native_intersect
 from home_mjx.raycast_render.executors.native import lanes
 from home_mjx.raycast_render.executors.native import packet as native_packet
@@ -22,26 +22,38 @@ NUM_OPERANDS, NUM_RESULTS = 24, 6
 INSTANCE_MODEL, MOVING_INSTANCE = 6, 12  # operands whose shapes tell how many there are of each
 NUM_RAY_FIELDS = NUM_OPERANDS - native_packet.FIRST_RAY
 CHUNK = 16  # packets that a thread takes at once
-TASK = "home_mjx_cast_task"
+WORK, TASK = "home_mjx_cast_work", "home_mjx_cast_task"
 
 operand_words, result_words = stack_of(types.int64, NUM_OPERANDS), stack_of(types.int64, NUM_RESULTS)
 ray_words = stack_of(types.int64, NUM_RAY_FIELDS)
-task_address = symbol_address(TASK)
+work_address, task_address = symbol_address(WORK), symbol_address(TASK)
 compiled = njit(error_model="numpy")
 
 
 @with_checked_cache
-def build_handler() -> tuple[Any, Any]:
-    """The task and the handler, compiled or loaded from Numba's cache on disk; keep both as long as XLA may call."""
+def build_handler() -> tuple[Any, Any, Any]:
+    """The work, the task and the handler, compiled or loaded from Numba's cache on disk; keep all while XLA may call.
+
+    The others call the work at its address: each would else be compiled with a copy of it, which takes as long again.
+    """
     # The cache watches this file only. That the functions name the digest makes it tell versions of the rest apart.
     parts: tuple[Any, ...] = (ffi, lanes, limits, native, native_intersect, native_memory, native_packet)
     digest = ffi.digest(*(part.__file__ for part in parts))
 
     @cfunc(types.intp(types.intp), cache=True)
     @no_type_check
-    def task(job):
+    def work(job):
         _ = digest
         _work(job)
+        return 0
+
+    llvmlite.binding.add_symbol(WORK, work.address)
+
+    @cfunc(types.intp(types.intp), cache=True)
+    @no_type_check
+    def task(job):
+        _ = digest
+        call(work_address(), job)
         ffi.leave(job)
         return 0
 
@@ -53,11 +65,11 @@ def build_handler() -> tuple[Any, Any]:
         _ = digest
         if ffi.wants_work(frame):
             job = ffi.open_job(frame, -(-_num_packets(frame) // CHUNK), task_address())
-            _work(job)
+            call(work_address(), job)
             ffi.close_job(job)
         return 0
 
-    return task, handler
+    return work, task, handler
 
 
 @compiled

@@ -1,0 +1,118 @@
+"""Annotations are checked for each way in which a function is called, and for each kind of result."""
+
+import beartype
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+import quick_checks
+from jaxtyping import Array, Float, TypeCheckError, jaxtyped
+
+CHECKER = beartype.beartype
+checks = jaxtyped(typechecker=CHECKER)
+
+
+@pytest.fixture(autouse=True)
+def quick():
+    assert jaxtyped is quick_checks.jaxtyped
+
+
+def test_what_has_held_is_not_checked_again_and_what_is_new_is():
+    @checks
+    def scaled(x: Float[np.ndarray, "n 3"], by: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 3"]:
+        return x * by[:, None]
+
+    ways = quick_checks._functions[scaled.__wrapped__.__code__].ways
+    for _ in range(5):
+        scaled(np.ones((2, 3)), np.ones(2))
+    assert len(ways) == 1
+    scaled(np.ones((4, 3)), np.ones(4))
+    assert len(ways) == 2
+    for x, by in ((np.ones((2, 4)), np.ones(2)), (np.ones((2, 3)), np.ones(3)), (np.ones((2, 3), int), np.ones(2))):
+        for _ in range(2):
+            with pytest.raises(TypeCheckError):
+                scaled(x, by)
+    with pytest.raises(TypeCheckError):
+        scaled([[1.0]], np.ones(1))
+    assert len(ways) == 2
+
+
+def test_results_are_checked_though_the_call_is_known():
+    given = [np.ones(2), np.ones(3), {"a": 1}, np.ones(2)]
+
+    @checks
+    def drawn(n: int) -> Float[np.ndarray, " two"] | dict[str, int]:
+        return given[n]
+
+    @checks
+    def wrong(n: int) -> Float[np.ndarray, "2"]:
+        return given[n]
+
+    assert [np.shape(drawn(n)) for n in range(4)] == [(2,), (3,), (), (2,)]
+    for _ in range(2):
+        with pytest.raises(TypeCheckError):
+            wrong(1)
+        with pytest.raises(TypeCheckError):
+            wrong(2)
+    assert wrong(0) is given[0]
+
+
+def test_items_words_classes_and_tracers_are_told_apart():
+    @checks
+    def all_of(items: tuple[int, ...] | dict[str, float], sort: type[Exception] = ValueError) -> str:
+        return "ok"
+
+    assert all_of((1, 2)) == all_of({"a": 1.0}) == all_of((), KeyError) == "ok"
+    for wrong in (("a",), {"a": "b"}, {1: 1.0}, [1]):  # of many items beartype looks at one, by chance
+        with pytest.raises(TypeCheckError):
+            all_of(wrong)
+    with pytest.raises(TypeCheckError):
+        all_of((), int)
+
+    @checks
+    def norm(x: Float[Array, " n"]) -> Float[Array, ""]:
+        return jnp.linalg.norm(x)
+
+    jax.jit(norm)(jnp.ones(3))
+    with pytest.raises(TypeCheckError):
+        jax.jit(norm)(jnp.ones((3, 1)))
+    with pytest.raises(TypeCheckError):
+        jax.jit(norm)(jnp.ones(3, int))
+
+
+def test_functions_within_others_share_what_is_known_and_keep_what_they_enclose():
+    def made(factor):
+        @checks
+        def times(x: int, deeper: bool = False) -> int:
+            return made(factor + 1)(x) if deeper else factor * x
+
+        return times
+
+    assert [made(k)(2) for k in range(3)] == [0, 2, 4]
+    assert made(5)(2, deeper=True) == 12
+    assert made(5)(2, deeper=True) == 12
+    with pytest.raises(TypeCheckError):
+        made(1)("a")
+
+
+def test_hints_that_are_strings_are_checked():
+    @checks
+    def length(x: "np.ndarray") -> "int":
+        return len(x) if len(x) < 3 else "many"
+
+    assert length(np.ones(2)) == 2
+    for wrong in ("ab", np.ones(3)):
+        with pytest.raises(TypeCheckError):
+            length(wrong)
+
+
+def test_errors_are_those_of_the_function():
+    @checks
+    def refuse(n: int) -> int:
+        raise KeyError(n)
+
+    for _ in range(2):
+        with pytest.raises(KeyError):
+            refuse(1)
+    with pytest.raises(TypeError):
+        refuse()

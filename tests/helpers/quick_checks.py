@@ -1,0 +1,157 @@
+"""Annotations are checked once for each way in which a function is called, not at each call.
+
+Whether they hold follows from the types, shapes and dtypes of what is handed over and given back (and from words, where
+a hint is a `Literal`): what has held once for these holds again. Checking anew takes a quarter of all tests' time, and
+preparing the checks of functions that nobody calls half of the time of an import.
+"""
+
+import functools
+import inspect
+import threading
+import types
+from collections.abc import Callable, Collection, Iterator
+from typing import Any
+
+import jaxtyping
+
+MOST = 1000  # ways of a function that are known; later ones are checked at each call
+LONG = 32  # items of a list that is looked into
+PLAIN, ARRAY, ITEMS, NAMED, WORD, UNKNOWN = range(6)
+
+_jaxtyped = jaxtyping.jaxtyped
+_sorts: dict[type, int] = {type(None): PLAIN, bool: PLAIN, int: PLAIN, float: PLAIN, str: WORD, bytes: PLAIN}
+_functions: dict[types.CodeType, "_Function"] = {}
+_running = threading.local()
+
+
+class Unknown(Exception):
+    """What holds for a value does not follow from a few facts."""
+
+
+def install() -> None:
+    """Before the package is imported, and before or after jaxtyping's own hook."""
+    jaxtyping.jaxtyped = jaxtyped
+
+
+def jaxtyped(*args: Any, **options: Any) -> Any:
+    """As jaxtyping's own; functions are checked once for each way."""
+    if args or set(options) != {"typechecker"}:
+        return _jaxtyped(*args, **options)
+    return functools.partial(_decorated, options["typechecker"])
+
+
+def _decorated(checker: Any, target: Any) -> Any:
+    odd = inspect.isgeneratorfunction, inspect.iscoroutinefunction, inspect.isasyncgenfunction
+    if not isinstance(target, types.FunctionType) or any(is_odd(target) for is_odd in odd):
+        return _jaxtyped(target, typechecker=checker)
+    # By its code: a function within another one is made anew whenever that one is called.
+    known = _functions.get(target.__code__)
+    if known is None:
+        known = _functions[target.__code__] = _Function(checker)
+
+    @functools.wraps(target)
+    def checked(*args: Any, **options: Any) -> Any:
+        if jaxtyping.config.jaxtyping_disable:
+            return target(*args, **options)
+        return known.call(target, args, options)
+
+    return checked
+
+
+class _Function:
+    """What is known of the calls of a function."""
+
+    def __init__(self, checker: Any) -> None:
+        self.checker, self.full = checker, None
+        self.ways: dict[Any, set[Any]] = {}  # to kinds of results
+
+    def call(self, target: Callable[..., Any], args: tuple[Any, ...], options: dict[str, Any]) -> Any:
+        """The result, checked where it or the call is of a new kind."""
+        try:
+            way = kind(args), kind(options) if options else None
+            results = self.ways.get(way)
+        except (Unknown, TypeError):
+            return self.check(target, args, options)
+        if results is None:
+            out = self.check(target, args, options)
+            if len(self.ways) < MOST:
+                self.ways[way] = set()
+                self.note(self.ways[way], out)
+            return out
+        out = target(*args, **options)
+        if not self.is_noted(results, out):
+            self.check(lambda *_, **__: out, args, options)
+            self.note(results, out)
+        return out
+
+    def check(self, target: Callable[..., Any], args: tuple[Any, ...], options: dict[str, Any]) -> Any:
+        """The result, checked as jaxtyping does."""
+        if self.full is None:
+            self.full = self.around(target)
+        stack = _running.__dict__.setdefault("stack", [])
+        stack.append(target)
+        try:
+            return self.full(*args, **options)
+        finally:
+            stack.pop()
+
+    def around(self, target: Callable[..., Any]) -> Callable[..., Any]:
+        """The checks, around whatever is to be called; keeps nothing of what the function encloses."""
+
+        running = _running
+
+        def run(*args: Any, **options: Any) -> Any:
+            return running.stack[-1](*args, **options)
+
+        # With the function's names, by which hints that are strings are resolved.
+        run = types.FunctionType(run.__code__, target.__globals__, closure=run.__closure__)
+        for name in ("__module__", "__name__", "__qualname__", "__doc__"):
+            setattr(run, name, getattr(target, name))
+        run.__signature__ = inspect.signature(target)  # type: ignore[attr-defined]
+        return _jaxtyped(run, typechecker=self.checker)
+
+    @staticmethod
+    def is_noted(results: set[Any], out: Any) -> bool:
+        try:
+            return kind(out) in results
+        except (Unknown, TypeError):
+            return False
+
+    @staticmethod
+    def note(results: set[Any], out: Any) -> None:
+        try:
+            if len(results) < MOST:
+                results.add(kind(out))
+        except (Unknown, TypeError):
+            return
+
+
+def kind(value: Any) -> Any:
+    """All of a value on which hints depend; raises `Unknown`."""
+    own = type(value)
+    sort = _sorts.get(own)
+    if sort is None:
+        sort = _sorts[own] = _sort(own)
+    if sort == PLAIN:
+        return own
+    if sort == ARRAY:
+        return own, value.shape, value.dtype
+    if sort == WORD:
+        return value
+    if sort == UNKNOWN or len(value) > LONG:
+        raise Unknown
+    if sort == NAMED:
+        return own, tuple([(name, kind(item)) for name, item in value.items()])
+    return own, tuple([kind(item) for item in value])
+
+
+def _sort(own: type) -> int:
+    if issubclass(own, type):
+        return WORD  # hints tell classes apart
+    if hasattr(own, "shape") and hasattr(own, "dtype"):
+        return ARRAY
+    if own is dict:
+        return NAMED
+    if issubclass(own, tuple | list):
+        return ITEMS
+    return UNKNOWN if issubclass(own, Collection | Iterator) else PLAIN
