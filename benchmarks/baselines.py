@@ -18,6 +18,7 @@ Who does not look knows of touch, of the goal's direction where the task tells i
 
 import argparse
 import dataclasses
+import datetime
 import json
 import re
 import tempfile
@@ -132,7 +133,8 @@ def played(case: Case, bank: HouseBank, args: argparse.Namespace) -> list[dict[s
     common = {
         "case": "baselines", "id": case.id, "name": case.name or case.id, "houses": bank.num_houses, "episodes": num,
         "first_seed": FIRST_SEED, "options": case.options, "own": case.own, "paths": case.paths,
-        "device": device_name(), "seconds": round(time.perf_counter() - begun, 1),
+        "device": device_name(), "date": f"{datetime.datetime.now(datetime.UTC):%Y-%m-%d}",
+        "seconds": round(time.perf_counter() - begun, 1),
     }  # fmt: skip
     return [
         common | {"agent": agent, "blind": case.blind, **summary(part)}
@@ -246,7 +248,19 @@ def filled(found: re.Match[str], lines: list[dict[str, Any]]) -> str:
     """A marked part of a page: the table of all ids, or of the one that it names."""
     kept = [line for line in lines if found["id"] in (None, line["id"])]
     made = table(kept) if kept else f"Not measured yet: `python benchmarks/baselines.py --id {found['id']}`."
-    return f"{found[1]}{made}\n{found[3]}"
+    return f"{found[1]}{made}\n{measured(kept)}{found[3]}"
+
+
+def measured(lines: list[dict[str, Any]]) -> str:
+    """When each task was measured last."""
+    last = {line["name"]: line.get("date", "") for line in lines}
+    days = {day: [name for name in last if last[name] == day] for day in sorted(set(last.values()), reverse=True)}
+    if not any(days):
+        return ""
+    texts = [f"on {day}" if day else "before dates were kept" for day in days]
+    if len(days) > 1:
+        texts = [f"{text}: {', '.join(names)}" for text, names in zip(texts, days.values(), strict=True)]
+    return f"\nMeasured {'; '.join(texts)}.\n"
 
 
 def table(lines: list[dict[str, Any]]) -> str:

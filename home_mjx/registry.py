@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeGuard
 import gymnasium
 
 from home_mjx.core.checks import check_flag, check_number, check_type
+from home_mjx.core.files import as_path
 from home_mjx.core.jsonable import from_json, to_json
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
 _ID = re.compile(r"^[A-Z][A-Za-z0-9]*-v\d+$")
 NUM_HOUSES = 8
 NUM_ARRANGEMENTS = 8  # of each house, where they are asked for
+OF_MAKE = ("houses", "num_houses", "split", "where", "progress", "variation", "episodes")
+OF_EPISODES = ("variation", "episodes")  # options that are parameters of the environment, not parts of its program
 
 
 @dataclasses.dataclass(frozen=True)
@@ -38,7 +41,8 @@ class EnvSpec:
         id: `Name-vN`; N is raised whenever learning results could change.
         entry_point: `module:name` of a `Task` subclass, or of a function `(get_bank, **options)` that returns an
             environment, where `get_bank(compile_options)` makes the houses.
-        options: As for `make`, by name; with `variation`, ranges of domain randomisation by name.
+        options: As for `make`, by name; with `variation`, ranges of domain randomisation by name; with `episodes`, a
+            file of episodes, which then says which houses of `houses` are taken.
         houses: Folder of a dataset; None: generated houses, or `SUNCG_DATA_DIR`.
         num_houses: How many.
         split: `train`, `val` or `test`; None: any.
@@ -127,7 +131,7 @@ class EnvSpec:
             ConfigError: An option is unknown or cannot be used.
         """
         entry_point = _load(self.entry_point)
-        options = {name: value for name, value in self.options.items() if name != "variation"}
+        options = {name: value for name, value in self.options.items() if name not in OF_EPISODES}
         return _core_of(entry_point, options)[0] if _is_task(entry_point) else None
 
     def make(self, progress: bool | None = None) -> "BoundEnv[HouseholdEnv]":
@@ -205,6 +209,7 @@ def make(
     where: "HouseFilter | None" = None,
     progress: bool | None = None,
     variation: Any = None,
+    episodes: str | Path | None = None,
     **options: Any,
 ) -> "BoundEnv[HouseholdEnv]":
     """An environment by id.
@@ -220,6 +225,8 @@ def make(
         progress: Show a progress bar while houses are made and compiled; None: in a terminal.
         variation: What differs from episode to episode: a `tasks.Variation`, or its ranges by name such as
             `{"lamps": 0.5, "colors": (0, 0.3)}`; None: nothing.
+        episodes: A file that `save_episodes` or `save_tasks` has written: resets take their rows from it, the first
+            first, and the houses are those that it names, unless `houses` is a bank; None: episodes are drawn.
         **options: Fields of `EnvConfig` and of the records in it, of the task (`task.*`) and of `CompileOptions`
             (`compile.*`): flat (`width=32`, `friction=0.5`, `success_radius=0.2`), dotted
             (`**{"physics.friction": 0.5}`) or as whole records (`physics=PhysicsConfig(...)`).
@@ -240,6 +247,12 @@ def make(
         for name, value in (("num_houses", num_houses), ("split", split), ("where", where)):
             if value is not None:
                 raise ConfigError(f"`{name}` chooses houses of a dataset, not of {type(houses).__name__}")
+    if episodes is not None:
+        for name, value in (("num_houses", num_houses), ("split", split), ("where", where)):
+            if value is not None:
+                hint = f"Leave `{name}` out: the houses are those that the file names."
+                raise ConfigError(f"`{name}` is given beside a file of episodes", hint=hint)
+        options["episodes"] = str(as_path(episodes, "episodes"))
     spec = dataclasses.replace(
         known,
         options={**known.options, **options, **_ranges(variation)},
@@ -256,20 +269,49 @@ def _made(spec: EnvSpec, houses: Any, progress: bool | None) -> "BoundEnv[Househ
     entry_point, options = _load(spec.entry_point), dict(spec.options)
     variation = _ranges(options.pop("variation", None))
     shown = sys.stderr.isatty() if progress is None else progress
+    file = _episode_file(options.pop("episodes", None))
+    split, where = (spec.split, spec.where) if file is None else (None, None)
 
     def get_bank(
         compile_options: "CompileOptions | None" = None, num_arrangements: int = 0, late_sound: bool = False
     ) -> "HouseBank":
-        bank = as_bank(houses, spec.num_houses, shown, spec.split, spec.where, compile_options, late_sound)
+        chosen = houses if file is None else _houses_of(file, houses, shown)
+        bank = as_bank(chosen, spec.num_houses, shown, split, where, compile_options, late_sound)
         return _arranged(bank, num_arrangements, shown) if num_arrangements and bank is not houses else bank
 
     if _is_task(entry_point):
-        env = _with_task(entry_point, get_bank, options)
+        env = _with_task(entry_point, get_bank, options, file)
     else:
         env = entry_point(get_bank, **options)
+        env = env if file is None else env.with_tasks(_rows(file, env.bank, env.task))
     env = env.with_variation(variation["variation"]) if variation else env
     env.spec = spec
     return env
+
+
+def _episode_file(path: Any) -> Path | None:
+    return None if path is None else as_path(path, "episodes")
+
+
+def _houses_of(file: Path, houses: Any, progress: bool) -> "HouseBank | HouseSet":
+    """The houses that a file of episodes names, of those there are."""
+    from home_mjx.core.paths import dataset_root
+    from home_mjx.datasets.procedural.default_houses import houses_by_id
+    from home_mjx.scene_compile.cache.house_set import HouseSet
+    from home_mjx.tasks.environment.episodes import houses_named
+
+    if _is_chosen(houses):
+        return houses
+    ids = houses_named(file)
+    if houses is None and dataset_root() is None:
+        return HouseSet(houses_by_id(ids, progress), ids)
+    return HouseSet(houses, ids)
+
+
+def _rows(file: Path, bank: "HouseBank", task: Any) -> Any:
+    from home_mjx.tasks.environment.episodes import load_rows
+
+    return load_rows(file, bank, task)
 
 
 def _ranges(variation: Any) -> dict[str, Any]:
@@ -292,11 +334,14 @@ def _is_task(entry_point: Callable[..., Any]) -> TypeGuard[type]:
 
 
 def _with_task(
-    task: type, get_bank: Callable[..., "HouseBank"], options: Mapping[str, Any]
+    task: type, get_bank: Callable[..., "HouseBank"], options: Mapping[str, Any], file: Path | None
 ) -> "BoundEnv[HouseholdEnv]":
+    from home_mjx.tasks.base.state import EnvParams
+
     core, compiling = _core_of(task, options)  # refuses a wrong option before any house is compiled
     num_arrangements = NUM_ARRANGEMENTS if core.own_config.arrangement == "random" else 0
-    return core.bind(get_bank(compiling, num_arrangements, core.config.audio.late == "baked"))
+    bank = get_bank(compiling, num_arrangements, core.config.audio.late == "baked")
+    return core.bind(bank if file is None else EnvParams(bank, _rows(file, bank, core.task)))
 
 
 def _core_of(task: type, options: Mapping[str, Any]) -> "tuple[HouseholdEnv, CompileOptions]":
@@ -307,7 +352,7 @@ def _core_of(task: type, options: Mapping[str, Any]) -> "tuple[HouseholdEnv, Com
     from home_mjx.tasks.environment.household import HouseholdEnv
 
     records = {"": EnvConfig(), "task": task(), "compile": CompileOptions()}
-    chosen = override(records, options)
+    chosen = override(records, options, OF_MAKE)
     core = HouseholdEnv(chosen[""], chosen["task"])
     body, compiling = chosen[""].body, chosen["compile"]
     walkable = dataclasses.replace(compiling.navigation, agent_radius=body.radius, agent_height=body.height)

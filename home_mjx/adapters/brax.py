@@ -8,19 +8,23 @@ Example:
 # Brax annotates states as those of its own engines and wrapped environments as bare ones; ours are neither.
 # pyright: reportArgumentType=false, reportAttributeAccessIssue=false
 
-from typing import Any
+from functools import partial
+from typing import Any, NoReturn
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array
 
+from home_mjx.adapters.gymnasium_tools import Picture
 from home_mjx.errors import ConfigError, install_hint
+from home_mjx.registry import list_envs, make
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.environment.autoreset import AutoReset
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.household import HouseholdEnv
 
 try:
+    from brax.envs import register_environment
     from brax.envs.base import Env, Wrapper
     from brax.envs.base import State as BraxState
 except ModuleNotFoundError as error:
@@ -47,7 +51,7 @@ class BraxEnv(Env):
         if env.num_agents != 1:
             raise ConfigError(f"Brax drives one agent, this environment has {env.num_agents}", hint="Set num_agents=1")
         if env.config.discrete is not None:
-            hint = 'Set actions="continuous"'
+            hint = 'Set actions="continuous"' + (", stop=False" if env.task.needs_stop else "")
             raise ConfigError("Brax's policies give numbers, this environment has discrete actions", hint=hint)
         self.env = env
         self.pixels_dtype = pixels_dtype
@@ -71,6 +75,32 @@ class BraxEnv(Env):
     def backend(self) -> str:
         """The physics engine."""
         return "mjx"
+
+    @property
+    def sys(self) -> NoReturn:
+        """There is none.
+
+        Raises:
+            ConfigError: Always.
+        """
+        hint = "To randomise, give `make` a `variation`, or more houses."
+        raise ConfigError("a household has no `sys`: its houses are arrays of a bank", hint=hint)
+
+    def render(self, trajectory: Any, height: int = 240, width: int = 320) -> Any:
+        """What the agent sees, from our own renderer: no display and no OpenGL is needed.
+
+        Args:
+            trajectory: States of one environment, or their `pipeline_state`; or one of them.
+            height: Of the pictures [px].
+            width: Of the pictures [px].
+
+        Returns:
+            A list of (height, width, 3) uint8, one per state; of one state, its picture.
+        """
+        picture = Picture(self.env, (width, height))
+        if isinstance(trajectory, BraxState | State):
+            return picture.of(_inner(trajectory))
+        return [picture.of(_inner(state)) for state in trajectory]
 
     def reset(self, rng: Array) -> BraxState:
         """A new episode."""
@@ -107,7 +137,11 @@ class BraxEnv(Env):
 
 
 class TrainingWrapper(Wrapper):
-    """A batch for Brax's trainers: episode counts, and a new house and pose at every reset."""
+    """A batch for Brax's trainers: episode counts, and a new house and pose at every reset.
+
+    Brax adds metrics up over the steps of an episode. So `metrics` are given in the step that ends one and are 0 in all
+    others: its sums, such as `eval/episode_distance`, are what they were at the end.
+    """
 
     def __init__(self, env: BraxEnv, episode_length: int) -> None:
         super().__init__(env)
@@ -130,7 +164,7 @@ class TrainingWrapper(Wrapper):
         new = self.auto.step(before, action)
         fresh = 1 - state.info["episode_done"]
         totals = state.info["episode_metrics"]
-        terms = {"sum_reward": new.reward, "length": jnp.ones_like(new.reward), **new.metrics}
+        terms = {"sum_reward": new.reward, "length": jnp.ones_like(new.reward), **_at_end(new)}
         info = {
             "steps": state.info["steps"] * fresh + 1,
             "episode_done": new.done.astype(jnp.float32),
@@ -142,7 +176,16 @@ class TrainingWrapper(Wrapper):
         info["truncation"] = state.truncated.astype(jnp.float32)
         info["final_obs"] = self.brax_env.to_brax_obs(state.info["final_obs"])
         brax: Any = self.brax_env.to_brax(state)
-        return brax.replace(info=info)
+        return brax.replace(info=info, metrics=_at_end(state))
+
+
+def _at_end(state: State) -> dict[str, Array]:
+    """Metrics of episodes that are over; 0 for others."""
+    return {name: jnp.where(state.done, value, 0) for name, value in state.metrics.items()}
+
+
+def _inner(state: Any) -> Any:
+    return state.pipeline_state if isinstance(state, BraxState) else state
 
 
 def wrap_for_training(
@@ -158,3 +201,20 @@ def wrap_for_training(
     if randomization_fn is not None:
         raise ConfigError("randomization_fn is not supported", hint="Give `make` a `variation`, or more houses.")
     return TrainingWrapper(env, episode_length)
+
+
+def register() -> None:
+    """Adds every id of `home_mjx.list_envs()` to Brax's registry; may be called again after ids were added.
+
+    Example:
+        >>> env = brax.envs.get_environment("PointNav-v0", num_houses=2)  # doctest: +SKIP
+    """
+    for env_id in list_envs():
+        register_environment(env_id, partial(_made, env_id))
+
+
+def _made(env_id: str, **options: Any) -> BraxEnv:
+    return BraxEnv(make(env_id, **options))
+
+
+register()

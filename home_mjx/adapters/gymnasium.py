@@ -101,7 +101,9 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
     """Many households in one jitted step; ended ones begin anew in the same step (`SAME_STEP`).
 
     `info` holds metrics, house and status of every environment. Of those that ended these are the final step's, and
-    stand in `info["final_info"]` as well; `info["final_obs"]` holds their last observations.
+    stand in `info["final_info"]` as well; `info["final_obs"]` holds their last observations. With `NEXT_STEP` a final
+    step gives these itself, and the step after it, whatever its action, the first observations of the next episode, no
+    reward and no info; pictures of `render` are those of the next episode one step earlier.
 
     Args:
         num_envs: Number of environments.
@@ -109,6 +111,8 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         render_mode: None, or "rgb_array": `render()` gives a picture per environment.
         render_size: Width and height of these pictures [px].
         episodes: Saved episodes (or their file): environment i takes the rows i, i + n, i + 2n, ...
+        autoreset_mode: `AutoresetMode.SAME_STEP`, or `NEXT_STEP`, which Gymnasium's wrappers of observations want; or
+            "SameStep", "NextStep".
         **options: As for `home_mjx.make`.
     """
 
@@ -125,13 +129,16 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         render_mode: str | None = None,
         render_size: tuple[int, int] = (tools.PICTURE, tools.PICTURE),
         episodes: Episodes | str | Path | None = None,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.SAME_STEP,
         **options: Any,
     ) -> None:
         check_number("num_envs", num_envs, 1, whole=True)
         tools.check_render_mode(render_mode)
         self.env = tools.make_bound(env_id, episodes, options)
-        self.num_envs, self.render_mode = num_envs, render_mode
-        self.metadata = {**type(self).metadata, "render_fps": round(1 / self.env.dt)}
+        self.num_envs, self.render_mode, self._mode = num_envs, render_mode, tools.reset_mode(autoreset_mode)
+        self.metadata = {
+            **type(self).metadata, "render_fps": round(1 / self.env.dt), "autoreset_mode": self._mode,
+        }  # fmt: skip
         self.single_observation_space = observation_space(self.env)
         self.single_action_space = action_space(self.env)
         batch = gymnasium.vector.utils.batch_space
@@ -143,16 +150,18 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         self._step: Callable[..., State] = in_this_process(jax.jit(auto.step), "step")
         self._merge: Callable[..., State] = jax.jit(where_envs)
         self._state: State | None = None
+        self._held = np.zeros(num_envs, bool)  # those that only show in the next step where they begin
 
     def reset(
-        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
+        self, *, seed: int | np.integer | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict, dict]:
         """Begins an episode in every environment.
 
         Args:
-            seed: One for all, or one per environment.
+            seed: Environment i begins as the single environment does with seed + i; or one per environment.
             options: `house` or `episode`: an index, or one per environment; `reset_mask`: which environments to reset.
         """
+        seed = int(seed) if isinstance(seed, np.integer) else seed
         super().reset(seed=seed if isinstance(seed, int) else None)
         options, count = options or {}, tools.num_episodes(self.env)
         tools.check_options(options, ("house", "reset_mask", *(("episode",) if count else ())))
@@ -161,6 +170,7 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         mask = self._mask(options.get("reset_mask"))
         new = self._reset(self.env.params, self._keys(seed), house, episode)
         self._state = new if self._state is None or mask.all() else self._merge(mask, new, self._state)
+        self._held &= ~mask
         return tools.to_numpy(self._state.obs), tools.masked(tools.infos_of(self._state), mask)
 
     def step(self, actions: np.ndarray) -> tuple[dict, np.ndarray, np.ndarray, np.ndarray, dict]:
@@ -168,18 +178,29 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         if self._state is None:
             raise tools.needs_reset()
         actions = tools.check_action(actions, self.env.action_spec, self.num_envs)
-        before = self._state.world
-        self._state = state = self._step(self.env.params, self._state, actions)
-        rewards = np.asarray(state.reward, np.float64).reshape(self.num_envs, -1)
-        infos = tools.infos_of(state, before)
+        before, self._state = self._state, self._step(self.env.params, self._state, actions)
+        if self._held.any():
+            self._state = self._merge(self._held, before, self._state)
+        return self._told(self._state, tools.infos_of(self._state, before.world))
+
+    def _told(self, state: State, infos: dict[str, Any]) -> tuple[dict, np.ndarray, np.ndarray, np.ndarray, dict]:
+        """What a step gives, by the mode of resets."""
+        moved, obs = ~self._held, tools.to_numpy(state.obs)
+        rewards = np.asarray(state.reward, np.float64).reshape(self.num_envs, -1) * moved[:, None]
+        terminated, truncated = np.array(state.terminated) & moved, np.array(state.truncated) & moved
+        done = terminated | truncated
         if self.env.num_agents > 1:
             infos["agent_reward"] = rewards
-        info = tools.masked(infos, np.ones(self.num_envs, bool))
-        done = np.asarray(state.done)
+        info = tools.masked(infos, moved)
+        self._held = done & (self._mode is AutoresetMode.NEXT_STEP)
         if done.any():
-            info |= {"final_obs": tools.to_numpy(state.info["final_obs"]), "_final_obs": done}
-            info |= {"final_info": tools.masked(infos, done), "_final_info": done}
-        return tools.to_numpy(state.obs), rewards.mean(-1), np.array(state.terminated), np.array(state.truncated), info
+            last = tools.to_numpy(state.info["final_obs"])
+            if self._mode is AutoresetMode.NEXT_STEP:
+                obs = {name: np.where(tools.like(done, x), last[name], x) for name, x in obs.items()}
+            else:
+                info |= {"final_obs": last, "_final_obs": done}
+                info |= {"final_info": tools.masked(infos, done), "_final_info": done}
+        return obs, rewards.mean(-1), terminated, truncated, info
 
     def render(self) -> tuple[np.ndarray, ...] | None:
         """What the first agent of each environment sees, (H, W, 3) uint8."""
@@ -189,8 +210,9 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         return tuple(self._picture.of(state) for state in states)
 
     def _keys(self, seed: int | Sequence[int | None] | None) -> np.ndarray:
-        if seed is None or isinstance(seed, int | np.integer):
+        if seed is None:
             return np.asarray(self.np_random.integers(0, 2**32, (self.num_envs, 2), np.uint32))
+        seed = [seed + i for i in range(self.num_envs)] if isinstance(seed, int) else seed
         if len(seed) != self.num_envs:
             raise ConfigError(f"expected one seed, or {self.num_envs}, got {len(seed)}")
         return np.stack([tools.key_of(np.random.default_rng(one)) for one in seed])

@@ -7,6 +7,7 @@ from typing import Any
 import gymnasium
 import jax
 import numpy as np
+from gymnasium.vector import AutoresetMode
 
 from home_mjx.core.checks import check_known, check_number
 from home_mjx.errors import ConfigError
@@ -18,11 +19,13 @@ from home_mjx.tasks.base.specs import ArraySpec
 from home_mjx.tasks.base.state import Episodes, State, World
 from home_mjx.tasks.base.status import status_report
 from home_mjx.tasks.environment.bound import BoundEnv
-from home_mjx.tasks.environment.episodes import load_episodes
+from home_mjx.tasks.environment.episodes import load_rows
 from home_mjx.tasks.environment.household import HouseholdEnv
 from home_mjx.tasks.sensors.cameras import agent_ids, place_cameras
 
 RENDER_MODES = (None, "rgb_array")
+MODES = (AutoresetMode.SAME_STEP, AutoresetMode.NEXT_STEP)
+CHOICES = {"num_houses", "split", "where"}  # of houses; without them a file says which
 PICTURE = 256  # [px], edge of pictures for people
 
 
@@ -30,9 +33,12 @@ def make_bound(
     env_id: str, episodes: Episodes | str | Path | None, options: Mapping[str, Any]
 ) -> BoundEnv[HouseholdEnv]:
     """The environment, its resets taking their rows from `episodes` if there are any."""
-    env = make(env_id, **options)
     if isinstance(episodes, str | Path):
-        episodes = load_episodes(episodes, env.bank, env.task)
+        if not CHOICES.intersection(name for name, value in options.items() if value is not None):
+            return make(env_id, episodes=episodes, **options)
+        env = make(env_id, **options)
+        return env.with_tasks(load_rows(episodes, env.bank, env.task))
+    env = make(env_id, **options)
     return env.with_tasks(episodes) if episodes is not None else env
 
 
@@ -41,6 +47,23 @@ def check_render_mode(render_mode: str | None) -> None:
     if render_mode not in RENDER_MODES:
         hint = "gymnasium.make(..., render_mode='human') shows the pictures of 'rgb_array' in a window (needs pygame)."
         raise ConfigError(f"render_mode must be None or 'rgb_array', got {render_mode!r}", hint=hint)
+
+
+def reset_mode(mode: Any) -> AutoresetMode:
+    """A way of beginning anew by itself or its name.
+
+    Raises:
+        ConfigError: It is none of `MODES`.
+    """
+    names = {known.value: known for known in MODES}
+    name = getattr(mode, "value", mode)
+    check_known("mode of resets", [name], names)
+    return names[name]
+
+
+def like(mask: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """A mask of environments with as many axes as `x` has."""
+    return mask.reshape(-1, *[1] * (x.ndim - 1))
 
 
 def to_numpy(tree: Any) -> Any:

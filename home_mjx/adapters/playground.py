@@ -16,7 +16,6 @@ from jaxtyping import Array
 
 from home_mjx.adapters.brax import BraxEnv, TrainingWrapper
 from home_mjx.adapters.brax import wrap_for_training as brax_wrapped
-from home_mjx.adapters.gymnasium_tools import Picture
 from home_mjx.errors import ConfigError, install_hint
 from home_mjx.registry import NUM_HOUSES, find_spec, list_envs, make
 from home_mjx.tasks.base.config import EnvConfig
@@ -135,7 +134,7 @@ class PlaygroundEnv(MjxEnv):
         Raises:
             ConfigError: Always.
         """
-        _refuse("mjx_model", "To randomise, use more houses: num_houses=64.")
+        _refuse("mjx_model", "To randomise, give `variation` in config_overrides, or more houses: num_houses=64.")
 
     def render(
         self,
@@ -165,10 +164,8 @@ class PlaygroundEnv(MjxEnv):
         for name, value in (("camera", camera), ("scene_option", scene_option), ("modify_scene_fns", modify_scene_fns)):
             if value is not None:
                 raise ConfigError(f"`{name}` is an option of MuJoCo's renderer", hint="home_mjx.viz has other views")
-        picture = Picture(self.brax.env, (width, height))
-        if isinstance(trajectory, State):
-            return picture.of(trajectory.data)
-        return [picture.of(state.data) for state in trajectory]
+        states = trajectory.data if isinstance(trajectory, State) else [state.data for state in trajectory]
+        return self.brax.render(states, height, width)
 
 
 def _refuse(name: str, hint: str) -> NoReturn:

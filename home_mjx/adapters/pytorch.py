@@ -44,6 +44,7 @@ def to_jax(tree: Any) -> Any:
         tree: Tensors, contiguous ones, or nested containers of them.
 
     Returns:
-        The same containers with a `jax.Array` for each tensor, of the same shape and type.
+        The same containers with a `jax.Array` for each tensor, of the same shape and type; but without
+        `jax_enable_x64`, numbers of 64 bits are copied to 32.
     """
     return jax.tree.map(lambda x: jax.dlpack.from_dlpack(x.detach()), tree)

@@ -3,6 +3,8 @@
 import hashlib
 from collections.abc import Iterable
 
+from home_mjx.errors import UnknownIdError
+
 # "home" in hexadecimal: SUNCG's ids are hashes, so one of its 45,622 begins so with probability 1e-5.
 ID_PREFIX = "686f6d65"
 MARKER = "generated.json"  # lies in the root of a generated dataset
@@ -30,11 +32,35 @@ def in_order(ids: Iterable[str]) -> tuple[str, ...]:
         True
     """
     others = set(ids)
-    left = sum(name.startswith(ID_PREFIX) for name in others)
-    found: list[str] = []
+    found = _known(others)
+    return (*found, *sorted(others.difference(found)))
+
+
+def seeds_of(ids: Iterable[str]) -> tuple[int, ...]:
+    """Seeds of generated houses, each once, the lowest first.
+
+    Raises:
+        UnknownIdError: One is of no seed below `MAX_KNOWN`.
+
+    Example:
+        >>> seeds_of([house_id(9), house_id(2)])
+        (2, 9)
+    """
+    wanted = set(ids)
+    found = _known(wanted)
+    if strangers := sorted(wanted.difference(found)):
+        hint = "Name its dataset: `houses=` in Python, `--dataset` on the command line."
+        raise UnknownIdError(f"no house `{strangers[0]:.100}` is generated without a dataset", hint=hint)
+    return tuple(found.values())
+
+
+def _known(ids: set[str]) -> dict[str, int]:
+    """Seeds of those that are known, in order."""
+    left = sum(name.startswith(ID_PREFIX) for name in ids)
+    found: dict[str, int] = {}
     for seed in range(MAX_KNOWN):
         if len(found) == left:
             break
-        if (name := house_id(seed)) in others:
-            found.append(name)
-    return (*found, *sorted(others.difference(found)))
+        if (name := house_id(seed)) in ids:
+            found[name] = seed
+    return found

@@ -105,7 +105,7 @@ def run_play(options: PlayOptions, tell: Callable[[str], Any] = tqdm.write, keys
 
 def film_checkpoint(
     checkpoint: Path, out: Path, episodes: int, split: str = "val", num_houses: int = 4, seed: int = 0,
-    greedy: bool = False,
+    greedy: bool = False, *, episode_file: str | Path | None = None, dataset: str | Path | None = None,
 ) -> list[Outcome]:  # fmt: skip
     """Films episodes of a trained agent.
 
@@ -117,21 +117,25 @@ def film_checkpoint(
         num_houses: How many.
         seed: Of episodes and actions.
         greedy: The agent does what is likeliest.
+        episode_file: The first episodes of this file, in the houses that it names, instead.
+        dataset: Root of another dataset than that of training.
 
     Returns:
         How each episode has ended; nothing is printed.
     """
     from home_mjx.training import judged, read_config  # needs the extra `train`
 
-    env = judged(read_config(checkpoint).env, split, num_houses)
+    env = judged(read_config(checkpoint).env, split, num_houses, episode_file=episode_file, dataset=dataset)
     return run_play(PlayOptions(env, "trained", checkpoint, episodes, seed, greedy, out), lambda line: None)
 
 
 def _rows(env: BoundEnv[HouseholdEnv], options: PlayOptions) -> list[int | None]:
-    """Rows of the tasks, no two the same while there are others."""
+    """Rows of the tasks, no two the same while there are others; those of a file in its order."""
     if env.params.tasks is None:
         return [None] * options.episodes
-    order = np.random.default_rng(options.seed).permutation(len(env.params.tasks))
+    order = np.arange(len(env.params.tasks))
+    if "episodes" not in options.env.options:
+        order = np.random.default_rng(options.seed).permutation(order)
     return [int(order[i % len(order)]) for i in range(options.episodes)]
 
 

@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import jax
@@ -26,23 +27,36 @@ MAX_BATCH = 256  # episodes that are played at once
 Results = dict[str, np.ndarray]  # by name, one number per episode
 
 
-FOR_TRAINING = ("mistakes_end",)  # options that make a task easier to learn, and are not part of it
+FOR_TRAINING = ("mistakes_end", "episodes")  # options that make a task easier to learn, and what it is learned in
 
 
-def judged(spec: EnvSpec, split: str | None = "val", num_houses: int = 16) -> EnvSpec:
+def judged(
+    spec: EnvSpec, split: str | None = "val", num_houses: int = 16, *, episode_file: str | Path | None = None,
+    dataset: str | Path | None = None,
+) -> EnvSpec:  # fmt: skip
     """What an agent of an environment is judged by: other houses, and none of the options that are for training only.
 
     Args:
         spec: What it has trained in.
-        split: Part of the dataset.
-        num_houses: How many.
+        split: Part of the dataset; None: the houses that it has trained in.
+        num_houses: How many of that part.
+        episode_file: Episodes, in the houses that they name, instead of those of a part.
+        dataset: Root of another dataset than that of training.
 
     Example:
         >>> spec = EnvSpec("ObjectNav-v0", "home_mjx.tasks:ObjectNav", {"stop": True, "mistakes_end": False})
         >>> judged(spec).options, judged(spec).split
         ({'stop': True}, 'val')
+        >>> judged(spec, None).options, judged(spec, None).num_houses
+        ({'stop': True}, 8)
     """
     options = {name: value for name, value in spec.options.items() if name not in FOR_TRAINING}
+    spec = dataclasses.replace(spec, houses=spec.houses if dataset is None else str(dataset))
+    if episode_file is not None:
+        return dataclasses.replace(spec, options=options | {"episodes": str(episode_file)}, split=None)
+    if split is None:  # a file may have said which houses these were
+        options |= {name: value for name, value in spec.options.items() if name == "episodes"}
+        return dataclasses.replace(spec, options=options)
     return dataclasses.replace(spec, options=options, split=split, num_houses=num_houses)
 
 

@@ -40,6 +40,7 @@ from home_mjx.training.records import Records
 LEARNERS: dict[str, type[PPO]] = {"ppo": PPO, "advised": Advised, "clone": Cloning}
 NUM_LINES = 200  # of a stage
 REST = 20.0  # [s] between checkpoints
+NUM_EPISODES = 1000  # of an evaluation
 SHOWN = ("success", "return")  # beside the progress bar
 
 
@@ -199,27 +200,32 @@ class _Run:
 
 
 def evaluate_checkpoint(
-    path: Path, split: str | None = "val", num_houses: int = 16, num_episodes: int = 1000, seed: int = 0,
-    greedy: bool = False, progress: bool | None = None,
+    path: Path, split: str | None = "val", num_houses: int = 16, num_episodes: int | None = None, seed: int = 0,
+    greedy: bool = False, progress: bool | None = None, *, episode_file: str | Path | None = None,
+    dataset: str | Path | None = None,
 ) -> dict[str, Any]:  # fmt: skip
     """Plays episodes with a checkpoint's agent, and the same ones with an agent that acts at random.
 
     Args:
         path: The checkpoint.
-        split: Houses of which part of the dataset; a run trains in `train`. None: those that it has trained in.
+        split: Houses of which part of the dataset; a run trains in `train`. None: those that it has trained in. By the
+            rules of the task, whatever options for training alone it was trained with.
         num_houses: How many.
-        num_episodes: How many.
+        num_episodes: How many; None: 1000, or all of `episode_file`.
         seed: Of episodes and actions.
         greedy: The agent does what is likeliest, instead of drawing its actions.
         progress: Show a progress bar while houses are compiled.
+        episode_file: Episodes, in the houses that they name; `split` and `num_houses` do not matter then.
+        dataset: Root of another dataset than that of training.
 
     Returns:
         `trained` and `random`, each a `summary`, and what was asked for.
     """
-    check_episodes(num_episodes)
-    spec = read_config(path).env
-    spec = spec if split is None else judged(spec, split, num_houses)
+    check_episodes(NUM_EPISODES if num_episodes is None else num_episodes)
+    spec = judged(read_config(path).env, split, num_houses, episode_file=episode_file, dataset=dataset)
     env = made(spec, progress)
+    if num_episodes is None:
+        num_episodes = NUM_EPISODES if episode_file is None else len(env.params.tasks)
     policy = load_policy(path, env.core, greedy)
     begun = time.perf_counter()
     trained = evaluate(env, *policy, num_episodes, seed)
@@ -229,7 +235,7 @@ def evaluate_checkpoint(
         "random": summary(chance),
         "episodes": num_episodes,
         "houses": env.bank.num_houses,
-        "split": spec.split,
+        "split": spec.split if episode_file is None else str(episode_file),
         "seed": seed,
         "actions": "greedy" if greedy else "sampled",
         "seconds": time.perf_counter() - begun,

@@ -9,7 +9,10 @@ import pytest
 
 pytest.importorskip("brax", reason="needs the extra `train`")
 
-from brax.training.agents.ppo import networks_vision, train
+from brax import envs
+from brax.envs.wrappers.training import EvalWrapper
+from brax.training.acme import running_statistics, specs
+from brax.training.agents.ppo import checkpoint, networks, networks_vision, train
 
 import home_mjx
 from home_mjx.adapters.brax import BraxEnv, wrap_for_training
@@ -81,6 +84,56 @@ def test_ppo_trains_from_pixels(brax_env):
 def test_action_repeat_is_refused(brax_env):
     with pytest.raises(ConfigError, match="ctrl_dt"):
         wrap_for_training(brax_env, action_repeat=2)
+
+
+def test_sums_of_metrics_are_those_of_the_end(generated_bank):
+    """Brax adds metrics up over an episode: distances of 500 steps would make a sum that means nothing."""
+    options = {"sensors": ("state", "goal"), "impl": "kinematic"}
+    wrapped = wrap_for_training(BraxEnv(home_mjx.make("PointNav-v0", generated_bank, **options)), episode_length=3)
+    judged = EvalWrapper(wrapped)
+    states, forward = judged.reset(jax.random.split(jax.random.PRNGKey(0), 2)), jnp.zeros((2, 4)).at[:, 0].set(1.0)
+    step, seen = jax.jit(judged.step), []
+    for _ in range(3):
+        states = step(states, forward)
+        seen.append({name: np.asarray(value) for name, value in states.metrics.items() if name != "reward"})
+    assert not np.any([list(metrics.values()) for metrics in seen[:2]])
+    own = states.pipeline_state.metrics
+    assert np.all(own["distance"] > 0)
+    assert set(own) == set(seen[2])
+    for name, value in own.items():
+        for found in (states.info["episode_metrics"][name], states.info["eval_metrics"].episode_metrics[name]):
+            np.testing.assert_array_equal(found, value)
+
+
+def test_braxs_checkpoints_load_by_default_arguments(tmp_path):
+    """As its trainer saves them; without the shim: KeyError None."""
+    shim.install()
+    size = {"state": specs.Array((13,), jnp.dtype("float32"))}
+    network = networks.make_ppo_networks({"state": (13,)}, 4, preprocess_observations_fn=running_statistics.normalize)
+    one, other = jax.random.split(jax.random.PRNGKey(0))
+    nets = network.policy_network.init(one), network.value_network.init(other)
+    params = (running_statistics.init_state(size), *nets)
+    config = checkpoint.network_config(size, 4, True, networks.make_ppo_networks)
+    checkpoint.save(tmp_path, 0, params, config)
+    (path,) = tmp_path.iterdir()
+    loaded, wanted = checkpoint.load_policy(path), networks.make_inference_fn(network)(params, deterministic=True)
+    obs = {"state": jnp.linspace(-1, 1, 13)}
+    np.testing.assert_array_equal(loaded(obs, one)[0], wanted(obs, one)[0])
+
+
+def test_braxs_registry_has_every_id(generated_bank, brax_env):
+    env = envs.get_environment("PointNav-v0", houses=generated_bank, sensors=("state", "goal"), impl="kinematic")
+    assert isinstance(env, BraxEnv)
+    assert set(home_mjx.list_envs()) <= set(envs._envs)
+    with pytest.raises(ConfigError, match="variation"):
+        _ = env.sys
+    with pytest.raises(ConfigError, match="stop=False"):
+        envs.get_environment("RoomNav-v0", houses=generated_bank, num_tasks=1)
+    assert envs.get_environment("RoomNav-v0", houses=generated_bank, num_tasks=1, actions="continuous", stop=False)
+    state = env.reset(jax.random.PRNGKey(0))
+    picture = env.render(state, height=6, width=8)
+    assert picture.shape == (6, 8, 3)
+    np.testing.assert_array_equal(env.render([state.pipeline_state], height=6, width=8)[0], picture)
 
 
 def test_both_kinds_of_key_and_two_devices(generated_bank):

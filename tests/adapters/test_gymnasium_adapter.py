@@ -141,6 +141,43 @@ def test_seeds_and_masks_of_single_environments(generated_bank):
         env.reset(seed=[1, 2])
 
 
+def test_one_seed_means_as_many_as_in_gymnasium(generated_bank):
+    """Environment i of a batch begins as the environment alone does with seed + i, as in `SyncVectorEnv`."""
+    env, alone = (
+        GymVectorEnv(2, houses=generated_bank, sensors=("state",)),
+        GymEnv(houses=generated_bank, sensors=("state",)),
+    )
+    first, _ = env.reset(seed=np.int64(4))
+    np.testing.assert_array_equal(first["state"], env.reset(seed=[4, 5])[0]["state"])
+    np.testing.assert_array_equal(first["state"][1], alone.reset(seed=5)[0]["state"])
+    later = [env.reset()[0]["state"] for _ in range(2) if env.reset(seed=4)]
+    np.testing.assert_array_equal(*later)
+    assert not np.array_equal(later[0], first["state"])
+
+
+def test_resets_in_the_next_step_are_those_of_the_same_step_told_later(generated_bank):
+    """The same episodes in both modes, which Gymnasium's wrappers of observations ask for."""
+    options = {"houses": generated_bank, "sensors": ("state",), "episode_length": 2, "num_envs": 2, "impl": "kinematic"}
+    same, later = (GymVectorEnv(autoreset_mode=mode, **options) for mode in ("SameStep", "NextStep"))
+    assert later.metadata["autoreset_mode"] is gymnasium.vector.AutoresetMode.NEXT_STEP
+    np.testing.assert_array_equal(same.reset(seed=0)[0]["state"], later.reset(seed=0)[0]["state"])
+    action = np.full((2, 4), 0.5, np.float32)
+    for _ in range(2):
+        wanted, found = same.step(action), later.step(action)
+    np.testing.assert_array_equal(found[0]["state"], wanted[4]["final_obs"]["state"])
+    assert found[3].all()
+    assert "final_obs" not in found[4]
+    np.testing.assert_array_equal(found[4]["distance"], wanted[4]["final_info"]["distance"])
+    obs, reward, terminated, truncated, info = later.step(action)
+    np.testing.assert_array_equal(obs["state"], wanted[0]["state"])
+    assert [np.any(x) for x in (reward, terminated, truncated, info["_distance"])] == [False] * 4
+    np.testing.assert_array_equal(later.step(action)[0]["state"], same.step(action)[0]["state"])
+    flat = gymnasium.wrappers.vector.FlattenObservation(later)
+    assert flat.reset(seed=0)[0].shape == (2, 10)
+    with pytest.raises(ConfigError, match="NextStep"):
+        GymVectorEnv(autoreset_mode="Disabled", **options)
+
+
 def test_saved_episodes_are_evaluated(generated_bank, tmp_path):
     episodes = sample_episodes(generated_bank, 5, min_length=1.5)
     save_episodes(tmp_path / "e.jsonl", generated_bank, episodes)

@@ -1,6 +1,7 @@
 """`home-mjx train` and `evaluate`: files, refusals, and going on after a kill."""
 
 import argparse
+import dataclasses
 import json
 import os
 import signal
@@ -16,10 +17,13 @@ pytest.importorskip("tensorboardX", reason="needs the extra `train`")
 from processes import wait_for
 
 from home_mjx.cli import main
+from home_mjx.cli.learning import play
 from home_mjx.cli.learning.named import assignments, newest
 from home_mjx.cli.learning.train import add_arguments, run_config
 from home_mjx.datasets import generate_dataset
 from home_mjx.datasets.splits import split_of
+from home_mjx.registry import find_spec
+from home_mjx.training import CPU_CONFIG, RunConfig, judged, save_net
 from home_mjx.training.checkpoint import read_config
 
 NETWORK = ["--ppo", "network.features=16", "--ppo", "network.memory=16"]
@@ -80,6 +84,27 @@ def test_mistakes_are_refused_before_any_house_is_made(tmp_path: Path, capsys: p
         assert words in message
         assert len(message) < 500
         assert not [path for path in tmp_path.rglob("*") if path.is_file()]
+
+
+def test_agents_play_by_the_rules_whatever_made_learning_easier(tmp_path: Path):
+    """Also in houses that they have trained in, and where a file says which episodes."""
+    options = {"stop": True, "mistakes_end": False, "episodes": "trained.jsonl"}
+    spec = dataclasses.replace(find_spec("ObjectNav-v0"), options=options, num_houses=3, split="train")
+    save_net(tmp_path / "agent.npz", {}, RunConfig(spec, CPU_CONFIG))
+    parser = argparse.ArgumentParser()
+    play.add_arguments(parser)
+    for args, wanted in (
+        ([], {"stop": True}),
+        (["--env", "mistakes_end=false"], {"stop": True, "mistakes_end": False}),
+        (["--episode-file", "val.jsonl"], {"stop": True, "episodes": "val.jsonl"}),
+    ):
+        assert play.env_spec(parser.parse_args(args), tmp_path / "agent.npz").options == wanted
+    same = judged(spec, None)
+    assert (same.options, same.split, same.num_houses) == (
+        {"stop": True, "episodes": "trained.jsonl"}, "train", 3,
+    )  # fmt: skip
+    told = judged(spec, episode_file="val.jsonl", dataset="suncg")
+    assert (told.options, told.houses) == ({"stop": True, "episodes": "val.jsonl"}, "suncg")
 
 
 @pytest.mark.slow

@@ -28,6 +28,14 @@ def add_import_option(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
 
 
+def add_episode_option(parser: argparse.ArgumentParser) -> None:
+    """Adds `--episode-file FILE`."""
+    parser.add_argument(
+        "--episode-file", type=Path, metavar="FILE",
+        help="play the episodes of a file of save_episodes or save_tasks, in order, in the houses that it names",
+    )  # fmt: skip
+
+
 def import_modules(modules: list[str]) -> None:
     """Imports what the user names: installed, or in the folder where the command is called.
 

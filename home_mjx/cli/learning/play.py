@@ -10,6 +10,7 @@ from home_mjx.cli.houses import add_dataset_option
 from home_mjx.cli.learning.named import (
     CHECKPOINT_HELP,
     TASK_HELP,
+    add_episode_option,
     add_import_option,
     assignments,
     checkpoint_of,
@@ -51,6 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--split", choices=("train", "val", "test"), default="val", help="part of the dataset (default: val)"
     )
+    add_episode_option(parser)
     add_dataset_option(parser)
     add_import_option(parser)
     parser.add_argument(
@@ -96,9 +98,9 @@ def env_spec(args: argparse.Namespace, checkpoint: Path | None, sensors: tuple[s
         raise ConfigError("name a task", hint="home-mjx play RoomNav; home_mjx.list_envs() names them.")
     spec = task_spec(args.task) if args.task is not None else None
     if checkpoint is not None:
-        from home_mjx.training import read_config
+        from home_mjx.training import judged, read_config
 
-        theirs = read_config(checkpoint).env
+        theirs = judged(read_config(checkpoint).env)  # by the rules, whatever made learning easier
         if spec is not None and spec.id != theirs.id:
             message = f"the checkpoint is of {theirs.id}, not of {spec.id}"
             raise ConfigError(message, file=checkpoint, hint="Leave the task out, or name another checkpoint.")
@@ -106,5 +108,6 @@ def env_spec(args: argparse.Namespace, checkpoint: Path | None, sensors: tuple[s
     assert spec is not None
     houses = spec.houses if args.dataset is None else str(args.dataset)
     seen = {} if sensors is None else {"sensors": sensors}
-    options = {**spec.options, **seen, **assignments(args.env)}
+    rows = {} if args.episode_file is None else {"episodes": str(args.episode_file)}
+    options = {**spec.options, **seen, **assignments(args.env), **rows}
     return dataclasses.replace(spec, options=options, houses=houses, num_houses=args.houses, split=args.split)

@@ -8,6 +8,7 @@ from home_mjx.cli.houses import add_dataset_option
 from home_mjx.cli.learning.named import (
     CHECKPOINT_HELP,
     TASK_HELP,
+    add_episode_option,
     add_import_option,
     checkpoint_of,
     checkpoint_path,
@@ -35,6 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--split", choices=("train", "val", "test"), default="train", help="part of the dataset (default: train)"
     )
+    add_episode_option(parser)
     add_dataset_option(parser)
     add_import_option(parser)
     parser.add_argument(

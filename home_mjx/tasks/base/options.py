@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, NoReturn
 
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
-from home_mjx.tasks.base.config import EnvConfig
+from home_mjx.tasks.base.config import DiscreteActions, EnvConfig
 
 # Names of 0.1.0, and what they are now.
 RENAMED = {
@@ -16,7 +16,12 @@ RENAMED = {
     "agent_mass": "body.mass",
     "limit": "num_houses",
 }
-MOVES = "It is an option of discrete actions: actions=home_mjx.tasks.DiscreteActions(forward_step_size=0.25, ...)."
+MOVES = (
+    "It is an option of discrete actions: actions=home_mjx.tasks.DiscreteActions(forward_step_size=0.25, ...); on the "
+    """command line, --env 'actions={"forward_step_size": 0.25}'."""
+)
+WITHIN = "PointNav has `success_radius`, tasks whose goals are things or sounds have `success_distance`."
+HOUSES = "Give `houses`, such as the folder of a dataset, `num_houses` and `split`."
 # Words of the field, and what does that here.
 FIELD_WORDS = {
     "num_envs": "Batch with `jax.vmap` over keys, with `AutoReset`, or with `gymnasium.make_vec(..., num_envs=...)`.",
@@ -25,14 +30,21 @@ FIELD_WORDS = {
     "resolution": "Give `width` and `height`.",
     "max_episode_steps": "Give `episode_length`.",
     "horizon": "Give `episode_length`.",
-    "gps": "The sensor `state` holds the position: sensors=(..., 'state').",
-    "compass": "The sensor `state` holds cosine and sine of the yaw: sensors=(..., 'state').",
+    "gps": "It is a sensor: sensors=(..., 'gps_compass').",
+    "compass": "It is a sensor: sensors=(..., 'gps_compass').",
     "hfov": "Give `fovy`, the vertical field of view.",
     "fov": "Give `fovy`, the vertical field of view.",
     "render_mode": "It is an option of the Gymnasium adapter: gymnasium.make('home_mjx/...', render_mode='rgb_array').",
     "forward_step_size": MOVES,
     "turn_angle": MOVES,
     "tilt_angle": MOVES,
+    "success_radius": WITHIN,
+    "success_distance": WITHIN,
+    "allow_sliding": "Agents slide along what they touch, always; `contact_cost` is what that costs.",
+    "scenes": HOUSES,
+    "scene": HOUSES,
+    "dataset": HOUSES,
+    "data_path": HOUSES,
     "frame_skip": "Give `ctrl_dt` and `sim_dt`.",
     "dt": "Give `ctrl_dt` (environment step) or `sim_dt` (physics step).",
 }
@@ -42,13 +54,14 @@ DERIVED = {"compile.navigation.agent_radius", "compile.navigation.agent_height"}
 Records = Mapping[str, Any]  # frozen dataclasses by prefix; "" is the environment's
 
 
-def override(records: Records, given: Mapping[str, Any]) -> dict[str, Any]:
+def override(records: Records, given: Mapping[str, Any], others: Iterable[str] = ()) -> dict[str, Any]:
     """Records with some of their fields replaced.
 
     Args:
         records: By prefix; "" is the environment's, whose own fields need no prefix.
         given: Values by name: `width`, `physics.friction`, or a whole record as in `physics=PhysicsConfig()`. A flat
             name finds a field at any depth, if there is only one of that name.
+        others: Names that who calls knows besides, to be suggested for unknown ones.
 
     Raises:
         ConfigError: A name is unknown, with the closest known one, or could mean several fields.
@@ -60,7 +73,7 @@ def override(records: Records, given: Mapping[str, Any]) -> dict[str, Any]:
     known = {path: prefix for prefix, record in records.items() for path in _fields(record, prefix)}
     changes: dict[str, dict[str, Any]] = {prefix: {} for prefix in records}
     for name, value in given.items():
-        path = _path(name, known)
+        path = _path(name, known, others)
         changes[known[path]][path.removeprefix(known[path]).removeprefix(".")] = value
     return {prefix: _replaced(record, changes[prefix], prefix) for prefix, record in records.items()}
 
@@ -94,23 +107,23 @@ def _fields(record: Any, prefix: str, shared: frozenset[str] = frozenset()) -> I
             yield path
 
 
-def _path(name: str, known: Mapping[str, str]) -> str:
+def _path(name: str, known: Mapping[str, str], others: Iterable[str]) -> str:
     """The full path that a name means."""
     found = [path for path in known if path.rpartition(".")[2] == name]
     if name in known and not any(known[path] == "task" for path in found if path != name):
         return name
     if not found:
-        _refuse(name, known)
+        _refuse(name, known, others)
     if len(found) > 1:  # a task's option that is named like another must not be lost in silence
         raise ConfigError(f"the option `{name}` could be any of {', '.join(found)}", hint="Write one of them in full.")
     return found[0]
 
 
-def _refuse(name: str, known: Iterable[str]) -> NoReturn:
+def _refuse(name: str, known: Iterable[str], others: Iterable[str]) -> NoReturn:
     if name in RENAMED:
         raise ConfigError(f"the option `{name}` is now `{RENAMED[name]}`")
     short = [path.rpartition(".")[2] for path in known]
-    everything = {*known, *(word for word in short if short.count(word) == 1)}
+    everything = {*known, *others, *(word for word in short if short.count(word) == 1)}
     raise UnknownNameError(f"unknown option `{name}`", hint=FIELD_WORDS.get(name) or did_you_mean(name, everything))
 
 
@@ -133,6 +146,8 @@ def _field(record: Any, name: str, changes: Mapping[str, Any], full: str) -> Any
     if dataclasses.is_dataclass(old):
         return _replaced(old, changes, full)
     value = changes[""]
+    if full == "actions" and isinstance(value, Mapping):  # as JSON has them
+        return override({"": DiscreteActions()}, value)[""]
     if full.startswith("task."):  # other records check themselves, with better messages
         _check_like(full, value, old)
     return tuple(value) if isinstance(value, list) else value  # options are hashable

@@ -14,10 +14,15 @@ from home_mjx.core.files import as_path, read_json_lines, write_json_lines
 from home_mjx.errors import ConfigError, DatasetError, UnknownIdError
 from home_mjx.tasks.base.state import Episodes, check_rows
 from home_mjx.tasks.base.task import Task
+from home_mjx.tasks.rows.row_task import RowTask
+from home_mjx.tasks.rows.task_bank import TaskBank
 from home_mjx.tasks.suite.goals import OTHER_BANK
 from home_mjx.tasks.suite.point_nav import PointNav
+from home_mjx.tasks.suite.task_lines import load_tasks
 
 MAX_BYTES = 1 << 28  # of a file: a million episodes
+LARGEST = 1 << 30  # of a file of either kind
+NO_LINES = "Write one JSON object a line, see `save_episodes`."
 POINT_NAV = PointNav()
 
 
@@ -104,14 +109,46 @@ def load_episodes(path: str | Path, bank: HouseBank, task: Task = POINT_NAV) -> 
     index = {name: i for i, name in enumerate(bank.house_ids)}
     rows = list(read_json_lines(file, "episode", lambda line: _row(line, bank, index, task), MAX_BYTES))
     if not rows:
-        hint = "Write one JSON object a line, see `save_episodes`."
-        raise DatasetError("file holds no episode", file=path, hint=hint)
+        raise DatasetError("file holds no episode", file=path, hint=NO_LINES)
     episodes = Episodes(**jax.tree.map(lambda *values: jnp.asarray(np.stack(values)), *rows))
     lost = np.flatnonzero(~np.asarray(_are_possible(task, bank, episodes)))
     if len(lost):
         message = "from its start no agent can walk to its goal"
         raise DatasetError(message, file=path, element=f"line {lost[0] + 1}", hint=OTHER_BANK)
     return episodes
+
+
+def load_rows(path: str | Path, bank: HouseBank, task: Task) -> Episodes | TaskBank:
+    """Reads a file of the kind that fits a task: of `save_tasks` for rows of a task bank, else of `save_episodes`.
+
+    Args:
+        path: The file.
+        bank: Holds the houses.
+        task: Whose episodes they are.
+
+    Raises:
+        DatasetError: As `load_tasks` and `load_episodes` say, or the file is of the other kind.
+    """
+    is_bank = isinstance(task, RowTask)
+    lines = read_json_lines(as_path(path, "episodes"), "episode", lambda line: "stages" in line, LARGEST)
+    if next(iter(lines), is_bank) != is_bank:
+        kinds = [f"holds what `{name}` writes" for name in ("save_episodes", "save_tasks")]
+        hint = f"{type(task).__name__} takes what `{'save_tasks' if is_bank else 'save_episodes'}` writes."
+        raise DatasetError(f"file {kinds[not is_bank]}", file=path, hint=hint)
+    return load_tasks(path, bank) if is_bank else load_episodes(path, bank, task)
+
+
+def houses_named(path: str | Path) -> tuple[str, ...]:
+    """Ids of the houses that a file of episodes or tasks names, each once, in order.
+
+    Raises:
+        DatasetError: A line is broken, or there is none.
+    """
+    found = read_json_lines(as_path(path, "episodes"), "episode", lambda line: str(line["house"]), LARGEST)
+    ids = tuple(dict.fromkeys(found))
+    if not ids:
+        raise DatasetError("file holds no episode", file=path, hint=NO_LINES)
+    return ids
 
 
 def _are_possible(task: Task, bank: HouseBank, episodes: Episodes) -> Bool[Array, " e"]:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from home_mjx.core.checks import check_known
-from home_mjx.errors import ConfigError
+from home_mjx.errors import ConfigError, UnknownNameError
 from home_mjx.tasks.base.config import DEFAULT_SENSORS, VIEW_KINDS, EnvConfig
 from home_mjx.tasks.base.sensor import Sensor, register_sensor, registered_sensors
 from home_mjx.tasks.base.task import Task
@@ -26,6 +26,18 @@ register_sensor(PrevReward())
 register_sensor(EarLevels())
 
 
+# Words of the field, and what does that here.
+FIELD_WORDS = {
+    "gps": "`gps_compass`",
+    "compass": "`gps_compass`",
+    "pointgoal": "`goal`",
+    "pointgoal_with_gps_compass": "`goal`, which follows the agent as that does",
+    "objectgoal": "`goal_words`",
+    "semantic": "`instance`, or `fine`, `coarse` or `nyu40` for categories",
+    "segmentation": "`instance`, or `fine`, `coarse` or `nyu40` for categories",
+    "spectrogram": "`log_mel` or `stft`",
+    "audiogoal": "`audio`",
+}
 NAME, OBSERVATION = "the name", "an observation"
 
 
@@ -36,7 +48,11 @@ def sensor_names(config: EnvConfig, task: Task) -> tuple[str, ...]:
         ConfigError: A sensor is unknown, with the closest known one.
     """
     names = config.sensors if config.sensors is not None else (*DEFAULT_SENSORS, *task.observation_spec)
-    check_known("sensor", names, [*VIEW_KINDS, *registered_sensors(), *task.observation_spec])
+    known = [*VIEW_KINDS, *registered_sensors(), *task.observation_spec]
+    for name in names:
+        if name not in known and name in FIELD_WORDS:
+            raise UnknownNameError(f"unknown sensor `{name}`", hint=f"Give {FIELD_WORDS[name]}.")
+    check_known("sensor", names, known)
     return tuple(dict.fromkeys(names))
 
 

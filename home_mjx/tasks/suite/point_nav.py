@@ -30,6 +30,10 @@ class PointNavState(Pytree):
     distance: Float[Array, " a"]  # [m], geodesic
     reached: Bool[Array, " a"]  # has been within `success_radius` since the start; with `stop`: has stopped there
     arrived: Bool[Array, " a"]  # did so during the last step
+    length: Float[Array, " a"]  # [m], of the shortest path from the start
+    walked: Float[Array, " a"]  # [m], until it had arrived
+    place: Float[Array, "a 3"]  # [m], in the last step
+    collisions: Int[Array, " a"]  # steps in touch with anything but the floor
 
 
 @dataclass(frozen=True)
@@ -85,14 +89,32 @@ class PointNav(Task):
             goal = columns["goal"]
         distance = self._distance(snapshot, goal)
         nobody = jnp.zeros(distance.shape, bool)
-        return PointNavState(goal=goal, distance=distance, reached=nobody, arrived=nobody)
+        return PointNavState(
+            goal=goal,
+            distance=distance,
+            reached=nobody,
+            arrived=nobody,
+            length=distance,
+            walked=jnp.zeros(distance.shape, jnp.float32),
+            place=snapshot.pose.pos,
+            collisions=jnp.zeros(distance.shape, jnp.int32),
+        )
 
     def update(self, snapshot: Snapshot, state: PointNavState) -> PointNavState:
         """How far it is now, and who has arrived."""
         distance = self._distance(snapshot, state.goal)
         there = distance <= jnp.float32(self.success_radius)
         there = there & snapshot.stopped if self.stop else there
-        return state.replace(distance=distance, reached=state.reached | there, arrived=there & ~state.reached)
+        place = snapshot.pose.pos
+        moved = jnp.linalg.norm(place - state.place, axis=-1)
+        return state.replace(
+            distance=distance,
+            reached=state.reached | there,
+            arrived=there & ~state.reached,
+            walked=state.walked + jnp.where(state.reached, 0.0, moved),
+            place=place,
+            collisions=state.collisions + snapshot.contact.astype(jnp.int32),
+        )
 
     def observe(self, snapshot: Snapshot, state: PointNavState) -> dict[str, Array]:
         """Distance in the plane [m], cosine and sine of the bearing in each agent's own frame (left positive)."""
@@ -113,12 +135,22 @@ class PointNav(Task):
         return jnp.all((state.reached | snapshot.stopped)[: self.num_acting])
 
     def metrics(self, snapshot: Snapshot, state: PointNavState) -> dict[str, Float[Array, ""]]:
-        """Part of the agents that have arrived, mean distance [m], part that touches something."""
-        return {
-            "success": jnp.mean(state.reached.astype(jnp.float32)),
-            "distance": jnp.mean(state.distance),
-            "contact": jnp.mean(snapshot.contact.astype(jnp.float32)),
+        """Habitat's, as means over agents: success, SPL, soft SPL, distance [m], collisions; and who touches something.
+
+        Formulas are those of `RowTask.metrics`. Where no way leads to the goal, both SPL are 0.
+        """
+        success, length = state.reached.astype(jnp.float32), state.length
+        short = jnp.where(jnp.isfinite(length), length / jnp.maximum(jnp.maximum(length, state.walked), 1e-6), 0.0)
+        near = jnp.clip(1 - state.distance / jnp.maximum(length, 1e-6), 0, 1)
+        figures = {
+            "success": success,
+            "spl": success * short,
+            "soft_spl": jnp.where(short > 0, near * short, 0.0),
+            "distance": state.distance,
+            "collisions": state.collisions.astype(jnp.float32),
+            "contact": snapshot.contact.astype(jnp.float32),
         }
+        return {name: jnp.mean(figure) for name, figure in figures.items()}
 
     def sample(self, bank: HouseBank, house: Int[Array, ""], key: Array, **limits: Any) -> tuple[Array, Array, dict]:
         """See `goals.sample_goal`; limits are `min_length` and `max_length` of the shortest path [m]."""

@@ -9,7 +9,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.physics import PhysicsConfig
 from home_mjx.scene_compile import CompileOptions
 from home_mjx.schema import Body, Timing
-from home_mjx.tasks import AgentCamera, EnvConfig, PointNav, Task, make_config
+from home_mjx.tasks import AgentCamera, DiscreteActions, EnvConfig, PointNav, Task, make_config
 from home_mjx.tasks.base.options import override
 
 
@@ -83,8 +83,11 @@ def test_body_and_clock_have_one_source():
         ("seed", "key"),
         ("image_size", "`width` and `height`"),
         ("max_episode_steps", "`episode_length`"),
-        ("gps", "`state`"),
-        ("compass", "`state`"),
+        ("gps", "gps_compass"),
+        ("compass", "gps_compass"),
+        ("success_distance", "`success_radius`"),
+        ("allow_sliding", "slide"),
+        ("turn_angle", "DiscreteActions"),
         ("render_mode", "Gymnasium"),
         ("step", r"could be any of compile\.\w+\.step, compile\.\w+\.step"),
     ],
@@ -92,6 +95,20 @@ def test_body_and_clock_have_one_source():
 def test_wrong_names_are_answered_with_the_right_ones(name, words):
     with pytest.raises(ConfigError, match=words):
         override(RECORDS, {name: 1})
+
+
+def test_moves_are_given_as_json_has_them():
+    """On the command line there is no other way."""
+    found = make_config(actions={"forward_step_size": 0.5, "turn_angle": 30}, ctrl_dt=0.6)
+    assert found.actions == DiscreteActions(forward_step_size=0.5, turn_angle=30)
+    with pytest.raises(ConfigError, match="Did you mean `turn_angle`"):
+        make_config(actions={"turn_angel": 30})
+
+
+@pytest.mark.parametrize(("name", "words"), [("gps", "gps_compass"), ("semantic", "instance"), ("pointgoal", "goal")])
+def test_words_of_the_field_for_sensors_are_answered(name, words):
+    with pytest.raises(ConfigError, match=rf"unknown sensor `{name}`.*{words}"):
+        home_mjx.make("PointNav-v0", sensors=(name,))
 
 
 def test_wrong_records_are_refused():
@@ -105,6 +122,8 @@ def test_make_refuses_before_it_compiles(monkeypatch):
     monkeypatch.setattr("home_mjx.registry.as_bank", None)  # would fail if it were called
     with pytest.raises(ConfigError, match="success_radius"):
         home_mjx.make("PointNav-v0", sucess_radius=1.0)
+    with pytest.raises(ConfigError, match="Did you mean `num_houses`"):
+        home_mjx.make("PointNav-v0", num_hoses=2)
     with pytest.raises(ConfigError, match="success_radius"):
         home_mjx.make("PointNav-v0", success_radius=-1.0)
     with pytest.raises(ConfigError, match="Did you mean `goal`"):

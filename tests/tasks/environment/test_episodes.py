@@ -8,14 +8,27 @@ import pytest
 from checked import checked
 from handmade import Furniture, shoebox
 
+import home_mjx
 from home_mjx.bank.bank import HouseBank
-from home_mjx.errors import ConfigError, DatasetError, OutOfRangeError
+from home_mjx.datasets import generate_dataset
+from home_mjx.errors import ConfigError, DatasetError, OutOfRangeError, UnknownIdError
 from home_mjx.navigation.grid import geodesic_distance
+from home_mjx.registry import EnvSpec
 from home_mjx.tasks.base.options import make_config
 from home_mjx.tasks.environment.autoreset import AutoReset
 from home_mjx.tasks.environment.bound import BoundEnv
-from home_mjx.tasks.environment.episodes import load_episodes, sample_episodes, save_episodes
+from home_mjx.tasks.environment.episodes import (
+    houses_named,
+    load_episodes,
+    load_rows,
+    sample_episodes,
+    save_episodes,
+)
 from home_mjx.tasks.environment.household import HouseholdEnv
+from home_mjx.tasks.rows.task_bank import TaskBank
+from home_mjx.tasks.suite.navigation import RoomNav
+from home_mjx.tasks.suite.point_nav import PointNav
+from home_mjx.tasks.suite.task_lines import save_tasks
 
 
 def houses():
@@ -179,3 +192,47 @@ def test_episodes_of_other_houses_are_refused(bank, env):
     assert int(episodes.house[2]) == 0
     with pytest.raises(ConfigError, match=r"nobody can stand at `start` \(0, 0.5, 0\) \(at task 2"):
         env.with_tasks(episodes.replace(start=inside))
+
+
+def test_an_environment_of_a_file_is_in_the_houses_that_it_names(tmp_path):
+    """By name alone: of a folder, in the order of the file, and of those that are generated without one."""
+    root = tmp_path / "houses"
+    ids = generate_dataset(root, range(3))
+    wanted = [ids[2], ids[0]]
+    bank = HouseBank.from_dataset(root, ids=wanted)
+    episodes = sample_episodes(bank, 4)
+    file = tmp_path / "e.jsonl"
+    save_episodes(file, bank, episodes)
+    assert houses_named(file) == tuple(wanted)
+    for houses in (str(root), None):
+        made = home_mjx.make("PointNav-v0", houses, episodes=file, sensors=("goal",))
+        assert list(made.bank.house_ids) == wanted
+        jax.tree.map(np.testing.assert_array_equal, made.params.tasks, episodes)
+    again = EnvSpec.from_json(made.spec.to_json())
+    assert again.options["episodes"] == str(file)
+    assert again.core() is not None
+    with pytest.raises(ConfigError, match="`split` is given beside a file of episodes"):
+        home_mjx.make("PointNav-v0", root, episodes=file, split="val")
+
+
+def test_rows_of_a_task_bank_are_read_for_tasks_that_are_rows(generated_bank, tmp_path):
+    tasks = RoomNav(num_tasks=2).task_bank(generated_bank)
+    save_tasks(tmp_path / "t.jsonl", generated_bank, tasks)
+    found = load_rows(tmp_path / "t.jsonl", generated_bank, RoomNav())
+    assert isinstance(found, TaskBank)
+    np.testing.assert_array_equal(found.rows.start, tasks.rows.start)
+    save_episodes(tmp_path / "e.jsonl", generated_bank, sample_episodes(generated_bank, 2))
+    for name, task in (("t", PointNav()), ("e", RoomNav())):
+        with pytest.raises(DatasetError, match="holds what") as caught:
+            load_rows(tmp_path / f"{name}.jsonl", generated_bank, task)
+        assert type(task).__name__ in caught.value.hint
+
+
+def test_houses_that_nobody_generates_are_refused(tmp_path):
+    (tmp_path / "e.jsonl").write_text(json.dumps({"house": "0" * 32}) + "\n")
+    with pytest.raises(UnknownIdError, match="no house `000") as caught:
+        home_mjx.make("PointNav-v0", episodes=tmp_path / "e.jsonl")
+    assert "--dataset" in caught.value.hint
+    (tmp_path / "e.jsonl").write_text("")
+    with pytest.raises(DatasetError, match="no episode"):
+        houses_named(tmp_path / "e.jsonl")
