@@ -9,6 +9,7 @@ line, and with `--out` writes them.
 import argparse
 import json
 import time
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -22,6 +23,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.scene_compile.cache.house_set import HouseSet
 
 STEP = 0.05  # [m]
+EDGES = 8  # around which direct sound bends
 LONGEST = 3.0  # [m], of each walk
 MOST = 1.5  # [dB], by which a step may change an octave
 SILENT = -90.0  # [dB] re the source at 1 m
@@ -79,6 +81,7 @@ def tight(bank):
 
 def straight(scene, source, listener, config):
     """Energy of direct sound and what bends around edges, per octave."""
+    config = replace(config, num_edges=EDGES)
     paths = early_paths(scene, Source(source), Listener(listener, UPRIGHT), config)
     return jnp.sum(paths.gain[: 1 + config.num_edges] ** 2, axis=0)
 

@@ -187,7 +187,7 @@ def test_coupled_rooms_keep_both_slopes(coupled):
 
 @pytest.mark.slow
 def test_sound_in_the_other_room_comes_out_of_the_doorway(coupled):
-    """The first 8 ms as the oracle says, early reflections included; what is baked of them too; later from everywhere."""
+    """The first 8 ms as the oracle says, early reflections included; so does what is baked; later from everywhere."""
     room, scene, truth = coupled
     for place, way, energy in zip(room.listeners[3:], -truth.way[3:].sum(axis=1), truth.energy[3:], strict=True):
         source, ear = (jnp.asarray(x, jnp.float32) for x in (room.source, place))
