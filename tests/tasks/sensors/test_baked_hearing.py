@@ -18,6 +18,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.scene_compile.cache.house_set import HouseSet
 from home_mjx.tasks import make_config
+from home_mjx.tasks.environment.usable import check_bank
 
 FEW = BakeOptions(size=2.0, rays=40, bounces=40)
 BAKED = AudioConfig(late="baked")
@@ -71,6 +72,17 @@ def test_wrong_banks_are_refused(bank, room):
         HouseholdEnv(make_config(audio=BAKED, **OPTIONS)).bind(HouseBank.from_compiled([room]))
     with pytest.raises(ConfigError, match="the bank holds houses"):
         with_late_sound(bank, [replace(room, id="another")], FEW)
+
+
+def test_furniture_that_is_moved_before_every_episode_is_told(bank, monkeypatch, caplog):
+    """What has been baked does not know of it; whatever else an environment does to a house is no such matter."""
+    monkeypatch.setattr("home_mjx.tasks.environment.usable.check_arrangements", lambda _: None)
+    check_bank(make_config(audio=BAKED, arrangement="random", **OPTIONS), bank)
+    assert "furniture as the files have it" in caplog.text
+    caplog.clear()
+    check_bank(make_config(audio=BAKED, **OPTIONS), bank)
+    check_bank(make_config(arrangement="random", **OPTIONS), bank)
+    assert not caplog.records
 
 
 def test_levels_need_no_exceptions_of_dtype_or_rank(bank):
