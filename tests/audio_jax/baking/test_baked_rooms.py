@@ -222,7 +222,7 @@ def first_span(scene: Scene, source: jax.Array, ear: jax.Array) -> tuple[np.ndar
 
 @pytest.mark.slow
 def test_both_ears_tell_on_which_side_a_doorway_is(coupled):
-    """It is 46 degrees to the right and the source is hidden: the first 25 ms lead as sound from the doorway alone does.
+    """It is 46 degrees to the right, the source hidden: the first 25 ms lead as sound from the doorway alone does.
 
     The mean over eight noises; in each by itself the diffuse field in the same 25 ms shifts it at random.
     """
