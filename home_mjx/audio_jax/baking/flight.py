@@ -122,7 +122,7 @@ def fly(
         config: `bin_seconds` and the air.
         bins: Number of time bins.
     """
-    count, cells = start.shape[0], grid.volume.shape[0]
+    count = start.shape[0]
     octave = jnp.repeat(jnp.arange(len(BANDS), dtype=jnp.int32), count // len(BANDS))
     jitter, draws, turn = jax.random.split(key, 3)
     zero, rooms = jnp.zeros(count, jnp.float32), jnp.broadcast_to(room, (count,))
@@ -134,9 +134,6 @@ def fly(
     mirrors = fresh & (config.num_reflections > 0)
     air = jnp.asarray(air_energy(config))[octave]
     walk = _Walk(scene, grid, octave, air, fresh, age, mirrors, hear, metres)
-    pair = (len(BANDS), grid.rooms, grid.rooms)
-    shapes = ((len(BANDS) * cells * bins,), (cells * bins, 3), (*pair, bins), *(2 * [pair[:2]]), *(2 * [pair]))
-    nothing = _Sums(*(jnp.zeros(shape, jnp.float32) for shape in shapes))
 
     def step(carry: _Carry) -> _Carry:
         return walk.bounce(carry, jax.random.fold_in(draws, carry.bounces))
@@ -144,16 +141,15 @@ def fly(
     end = jax.lax.while_loop(
         lambda carry: (carry.bounces < bounces) & jnp.any(carry.ray.energy > 0),
         step,
-        _Carry(jnp.int32(0), first, nobody, nobody, nothing),
+        _Carry(jnp.int32(0), first, nobody, nobody, _no_sums(grid, bins)),
     )
-    ray, sums = end.ray, end.sums
-    left = _replace(end.aged, ray._replace(travelled=zero), ray.room, jax.random.uniform(turn, (count,), jnp.float32))
-    share = len(BANDS) / count
-    scale = 4 * jnp.pi * metres * share / grid.volume
-    energy = sums.heard.reshape(len(BANDS), cells, bins) * scale[None, :, None]
-    way = sums.way.reshape(cells, bins, 3) * scale[:, None, None]
-    went = _put(sums.went, octave, ray.room, ray.room, ray.travelled / metres, ray.energy)
-    return Flown(energy, way, went * share, end.gone, left, *(x * share for x in sums[3:]))
+    return walk.flown(end, jax.random.uniform(turn, (count,), jnp.float32))
+
+
+def _no_sums(grid: Grid, bins: int) -> _Sums:
+    cells, pair = grid.volume.shape[0], (len(BANDS), grid.rooms, grid.rooms)
+    shapes = ((len(BANDS) * cells * bins,), (cells * bins, 3), (*pair, bins), *(2 * [pair[:2]]), *(2 * [pair]))
+    return _Sums(*(jnp.zeros(shape, jnp.float32) for shape in shapes))
 
 
 class _Carry(NamedTuple):
@@ -176,6 +172,18 @@ class _Walk(NamedTuple):
     mirrors: Bool[Array, ""]  # whether early paths render first-order reflections
     hear: Callable[..., _Sums]
     metres: float  # of a time bin
+
+    def flown(self, end: "_Carry", chance: Float[Array, " n"]) -> Flown:
+        """What all bounces gave; rays that still fly count as old."""
+        (count,), cells = self.octave.shape, self.grid.volume.shape[0]
+        ray, sums = end.ray, end.sums
+        left = _replace(end.aged, ray._replace(travelled=jnp.zeros(count, jnp.float32)), ray.room, chance)
+        share = len(BANDS) / count
+        scale = 4 * jnp.pi * self.metres * share / self.grid.volume
+        energy = sums.heard.reshape(len(BANDS), cells, -1) * scale[None, :, None]
+        way = sums.way.reshape(cells, -1, 3) * scale[:, None, None]
+        went = _put(sums.went, self.octave, ray.room, ray.room, ray.travelled / self.metres, ray.energy)
+        return Flown(energy, way, went * share, end.gone, left, *(x * share for x in sums[3:]))
 
     def bounce(self, carry: "_Carry", key: Array) -> "_Carry":
         """One segment, heard on its way, and the reflection at its end."""
