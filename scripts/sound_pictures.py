@@ -1,4 +1,4 @@
-"""Draws the pictures of docs/sound.md, and writes what a walk through a house sounds like.
+"""Draws the pictures of docs/sound.md, and writes what a walk through a house sounds like (local/sound/walk.wav).
 
 python scripts/sound_pictures.py                                     docs/images/sound_*.png, of a generated house
 python scripts/sound_pictures.py walk map --dataset ROOT --out local/sound   of another dataset, not for the docs
@@ -194,7 +194,9 @@ def walk(args):
         for number, pair in enumerate(pairwise(heads))
     ]
     sound = np.concatenate(frames, axis=1)
-    write_wav(args.out / "sound_walk.wav", sound, config.sample_rate)
+    args.sound.mkdir(parents=True, exist_ok=True)
+    write_wav(args.sound / "walk.wav", sound, config.sample_rate)
+    print(args.sound / "walk.wav", flush=True)
     figure, axes = plt.subplots(2, 1, figsize=(9, 5), sharex=True)
     frequency, time, power = spectrogram(sound.mean(axis=0), config.sample_rate, nperseg=512)
     axes[0].pcolormesh(time, frequency / 1000, 10 * np.log10(power + 1e-14), vmin=-110, vmax=-40, rasterized=True)
@@ -265,6 +267,7 @@ def main():
     parser.add_argument("pictures", nargs="*", choices=[*PICTURES, []], help="only these (default: all)")
     parser.add_argument("--dataset", default=GENERATED)
     parser.add_argument("--out", type=Path, default=ROOT / "docs" / "images")
+    parser.add_argument("--sound", type=Path, default=ROOT / "local" / "sound", help="folder for the walk's WAV file")
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
     chosen = args.pictures or list(PICTURES)
