@@ -1,7 +1,8 @@
 """Sound against an independent Monte Carlo: decay times and levels per octave, in rooms that are hard to get right.
 
-Prints a Markdown table, and with `--out` writes one JSON object a line. The rooms and the oracle are those of the
-tests (`tests/helpers/acoustic_rooms.py`, `tests/helpers/decay_oracle.py`).
+Each preset, and baked late sound, in the same rooms against the same truth; baked sound has the early paths of the
+default options. Prints a Markdown table, and with `--out` writes one JSON object a line. The rooms and the oracle are
+those of the tests (`tests/helpers/acoustic_rooms.py`, `tests/helpers/decay_oracle.py`).
 """
 
 import argparse
@@ -24,6 +25,7 @@ from home_mjx.audio_jax import (
     BakeOptions,
     Listener,
     Source,
+    audio_preset,
     decay_time,
     early_paths,
     edt,
@@ -35,17 +37,17 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.schema.compiled import BANDS
 
+PRESETS = ("fast", "balanced", "reference", "baked")
+SEEDS = {"fast": 8, "balanced": 4, "reference": 1, "baked": 1}  # runs per listener
 UPRIGHT = jnp.float32([0.5, 0.5, -0.5, -0.5])
 LATE = (-25.0, -45.0)  # [dB], where coupled rooms decay as both together
 ERRORS = ("T30 [s]", "here", "error", "EDT [s]", "here", "error", "Level error [dB]", "Late slope [s]", "here")
-COLUMNS = ("Room", "Octave [Hz]", *ERRORS)
+COLUMNS = ("Preset", "Room", "Octave [Hz]", *ERRORS)
 
 
 def engine(scene_bank, house, source, listener, key, config):
     """Histogram (bins, bands) of one omnidirectional microphone: paths and late part."""
-    physics = scene_bank.physics
-    nobody = jnp.zeros((0, 3)), jnp.zeros((0, 4))
-    scene = make_scene(scene_bank, house, physics.body_pos[house], physics.body_quat[house], *nobody)
+    scene = opened(scene_bank, house)
     who, ears = Source(source), Listener(listener, UPRIGHT)
     paths = early_paths(scene, who, ears, config)
     late = late_energy(scene, who, ears, key, config)[:, 0]
@@ -53,20 +55,27 @@ def engine(scene_bank, house, source, listener, key, config):
     return late.at[at].add(paths.gain**2, mode="drop")
 
 
-def heard(cases, config, seeds, bake_seed=0):
-    """Histograms of the engine, one array (seeds, listeners, bands, bins) per room."""
-    houses = [case.house for case in cases]
-    bank = HouseBank.from_compiled(houses)
-    if config.late == "baked":
-        bank = with_late_sound(bank, houses, BakeOptions(seed=bake_seed), progress=True)
+def opened(bank, house):
+    """A house without agents, all doors wide open."""
+    physics = bank.physics
+    bodies, nobody = (physics.body_pos[house], physics.body_quat[house]), (jnp.zeros((0, 3)), jnp.zeros((0, 4)))
+    return make_scene(bank, house, *bodies, *nobody, door_angle=physics.door_wide[house])
+
+
+def config_of(preset, seconds):
+    """Options of a microphone that hears in all directions for so many seconds."""
+    options = {"receiver": "omni", "response_seconds": seconds}
+    return AudioConfig(late="baked", **options) if preset == "baked" else audio_preset(preset, **options)
+
+
+def heard(case, bank, config, seeds):
+    """Histograms of the engine (seeds, listeners, bands, bins) in the only house of a bank."""
     run = jax.jit(jax.vmap(partial(engine, config=config), in_axes=(None, None, None, 0, 0)))
-    found = []
-    for house, case in enumerate(cases):
-        listeners = jnp.asarray(np.tile(case.listeners, (seeds, 1)), jnp.float32)
-        keys = jax.random.split(jax.random.key(0), len(listeners))
-        energy = run(bank, jnp.int32(house), jnp.asarray(case.source, jnp.float32), listeners, keys)
-        found.append(np.moveaxis(np.asarray(energy), 1, 2).reshape(seeds, -1, len(BANDS), config.num_bins))
-    return found
+    source, house = jnp.asarray(case.source, jnp.float32), jnp.int32(0)
+    keys = jax.random.split(jax.random.key(0), seeds * len(case.listeners)).reshape(seeds, -1)
+    listeners = jnp.asarray(case.listeners, jnp.float32)
+    energy = np.stack([np.asarray(run(bank, house, source, listeners, some)) for some in keys])
+    return np.moveaxis(energy, 2, 3)
 
 
 def places(case):
@@ -92,7 +101,7 @@ def compare(name, truth, ours, dt):
 
 def cells(record):
     """The Markdown cells of one record."""
-    parts = [record["room"], f"{record['octave']:g}"]
+    parts = [record["preset"], record["room"], f"{record['octave']:g}"]
     for key in ("t30", "edt"):
         right, here = record[f"{key}_truth"], record[key]
         parts += [f"{right:.2f}", f"{here:.2f}", f"{100 * (here / right - 1):+.0f} %"]
@@ -104,10 +113,7 @@ def main():
     """Runs what the command line asks for."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--particles", type=int, default=100_000, help="of the oracle, per octave")
-    parser.add_argument("--rays", type=int, default=AudioConfig().num_rays)
-    parser.add_argument("--bounces", type=int, default=AudioConfig().num_bounces)
-    parser.add_argument("--seeds", type=int, default=8, help="runs of the engine per listener")
-    parser.add_argument("--late", choices=("traced", "baked"), default="traced")
+    parser.add_argument("--presets", nargs="*", choices=PRESETS, default=PRESETS)
     parser.add_argument("--bake-seed", type=int, default=0, help="of baked late sound, which has no other")
     parser.add_argument("--rooms", nargs="*", help="only these, such as uneven (default: all)")
     parser.add_argument("--seconds", type=float, default=3.0, help="length of the decays")
@@ -122,25 +128,27 @@ def main():
         rooms.coupled(),
     ]
     cases = [case for case in cases if not args.rooms or case.name in args.rooms]
-    rays = {"num_rays": args.rays, "num_bounces": args.bounces}
-    config = AudioConfig(receiver="omni", response_seconds=args.seconds, late=args.late, **rays)
-    seeds = 1 if args.late == "baked" else args.seeds
     print("| " + " | ".join(COLUMNS) + " |\n|" + " --- |" * len(COLUMNS))
-    for case, ours in zip(cases, heard(cases, config, seeds, args.bake_seed), strict=True):
-        truth = fly(case.blocks, case.source, case.listeners, args.seconds, config.bin_seconds, args.particles).energy
+    for case in cases:
+        for record in measure(case, args):
+            print("| " + " | ".join(cells(record)) + " |", flush=True)
+            if args.out:
+                with args.out.open("a") as file:
+                    file.write(json.dumps({**record, "particles": args.particles}) + "\n")
+
+
+def measure(case, args):
+    """Records of one room, of all presets against one truth."""
+    bank = HouseBank.from_compiled([case.house])
+    dt = AudioConfig().bin_seconds
+    truth = fly(case.blocks, case.source, case.listeners, args.seconds, dt, args.particles).energy
+    for preset in args.presets:
+        if preset == "baked":
+            bank = with_late_sound(bank, [case.house], BakeOptions(seed=args.bake_seed))
+        ours = heard(case, bank, config_of(preset, args.seconds), SEEDS[preset])
         for name, group in places(case).items():
-            for record in compare(name, truth[group], ours[:, group], config.bin_seconds):
-                print("| " + " | ".join(cells(record)) + " |", flush=True)
-                if args.out:
-                    whole = {
-                        **record,
-                        "late": args.late,
-                        "rays": args.rays,
-                        "bounces": args.bounces,
-                        "particles": args.particles,
-                    }
-                    with args.out.open("a") as file:
-                        file.write(json.dumps(whole) + "\n")
+            for record in compare(name, truth[group], ours[:, group], dt):
+                yield {"preset": preset, **record}
 
 
 if __name__ == "__main__":

@@ -1,16 +1,16 @@
 """Sound: impulse responses by the ray caster, and what two ears hear through them."""
 
 from home_mjx.audio_jax.auralization.envelope import Envelope, band_level, clip_power, energy_response
+from home_mjx.audio_jax.auralization.recordings import recorded_clip
 from home_mjx.audio_jax.auralization.response import ear_gains, early_response, impulse_response, late_response
-from home_mjx.audio_jax.auralization.schedule import loudness
 from home_mjx.audio_jax.auralization.sources import CLIPS, clip_samples
 from home_mjx.audio_jax.auralization.spectra import log_mel, stft_magnitude
-from home_mjx.audio_jax.auralization.stream import faded_frame, given_off, sound_frame
+from home_mjx.audio_jax.auralization.stream import faded_frame, given_off, loudness, sound_frame
 from home_mjx.audio_jax.baked.reading import baked_sound
 from home_mjx.audio_jax.baking.bake import BakeOptions
 from home_mjx.audio_jax.baking.store import with_late_sound
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Listener, Sounds, Source
+from home_mjx.audio_jax.base.endpoints import Listener, Sounds, Source, is_indoors
 from home_mjx.audio_jax.base.presets import PRESETS, audio_preset
 from home_mjx.audio_jax.measures.clarity import c50, c80, centre_time, d50, drr, strength
 from home_mjx.audio_jax.measures.decay import decay_curve, decay_time, edt, t20, t30
@@ -69,6 +69,7 @@ __all__ = [
     "given_off",
     "iacc",
     "impulse_response",
+    "is_indoors",
     "late_response",
     "lateral_fraction",
     "log_mel",
@@ -80,6 +81,7 @@ __all__ = [
     "octave_responses",
     "received",
     "reception",
+    "recorded_clip",
     "reflected_paths",
     "sound_frame",
     "stft_magnitude",

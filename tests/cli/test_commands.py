@@ -250,6 +250,13 @@ def test_places_outside_of_the_house_are_refused(houses: Path, tmp_path: Path, c
     assert "--at 1000 1000 is outside of the house. X is " in capsys.readouterr().err
     assert main(["listen", *where, "--source", "1000", "0", "1"]) == 2
     assert "--source 1000 0 is outside of the house. X is " in capsys.readouterr().err
+    physics = HouseBank.from_compiled([HouseSet(houses).load()[0]]).physics
+    walls = np.flatnonzero(
+        (np.asarray(physics.collider_object[0]) < 0) & (np.asarray(physics.collider_size[0, :, 2]) > 1)
+    )
+    middle = [f"{x:.3f}" for x in np.asarray(physics.collider_pos[0])[walls[len(walls) // 2]]]
+    assert main(["listen", *where, "--source", *middle]) == 2
+    assert "is in a wall, or not over the floor of a room. Nothing would be heard." in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
 
 

@@ -41,12 +41,14 @@ class Heard:
 
     Attributes:
         energy: (receivers, bands, k), per time bin, re the free field at 1 m.
+        way: (receivers, bands, k, 3), the same times the directions in which it flies, without the direct sound.
         reflections: (bands,), mean number of reflections per particle.
         path: (bands,), mean distance that a particle flew [m].
         left: (bands, k), energy of all particles at the start of each bin, 1 at time 0.
     """
 
     energy: np.ndarray
+    way: np.ndarray
     reflections: np.ndarray
     path: np.ndarray
     left: np.ndarray
@@ -80,6 +82,7 @@ def fly(
     source, receivers = np.asarray(source, float), np.ascontiguousarray(receivers, float)
     box = (np.ascontiguousarray(blocks.low, float), np.ascontiguousarray(blocks.high, float))
     energy, left = np.zeros((len(receivers), count, bins)), np.zeros((count, bins))
+    way = np.zeros((*energy.shape, 3))
     tally = np.zeros((count, 2))
     for band in range(count):
         walls = blocks.absorption[:, band].astype(float), blocks.scattering[:, band].astype(float)
@@ -92,10 +95,10 @@ def fly(
             np.random.default_rng((seed, band)),
         )
         found = _fly(*box, *walls, source, receivers, *numbers)
-        energy[:, band], left[band], tally[band] = found
+        energy[:, band], way[:, band], left[band], tally[band] = found
     if direct:
         energy += _direct(blocks, source, receivers, bins, bin_seconds)
-    return Heard(energy, tally[:, 0] / particles, tally[:, 1] / particles, left)
+    return Heard(energy, way, tally[:, 0] / particles, tally[:, 1] / particles, left)
 
 
 def sees(blocks: Blocks, start: np.ndarray, end: np.ndarray) -> bool:
@@ -141,7 +144,7 @@ def _meet(low, high, point, way):
 
 
 @nb.njit(cache=True)
-def _hear(energy, receivers, point, way, length, begin, left, air, per_bin, radius, scale):
+def _hear(energy, flow, receivers, point, way, length, begin, left, air, per_bin, radius, scale):
     """Adds the parts of one segment that lie within each ball, split at the edges of bins."""
     for r in range(receivers.shape[0]):
         middle, square = 0.0, 0.0
@@ -160,7 +163,10 @@ def _hear(energy, receivers, point, way, length, begin, left, air, per_bin, radi
             if end <= start:
                 break
             if k < energy.shape[1]:
-                energy[r, k] += scale * left * (end - start) * math.exp(-air * 0.5 * (start + end))
+                heard = scale * left * (end - start) * math.exp(-air * 0.5 * (start + end))
+                energy[r, k] += heard
+                for a in range(3):
+                    flow[r, k, a] += heard * way[a]
             start = end
 
 
@@ -182,6 +188,7 @@ def _turn(way, face, scatter, rng):
 def _fly(low, high, absorption, scattering, source, receivers, air, per_bin, bins, particles, radius, rng):
     """One octave."""
     energy, remaining, tally = np.zeros((receivers.shape[0], bins)), np.zeros(bins), np.zeros(2)
+    flow = np.zeros((receivers.shape[0], bins, 3))
     scale = 4 * math.pi / (4 / 3 * math.pi * radius**3) / particles
     point, way = np.zeros(3), np.zeros(3)
     for i in range(particles):
@@ -196,7 +203,7 @@ def _fly(low, high, absorption, scattering, source, receivers, air, per_bin, bin
             if block < 0:
                 break
             if bounces > 0:
-                _hear(energy, receivers, point, way, length, flown, left, air, per_bin, radius, scale)
+                _hear(energy, flow, receivers, point, way, length, flown, left, air, per_bin, radius, scale)
             for k in range(math.ceil(flown / per_bin), min(math.ceil((flown + length) / per_bin), bins)):
                 remaining[k] += left * math.exp(-air * (k * per_bin - flown)) / particles
             for a in range(3):
@@ -208,4 +215,4 @@ def _fly(low, high, absorption, scattering, source, receivers, air, per_bin, bin
             bounces += 1
         tally[0] += bounces
         tally[1] += flown
-    return energy, remaining, tally
+    return energy, flow, remaining, tally

@@ -150,6 +150,7 @@ def _fly(
     grid: Grid,
     origin: Float[Array, "s n 3"],
     direction: Float[Array, "s n 3"],
+    travelled: Float[Array, "s n"],
     room: Int[Array, " s"],
     fresh: Bool[Array, ""],
     bounces: Int[Array, ""],
@@ -159,8 +160,8 @@ def _fly(
     bins: int,
 ) -> Flown:
     """Several flights at once."""
-    return jax.vmap(lambda p, d, r, k: fly(scene, grid, p, d, r, fresh, bounces, age, k, config, bins))(
-        origin, direction, room, key
+    return jax.vmap(lambda p, d, t, r, k: fly(scene, grid, p, d, t, r, fresh, bounces, age, k, config, bins))(
+        origin, direction, travelled, room, key
     )
 
 
@@ -207,7 +208,7 @@ class _Baker:
         count = len(points) * len(BANDS)
         way = self.rng.normal(size=(count, 3))
         way /= np.linalg.norm(way, axis=1, keepdims=True)
-        return Start(np.tile(points, (len(BANDS), 1)), way, room)
+        return Start(np.tile(points, (len(BANDS), 1)), way, np.zeros(count), room)
 
     def flights(self, starts: list[list[Start]], fresh: bool, age: float, pool: Pool | None = None) -> _Heard:
         """Means over the flights of each source."""
@@ -224,8 +225,8 @@ class _Baker:
         sums = {n: np.zeros((len(starts), len(BANDS), *(1 + (n in PAIRS)) * [rooms])) for n in SUMS}
         for first in range(0, len(every), at_once):
             rows = np.minimum(np.arange(first, first + at_once), len(every) - 1)
-            origin, direction, room = (np.stack(x) for x in zip(*(every[row] for row in rows), strict=True))
-            rays = jnp.asarray(origin, jnp.float32), jnp.asarray(direction, jnp.float32), jnp.asarray(room, jnp.int32)
+            *rays, room = (np.stack(x) for x in zip(*(every[row] for row in rows), strict=True))
+            rays = *(jnp.asarray(x, jnp.float32) for x in rays), jnp.asarray(room, jnp.int32)
             how = jnp.asarray(fresh), jnp.int32(bounces), jnp.float32(age)
             found = jax.device_get(_fly(self.scene, self.grid, *rays, *how, keys[rows], self.config, bins))
             for index, row in enumerate(rows[: len(every) - first]):

@@ -22,6 +22,7 @@ STAMPS = 6  # times at which one segment can be heard; longer ones are heard the
 FAR = 1e4  # [m]
 INWARD = 0.1  # [m], from a surface to a point that is in the room before it
 BEHIND = (0.08, 0.15, 0.25, 0.4)  # [m], from a surface to points that may be in the room behind it
+HALVINGS = 5  # of a segment, to find where it comes into another room
 FLOORS = 2.0  # times as thick as walls may floors be
 
 
@@ -78,7 +79,7 @@ class _Sums(NamedTuple):
 class Gone(NamedTuple):
     """One of the rays that ended in the place of each, as it went on, with the energy of all of them."""
 
-    ray: Rays
+    ray: Rays  # `travelled`: since it went through the gate
     entered: Int[Array, " n"]  # room
 
 
@@ -87,6 +88,7 @@ def fly(
     grid: Grid,
     start: Float[Array, "n 3"],
     direction: Float[Array, "n 3"],
+    travelled: Float[Array, " n"],
     room: Int[Array, ""],
     fresh: Bool[Array, ""],
     bounces: Int[Array, ""],
@@ -103,13 +105,15 @@ def fly(
     rays are shared out anew, see `share_out`, so that none is wasted on little energy.
 
     A ray ends with the first reflection in another room, or when it is old. Only what a source sends to another room
-    directly flies on there.
+    directly flies on there. It went through the gate where it came into that room, and has flown on from there when it
+    starts anew: else far walls would answer at once.
 
     Args:
         scene: The house.
         grid: Its cells.
         start: Where rays start [m], octave after octave, equally many of each.
         direction: Where they go, unit.
+        travelled: How far they have flown since what they come from [m].
         room: In which room that is.
         fresh: They come from a source, not from a reflection.
         bounces: How often they are reflected at most; what is left then counts as old.
@@ -118,11 +122,11 @@ def fly(
         config: `bin_seconds` and the air.
         bins: Number of time bins.
     """
-    count, cells = start.shape[0], grid.volume.shape[0]
+    count = start.shape[0]
     octave = jnp.repeat(jnp.arange(len(BANDS), dtype=jnp.int32), count // len(BANDS))
     jitter, draws, turn = jax.random.split(key, 3)
     zero, rooms = jnp.zeros(count, jnp.float32), jnp.broadcast_to(room, (count,))
-    first = Rays(start, direction, zero, zero + 1, jnp.where(fresh, zero, 1.0), rooms, rooms)
+    first = Rays(start, direction, travelled, zero + 1, jnp.where(fresh, zero, 1.0), rooms, rooms)
     nobody = Gone(first._replace(energy=zero), rooms)
     metres = config.bin_seconds * config.speed_of_sound
     late = jax.random.uniform(jitter, octave.shape, jnp.float32)
@@ -130,9 +134,6 @@ def fly(
     mirrors = fresh & (config.num_reflections > 0)
     air = jnp.asarray(air_energy(config))[octave]
     walk = _Walk(scene, grid, octave, air, fresh, age, mirrors, hear, metres)
-    pair = (len(BANDS), grid.rooms, grid.rooms)
-    shapes = ((len(BANDS) * cells * bins,), (cells * bins, 3), (*pair, bins), *(2 * [pair[:2]]), *(2 * [pair]))
-    nothing = _Sums(*(jnp.zeros(shape, jnp.float32) for shape in shapes))
 
     def step(carry: _Carry) -> _Carry:
         return walk.bounce(carry, jax.random.fold_in(draws, carry.bounces))
@@ -140,16 +141,15 @@ def fly(
     end = jax.lax.while_loop(
         lambda carry: (carry.bounces < bounces) & jnp.any(carry.ray.energy > 0),
         step,
-        _Carry(jnp.int32(0), first, nobody, nobody, nothing),
+        _Carry(jnp.int32(0), first, nobody, nobody, _no_sums(grid, bins)),
     )
-    ray, sums = end.ray, end.sums
-    left = _replace(end.aged, ray, ray.room, jax.random.uniform(turn, (count,), jnp.float32))
-    share = len(BANDS) / count
-    scale = 4 * jnp.pi * metres * share / grid.volume
-    energy = sums.heard.reshape(len(BANDS), cells, bins) * scale[None, :, None]
-    way = sums.way.reshape(cells, bins, 3) * scale[:, None, None]
-    went = _put(sums.went, octave, ray.room, ray.room, ray.travelled / metres, ray.energy)
-    return Flown(energy, way, went * share, end.gone, left, *(x * share for x in sums[3:]))
+    return walk.flown(end, jax.random.uniform(turn, (count,), jnp.float32))
+
+
+def _no_sums(grid: Grid, bins: int) -> _Sums:
+    cells, pair = grid.volume.shape[0], (len(BANDS), grid.rooms, grid.rooms)
+    shapes = ((len(BANDS) * cells * bins,), (cells * bins, 3), (*pair, bins), *(2 * [pair[:2]]), *(2 * [pair]))
+    return _Sums(*(jnp.zeros(shape, jnp.float32) for shape in shapes))
 
 
 class _Carry(NamedTuple):
@@ -172,6 +172,18 @@ class _Walk(NamedTuple):
     mirrors: Bool[Array, ""]  # whether early paths render first-order reflections
     hear: Callable[..., _Sums]
     metres: float  # of a time bin
+
+    def flown(self, end: "_Carry", chance: Float[Array, " n"]) -> Flown:
+        """What all bounces gave; rays that still fly count as old."""
+        (count,), cells = self.octave.shape, self.grid.volume.shape[0]
+        ray, sums = end.ray, end.sums
+        left = _replace(end.aged, ray._replace(travelled=jnp.zeros(count, jnp.float32)), ray.room, chance)
+        share = len(BANDS) / count
+        scale = 4 * jnp.pi * self.metres * share / self.grid.volume
+        energy = sums.heard.reshape(len(BANDS), cells, -1) * scale[None, :, None]
+        way = sums.way.reshape(cells, -1, 3) * scale[:, None, None]
+        went = _put(sums.went, self.octave, ray.room, ray.room, ray.travelled / self.metres, ray.energy)
+        return Flown(energy, way, went * share, end.gone, left, *(x * share for x in sums[3:]))
 
     def bounce(self, carry: "_Carry", key: Array) -> "_Carry":
         """One segment, heard on its way, and the reflection at its end."""
@@ -197,7 +209,8 @@ class _Walk(NamedTuple):
         goes = (room != ray.room) & ~unheard
         ages = (flown >= self.age) & ~goes & ~unheard
         direction, _ = _reflect(ray.direction, met.normal, self._own(met.scattering), leave[0])
-        ended = Rays(origin, direction, flown, jnp.where(goes, left, 0.0), ray.counts, ray.room, room)
+        inside = jnp.where(goes, _inside(ray, length, room, self.grid), 0.0)
+        ended = Rays(origin, direction, inside, jnp.where(goes, left, 0.0), ray.counts, ray.room, room)
         gone, aged = carry.gone, carry.aged
         chance = (
             jax.random.uniform(leave[1], left.shape, jnp.float32),
@@ -207,7 +220,8 @@ class _Walk(NamedTuple):
         aged = _replace(aged, ended._replace(energy=jnp.where(ages, left, 0.0), room=room), room, chance[1])
         energy = jnp.where(goes | ages, left, 0.0)
         left_room = jnp.where(ages, room, ray.room)
-        sums = sums._replace(went=_put(sums.went, self.octave, left_room, room, flown / self.metres, energy))
+        when = (flown - inside) / self.metres
+        sums = sums._replace(went=_put(sums.went, self.octave, left_room, room, when, energy))
         left = jnp.where(goes | ages, 0.0, left)
 
         pick, energy = share_out(left, room, self.octave, self.grid.rooms, share)
@@ -317,6 +331,16 @@ def _put(
 ) -> Float[Array, "bands r r k"]:
     """Adds energy that went from a room to another."""
     return went.at[octave, room, other, bins.astype(jnp.int32)].add(energy, mode="drop")
+
+
+def _inside(ray: Rays, length: Float[Array, " n"], room: Int[Array, " n"], grid: Grid) -> Float[Array, " n"]:
+    """How much of each segment is in the room that it ends in [m], by halving."""
+    low, high = jnp.zeros_like(length), length
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        there = _room_at(ray.origin + middle[:, None] * ray.direction, grid) == room
+        low, high = jnp.where(there, low, middle), jnp.where(there, middle, high)
+    return length - high
 
 
 def _room_at(point: Float[Array, "n 3"], grid: Grid) -> Int[Array, " n"]:

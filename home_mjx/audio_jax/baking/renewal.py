@@ -26,6 +26,7 @@ class Start(NamedTuple):
 
     origin: Float[np.ndarray, "n 3"]
     direction: Float[np.ndarray, "n 3"]
+    travelled: Float[np.ndarray, " n"]  # since it went through a gate [m]
     room: int
 
 
@@ -77,7 +78,7 @@ class Pool:
     def _keep(self, rays: Rays, entered: Int[np.ndarray, " n"]) -> None:
         kept = np.flatnonzero(np.asarray(rays.energy) > 0)
         octave = kept // (len(entered) // len(BANDS))
-        values = (rays.origin, rays.direction, rays.energy, rays.room)
+        values = (rays.origin, rays.direction, rays.travelled, rays.energy, rays.room)
         self.rays.append((*(np.asarray(x)[kept] for x in values), entered[kept], octave))
 
     def starts(
@@ -99,7 +100,7 @@ class Pool:
         """
         if not self.rays:
             return [[] for _ in rooms]
-        origin, direction, energy, room, entered, octave = (np.concatenate(x) for x in zip(*self.rays, strict=True))
+        *rays, energy, room, entered, octave = (np.concatenate(x) for x in zip(*self.rays, strict=True))
         gate, (flights, count) = number[room, entered], size
         out = []
         for index, here in enumerate(rooms[:, 1], first):
@@ -113,7 +114,7 @@ class Pool:
                 picks.append(_draw(own if own.size else mine, energy, count * flights, rng))
             drawn = np.stack(picks).reshape(len(BANDS), flights, count)
             every = np.moveaxis(drawn, 1, 0).reshape(flights, -1)
-            out.append([Start(origin[pick], direction[pick], int(here)) for pick in every])
+            out.append([Start(*(x[pick] for x in rays), int(here)) for pick in every])
         return out
 
 

@@ -1,12 +1,15 @@
 """Who sounds, and who listens."""
 
 import jax
+import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.core.pytree import Pytree
-from home_mjx.core.transforms import UNIT_SLACK
+from home_mjx.core.transforms import UNIT_SLACK, quat_matrix
 from home_mjx.errors import ConfigError
+from home_mjx.navigation.grid import room_of
+from home_mjx.raycast_render.scene.types import Scene
 
 
 class Source(Pytree):
@@ -40,6 +43,26 @@ def check_listener(listener: Listener) -> None:
     if not abs(norm**2 - 1) < UNIT_SLACK:
         hint = "Divide it by its length; (1, 0, 0, 0) turns nothing."
         raise ConfigError(f"a listener's quaternion must have unit length, got {norm:.4g}", hint=hint)
+
+
+def is_indoors(scene: Scene, point: Float[Array, "3"]) -> Bool[Array, ""]:
+    """Whether a point is over the floor of a room and in no wall: elsewhere a source sounds, but rays find no way in.
+
+    Args:
+        scene: The environment.
+        point: [m], world.
+
+    Example:
+        >>> bool(is_indoors(scene, jnp.array([100.0, 0.0, 1.0])))  # doctest: +SKIP
+        False
+    """
+    physics, house = scene.bank.physics, scene.house
+    axes = jax.vmap(quat_matrix)(physics.collider_quat[house])
+    away = point[None] - physics.collider_pos[house]
+    along = jnp.einsum("nwa,nw->na", axes, away, precision="highest")
+    within = jnp.all(jnp.abs(along) <= physics.collider_size[house], axis=1)
+    walled = jnp.any(within & (physics.collider_object[house] < 0))
+    return (room_of(scene.bank, house, point) >= 0) & ~walled
 
 
 class Sounds(Pytree):

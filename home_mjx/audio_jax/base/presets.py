@@ -1,9 +1,10 @@
 """Three choices of options, by what they cost and how wrong they are.
 
 Errors are those of `benchmarks/acoustics.py`, in six rooms against a Monte Carlo that shares nothing with the engine,
-octaves 125 to 8000 Hz; the two rooms on which the tracing of rays itself is wrong (scattering that rises with
-frequency, carpet with a curtain) are named apart. They are those of the late part, with paths of first order; moving
-tones, of `tests/audio_jax/motion`.
+the largest over octaves of 125 to 8000 Hz. Rooms that absorb evenly or are bare are named first; then those with a soft
+floor, with a carpet and a curtain, two coupled rooms, and scattering that rises with frequency. They are those of one
+microphone; moving tones, of `tests/audio_jax/motion`. With `late="baked"`: T30 within 1 %, then -6, -6, +7 and -2 %;
+EDT within 5 %; level within 0.4 dB.
 """
 
 from typing import Any
@@ -12,12 +13,12 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.core.checks import check_known
 
 PRESETS: dict[str, dict[str, Any]] = {
-    # T30 within 2 % in even rooms and 5 % in bare ones, but -27 % where absorption is uneven and -22 to +20 % where two
-    # rooms are coupled (-53 to +11 % rising scattering, -29 % carpet); EDT within 9 % (-32 %, -4 %); level within
-    # 0.5 dB (-0.8 dB, -0.3 dB). Tones at 1.4 m/s: error below -50 dB. Ends after 0.5 s.
+    # T30 within 4 %, then -26, -27, -24 to +19 and -53 to +11 %; late slopes of coupled rooms are half as long.
+    # EDT within 3 % (-8, -5, +10, -32 %), level exact (-0.4, -0.3, -0.5, -0.8 dB). Tones at 1.4 m/s: error below
+    # -50 dB. Ends after 0.5 s.
     "fast": {"motion": True, "tail_seconds": 0.0},
-    # T30 within 6 % (-41 to +21 % rising scattering, -15 % carpet); EDT within 7 % (-30 %, -3 %); level within 0.6 dB
-    # (-0.8, -0.3 dB). Tones as above; T30 of 0.5 to 2 s read from the waveform within 5 %.
+    # T30 within 2 %, then +-3, -10, +-2 and -41 to +20 %; late slopes +6 %. EDT within 2 % (-8, -4, +5, -31 %),
+    # level within 0.1 dB (-0.4, -0.2, -0.4, -0.7). Tones as above; T30 of 0.5 to 2 s read from waveforms within 5 %.
     "balanced": {
         "motion": True,
         "num_rays": 512,
@@ -26,7 +27,8 @@ PRESETS: dict[str, dict[str, Any]] = {
         "reflection_order": 2,
         "num_reflections": 24,
     },
-    # Not measured against the oracle yet; rays are those to which the others have been compared in houses.
+    # T30 within 2 %, then -5, -11, +-3 and -41 to +22 %; late slopes +5 %. EDT within 2 % (-7, -4, +5, -31 %),
+    # level within 0.1 dB (-0.3, -0.2, -0.6, -0.6): what is left is how rays are traced, not how many.
     "reference": {
         "motion": True,
         "num_rays": 3000,

@@ -21,7 +21,7 @@ from home_mjx.schema.edges import EDGES
 SPREAD = (-1 / 3, 0.0, 1 / 3)  # [octaves] re the centre, where each octave is evaluated
 BOXES = 3  # that are looked at, per edge that is kept
 ONE_EDGE = 0.02  # [m], strings that touch so near to each other run over pieces of one edge
-SAME = 1e-3  # [m]
+SAME = 0.02  # [m], edges that are so near to each other act as one, as of two walls back to back
 LOUDEST = 1.7  # energy re the free field, next to edges
 GRAZING = 1e-3  # [rad], from a shadow boundary, within which rays decide on which side of it a listener is
 LITTLE = 0.1  # share of an edge that counts as none

@@ -11,6 +11,7 @@ from home_mjx.cli.houses import load_compiled_house
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import number
 from home_mjx.cli.viewpoint import EYE_HEIGHT, Viewpoint, add_viewpoint_arguments, check_inside, stand
+from home_mjx.errors import ConfigError
 from home_mjx.schema.compiled import BANDS
 
 if TYPE_CHECKING:
@@ -55,7 +56,7 @@ def run(args: argparse.Namespace) -> int:
     import scipy.signal
 
     from home_mjx.audio_jax.auralization.sources import clip_samples
-    from home_mjx.audio_jax.base.endpoints import Listener, Source
+    from home_mjx.audio_jax.base.endpoints import Listener, Source, is_indoors
     from home_mjx.audio_jax.measures.survey import SURVEY, survey_room
     from home_mjx.viz.media import write_png, write_wav
 
@@ -66,6 +67,9 @@ def run(args: argparse.Namespace) -> int:
     goal = np.asarray(view.bank.navigation.goal[0, 0]) + np.array([0, 0, EYE_HEIGHT], np.float32)
     source = goal if args.source is None else np.array(args.source, np.float32)
     check_inside(view.bank, source, "--source")
+    if not bool(is_indoors(view.scene, jnp.asarray(source, jnp.float32))):
+        given = f"--source {source[0]:g} {source[1]:g} {source[2]:g} is in a wall, or not over the floor of a room"
+        raise ConfigError(given, hint="Nothing would be heard. Rooms are drawn by `home-mjx render --top`.")
     scene = _baked(args, view) if args.late == "baked" else view.scene
     listener = Listener(jnp.asarray(view.position), jnp.asarray(view.head_quat))
     survey = jax.jit(survey_room, static_argnames="config")

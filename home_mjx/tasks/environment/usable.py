@@ -1,5 +1,6 @@
 """What environments are given, and whether it can be used."""
 
+import logging
 from typing import Any
 
 import jax
@@ -21,6 +22,8 @@ from home_mjx.tasks.variation.ranges import Variation
 
 FLAT = 179.0  # [degrees]: greatest field of view
 LIGHTS = ("lamps", "lamp_gain", "daylight", "sun_azimuth", "sun_elevation")
+
+log = logging.getLogger(__name__)
 
 
 def usable_action(action: Any, num_agents: int, size: int) -> tuple[Float[Array, "a n"], Bool[Array, ""]]:
@@ -105,6 +108,8 @@ def check_bank(config: EnvConfig, bank: HouseBank) -> None:
         check_arrangements(bank)
     if config.audio.late == "baked":
         late_of(bank)
+        if config.arrangement == "random":
+            log.warning("baked late sound is that of furniture as the files have it; arrangements move it, doors count")
     compiled = {name: getattr(bank.spec, f"agent_{name}") for name in ("radius", "height")}
     wrong = {name: x for name, x in compiled.items() if abs(x - getattr(config.body, name)) > 1e-6}
     if wrong:

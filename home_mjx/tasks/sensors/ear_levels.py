@@ -6,8 +6,8 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from home_mjx.audio_jax.auralization.envelope import band_level, clip_power, energy_response
-from home_mjx.audio_jax.auralization.schedule import loudness
 from home_mjx.audio_jax.auralization.spectra import LEAST, MOST
+from home_mjx.audio_jax.auralization.stream import loudness
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.core.pytree import Pytree
 from home_mjx.schema.compiled import BANDS

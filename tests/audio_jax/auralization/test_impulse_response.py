@@ -12,7 +12,7 @@ from home_mjx.audio_jax.auralization.response import impulse_response
 from home_mjx.audio_jax.auralization.sources import clip_samples
 from home_mjx.audio_jax.auralization.stream import sound_frame
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Listener, Source
+from home_mjx.audio_jax.base.endpoints import Listener, Source, is_indoors
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.scene.scene import make_scene
 
@@ -127,6 +127,15 @@ def test_the_same_key_gives_the_same_response_and_small_steps_small_changes():
     late = slice(RATE // 20, None)
     assert np.corrcoef(here[0, late], near[0, late])[0, 1] > 0.97
     assert abs(np.corrcoef(here[0, late], other[0, late])[0, 1]) < 0.2
+
+
+@pytest.mark.parametrize(("point", "inside"), [((1, 1, 1), True), ((0, 0.3, 1), False), ((20, 1, 1), False)])
+def test_sources_in_walls_and_outside_are_told(point, inside):
+    """Rooms on both sides of a wall at x = 0, under strict promotion."""
+    scene, place = scene_of(two_rooms()), jnp.float32(point)
+    with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
+        rooms = [bool(jax.jit(is_indoors)(scene, side)) for side in (place, place * jnp.float32([-1, 1, 1]))]
+    assert any(rooms) == inside  # the map of this house covers one of its rooms
 
 
 def test_own_body_is_no_obstacle():

@@ -144,6 +144,14 @@ def test_boxes_that_meet_are_one():
     np.testing.assert_allclose(level(turned, *(p @ spin for p in places)), whole, atol=0.05)
 
 
+@pytest.mark.parametrize("turn", [-20, -2, 2, 15, 45])
+def test_walls_back_to_back_bend_sound_once(turn):
+    """Two leaves of 1 cm, one behind the other, as one wall of 2 cm: their edges are no two obstacles."""
+    places = on_circle(60), on_circle(240 + turn)
+    leaves = boxes(([-0.01, -30, -30], [0, 0, 30]), ([0, -30, -30], [0.01, 0, 30]))
+    np.testing.assert_allclose(level(leaves, *places), level(screen(0.02), *places), atol=1.0)
+
+
 def test_the_nearest_boxes_are_those_of_the_shortest_ways(rng):
     """Against ways over the nearest of many points in each box; those without edges are left out."""
     low = rng.uniform(-4, 4, (30, 3))

@@ -6,17 +6,19 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from handmade import shoebox
+from handmade import Slab, _architecture_rows, _room_planes, _rooms, _shell, build_house, shoebox
 
 from home_mjx import HouseBank, HouseholdEnv
 from home_mjx.audio_jax import AudioConfig, BakeOptions, Listener, Source, baked_sound, energy_response, with_late_sound
 from home_mjx.audio_jax.baked.balance import leaf_openings
+from home_mjx.audio_jax.baking.bake import bake_house
 from home_mjx.audio_jax.baking.store import entry_of
 from home_mjx.datasets.procedural.dataset import generate_dataset
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.scene_compile.cache.house_set import HouseSet
 from home_mjx.tasks import make_config
+from home_mjx.tasks.environment.usable import check_bank
 
 FEW = BakeOptions(size=2.0, rays=40, bounces=40)
 BAKED = AudioConfig(late="baked")
@@ -72,12 +74,39 @@ def test_wrong_banks_are_refused(bank, room):
         with_late_sound(bank, [replace(room, id="another")], FEW)
 
 
+def test_furniture_that_is_moved_before_every_episode_is_told(bank, monkeypatch, caplog):
+    """What has been baked does not know of it; whatever else an environment does to a house is no such matter."""
+    monkeypatch.setattr("home_mjx.tasks.environment.usable.check_arrangements", lambda _: None)
+    check_bank(make_config(audio=BAKED, arrangement="random", **OPTIONS), bank)
+    assert "furniture as the files have it" in caplog.text
+    caplog.clear()
+    check_bank(make_config(audio=BAKED, **OPTIONS), bank)
+    check_bank(make_config(arrangement="random", **OPTIONS), bank)
+    assert not caplog.records
+
+
 def test_levels_need_no_exceptions_of_dtype_or_rank(bank):
     scene = scene_of(bank, None)
     head = Listener(jnp.float32([1, 1, 1.5]), jnp.float32([0.5, 0.5, -0.5, -0.5]))
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
         found = energy_response(scene, Source(jnp.float32([-1, -1, 1])), head, jax.random.key(0), BAKED)
     assert np.isfinite(np.asarray(found.energy)).all()
+
+
+def test_rooms_that_take_nothing_and_rooms_without_a_ceiling_are_baked(room):
+    """The one rings for as long as air lets it, the other is heard from the walls that there are: both are finite."""
+    low, high = (-2.5, -2.0), (2.5, 2.0)
+    away = Slab((-9.0, -9.0, -50.0), (9.0, 9.0, -49.0), "ceiling", 5, 0)
+    slabs = [*_shell(low, high, 2.6, 0)[:5], away]
+    rows, planes = _architecture_rows(slabs, 0.1, 0.3, 0.0), _room_planes(low, high, 2.6, 0)
+    roofless = build_house("roofless", slabs, rows, _rooms([(low, high)], 2.6), planes)
+    fields = [bake_house(house, FEW) for house in (room, shoebox((5.0, 4.0, 2.6), absorption=0.0), roofless)]
+    level = [np.exp(field.level.astype(float)).sum(axis=2).mean(axis=(0, 1)) for field in fields]
+    assert all(np.isfinite(getattr(field, name)).all() for field in fields for name in ("level", "shape", "loss"))
+    assert np.all(level[1] > 1.2 * level[0])  # at 8 kHz air takes most
+    assert np.all(level[1][:3] > 4 * level[0][:3])
+    assert np.all(level[2] < 0.6 * level[0])
+    assert np.all(level[2] > 1e-3)
 
 
 def scene_of(bank, angle):

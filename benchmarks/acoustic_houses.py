@@ -1,0 +1,220 @@
+"""Sound in generated houses: against many more and longer rays, and on walks in steps of 5 cm.
+
+Decays and levels of an omnidirectional microphone in the same room as the source and in others, against 3000 rays of
+150 bounces, all doors open, and nothing through walls, which rays do not cross; then walks through all rooms: how much
+any octave changes in a step, what is silent, and how far two bakes with other seeds differ. Prints one JSON object a
+line, and with `--out` writes them.
+"""
+
+import argparse
+import json
+import time
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from acoustics import UPRIGHT, config_of, engine, opened
+
+from home_mjx.audio_jax import BakeOptions, Listener, Source, early_paths, edt, t30, with_late_sound
+from home_mjx.bank.bank import HouseBank
+from home_mjx.scene_compile.cache.house_set import HouseSet
+
+STEP = 0.05  # [m]
+EDGES = 8  # around which direct sound bends
+LONGEST = 3.0  # [m], of each walk
+MOST = 1.5  # [dB], by which a step may change an octave
+SILENT = -90.0  # [dB] re the source at 1 m
+EARS = np.array([0.0, 0.0, 1.5])
+WAYS = np.array([[1.0, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0]])
+
+
+class Plan:
+    """Where one can stand in a house, and how many doors lie between rooms."""
+
+    def __init__(self, house) -> None:
+        self.navigation = house.navigation
+        floor = self.navigation.floor[0]
+        starts = np.asarray(self.navigation.start)
+        self.starts = starts[np.abs(starts[:, 2] - floor) < 0.3]
+        self.rooms = np.array([self.room(p) for p in self.starts])
+        names = sorted(set(self.rooms.tolist()) - {-1})
+        hops = self.navigation.room_hops
+        self.source_room = max(names, key=lambda room: sum(max(hops[room, other], 0) for other in names))
+        self.source = self.starts[self.rooms == self.source_room][0] + EARS - [0, 0, 0.3]
+        self.hops = hops[self.source_room]
+
+    def room(self, point) -> int:
+        """Room of a point, -1 if nobody can stand there."""
+        column, row = np.floor((point[:2] - self.navigation.origin) / self.navigation.cell).astype(int)
+        rows, columns = self.navigation.room[0].shape
+        if not (0 <= row < rows and 0 <= column < columns) or self.navigation.region[0, row, column] < 0:
+            return -1
+        return int(self.navigation.room[0, row, column])
+
+    def listeners(self, each=2):
+        """Places of ears in every room, and doors between them and the source."""
+        kept = [np.flatnonzero(self.rooms == room)[-each:] for room in sorted(set(self.rooms.tolist()) - {-1})]
+        rows = np.concatenate(kept)
+        return self.starts[rows] + EARS, np.maximum(self.hops[self.rooms[rows]], 0)
+
+    def walks(self):
+        """Places of ears every 5 cm along the axes from all starts, until something stands in the way."""
+        for start in self.starts:
+            for way in WAYS:
+                places = start + np.arange(0, LONGEST, STEP)[:, None] * way
+                free = np.array([self.room(p) >= 0 for p in places])
+                count = len(free) if free.all() else int(np.argmin(free))
+                if count > 10:
+                    yield places[:count] + EARS
+
+
+def tight(bank):
+    """A bank whose walls and leaves let nothing through, as for rays."""
+    if bank.late is None:
+        return bank
+    nothing = {name: jnp.zeros_like(getattr(bank.late, name)) for name in ("wall", "portal_leak")}
+    return bank.replace(late=bank.late.replace(**nothing))
+
+
+def straight(scene, source, listener, config):
+    """Energy of direct sound and what bends around edges, per octave."""
+    config = replace(config, num_edges=EDGES)
+    paths = early_paths(scene, Source(source), Listener(listener, UPRIGHT), config)
+    return jnp.sum(paths.gain[: 1 + config.num_edges] ** 2, axis=0)
+
+
+def emptied(bank):
+    """A bank whose movable things are far away."""
+    return bank.replace(physics=bank.physics.replace(body_pos=bank.physics.body_pos - jnp.float32([0, 0, 100])))
+
+
+def heard(bank, plan, config, keys):
+    """Energies (places, bands, bins) at the listeners of a plan, means over keys."""
+    source, house = jnp.asarray(plan.source, jnp.float32), jnp.int32(0)
+    run = jax.jit(partial(engine, config=config))
+    out = [
+        np.mean([np.asarray(run(bank, house, source, jnp.asarray(p, jnp.float32), k)) for k in keys], axis=0)
+        for p in plan.listeners()[0]
+    ]
+    return np.moveaxis(np.stack(out), 1, 2)
+
+
+def errors(truth, ours, hops, dt):
+    """One record per number of doors between."""
+    for doors in sorted(set(hops.tolist())):
+        mine = hops == doors
+        level = 10 * np.log10(ours[mine].sum(axis=2) / truth[mine].sum(axis=2))
+        record = {"doors": int(doors), "places": int(mine.sum())}
+        record |= {"level": round(float(level.mean()), 2), "level_rms": round(float(np.sqrt((level**2).mean())), 2)}
+        for name, read in (("t30", t30), ("edt", edt)):
+            both = [np.asarray(read(jnp.asarray(x[mine] / x[mine].max(), jnp.float32), dt)) for x in (ours, truth)]
+            error = 100 * (both[0] / both[1] - 1)
+            known = error[np.isfinite(error)]
+            if known.size:
+                record |= {name: round(float(known.mean()), 1)}
+                record |= {f"{name}_rms": round(float(np.sqrt((known**2).mean())), 1)}
+        yield record
+
+
+def decays(bank, plan, presets, refs, seconds, moved):
+    """Records of levels, T30 and EDT; with `moved`, what changes if everything movable is taken away."""
+    hops, best = plan.listeners()[1], config_of("reference", seconds)
+    keys = jax.random.split(jax.random.key(7), refs + max(refs, 4))
+    start = time.perf_counter()
+    truth = heard(bank, plan, best, keys[:refs])
+    print(f"reference: {len(hops)} places, {time.perf_counter() - start:.0f} s", flush=True)
+    others = {preset: (bank, config_of(preset, seconds), 1 if preset == "baked" else 4) for preset in presets}
+    others["the reference again"] = bank, best, refs
+    if moved:
+        others["the reference, nothing movable"] = emptied(bank), best, refs
+    for name, (where, config, count) in others.items():
+        ours = heard(where, plan, config, keys[refs : refs + count])
+        for record in errors(truth, ours, hops, config.bin_seconds):
+            yield {"preset": name, **record}
+
+
+def walked(banks, plan, preset, seconds, most):
+    """Records of walks: how large steps are, in the source's room and in others; and how two bakes differ."""
+    config = config_of(preset, seconds)
+    source, house = jnp.asarray(plan.source, jnp.float32), jnp.int32(0)
+
+    def levels(bank, places, key):
+        scene = opened(bank, house)
+        whole = jax.vmap(lambda p: jnp.sum(engine(bank, house, source, p, key, config), axis=0))(places)
+        return whole, jax.vmap(lambda p: straight(scene, source, p, config))(places)
+
+    run, size = jax.jit(levels), round(LONGEST / STEP)
+    steps, direct, quiet, places, apart = {True: [], False: []}, [], 0, 0, []
+    for number, walk in enumerate(plan.walks()):
+        if number >= most:
+            break
+        padded = jnp.asarray(np.pad(walk, ((0, size - len(walk)), (0, 0)), mode="edge"), jnp.float32)
+        found = [run(bank, padded, jax.random.key(number)) for bank in banks]
+        energy, early = (10 * np.log10(np.asarray(x)[: len(walk)] + 1e-12) for x in found[0])
+        own = np.array([plan.hops[plan.room(p)] <= 0 for p in walk])
+        change, bent = np.abs(np.diff(energy, axis=0)).max(axis=1), np.abs(np.diff(early, axis=0))
+        for here in (True, False):
+            steps[here] += change[(own[1:] & own[:-1]) == here].tolist()
+        direct += bent[np.minimum(early[1:], early[:-1]) > -60].tolist()
+        quiet, places = quiet + int((energy.max(axis=1) < SILENT).sum()), places + len(walk)
+        if len(banks) > 1:
+            other = 10 * np.log10(np.asarray(found[1][0])[: len(walk)] + 1e-12)
+            apart.append(np.sqrt(np.mean((energy - other)[~own] ** 2) / 2) if (~own).any() else np.nan)
+    for here, name in ((True, "source's room"), (False, "other rooms")):
+        sizes = np.array(steps[here] or [0.0])
+        share = 100 * float((sizes > MOST).mean())
+        yield {
+            "preset": preset,
+            "walk": name,
+            "steps": len(sizes),
+            "above": round(share, 2),
+            "largest": round(sizes.max(), 2),
+        }
+    yield {
+        "preset": preset,
+        "silent": quiet,
+        "places": places,
+        "direct_above": round(100 * float((np.array(direct or [0.0]) > MOST).mean()), 2),
+        "direct_largest": round(float(np.max(direct or [0.0])), 2),
+        "seed_sd": round(float(np.nanmean(apart)), 2) if apart else None,
+    }
+
+
+def main():
+    """Runs what the command line asks for."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--houses", default="procedural:1?seed=91000", help="the first of these is taken")
+    parser.add_argument("--presets", nargs="*", default=["fast", "baked"])
+    parser.add_argument("--parts", nargs="*", choices=("decays", "moved", "walks"), default=("decays", "walks"))
+    parser.add_argument("--refs", type=int, default=2, help="runs of the reference per place")
+    parser.add_argument("--walks", type=int, default=10**6, help="at most")
+    parser.add_argument("--seconds", type=float, default=1.2, help="length of the responses")
+    parser.add_argument("--out", type=Path, help="file for the records, to which they are added")
+    args = parser.parse_args()
+    house = HouseSet(args.houses).load()[0]
+    plan, bank = Plan(house), HouseBank.from_compiled([house])
+    banks = [bank]
+    if "baked" in args.presets:
+        start = time.perf_counter()
+        banks = [with_late_sound(bank, [house], BakeOptions(seed=seed)) for seed in range(2)]
+        cells = banks[0].late.level.shape[1]
+        print(f"baked {cells} cells twice in {time.perf_counter() - start:.0f} s", flush=True)
+    found = []
+    if "decays" in args.parts:
+        found.append(decays(tight(banks[0]), plan, args.presets, args.refs, args.seconds, "moved" in args.parts))
+    if "walks" in args.parts:
+        found += [walked(banks if p == "baked" else banks[:1], plan, p, args.seconds, args.walks) for p in args.presets]
+    for part in found:
+        for record in part:
+            record = {"houses": args.houses, **record}
+            print(json.dumps(record), flush=True)
+            if args.out:
+                with args.out.open("a") as file:
+                    file.write(json.dumps(record) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,71 @@
+"""Recordings as clips: any file that ffmpeg reads, such as WAV and FLAC."""
+
+import logging
+import math
+import subprocess
+import tempfile
+from pathlib import Path
+
+import imageio_ffmpeg
+import numpy as np
+from jaxtyping import Float
+from scipy.io import wavfile
+from scipy.signal import resample_poly
+
+from home_mjx.audio_jax.auralization.sources import LOUDNESS
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.errors import ConfigError, MissingFileError
+
+SOFTEST = 1e-5  # RMS re full scale (-100 dB) below which a recording is silent
+
+log = logging.getLogger(__name__)
+
+
+def recorded_clip(path: str | Path, config: AudioConfig) -> Float[np.ndarray, " n"]:
+    """Samples of a recording, float32, as `clip_samples` gives those of a clip: one channel, without offset, RMS 0.1.
+
+    Channels are averaged. A file of another sample rate is resampled (by a polyphase filter), which the log says.
+
+    Args:
+        path: A sound file: WAV, FLAC, Ogg, MP3 and what else ffmpeg reads.
+        config: For its sample rate.
+
+    Raises:
+        MissingFileError: There is no such file.
+        ConfigError: It cannot be read as sound, has samples that are no finite numbers, or is silent.
+
+    Example:
+        >>> recorded_clip("kettle.flac", AudioConfig()).shape  # doctest: +SKIP
+        (48_000,)
+    """
+    path = Path(path)
+    rate, samples = _decoded(path)
+    if not np.isfinite(samples).all():
+        raise ConfigError("the recording has samples that are not finite", file=path, hint="Export it anew.")
+    sound = samples.astype(float).reshape(len(samples), -1).mean(axis=1)
+    if rate != config.sample_rate:
+        log.warning("%s: resampled from %d to %d Hz", path, rate, config.sample_rate)
+        common = math.gcd(rate, config.sample_rate)
+        sound = resample_poly(sound, config.sample_rate // common, rate // common)
+    sound = sound - sound.mean() if sound.size else sound
+    level = float(np.sqrt(np.mean(sound**2))) if sound.size else 0.0
+    if level < SOFTEST:
+        hint = "Give a recording in which something sounds; channels of opposite sign cancel out."
+        raise ConfigError("the recording is silent", file=path, hint=hint)
+    return (sound * (LOUDNESS / level)).astype(np.float32)
+
+
+def _decoded(path: Path) -> tuple[int, Float[np.ndarray, "..."]]:
+    """Sample rate, and samples (n,) or (n, channels)."""
+    if not path.is_file():
+        raise MissingFileError("there is no such recording", file=path)
+    with tempfile.TemporaryDirectory() as folder:
+        plain = Path(folder) / "plain.wav"
+        command = [imageio_ffmpeg.get_ffmpeg_exe(), "-nostdin", "-v", "error", "-protocol_whitelist", "file"]
+        command += ["-i", f"file:{path.absolute()}", "-vn", "-c:a", "pcm_f32le", str(plain)]
+        done = subprocess.run(command, capture_output=True, check=False)
+        if done.returncode != 0 or not plain.is_file():
+            said = done.stderr.decode(errors="replace").strip().splitlines() or ["it holds no sound"]
+            hint = "Give a WAV or FLAC file."
+            raise ConfigError(f"the recording cannot be read: {said[-1]}", file=path, hint=hint)
+        return wavfile.read(plain)
