@@ -44,7 +44,7 @@ def corners(mesh, transform: np.ndarray) -> np.ndarray:
 def test_roofs_lie_over_every_room_and_above_every_ceiling(seed):
     house = home(seed)
     boxes = []
-    for item in (o for o in house.levels[0].objects if o.model_id.startswith("home_roof")):
+    for item in (o for o in house.levels[0].objects if o.model_id.startswith("outside_roof")):
         points = corners(house.models[item.model_key], item.transform)
         boxes.append((points.min(0), points.max(0)))
     tops = [m.vertices[:, 1].max() for level in house.levels for r in level.rooms for m in (r.walls, r.ceiling) if m]

@@ -85,7 +85,7 @@ def hedge(length: float, height: float) -> Iterator[Solid]:
 
 
 def _model(name: str, number: int, fine: str, solids: Iterable[Solid], slots: Sequence[str], smooth: bool) -> Furniture:
-    pieces, key = list(solids), f"home_{name}_{number}"
+    pieces, key = list(solids), f"outside_{name}_{number}"
     materials = tuple(replace(PARTS[slot], name=f"material_{i}") for i, slot in enumerate(slots))
     mesh = to_mesh(Path("object") / key / f"{key}.obj", pieces, slots, materials)
     if smooth:
