@@ -22,7 +22,9 @@ OWN = {
     "roof": Category("roof", "otherstructure", ("n04105068", "roof.n.01")),
 }
 
-OUTDOORS = tuple(name for family in ("roof", "front", "grass", "path", "concrete") for name in texture_names(family))
+OUTDOORS = tuple(
+    name for family in ("roof", "front", "foliage", "grass", "path", "concrete") for name in texture_names(family)
+)
 
 
 def generate_homes(root: str | Path, seeds: Sequence[int], progress: bool = False) -> tuple[str, ...]:
