@@ -10,7 +10,6 @@ from home_mjx.datasets.homes.things import library as things
 from home_mjx.datasets.homes.things import library_model as thing
 from home_mjx.datasets.homes.things.categories import CATEGORIES
 from home_mjx.datasets.procedural.dataset import library_model
-from home_mjx.datasets.procedural.furniture import family_models
 from home_mjx.datasets.procedural.primitives.family import Furniture
 from home_mjx.datasets.suncg.write.house import write_model, write_tables, write_textures
 from home_mjx.schema.house import House, Material
@@ -20,9 +19,8 @@ _written: dict[Path, set[str]] = {}  # by this process, below each root
 
 @cache
 def _others() -> Mapping[str, Furniture]:
-    """Models that are no things: doors, windows, stairs, railings, garage doors."""
-    own = [model for models in structure_models().values() for model in models]
-    return {model.id: model for model in (*family_models()["door"], *family_models()["window"], *own)}
+    """Models that are no things: stairs, railings, garage doors."""
+    return {model.id: model for models in structure_models().values() for model in models}
 
 
 def write_shared(root: Path) -> None:

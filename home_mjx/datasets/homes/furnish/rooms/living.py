@@ -148,7 +148,11 @@ def _group(
     for back in backs:
         for shift in (0.0, 0.3, -0.3):
             spot, low = _opposite(stand, sofa, table, back - float(stand.size[2]) / 2, shift)
-            if low and clear_of(low, (stand, screen)) and room.put([stand, screen, spot, low], [zone_before(stand, 0.55)], views=True):
+            if (
+                low
+                and clear_of(low, (stand, screen))
+                and room.put([stand, screen, spot, low], [zone_before(stand, 0.55)], views=True)
+            ):
                 return spot, low
     return None
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from home_mjx.datasets.homes.furnish.space.room import Room
-from home_mjx.datasets.homes.furnish.space.spots import GAP, HUNG, backed, first, place, steps
+from home_mjx.datasets.homes.furnish.space.spots import GAP, HUNG, at_wall, backed, first, place, steps
 from home_mjx.datasets.homes.taste.kinds import models_of
 from home_mjx.datasets.procedural.floor_plan.placed import FACING, PlacedFurniture
 from home_mjx.datasets.procedural.floor_plan.rooms import Wall
@@ -17,11 +17,11 @@ OVERHANG = 0.3  # [m], of curtains beyond a window, both sides together
 def hang(room: Room, item: PlacedFurniture, y: float) -> PlacedFurniture | None:
     """Hangs a thing on a wall at random, its bottom so high above the floor [m]."""
     spots = [
-        backed(item, wall, along, FLOOR_TOP + y, HUNG)
+        at_wall(item, wall, along, FLOOR_TOP + y, HUNG)
         for wall in room.plan.walls
         for along, _ in steps(wall.span, float(item.size[0]))
     ]
-    return first(room, [spots[i] for i in room.rng.permutation(len(spots)).tolist()])
+    return first(room, item, [spots[i] for i in room.rng.permutation(len(spots)).tolist()])
 
 
 def hang_kind(room: Room, kind: str, y: float, probability: float = 1.0) -> PlacedFurniture | None:
@@ -72,10 +72,10 @@ def switches(room: Room) -> None:
         latch = float(FACING[door.quarter][1 - wall.axis]) * (-1 if door.mirrored else 1)
         away = float(door.model.size[0]) / 2 + BESIDE_DOOR + float(item.size[0]) / 2
         spots = [
-            backed(item, wall, door.position[2 * wall.axis] + side * away, FLOOR_TOP + 1.05, HUNG)
+            at_wall(item, wall, door.position[2 * wall.axis] + side * away, FLOOR_TOP + 1.05, HUNG)
             for side in (latch, -latch)
         ]
-        first(room, spots, views=False)
+        first(room, item, spots, views=False)
 
 
 def sockets(room: Room) -> None:

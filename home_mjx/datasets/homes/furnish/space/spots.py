@@ -1,19 +1,20 @@
 """Where things stand: at walls, opposite or beside others, in the middle of a room."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
 from home_mjx.datasets.homes.furnish.space.occupied import TOLERANCE, hull, meet
 from home_mjx.datasets.homes.furnish.space.room import Companions, Room, alone
 from home_mjx.datasets.homes.furnish.space.turned import askew
-from home_mjx.datasets.procedural.floor_plan.placed import FACING, Box, PlacedFurniture, quarter_towards
+from home_mjx.datasets.procedural.floor_plan.placed import FACING, Box, Boxes, PlacedFurniture, quarter_towards
 from home_mjx.datasets.procedural.floor_plan.rooms import Wall
 from home_mjx.datasets.procedural.floor_plan.walls import FLOOR_TOP, HALF
 
 GAP = 0.01  # [m], between furniture and a wall
 HUNG = 0.0015  # [m], between what hangs and its wall
 
+Spot = tuple[float, float, float, int]  # x, y, z [m] and quarter turns
 Place = Callable[[PlacedFurniture], PlacedFurniture | None]
 
 
@@ -54,25 +55,47 @@ def place(
 
 
 def first(
-    room: Room, spots: Sequence[PlacedFurniture], front: float = 0.0, companions: Companions = alone, views: bool = True
+    room: Room,
+    item: PlacedFurniture,
+    spots: Sequence[Spot],
+    front: float = 0.0,
+    companions: Companions = alone,
+    views: bool = True,
 ) -> PlacedFurniture | None:
-    """The first spot where a thing and its companions fit."""
-    if not spots:
+    """Places a thing at the first spot where it and its companions fit."""
+    if not len(spots):
         return None
-    # What a spot surely touches, or its whole box if nothing may come between its parts.
-    turned = {quarter: hull(spots[0].at(0.0, 0.0, 0.0, quarter)) for quarter in {spot.quarter for spot in spots}}
+    turned = {quarter: hull(item.at(0.0, 0.0, 0.0, quarter)) for quarter in {spot[3] for spot in spots}}
+    for index in _unblocked(room, spots, turned):
+        x, y, z, quarter = spots[index]
+        if meet(turned[quarter] + (x, y, z), room.solid.boxes):
+            continue
+        if placed := place(room, item.at(x, y, z, quarter), front, companions, views):
+            return placed
+    return None
+
+
+def _unblocked(room: Room, spots: Sequence[Spot], turned: Mapping[int, Boxes]) -> list[int]:
+    """Indices of spots that are not kept free; nor taken, if nothing may come between the parts of the thing."""
     taken = room.clear.boxes if len(next(iter(turned.values()))) > 1 else room.taken
     whole = {quarter: np.stack([boxes[:, 0].min(0), boxes[:, 1].max(0)]) for quarter, boxes in turned.items()}
-    boxes = np.stack([whole[spot.quarter] + spot.position for spot in spots])
-    depth = np.minimum(boxes[:, None, 1], taken[:, 1]) - np.maximum(boxes[:, None, 0], taken[:, 0])
-    free = np.flatnonzero(~(depth.min(axis=-1) > TOLERANCE).any(axis=1)).tolist()
-    return next((spots[i] for i in free if place(room, spots[i], front, companions, views)), None)
+    boxes = np.stack([whole[spot[3]] for spot in spots]) + np.array([spot[:3] for spot in spots])[:, None]
+    busy = np.ones((len(boxes), len(taken)), bool)
+    for axis in range(3):
+        low, high = boxes[:, None, 0, axis] + TOLERANCE, boxes[:, None, 1, axis] - TOLERANCE
+        busy &= (low < taken[:, 1, axis]) & (high > taken[:, 0, axis])
+    return np.flatnonzero(~busy.any(axis=1)).tolist()
+
+
+def at_wall(item: PlacedFurniture, wall: Wall, along: float, y: float = FLOOR_TOP, gap: float = GAP) -> Spot:
+    """Where a thing has its back to a wall, its middle at a coordinate along the wall."""
+    x, z = wall.point(along, HALF + gap + float(item.size[2]) / 2)
+    return x, y, z, quarter_towards(*wall.normal)
 
 
 def backed(item: PlacedFurniture, wall: Wall, along: float, y: float = FLOOR_TOP, gap: float = GAP) -> PlacedFurniture:
     """The thing with its back to a wall, its middle at a coordinate along the wall."""
-    x, z = wall.point(along, HALF + gap + float(item.size[2]) / 2)
-    return item.at(x, y, z, quarter_towards(*wall.normal))
+    return item.at(*at_wall(item, wall, along, y, gap))
 
 
 def steps(span: tuple[float, float], width: float, step: float = 0.25) -> Iterator[tuple[float, bool]]:
@@ -100,12 +123,12 @@ def against_wall(
         corners: Below 1: corners are better; above 1: worse.
     """
     spots = [
-        (room.rng.random() * (corners if corner else 1.0), backed(item, wall, along))
+        (room.rng.random() * (corners if corner else 1.0), at_wall(item, wall, along))
         for wall in room.plan.walls
         for along, corner in steps(wall.span, float(item.size[0]))
     ]
     spots.sort(key=lambda spot: spot[0])
-    return first(room, [spot for _, spot in spots], front, companions)
+    return first(room, item, [spot for _, spot in spots], front, companions)
 
 
 def freely(
@@ -115,8 +138,8 @@ def freely(
     x, z = np.meshgrid(room.grid.x[3:-3:3], room.grid.z[3:-3:3], indexing="ij")
     points = np.stack([x.ravel(), z.ravel()], axis=-1)
     turns = list(quarters)
-    spots = [item.at(px, FLOOR_TOP, pz, q) for px, pz in points.tolist() for q in turns]
-    return first(room, [spots[i] for i in room.rng.permutation(len(spots))], 0.0, companions)
+    spots = [(px, FLOOR_TOP, pz, q) for px, pz in points.tolist() for q in turns]
+    return first(room, item, [spots[i] for i in room.rng.permutation(len(spots))], 0.0, companions)
 
 
 def scattered(room: Room, kind: str, tries: int = 6) -> PlacedFurniture | None:
