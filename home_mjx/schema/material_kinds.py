@@ -31,6 +31,7 @@ HOME_TEXTURE_KINDS = {
 TEXTURE_KINDS = HOME_TEXTURE_KINDS | {
     "concrete": "concrete",
     "flower": "plant",
+    "front": "stucco",
     "glass": "glass",
     "grass": "grass",
     "ground": "ground",
@@ -38,6 +39,7 @@ TEXTURE_KINDS = HOME_TEXTURE_KINDS | {
     "leaves": "plant",
     "marble": "stone",
     "metal": "metal",
+    "roof": "tile",
     "spruce": "plant",
 }
 

@@ -42,7 +42,7 @@ def pieces_of(key: int, faces: bytes, count: int) -> np.ndarray:
 def things(home: Home, number: int) -> list[Thing]:
     level, found = home.house.levels[number], []
     owner = {i: room.index for room in level.rooms for i in room.members}
-    for item in level.objects:
+    for item in (item for item in level.objects if item.index in owner):  # without what is outside
         mesh = home.house.models[item.model_key]
         points, faces = mesh.vertices, mesh.faces.astype(np.int64)
         label = pieces_of(id(mesh), faces.tobytes(), len(points))
@@ -50,7 +50,7 @@ def things(home: Home, number: int) -> list[Thing]:
         order = np.argsort(label, kind="stable")
         starts = np.flatnonzero(np.diff(label[order], prepend=-1))
         boxes = np.stack([f.reduceat(world[order], starts, axis=0) for f in (np.minimum, np.maximum)], axis=1)
-        found.append(Thing(item.model_id, home.fine(item.model_id), owner.get(item.index, -1), boxes))
+        found.append(Thing(item.model_id, home.fine(item.model_id), owner[item.index], boxes))
     return found
 
 

@@ -4,29 +4,34 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
 
+from home_mjx.datasets.homes.outside.models import outside_models
 from home_mjx.datasets.homes.structure import structure_models
 from home_mjx.datasets.homes.textures.recipes import texture
 from home_mjx.datasets.homes.things import library as things
 from home_mjx.datasets.homes.things import library_model as thing
 from home_mjx.datasets.homes.things.categories import CATEGORIES
+from home_mjx.datasets.procedural.categories import Category
 from home_mjx.datasets.procedural.dataset import library_model
 from home_mjx.datasets.procedural.primitives.family import Furniture
 from home_mjx.datasets.suncg.write.house import write_model, write_tables, write_textures
 from home_mjx.schema.house import House, Material
+
+CLASSES = {**CATEGORIES, "roof": Category("roof", "otherstructure", ("n04105068", "roof.n.01"))}
 
 _written: dict[Path, set[str]] = {}  # by this process, below each root
 
 
 @cache
 def _others() -> Mapping[str, Furniture]:
-    """Models that are no things: stairs, railings, garage doors."""
-    return {model.id: model for models in structure_models().values() for model in models}
+    """Models that are no things: of the building and of what is around it."""
+    families = (*structure_models().values(), *outside_models().values())
+    return {model.id: model for models in families for model in models}
 
 
 def write_shared(root: Path) -> None:
     """Writes the tables, which list every model, so that they do not depend on which homes there are."""
     models = (*things().values(), *_others().values())
-    write_tables(root, [library_model(model, CATEGORIES) for model in models])
+    write_tables(root, [library_model(model, CLASSES) for model in models])
 
 
 def write_used(root: Path, home: House) -> None:
@@ -43,7 +48,7 @@ def write_used(root: Path, home: House) -> None:
     used = sorted({item.model_id for level in home.levels for item in level.objects})
     for name in (name for name in used if name not in done):
         model = _others().get(name) or thing(name)
-        write_model(root, library_model(model, CATEGORIES))
+        write_model(root, library_model(model, CLASSES))
         _write_textures(root, done, model.mesh.materials)
         done.add(name)
     for materials in _materials(home):
@@ -52,7 +57,8 @@ def write_used(root: Path, home: House) -> None:
 
 def _materials(home: House) -> Iterator[tuple[Material, ...]]:
     for level in home.levels:
-        yield from (item.materials for item in level.objects)
+        yield from (item.materials for item in (*level.objects, *level.boxes))
+        yield from (ground.mesh.materials for ground in level.grounds if ground.mesh is not None)
         for room in level.rooms:
             yield from (mesh.materials for mesh in (room.floor, room.ceiling, room.walls) if mesh is not None)
 
