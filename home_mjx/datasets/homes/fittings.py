@@ -10,10 +10,10 @@ from home_mjx.datasets.homes.plan.shape.storeys import Stairwell
 from home_mjx.datasets.homes.structure import structure_models
 from home_mjx.datasets.homes.structure.railings import DEPTH
 from home_mjx.datasets.homes.structure.stairs import LENGTH, RISE, WIDTH
+from home_mjx.datasets.homes.taste import Style
 from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture, quarter_towards
 from home_mjx.datasets.procedural.floor_plan.rooms import Rect, RoomPlan, Wall, outer_spans
 from home_mjx.datasets.procedural.floor_plan.walls import FLOOR_TOP, HALF
-from home_mjx.datasets.procedural.furnish.style import Style
 from home_mjx.datasets.procedural.primitives.family import Furniture
 
 GAP = 0.01  # [m], between stairs and walls
@@ -26,7 +26,7 @@ def fittings(home: HomePlan, level: int, style: Style) -> Iterator[Owned]:
     """Stairs that begin on a level, railings at stairwells that end there and around its open rooms."""
     storey = home.storeys[level]
     models = structure_models()
-    rails = models["railing"][:5] if style.models["door"].id != "gen_door_2" else models["railing"][5:]
+    rails = models["railing"][5:] if style.boarded else models["railing"][:5]
     if storey.stairs is not None:
         steps = models["stairs"][int(style.rng.integers(2)) + 2 * storey.stairs.left]
         yield _stairs(storey.stairs, steps, home.height), 0

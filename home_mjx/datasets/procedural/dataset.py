@@ -20,7 +20,7 @@ from home_mjx.datasets.procedural.build import build_house
 from home_mjx.datasets.procedural.categories import CATEGORIES, Category
 from home_mjx.datasets.procedural.furniture import library
 from home_mjx.datasets.procedural.primitives.family import Furniture
-from home_mjx.datasets.procedural.primitives.textures import RECIPES, Image, texture
+from home_mjx.datasets.procedural.primitives.textures import RECIPES, texture
 from home_mjx.datasets.seeds import MARKER, house_id
 from home_mjx.datasets.suncg.write.house import PARTIAL, is_whole_house, write_house, write_library
 from home_mjx.datasets.suncg.write.metadata import LibraryModel
@@ -39,9 +39,8 @@ class Generator(NamedTuple):
     """One generator of houses."""
 
     version: int
-    models: Callable[[], Sequence[LibraryModel]]  # in the order of their rows in the tables
+    library: Callable[[Path], None]  # writes what all houses share below a dataset root
     write: Callable[[Path, int], None]  # the house of a seed below a dataset root
-    textures: Callable[[], Mapping[str, Image]]  # by name
 
 
 def generate_dataset(root: str | Path, seeds: Sequence[int], progress: bool = False) -> tuple[str, ...]:
@@ -66,7 +65,7 @@ def generate_dataset(root: str | Path, seeds: Sequence[int], progress: bool = Fa
     Example:
         >>> ids = generate_dataset("houses", range(8))  # doctest: +SKIP
     """
-    return write_seeds(root, seeds, Generator(VERSION, _library_models, _write, _textures), progress)
+    return write_seeds(root, seeds, Generator(VERSION, _write_library, _write), progress)
 
 
 def write_seeds(
@@ -76,7 +75,7 @@ def write_seeds(
     seeds = [_checked(seed) for seed in seeds]
     root = Path(root).expanduser().absolute()
     _claim(root, generator.version)
-    write_library(root, generator.models(), generator.textures())
+    generator.library(root)
     missing = [seed for seed in dict.fromkeys(seeds) if not _is_whole(root, house_id(seed))]
     with _mapper(len(missing)) as run, tqdm(total=len(missing), disable=not progress, unit="house") as bar:
         for _ in run(partial(generator.write, root), missing):
@@ -84,12 +83,9 @@ def write_seeds(
     return tuple(house_id(seed) for seed in seeds)
 
 
-def _library_models() -> list[LibraryModel]:
-    return [library_model(model) for model in library().values()]
-
-
-def _textures() -> dict[str, Image]:
-    return {name: texture(name) for name in RECIPES}
+def _write_library(root: Path) -> None:
+    models = [library_model(model) for model in library().values()]
+    write_library(root, models, {name: texture(name) for name in RECIPES})
 
 
 def _checked(seed: object) -> int:
