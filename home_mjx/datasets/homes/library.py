@@ -1,9 +1,12 @@
 """The library of a dataset of homes: tables of all models; models and textures as homes come to use them."""
 
+import hashlib
+import json
 from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
 
+from home_mjx.core.files import read_text
 from home_mjx.datasets.homes.outside.models import outside_models
 from home_mjx.datasets.homes.structure import structure_models
 from home_mjx.datasets.homes.textures.recipes import texture
@@ -13,7 +16,8 @@ from home_mjx.datasets.homes.things.categories import CATEGORIES
 from home_mjx.datasets.procedural.categories import Category
 from home_mjx.datasets.procedural.dataset import library_model
 from home_mjx.datasets.procedural.primitives.family import Furniture
-from home_mjx.datasets.suncg.write.house import write_model, write_tables, write_textures
+from home_mjx.datasets.suncg.write.house import DIGESTS, write_model, write_tables, write_textures
+from home_mjx.errors import DatasetError
 from home_mjx.schema.house import House, Material
 
 CLASSES = {**CATEGORIES, "roof": Category("roof", "otherstructure", ("n04105068", "roof.n.01"))}
@@ -29,9 +33,23 @@ def _others() -> Mapping[str, Furniture]:
 
 
 def write_shared(root: Path) -> None:
-    """Writes the tables, which list every model, so that they do not depend on which homes there are."""
+    """Writes the tables, which list every model, so that they do not depend on which homes there are.
+
+    Tables that are as they were written are kept: making them means building all models.
+    """
+    if _tables_are_whole(root / "metadata"):
+        return
     models = (*things().values(), *_others().values())
-    write_tables(root, [library_model(model, CLASSES) for model in models])
+    write_tables(root, [library_model(model, CLASSES) for model in models], digests=True)
+
+
+def _tables_are_whole(folder: Path) -> bool:
+    try:
+        digests: dict[str, str] = json.loads(read_text(folder / DIGESTS))
+        texts = {name: read_text(folder / name) for name in digests}
+        return all(hashlib.sha256(text.encode()).hexdigest() == digests[name] for name, text in texts.items())
+    except (DatasetError, ValueError, TypeError, AttributeError, RecursionError):
+        return False
 
 
 def write_used(root: Path, home: House) -> None:

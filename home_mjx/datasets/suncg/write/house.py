@@ -130,8 +130,13 @@ def write_textures(root: Path, textures: Mapping[str, UInt8[np.ndarray, "h w 3"]
     _write_folder(root, Path("texture"), {f"{name}.png": image for name, image in textures.items()}, mend=True)
 
 
-def write_tables(root: Path, models: Sequence[LibraryModel]) -> None:
-    """Writes the metadata tables below a dataset root, of models in the order of their rows.
+def write_tables(root: Path, models: Sequence[LibraryModel], digests: bool = False) -> None:
+    """Writes the metadata tables below a dataset root.
+
+    Args:
+        root: Dataset root.
+        models: The models, in the order of their rows.
+        digests: Also write the digests of the tables, by which it is seen later that they are whole.
 
     Raises:
         DatasetError: The folder cannot be written.
@@ -141,7 +146,8 @@ def write_tables(root: Path, models: Sequence[LibraryModel]) -> None:
         "models.csv": sizes_csv(models),
         "suncgModelLights.json": lights_json(models),
     }
-    _write_folder(root, Path("metadata"), tables, mend=True)
+    more = {DIGESTS: json.dumps({name: _digest(text) for name, text in tables.items()})} if digests else {}
+    _write_folder(root, Path("metadata"), {**tables, **more}, mend=True)
 
 
 def _write_folder(

@@ -65,7 +65,8 @@ def dining_room(room: Room) -> None:
     add(room, "glass_cabinet", 0.5, 0.45)
     add(room, "bookshelf", 0.5, 0.25)
     add(room, "bar_cart", 0.3, 0.2)
-    add(room, "wine_rack", 0.3, 0.12)
+    for kind, probability in (("wine_rack", 0.12), ("two_seater", 0.15), ("small_fridge", 0.08), ("armchair", 0.1)):
+        add(room, kind, 0.3, probability)
     for kind, probability in (("slim_plant", 0.5), ("floor_lamp", 0.25), ("tall_clock", 0.1)):
         add(room, kind, 0.0, probability)
     hang_kind(room, "wall_clock", 1.65, 0.3)

@@ -80,7 +80,7 @@ def switches(room: Room) -> None:
 
 def sockets(room: Room) -> None:
     """A few sockets near the floor."""
-    for _ in range(1 + int(room.rng.integers(0, 3))):
+    for _ in range(int(room.rng.integers(0, 3))):
         hang(room, room.object("socket"), 0.28)
 
 
