@@ -1,10 +1,11 @@
 """The library of a dataset of homes: tables of all models; models and textures as homes come to use them."""
 
-import hashlib
-import json
+import re
 from collections.abc import Iterator, Mapping
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
+
+from PIL import Image
 
 from home_mjx.core.files import read_text
 from home_mjx.datasets.homes.outside.models import outside_models
@@ -16,7 +17,7 @@ from home_mjx.datasets.homes.things.categories import CATEGORIES
 from home_mjx.datasets.procedural.categories import Category
 from home_mjx.datasets.procedural.dataset import library_model
 from home_mjx.datasets.procedural.primitives.family import Furniture
-from home_mjx.datasets.suncg.write.house import DIGESTS, write_model, write_tables, write_textures
+from home_mjx.datasets.suncg.write.house import is_whole_folder, write_model, write_tables, write_textures
 from home_mjx.errors import DatasetError
 from home_mjx.schema.house import House, Material
 
@@ -37,18 +38,55 @@ def write_shared(root: Path) -> None:
 
     Tables that are as they were written are kept: making them means building all models.
     """
-    if _tables_are_whole(root / "metadata"):
+    if is_whole_folder(root / "metadata"):
         return
     models = (*things().values(), *_others().values())
     write_tables(root, [library_model(model, CLASSES) for model in models], digests=True)
 
 
-def _tables_are_whole(folder: Path) -> bool:
+def has_library(root: Path, house_id: str) -> bool:
+    """Whether all models and textures of a written home are there as they were written.
+
+    Args:
+        root: Dataset root.
+        house_id: Which home.
+    """
     try:
-        digests: dict[str, str] = json.loads(read_text(folder / DIGESTS))
-        texts = {name: read_text(folder / name) for name in digests}
-        return all(hashlib.sha256(text.encode()).hexdigest() == digests[name] for name, text in texts.items())
-    except (DatasetError, ValueError, TypeError, AttributeError, RecursionError):
+        text = read_text(root / "house" / house_id / "house.json")
+        rooms = [read_text(path) for path in sorted((root / "room" / house_id).glob("*.mtl"))]
+    except DatasetError:
+        return False
+    models = [root / "object" / name for name in set(re.findall(r'"modelId":"((?:home|gen)_[^"]+)"', text))]
+    textures = set(re.findall(r'"texture":"([^"]+)"', text)).union(*(_textures_of(mtl) for mtl in rooms))
+    for folder in models:
+        if not _is_whole(folder, _stamp(folder)):
+            return False
+        textures |= _textures_of(read_text(folder / f"{folder.name}.mtl"))
+    return all(_is_image(path, _stamp(path)) for path in (root / "texture" / f"{name}.png" for name in textures))
+
+
+def _textures_of(mtl: str) -> set[str]:
+    return {Path(path).stem for path in re.findall(r"map_Kd (\S+)", mtl)}
+
+
+def _stamp(path: Path) -> tuple[int, ...]:
+    """Sizes and times of a file, or of those in a folder: while they are the same, so are the files."""
+    files = sorted(path.iterdir()) if path.is_dir() else [path] if path.exists() else []
+    return tuple(number for file in files for number in (file.stat().st_size, file.stat().st_mtime_ns))
+
+
+@lru_cache(maxsize=4096)
+def _is_whole(folder: Path, stamp: tuple[int, ...]) -> bool:
+    return bool(stamp) and is_whole_folder(folder)
+
+
+@lru_cache(maxsize=4096)
+def _is_image(path: Path, stamp: tuple[int, ...]) -> bool:
+    try:
+        with Image.open(path) as image:
+            image.load()
+        return bool(stamp)
+    except (OSError, ValueError, SyntaxError):  # of Pillow, for what is no image
         return False
 
 
@@ -63,12 +101,12 @@ def write_used(root: Path, home: House) -> None:
         DatasetError: The folders cannot be written.
     """
     done = _written.setdefault(root, set())
-    used = sorted({item.model_id for level in home.levels for item in level.objects})
-    for name in (name for name in used if name not in done):
-        model = _others().get(name) or thing(name)
-        write_model(root, library_model(model, CLASSES))
-        _write_textures(root, done, model.mesh.materials)
-        done.add(name)
+    for name in sorted({item.model_id for level in home.levels for item in level.objects}):
+        if name not in done or not (root / "object" / name).is_dir():
+            model = _others().get(name) or thing(name)
+            write_model(root, library_model(model, CLASSES), digests=True)
+            _write_textures(root, done, model.mesh.materials)
+            done.add(name)
     for materials in _materials(home):
         _write_textures(root, done, materials)
 
@@ -82,7 +120,7 @@ def _materials(home: House) -> Iterator[tuple[Material, ...]]:
 
 
 def _write_textures(root: Path, done: set[str], materials: tuple[Material, ...]) -> None:
-    names = {m.texture.name for m in materials if m.texture is not None} - done
-    if names:
-        write_textures(root, {Path(name).stem: texture(Path(name).stem) for name in sorted(names)})
-        done |= names
+    for name in sorted({m.texture.name for m in materials if m.texture is not None}):
+        if name not in done or not (root / "texture" / name).exists():
+            write_textures(root, {Path(name).stem: texture(Path(name).stem)})
+            done.add(name)
