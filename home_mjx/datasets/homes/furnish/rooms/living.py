@@ -23,6 +23,7 @@ from home_mjx.datasets.homes.furnish.space.spots import (
     steps,
     zone_before,
 )
+from home_mjx.datasets.homes.furnish.space.tops import carries, tops_of
 from home_mjx.datasets.homes.furnish.space.turned import turned
 from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
 from home_mjx.datasets.procedural.floor_plan.walls import FLOOR_TOP, HALF
@@ -182,18 +183,20 @@ def _screen(room: Room, stand: PlacedFurniture, hung: bool) -> PlacedFurniture |
         x, z = stand.beside(0.0, float(screen.size[2] - stand.size[2]) / 2 - GAP + 0.002)
         return screen.at(x, FLOOR_TOP + 1.0, z, stand.quarter)
     for screen in (room.object("flat_screen"), *room.options("television")):
-        if screen.size[0] < stand.size[0] + 0.1 and screen.size[2] < stand.size[2]:
-            return screen.at(x, float(stand.box[1, 1]), z, stand.quarter)
+        for top in tops_of(stand.model.id)[:2]:
+            spot = screen.at(x, stand.position[1] + top.height, z, stand.quarter)
+            if carries(stand, top, spot) and clear_of(spot, (stand,)):
+                return spot
     return None
 
 
 def screened(room: Room, stand: PlacedFurniture) -> PlacedFurniture | None:
     """A stand with a television at any wall."""
-    screen = _screen(room, stand, False)
 
     def companions(spot: PlacedFurniture) -> Iterator[PlacedFurniture]:
+        screen = _screen(room, spot, False)
         if screen is not None:
-            yield screen.at(spot.position[0], float(spot.box[1, 1]), spot.position[2], spot.quarter)
+            yield screen
 
     return against_wall(room, stand, 0.5, companions)
 

@@ -71,10 +71,9 @@ def switches(room: Room) -> None:
         item = room.object("switch")
         latch = float(FACING[door.quarter][1 - wall.axis]) * (-1 if door.mirrored else 1)
         away = float(door.model.size[0]) / 2 + BESIDE_DOOR + float(item.size[0]) / 2
-        spots = [
-            at_wall(item, wall, door.position[2 * wall.axis] + side * away, FLOOR_TOP + 1.05, HUNG)
-            for side in (latch, -latch)
-        ]
+        low, high = wall.span[0] + HALF + float(item.size[0]), wall.span[1] - HALF - float(item.size[0])
+        places = [door.position[2 * wall.axis] + side * away for side in (latch, -latch)]
+        spots = [at_wall(item, wall, at, FLOOR_TOP + 1.05, HUNG) for at in places if low < at < high]
         first(room, item, spots, views=False)
 
 
