@@ -13,14 +13,13 @@ from home_mjx.datasets.homes.furnish.space.spots import (
     add,
     against_wall,
     ahead,
-    backed,
+    along_walls,
     clear_of,
     fit,
     next_to,
     place,
     reach,
     scattered,
-    steps,
     zone_before,
 )
 from home_mjx.datasets.homes.furnish.space.tops import carries, tops_of
@@ -131,12 +130,9 @@ def _stands(room: Room) -> Iterator[PlacedFurniture]:
 
 def _walls(room: Room, stand: PlacedFurniture) -> list[PlacedFurniture]:
     """Places for a stand at the walls, those in corners last."""
-    found = [
-        (room.rng.random() + corner, backed(stand, wall, along))
-        for wall in room.plan.walls
-        for along, corner in steps(wall.span, float(stand.size[0]), 0.4)
-    ]
-    return [spot for _, spot in sorted(found, key=lambda pair: pair[0])]
+    spots, corner = along_walls(room, stand, step=0.4)
+    order = np.argsort(room.rng.random(len(spots)) + corner, kind="stable").tolist()
+    return [stand.at(*spots[i]) for i in order]
 
 
 def _group(
