@@ -28,7 +28,7 @@ from home_mjx.registry import find_spec
 from home_mjx.tasks import chance, prior_accuracy
 from home_mjx.tasks.base.options import override
 from home_mjx.training import Policy, PPOConfig, RunConfig, evaluate, judged, load_policy, random_policy, summary, train
-from home_mjx.training.checkpoint import CHECKPOINT
+from home_mjx.training.checkpoint import CHECKPOINT, CLONED
 from home_mjx.training.records import read_lines
 
 EYES = ("depth", "coarse", "prev_action")
@@ -122,6 +122,8 @@ def main() -> None:
         if taken:
             low = float(np.min(env.core.observation_spec[taken].low))
             policies[f"without {taken}"] = (without(trained, taken, low), net)
+        if (out / CLONED).exists():
+            policies["cloned"] = (trained, load_policy(out / CLONED, env.core)[1])
         if args.greedy:
             policies["greedy"] = load_policy(out / CHECKPOINT, env.core, greedy=True)
         for agent, (policy, own) in policies.items():

@@ -31,6 +31,7 @@ HOME_TEXTURE_KINDS = {
 TEXTURE_KINDS = HOME_TEXTURE_KINDS | {
     "concrete": "concrete",
     "flower": "plant",
+    "foliage": "plant",
     "front": "stucco",
     "glass": "glass",
     "grass": "grass",

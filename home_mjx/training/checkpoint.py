@@ -18,6 +18,7 @@ from home_mjx.training.rollout import Policy
 
 CHECKPOINT = "checkpoint.npz"  # in the folder of a run
 AGENT = "agent.npz"  # beside it, once the run is over: the network alone
+CLONED = "cloned.npz"  # the same after advice alone, before rewards
 CONFIG = "config"  # name of the configuration in a file; names of arrays begin with a dot
 NET = ".net"  # of a `TrainState`
 MAX_SHOWN = 5  # differences that an error names

@@ -18,6 +18,7 @@ from home_mjx.tasks.environment.household import HouseholdEnv
 from home_mjx.training.checkpoint import (
     AGENT,
     CHECKPOINT,
+    CLONED,
     DIVERGED,
     check_same,
     is_finite,
@@ -50,7 +51,7 @@ def train(
 
     All programs are compiled first. `metrics.jsonl` has one line for every two-hundredth of each stage,
     `checkpoint.npz` the latest checkpoint, `curves.png` the figures over steps, `tensorboard/` the same for
-    TensorBoard. `agent.npz` is the network alone, once the run is over.
+    TensorBoard. `agent.npz` is the network alone, once the run is over; `cloned.npz` what it was when rewards began.
 
     Args:
         config: Options.
@@ -80,6 +81,8 @@ def train(
         run, net = _Run(config, path, records, bar, clock), None
         for stage in stages:
             net = run.learn(stage, net)
+            if stage is not stages[-1]:
+                save_net(out / CLONED, net, config)
     save_net(out / AGENT, net, config)
     return stages[-1].ppo
 

@@ -179,6 +179,7 @@ def test_a_run_that_ends_by_time_has_made_an_update(tmp_path: Path):
 def test_stages_are_one_run(tmp_path: Path):
     train(tmp_path, dataclasses.replace(CONFIG, clone_timesteps=256))
     assert read_updates(tmp_path / "checkpoint.npz") == UPDATES + 4
+    assert count_of(tmp_path / "cloned.npz") == [4] * 3
     assert count_of(tmp_path / "agent.npz") == [UPDATES + 4] * 3
 
 

@@ -155,10 +155,16 @@ def triangles_z_up(mesh: Mesh) -> Float[np.ndarray, "f 3 3"]:
 
 
 def unit_cube() -> Model:
-    """The model of Box nodes: edges of 1 m around the origin, one slot and the whole texture per face."""
-    corner = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], float)
-    uv = np.tile(corner[[[0, 1, 2], [0, 2, 3]]], (6, 1, 1))
-    return make_model("box", box_triangles(np.zeros(3), np.full(3, 0.5)), uv, np.repeat(BOX_SLOTS, 2))
+    """The model of Box nodes: edges of 1 m around the origin, one slot and the whole texture per face.
+
+    On the four walls textures stand upright, left to right as seen from outside.
+    """
+    triangles = box_triangles(np.zeros(3), np.full(3, 0.5))
+    normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    is_wall = np.abs(normal[:, 2:]) < 0.5
+    right = np.where(is_wall, np.stack([-normal[:, 1], normal[:, 0], 0 * normal[:, 0]], -1), [1.0, 0.0, 0.0])
+    uv = np.stack([np.einsum("tci,ti->tc", triangles, axis) for axis in (right, np.cross(normal, right))], -1) + 0.5
+    return make_model("box", triangles, uv, np.repeat(BOX_SLOTS, 2))
 
 
 def _pose(node: Object | Box, offset: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 4"]:

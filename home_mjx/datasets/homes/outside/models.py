@@ -23,7 +23,7 @@ PARTS: Mapping[str, Material] = {
     "tiles": textured("roof_1"),
     "gable": plain("#e8e2d4"),
     "eaves": plain("#d8d2c4"),
-    "leaf": textured("grass_1"),
+    "leaf": textured("foliage_1"),
     "bark": textured("wood_2"),
 }
 

@@ -25,7 +25,9 @@ TILES = tuple(textured(name) for name in ("roof_1", "roof_2", "roof_3", "roof_4"
 LAWNS = (textured("grass_1"), textured("grass_2"), textured("grass_1", "#d8e0b0"))
 PAVED = (textured("path_1"), textured("path_2"), textured("concrete_2"))
 ASPHALT, PAVEMENT = textured("concrete_1", "#6a6a6e"), textured("concrete_2")
-LEAVES = tuple(textured("grass_1", tint) for tint in ("#9fb890", "#7f9c74", "#b4c08c", "#889a6a"))
+LEAVES = tuple(
+    textured(*leaf) for leaf in (("foliage_1",), ("foliage_2",), ("foliage_3", "#d8e0c8"), ("foliage_1", "#c8d4b8"))
+)
 BARK = textured("wood_2", "#c8c0b8")
 TREES, BUSHES = (4, 9), (2, 6)  # how many, at least and less than
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from home_mjx.datasets.homes.textures.patterns import Rng, pixels, shingles
-from home_mjx.datasets.procedural.primitives.textures import Color, Rgb, noise
+from home_mjx.datasets.procedural.primitives.textures import Color, Rgb, blend, noise
 
 PANE, FRAME = (0.26, 0.32, 0.38), (0.93, 0.93, 0.91)
 
@@ -38,7 +38,18 @@ def _window(image: Rgb, place: tuple[np.ndarray, np.ndarray], is_door: bool, rng
     image[inside & rim & ((across > 0.86) | (not is_door))] = FRAME
 
 
+def foliage(rng: Rng, dark: Color, light: Color, size: float = 4.0) -> Rgb:
+    """Leaves in light and shade, seen from some way off."""
+    clumps, leaves = noise(rng, 3 * size, 3 * size), noise(rng, size, size)
+    return blend(dark, light, 0.5 + 0.2 * clumps + 0.28 * leaves + 0.1 * noise(rng, 1.5, 1.5))
+
+
 ROWS = {
+    "foliage": (
+        (foliage, "#2c4a20 #7ca04c"),
+        (foliage, "#1e3a26 #527a4c", {"size": 2.0}),
+        (foliage, "#4a5a20 #a4b05c", {"size": 5.0}),
+    ),
     "roof": (
         (shingles, "#7a3a28 #b4694c"),
         (shingles, "#4a4c50 #74777c", {"rows": 5, "columns": 5}),

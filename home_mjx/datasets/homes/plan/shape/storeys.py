@@ -28,10 +28,12 @@ class Stairwell:
     Attributes:
         rect: Between the middles of its walls, and the edge of the hall [m].
         way: (x, z) unit direction from the hall into it.
+        left: Whether they go up on the left, and come back on the right.
     """
 
     rect: Rect
     way: tuple[int, int]
+    left: bool = False
 
     @property
     def area(self) -> float:
@@ -156,7 +158,7 @@ def _placed(
         row = shell.rows[shell.stairs_row]
         ahead = Rect(0, 0, row.sign * (row.axis == 1), row.sign * (row.axis == 0))
         x0, z0, x1, z1 = _turned(ahead, turn, mirrored, keep=True)
-        well = Stairwell(place(shell.stairs), (round(x1 - x0), round(z1 - z0)))
+        well = Stairwell(place(shell.stairs), (round(x1 - x0), round(z1 - z0)), bool(rng.random() < 0.5))
     hall_kind = _hall_kind(rng, drafts)
     storeys = []
     for level, draft in enumerate(drafts):
