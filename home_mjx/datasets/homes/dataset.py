@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from home_mjx.datasets.homes.build import build_home
-from home_mjx.datasets.homes.library import write_shared, write_used
+from home_mjx.datasets.homes.library import has_library, write_shared, write_used
 from home_mjx.datasets.procedural.dataset import Generator, write_seeds
 from home_mjx.datasets.suncg.write.house import write_house
 
@@ -13,7 +13,7 @@ VERSION = 2  # raise it whenever the same seed would give another file
 
 def generate_homes(root: str | Path, seeds: Sequence[int], progress: bool = False) -> tuple[str, ...]:
     """Writes one home per seed; arguments and errors are those of `home_mjx.datasets.generate_dataset`."""
-    return write_seeds(root, seeds, Generator(VERSION, write_shared, write_home), progress)
+    return write_seeds(root, seeds, Generator(VERSION, write_shared, write_home, has_library), progress)
 
 
 def write_home(root: Path, seed: int) -> None:

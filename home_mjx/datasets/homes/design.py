@@ -14,6 +14,7 @@ from home_mjx.datasets.homes.taste.surfaces import Cladding
 from home_mjx.datasets.procedural.floor_plan.openings import HousePlan
 from home_mjx.datasets.procedural.floor_plan.walls import Surfaces
 from home_mjx.datasets.procedural.primitives.palette import FACADES, choose
+from home_mjx.errors import ConfigError
 from home_mjx.schema.house import Material
 
 PATIENCE = 40  # plans that cannot be furnished, after which another program is drawn where none was given
@@ -52,7 +53,13 @@ def draw_design(seed: int, program: Program | None = None) -> HomeDesign:
     wanted = draw_program(rng) if program is None else program
     failed = 0
     while True:
-        plan, style = draw_home(rng, wanted), Style.draw(rng)
+        try:
+            plan, style = draw_home(rng, wanted), Style.draw(rng)
+        except ConfigError:
+            if program is not None:
+                raise
+            wanted = draw_program(rng)  # some have no plan
+            continue
         furniture = furnish_home(plan, style)
         if furniture is not None:
             looks: dict[str, tuple[Material, ...]] = {}

@@ -2,10 +2,13 @@
 
 import hashlib
 import itertools
+import shutil
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
 import pytest
+from standing_things import floating, overlaps, things
 from walked_homes import LINKS, Home, Walker, likeness, may_be_alike, reachable, room_map
 
 from home_mjx.datasets import generate_dataset, open_dataset, validate_house
@@ -16,12 +19,21 @@ from home_mjx.datasets.seeds import house_id
 from home_mjx.datasets.suncg.write.house import write_house
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.scene_compile import CompileOptions, compile_house
+from home_mjx.scene_compile.mjcf.export import to_mjcf
+from home_mjx.scene_compile.mjcf.stability import rest_drift
 from home_mjx.scene_compile.navigation.free_space import NavigationOptions
 
 SEEDS = (0, 1, 2, 6, 7, 11)
 CLIMBED = 11  # a seed whose home has two storeys
 STACKED = 6  # one of three, the stairs above one another
 TWIN = 0.85  # of a room map
+RAILS = {f"gen_railing_{k}" for k in range(1, 11)}  # meet in corners
+COMMON = {
+    *("armchair", "bookshelf", "chair", "coffee_table", "curtain", "clock", "cup", "desk", "dining_table", "door"),
+    *("double_bed", "dresser", "heater", "hanging_kitchen_cabinet", "kitchen_cabinet", "mirror", "picture_frame"),
+    *("plant", "range_hood", "range_oven", "refrigerator", "rug", "shoes", "sink", "sofa", "stand", "switch"),
+    *("table_lamp", "television", "toilet", "towel_rack", "tv_stand", "vase", "wall_lamp", "wardrobe_cabinet"),
+}
 
 
 @pytest.fixture(scope="module")
@@ -231,6 +243,71 @@ def test_unknown_versions_are_refused(tmp_path, version):
     with pytest.raises(ConfigError, match="no generator of version"):
         generate_dataset(tmp_path / "x", [0], version=version)
     assert not (tmp_path / "x").exists()
+
+
+def test_things_stand_or_hang_and_are_in_nothing_else(homes):
+    for seed, home in homes.items():
+        for number in range(len(home.house.levels)):
+            found = things(home, number)
+            assert floating(home, number, found) == [], seed
+            assert [pair for pair in overlaps(found) if not RAILS.issuperset(pair[:2])] == [], seed
+
+
+@pytest.mark.slow
+def test_things_of_more_homes_stand_or_hang(tmp_path):
+    seeds = range(600_000, 600_040)
+    generate_dataset(tmp_path / "homes", seeds, version=2)
+    many = {seed: Home.read(tmp_path / "homes", house_id(seed)) for seed in seeds}
+    test_things_stand_or_hang_and_are_in_nothing_else(many)
+
+
+def test_homes_hold_many_kinds_of_things(homes):
+    fine = Counter(
+        home.fine(item.model_id) for home in homes.values() for lv in home.house.levels for item in lv.objects
+    )
+    assert len(fine) > 90
+    assert set(fine) >= COMMON
+    shapes = {item.model_id for home in homes.values() for level in home.house.levels for item in level.objects}
+    assert len(shapes) > 350
+    rooms = sum(len(level.rooms) for home in homes.values() for level in home.house.levels)
+    assert 14 < sum(fine.values()) / rooms < 24
+
+
+def test_the_library_holds_what_homes_use_and_no_more(root, homes):
+    used = {item.model_id for home in homes.values() for level in home.house.levels for item in level.objects}
+    assert {path.name for path in (root / "object").iterdir()} == used
+    assert {path.name for path in (root / "metadata").iterdir()} >= {"models.csv", "ModelCategoryMapping.csv"}
+    textures = {path.name for path in (root / "texture").iterdir()}
+    texts = [path.read_text() for path in root.rglob("*.mtl")]
+    assert {Path(line.split()[1]).name for text in texts for line in text.splitlines() if "map_Kd" in line} <= textures
+
+
+def test_lost_and_broken_parts_of_the_library_are_made_again(root, caplog):
+    before = digests(root)
+    lost = sorted((root / "object").iterdir())[7]
+    shutil.rmtree(lost)
+    picture = sorted((root / "texture").iterdir())[3]
+    picture.write_bytes(picture.read_bytes()[:100])
+    table = root / "metadata" / "models.csv"
+    table.write_text(table.read_text()[:1000])
+    generate_dataset(root, SEEDS, version=2)
+    assert digests(root) == before
+    assert str(table) in caplog.text
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [0, 1, 7])
+def test_free_bodies_stay_where_they_are_and_doors_have_hinges(root, seed):
+    dataset = open_dataset(root)
+    compiled = compile_house(dataset.load_house(house_id(seed)), dataset.metadata)
+    assert len(compiled.bodies.mass) > 20
+    assert max(rest_drift(*to_mjcf(compiled)).values()) < 2e-3
+    leaves = sum(
+        dataset.metadata.info(item.model_id).fine == "door"
+        for level in dataset.load_house(house_id(seed)).levels
+        for item in level.objects
+    )
+    assert len(compiled.doors.mass) == leaves
 
 
 @pytest.mark.slow

@@ -28,6 +28,9 @@ def furnish_home(home: HomePlan, style: Style) -> Furnished | None:
     That is if open doors block one another, a room has no place for what it is for, or no bathroom has a tub or a
     shower.
     """
+    places = [(number, index) for number, level in enumerate(home.levels) for index in range(len(level.rooms))]
+    if not all(_empty(home, *place, style).passable for place in places):
+        return None
     levels: list[list[Room]] = []
     for number in range(len(home.levels)):
         rooms = []
@@ -43,13 +46,14 @@ def furnish_home(home: HomePlan, style: Style) -> Furnished | None:
     return tuple(tuple(tuple(room.items) for room in rooms) for rooms in levels)
 
 
+def _empty(home: HomePlan, level: int, index: int, style: Style) -> Room:
+    return Room(home.levels[level], index, style, home.stairwell(level) if index == 0 else None)
+
+
 def _furnished(home: HomePlan, level: int, index: int, style: Style) -> Room | None:
     """A furnished room; None if it cannot serve."""
     for _ in range(TRIES):
-        stairs = home.stairwell(level) if index == 0 else None
-        room = Room(home.levels[level], index, style, stairs)
-        if not room.passable:
-            return None
+        room = _empty(home, level, index, style)
         outdoors = room.kind in OUTDOORS
         if not outdoors:
             switches(room)

@@ -18,6 +18,8 @@ METALS = ("chrome", "steel", "brass", "iron", "black")
 SOFT = ("upholstery", "textile", "patterned", "leather", "linen", "towel", "curtain", "sheer", "carpet", "fur")
 OF_ROOMS = (*SOFT, "carpet_round", "paint", "color", "shade", "felt")
 OF_HOMES = ("wood", "chrome", "steel", "brass", "iron", "stone", "marble", "cane", "ceramic", "opal", "masonry")
+FITTED = ("kitchen_cabinet", "hanging_cabinet", "kitchen_sink", "dishwasher")  # alike all over a kitchen
+FRONTS = {"wood": "wood", "paint": "paint", "color": "paint", "stone": "stone", "marble": "stone"}
 FAVOURITES = 3  # models of a kind that a home has, at most
 USUAL = 0.85  # part of a home's things that are favourites
 INTERESTS = ("children", "music", "games", "sport", "books", "plants", "cooking", "pets", "art", "travel")
@@ -88,7 +90,9 @@ class Style:
         seen: dict[str, Material] = {}
         found = []
         for slot, finish in model.slots.items():
-            found.append(replace(self._material(finish, usual, seen), name=slot, opacity=None))
+            fitted = model.family in FITTED and finish in FRONTS
+            material = usual[FRONTS[finish]] if fitted else self._material(finish, usual, seen)
+            found.append(replace(material, name=slot, opacity=None))
         return tuple(found)
 
     def _material(self, finish: str, usual: Look, seen: dict[str, Material]) -> Material:

@@ -104,8 +104,13 @@ def write_library(
     write_tables(root, models)
 
 
-def write_model(root: Path, model: LibraryModel) -> None:
+def write_model(root: Path, model: LibraryModel, digests: bool = False) -> None:
     """Writes the folder of one model below a dataset root; what differs is written again.
+
+    Args:
+        root: Dataset root.
+        model: The model.
+        digests: Also write the digests of its files.
 
     Raises:
         DatasetError: The folder cannot be written.
@@ -113,7 +118,8 @@ def write_model(root: Path, model: LibraryModel) -> None:
     key = model.info.model_id
     meshes = {key: model.mesh, **model.variants}
     files = {f"{stem}.obj": obj_text(mesh, f"{key}.mtl") for stem, mesh in meshes.items()}
-    _write_folder(root, Path("object") / key, {**files, f"{key}.mtl": mtl_text(model.mesh.materials)}, mend=True)
+    files |= {f"{key}.mtl": mtl_text(model.mesh.materials)}
+    _write_folder(root, Path("object") / key, {**files, **(_digests(files) if digests else {})}, mend=True)
 
 
 def write_textures(root: Path, textures: Mapping[str, UInt8[np.ndarray, "h w 3"]]) -> None:
@@ -130,8 +136,13 @@ def write_textures(root: Path, textures: Mapping[str, UInt8[np.ndarray, "h w 3"]
     _write_folder(root, Path("texture"), {f"{name}.png": image for name, image in textures.items()}, mend=True)
 
 
-def write_tables(root: Path, models: Sequence[LibraryModel]) -> None:
-    """Writes the metadata tables below a dataset root, of models in the order of their rows.
+def write_tables(root: Path, models: Sequence[LibraryModel], digests: bool = False) -> None:
+    """Writes the metadata tables below a dataset root.
+
+    Args:
+        root: Dataset root.
+        models: The models, in the order of their rows.
+        digests: Also write the digests of the tables, by which it is seen later that they are whole.
 
     Raises:
         DatasetError: The folder cannot be written.
@@ -141,7 +152,24 @@ def write_tables(root: Path, models: Sequence[LibraryModel]) -> None:
         "models.csv": sizes_csv(models),
         "suncgModelLights.json": lights_json(models),
     }
-    _write_folder(root, Path("metadata"), tables, mend=True)
+    _write_folder(root, Path("metadata"), {**tables, **(_digests(tables) if digests else {})}, mend=True)
+
+
+def _digests(files: Mapping[str, str]) -> dict[str, str]:
+    return {DIGESTS: json.dumps({name: _digest(text) for name, text in files.items()})}
+
+
+def is_whole_folder(folder: Path) -> bool:
+    """Whether a folder that was written with digests holds the files that were written.
+
+    Args:
+        folder: Of a model, or of the tables.
+    """
+    try:
+        digests: dict[str, str] = json.loads(read_text(folder / DIGESTS))
+        return all(_digest(read_text(folder / name)) == digest for name, digest in digests.items())
+    except (DatasetError, ValueError, TypeError, AttributeError, RecursionError):
+        return False
 
 
 def _write_folder(

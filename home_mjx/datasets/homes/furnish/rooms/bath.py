@@ -29,12 +29,15 @@ def bathroom(room: Room) -> None:
     for kind, probability in (("paper_bin", 0.45), ("floor_basket", 0.35), ("rack", 0.15), ("towel_stand", 0.15)):
         add(room, kind, 0.0, probability)
     add(room, "scale", 0.0, 0.25)
+    add(room, "plain_wardrobe", 0.4, 0.12)
+    add(room, "screen", 0.0, 0.06)
     windows(room, ("short_curtain", "", ""), 0.0)
     hang_kind(room, "towel_rail", 0.85, 0.85)
     hang_kind(room, "towel_hanger", 1.1, 0.35)
+    hang_kind(room, "coat_hooks", 1.2, 0.2)
     hang_kind(room, "round_lamp", 1.75, 0.25)
     hang_kind(room, "wall_shelf", 1.4, 0.15)
-    add(room, "slim_plant", 0.0, 0.15)
+    add(room, "slim_plant", 0.0, 0.25)
 
 
 def toilet(room: Room) -> None:

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 
 from home_mjx.datasets.homes.furnish.rooms.desks import desk
+from home_mjx.datasets.homes.furnish.rooms.living import screened
 from home_mjx.datasets.homes.furnish.space.hung import above, hang_kind, pictures, windows
 from home_mjx.datasets.homes.furnish.space.on_top import on_top, some
 from home_mjx.datasets.homes.furnish.space.room import Room
@@ -23,7 +24,7 @@ CHEST = (
 
 CORNERS = (
     *(("floor_basket", 0.3), ("standing_mirror", 0.2), ("floor_lamp", 0.2), ("slim_plant", 0.35), ("safe", 0.04)),
-    *(("oil_heater", 0.05), ("floor_fan", 0.06), ("guitar", 0.04)),
+    *(("ottoman", 0.2), ("coat_stand", 0.1), ("oil_heater", 0.05), ("floor_fan", 0.06), ("guitar", 0.04)),
 )
 
 
@@ -35,16 +36,31 @@ def bedroom(room: Room) -> None:
     chest(room, 0.6)
     if room.chance(0.4):
         dressing_table(room)
-    if room.chance(0.2):
+    if room.chance(0.33):
         desk(room, "small_desk")
+    television(room)
     if room.style.interests & {"children"} and room.chance(0.12):
         add(room, "baby_bed", 0.4)
     rest(room)
 
 
+def television(room: Room) -> None:
+    """Maybe a television, on a stand or on a wall."""
+    if room.chance(0.25):
+        fit(room, "low_tv_stand", lambda item: screened(room, item))
+    elif room.chance(0.25):
+        hang_kind(room, "wall_television", 1.05)
+
+
 def rest(room: Room) -> None:
     """Small furniture, baskets, pictures."""
-    odds = (("armchair", 0.25), ("bookshelf", 0.2), ("storage_bench", 0.15), ("clothes_rail", 0.12), ("bench", 0.08))
+    odds = (
+        ("armchair", 0.25),
+        ("bookshelf", 0.2),
+        ("storage_bench", 0.12),
+        ("clothes_rail", 0.1),
+        ("two_seater", 0.12),
+    )
     for kind, probability in odds:
         add(room, kind, 0.3, probability)
     for kind, probability in CORNERS:

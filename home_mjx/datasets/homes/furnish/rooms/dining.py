@@ -12,6 +12,7 @@ from home_mjx.datasets.homes.furnish.space.spots import add, freely, place
 from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
 from home_mjx.datasets.procedural.floor_plan.walls import FLOOR_TOP
 
+AROUND = 0.3  # [m], of a table, that its chairs need
 INWARD = 0.22  # [m], from the edge of a table to the middle of a plate
 MIDDLE = ("table_vase", "fruit_bowl", "candle", "small_plant", "cake", "jug", "teapot", "food", "bread")
 LEFT_OVER = (
@@ -31,7 +32,7 @@ def dining_set(room: Room, seats: int) -> PlacedFurniture | None:
         for item in (room.object(kind), *list(room.options(kind))[1:4]):
             if item.size[1] > 0.85:
                 continue
-            if table := freely(room, item, lambda anchor, n=number: seated(room, anchor, chair, n)):
+            if table := freely(room, item, lambda anchor, n=number: seated(room, anchor, chair, n), around=AROUND):
                 if room.chance(0.3):
                     place(room, room.object("large_rug").at(table.position[0], FLOOR_TOP, table.position[2]))
                 _laid(room, table, number)
@@ -65,7 +66,8 @@ def dining_room(room: Room) -> None:
     add(room, "glass_cabinet", 0.5, 0.45)
     add(room, "bookshelf", 0.5, 0.25)
     add(room, "bar_cart", 0.3, 0.2)
-    add(room, "wine_rack", 0.3, 0.12)
+    for kind, probability in (("wine_rack", 0.12), ("two_seater", 0.15), ("small_fridge", 0.08), ("armchair", 0.1)):
+        add(room, kind, 0.3, probability)
     for kind, probability in (("slim_plant", 0.5), ("floor_lamp", 0.25), ("tall_clock", 0.1)):
         add(room, kind, 0.0, probability)
     hang_kind(room, "wall_clock", 1.65, 0.3)

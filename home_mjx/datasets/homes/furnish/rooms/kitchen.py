@@ -55,7 +55,9 @@ def kitchen(room: Room) -> None:
     if room.plan.area > 9.5:
         dining_set(room, 4 if room.plan.area > 11.5 else 2)
     add(room, "kitchen_bin", probability=0.8)
-    for kind, probability in (("wine_rack", 0.1), ("trolley", 0.1), ("water_dispenser", 0.08), ("slim_plant", 0.25)):
+    if room.plan.area > 14:
+        add(room, "two_seater", 0.4, 0.2)
+    for kind, probability in (("wine_rack", 0.1), ("trolley", 0.1), ("water_dispenser", 0.08), ("slim_plant", 0.3)):
         add(room, kind, 0.2, probability)
     windows(room, ("short_curtain", "short_curtain", ""), 0.2)
     for kind, y, probability in (("wall_clock", 1.7, 0.4), ("wall_shelf", 1.45, 0.3), ("wall_lamp", 1.7, 0.2)):

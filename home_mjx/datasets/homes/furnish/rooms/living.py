@@ -13,16 +13,16 @@ from home_mjx.datasets.homes.furnish.space.spots import (
     add,
     against_wall,
     ahead,
-    backed,
+    along_walls,
     clear_of,
     fit,
     next_to,
     place,
     reach,
     scattered,
-    steps,
     zone_before,
 )
+from home_mjx.datasets.homes.furnish.space.tops import carries, tops_of
 from home_mjx.datasets.homes.furnish.space.turned import turned
 from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
 from home_mjx.datasets.procedural.floor_plan.walls import FLOOR_TOP, HALF
@@ -52,7 +52,7 @@ ON_SIDE = (("cup", 0.4), ("book", 0.4), ("cellphone", 0.25), ("photo", 0.4), ("s
 ON_CHEST = (
     *(("table_vase", 0.5), ("photo", 0.5), ("figure", 0.45), ("candle", 0.3), ("table_clock", 0.3)),
     *(("books", 0.35), ("small_plant", 0.4), ("ornament", 0.35), ("radio", 0.35), ("fishbowl", 0.06)),
-    *(("jug", 0.15), ("bird_cage", 0.04), ("telephone", 0.15), ("table_fan", 0.06)),
+    *(("jug", 0.15), ("stereo_set", 0.25), ("bird_cage", 0.04), ("telephone", 0.15), ("table_fan", 0.06)),
 )
 
 
@@ -68,7 +68,7 @@ def living_room(room: Room) -> None:
     if sofa is not None and table is not None:
         around(room, sofa, table)
     elif sofa is not None:
-        fit(room, "low_tv_stand", lambda item: _screened(room, item))
+        fit(room, "low_tv_stand", lambda item: screened(room, item))
     if room.plan.area > 21:
         dining_set(room, 4)
     extras(room)
@@ -83,13 +83,15 @@ def extras(room: Room) -> None:
     if room.likes("music", 0.45, 0.04):
         add(room, str(room.rng.choice(["piano", "keyboard", "guitar", "guitar", "microphone", "drumset"])), 0.6)
     if room.likes("pets", 0.4):
-        add(room, "fish_tank", 0.5) if room.chance(0.2) else scattered(room, "pet")
+        scattered(room, "pet")
+    add(room, "fish_tank", 0.5, 0.12)
     if room.likes("children", 0.5):
         for _ in range(1 + int(room.rng.integers(3))):
             scattered(room, "floor_toy")
     for kind, probability in (("bar_cart", 0.12), ("armchair", 0.2), ("tall_clock", 0.08), ("screen", 0.06)):
         add(room, kind, 0.3, probability)
-    for kind, probability in (("floor_speaker", 0.2), ("magazine_rack", 0.2), ("standing_cooler", 0.04)):
+    some(room, add(room, "open_shelf", 0.3, 0.1), (("stereo_set", 0.9), ("books", 0.5)), 2)
+    for kind, probability in (("floor_speaker", 0.25), ("magazine_rack", 0.2), ("standing_cooler", 0.04)):
         add(room, kind, 0.0, probability)
     greenery(room, 0.7, 3)
     hang_kind(room, "wall_clock", 1.65, 0.45)
@@ -128,12 +130,9 @@ def _stands(room: Room) -> Iterator[PlacedFurniture]:
 
 def _walls(room: Room, stand: PlacedFurniture) -> list[PlacedFurniture]:
     """Places for a stand at the walls, those in corners last."""
-    found = [
-        (room.rng.random() + corner, backed(stand, wall, along))
-        for wall in room.plan.walls
-        for along, corner in steps(wall.span, float(stand.size[0]), 0.4)
-    ]
-    return [spot for _, spot in sorted(found, key=lambda pair: pair[0])]
+    spots, corner = along_walls(room, stand, step=0.4)
+    order = np.argsort(room.rng.random(len(spots)) + corner, kind="stable").tolist()
+    return [stand.at(*spots[i]) for i in order]
 
 
 def _group(
@@ -180,18 +179,20 @@ def _screen(room: Room, stand: PlacedFurniture, hung: bool) -> PlacedFurniture |
         x, z = stand.beside(0.0, float(screen.size[2] - stand.size[2]) / 2 - GAP + 0.002)
         return screen.at(x, FLOOR_TOP + 1.0, z, stand.quarter)
     for screen in (room.object("flat_screen"), *room.options("television")):
-        if screen.size[0] < stand.size[0] + 0.1 and screen.size[2] < stand.size[2]:
-            return screen.at(x, float(stand.box[1, 1]), z, stand.quarter)
+        for top in tops_of(stand.model.id)[:2]:
+            spot = screen.at(x, stand.position[1] + top.height, z, stand.quarter)
+            if carries(stand, top, spot) and clear_of(spot, (stand,)):
+                return spot
     return None
 
 
-def _screened(room: Room, stand: PlacedFurniture) -> PlacedFurniture | None:
+def screened(room: Room, stand: PlacedFurniture) -> PlacedFurniture | None:
     """A stand with a television at any wall."""
-    screen = _screen(room, stand, False)
 
     def companions(spot: PlacedFurniture) -> Iterator[PlacedFurniture]:
+        screen = _screen(room, spot, False)
         if screen is not None:
-            yield screen.at(spot.position[0], float(spot.box[1, 1]), spot.position[2], spot.quarter)
+            yield screen
 
     return against_wall(room, stand, 0.5, companions)
 

@@ -20,6 +20,7 @@ def terrace(room: Room) -> None:
         add(room, kind, 0.2, probability)
     if room.plan.area > 14 and room.chance(0.15):
         freely(room, room.object("parasol"))
+    add(room, "hot_tub", 0.4, 0.1)
     _plants(room, 4)
 
 
@@ -36,5 +37,5 @@ def _plants(room: Room, most: int) -> None:
     for _ in range(most):
         if room.chance(0.5):
             add(room, str(room.rng.choice(["slim_plant", "plant", "small_plant"])))
-    add(room, "garden_lamp", 0.0, 0.3)
+    add(room, "garden_lamp", 0.0, 0.35)
     scattered(room, "pet") if room.likes("pets", 0.1) else None

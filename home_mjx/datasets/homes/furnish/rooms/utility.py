@@ -17,6 +17,7 @@ def garage(room: Room) -> None:
     for probability in (0.9, 0.7, 0.4):
         some(room, add(room, "rack", 0.3, probability), (("tool_box", 0.5), ("helmet", 0.4), ("bottle", 0.3)), 2)
     hang_kind(room, "pegboard", 1.1, 0.6)
+    hang_kind(room, "wall_lamp", 1.8, 0.3)
     for kind, probability in (("garage_bin", 0.8), ("ladder", 0.4), ("tool_box", 0.4), ("lawn_mower", 0.3)):
         add(room, kind, 0.0, probability)
     add(room, "barrow", 0.0, 0.15)
@@ -57,8 +58,8 @@ def gym(room: Room) -> None:
     for probability in (1.0, 0.9, 0.7, 0.4):
         if room.chance(probability):
             freely(room, room.object("gym"), quarters=range(4)) or add(room, "small_gym", 0.2)
-    add(room, "bench", 0.3, 0.5)
-    add(room, "rack", 0.3, 0.3)
+    for kind, probability in (("bench", 0.5), ("rack", 0.3), ("chair", 0.2), ("water_dispenser", 0.1)):
+        add(room, kind, 0.3, probability)
     add(room, "floor_speaker", 0.0, 0.5)
     add(room, "slim_plant", 0.0, 0.4)
     freely(room, room.object("runner"))

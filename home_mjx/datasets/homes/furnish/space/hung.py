@@ -3,7 +3,7 @@
 import numpy as np
 
 from home_mjx.datasets.homes.furnish.space.room import Room
-from home_mjx.datasets.homes.furnish.space.spots import GAP, HUNG, at_wall, backed, first, place, steps
+from home_mjx.datasets.homes.furnish.space.spots import GAP, HUNG, along_walls, at_wall, backed, first, place
 from home_mjx.datasets.homes.taste.kinds import models_of
 from home_mjx.datasets.procedural.floor_plan.placed import FACING, PlacedFurniture
 from home_mjx.datasets.procedural.floor_plan.rooms import Wall
@@ -16,11 +16,7 @@ OVERHANG = 0.3  # [m], of curtains beyond a window, both sides together
 
 def hang(room: Room, item: PlacedFurniture, y: float) -> PlacedFurniture | None:
     """Hangs a thing on a wall at random, its bottom so high above the floor [m]."""
-    spots = [
-        at_wall(item, wall, along, FLOOR_TOP + y, HUNG)
-        for wall in room.plan.walls
-        for along, _ in steps(wall.span, float(item.size[0]))
-    ]
+    spots, _ = along_walls(room, item, FLOOR_TOP + y, HUNG, 0.4)
     return first(room, item, [spots[i] for i in room.rng.permutation(len(spots)).tolist()])
 
 
@@ -71,16 +67,15 @@ def switches(room: Room) -> None:
         item = room.object("switch")
         latch = float(FACING[door.quarter][1 - wall.axis]) * (-1 if door.mirrored else 1)
         away = float(door.model.size[0]) / 2 + BESIDE_DOOR + float(item.size[0]) / 2
-        spots = [
-            at_wall(item, wall, door.position[2 * wall.axis] + side * away, FLOOR_TOP + 1.05, HUNG)
-            for side in (latch, -latch)
-        ]
+        low, high = wall.span[0] + HALF + float(item.size[0]), wall.span[1] - HALF - float(item.size[0])
+        places = [door.position[2 * wall.axis] + side * away for side in (latch, -latch)]
+        spots = at_wall(item, wall, [at for at in places if low < at < high], FLOOR_TOP + 1.05, HUNG)
         first(room, item, spots, views=False)
 
 
 def sockets(room: Room) -> None:
     """A few sockets near the floor."""
-    for _ in range(1 + int(room.rng.integers(0, 3))):
+    for _ in range(int(room.rng.integers(0, 3))):
         hang(room, room.object("socket"), 0.28)
 
 

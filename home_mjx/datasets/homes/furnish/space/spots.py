@@ -1,8 +1,9 @@
 """Where things stand: at walls, opposite or beside others, in the middle of a room."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy as np
+from jaxtyping import Bool
 
 from home_mjx.datasets.homes.furnish.space.occupied import TOLERANCE, hull, meet
 from home_mjx.datasets.homes.furnish.space.room import Companions, Room, alone
@@ -87,23 +88,34 @@ def _unblocked(room: Room, spots: Sequence[Spot], turned: Mapping[int, Boxes]) -
     return np.flatnonzero(~busy.any(axis=1)).tolist()
 
 
-def at_wall(item: PlacedFurniture, wall: Wall, along: float, y: float = FLOOR_TOP, gap: float = GAP) -> Spot:
-    """Where a thing has its back to a wall, its middle at a coordinate along the wall."""
-    x, z = wall.point(along, HALF + gap + float(item.size[2]) / 2)
-    return x, y, z, quarter_towards(*wall.normal)
-
-
 def backed(item: PlacedFurniture, wall: Wall, along: float, y: float = FLOOR_TOP, gap: float = GAP) -> PlacedFurniture:
     """The thing with its back to a wall, its middle at a coordinate along the wall."""
-    return item.at(*at_wall(item, wall, along, y, gap))
+    return item.at(*at_wall(item, wall, [along], y, gap)[0])
 
 
-def steps(span: tuple[float, float], width: float, step: float = 0.25) -> Iterator[tuple[float, bool]]:
-    """Where the middle of a thing may be along a wall, and whether that is in a corner."""
-    low, high = span[0] + HALF + GAP + width / 2, span[1] - HALF - GAP - width / 2
-    if high >= low:
-        count = int((high - low) / step) + 2
-        yield from ((float(along), i in (0, count - 1)) for i, along in enumerate(np.linspace(low, high, count)))
+def at_wall(
+    item: PlacedFurniture, wall: Wall, along: Sequence[float], y: float = FLOOR_TOP, gap: float = GAP
+) -> list[Spot]:
+    """Where a thing has its back to a wall, its middle at some coordinates along the wall."""
+    off = wall.line + float(wall.normal[1 - wall.axis]) * (HALF + gap + float(item.size[2]) / 2)
+    quarter = quarter_towards(*wall.normal)
+    return [(a, y, off, quarter) if wall.axis == 0 else (off, y, a, quarter) for a in along]
+
+
+def along_walls(
+    room: Room, item: PlacedFurniture, y: float = FLOOR_TOP, gap: float = GAP, step: float = 0.25
+) -> tuple[list[Spot], Bool[np.ndarray, " n"]]:
+    """Where a thing may be at the walls of a room, and which of these places are in corners."""
+    spots: list[Spot] = []
+    corner: list[bool] = []
+    for wall in room.plan.walls:
+        inset = HALF + GAP + float(item.size[0]) / 2
+        low, high = wall.span[0] + inset, wall.span[1] - inset
+        if high >= low:
+            places = np.linspace(low, high, int((high - low) / step) + 2).tolist()
+            spots += at_wall(item, wall, places, y, gap)
+            corner += [i in (0, len(places) - 1) for i in range(len(places))]
+    return spots, np.array(corner, bool)
 
 
 def against_wall(
@@ -122,24 +134,35 @@ def against_wall(
         companions: Gives further things that must fit together with it.
         corners: Below 1: corners are better; above 1: worse.
     """
-    spots = [
-        (room.rng.random() * (corners if corner else 1.0), at_wall(item, wall, along))
-        for wall in room.plan.walls
-        for along, corner in steps(wall.span, float(item.size[0]))
-    ]
-    spots.sort(key=lambda spot: spot[0])
-    return first(room, item, [spot for _, spot in spots], front, companions)
+    spots, corner = along_walls(room, item)
+    order = np.argsort(room.rng.random(len(spots)) * np.where(corner, corners, 1.0), kind="stable")
+    return first(room, item, [spots[i] for i in order.tolist()], front, companions)
 
 
 def freely(
-    room: Room, item: PlacedFurniture, companions: Companions = alone, quarters: Iterable[int] = (0, 1)
+    room: Room,
+    item: PlacedFurniture,
+    companions: Companions = alone,
+    quarters: Iterable[int] = (0, 1),
+    around: float = 0.0,
 ) -> PlacedFurniture | None:
-    """Stands a thing anywhere, square to the walls."""
+    """Stands a thing anywhere, square to the walls.
+
+    Args:
+        room: Where.
+        item: What.
+        companions: Gives further things that must fit together with it.
+        quarters: Turns that it may have.
+        around: Width of what must be free around it, for its companions [m].
+    """
     x, z = np.meshgrid(room.grid.x[3:-3:3], room.grid.z[3:-3:3], indexing="ij")
-    points = np.stack([x.ravel(), z.ravel()], axis=-1)
-    turns = list(quarters)
-    spots = [(px, FLOOR_TOP, pz, q) for px, pz in points.tolist() for q in turns]
-    return first(room, item, [spots[i] for i in room.rng.permutation(len(spots))], 0.0, companions)
+    points, turns = np.stack([x.ravel(), z.ravel()], axis=-1).tolist(), list(quarters)
+    spots: list[Spot] = [(px, FLOOR_TOP, pz, q) for px, pz in points for q in turns]
+    if around and spots:
+        margin = np.array([[-around, 0.0, -around], [around, 0.0, around]])
+        whole = {q: (item.at(0.0, 0.0, 0.0, q).box + margin)[None] for q in turns}
+        spots = [spots[i] for i in _unblocked(room, spots, whole)]
+    return first(room, item, [spots[i] for i in room.rng.permutation(len(spots)).tolist()], 0.0, companions)
 
 
 def scattered(room: Room, kind: str, tries: int = 6) -> PlacedFurniture | None:
