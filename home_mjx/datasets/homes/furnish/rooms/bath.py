@@ -28,9 +28,10 @@ def bathroom(room: Room) -> None:
     add(room, "dryer", 0.4, 0.1)
     for kind, probability in (("paper_bin", 0.45), ("floor_basket", 0.35), ("rack", 0.15), ("towel_stand", 0.15)):
         add(room, kind, 0.0, probability)
+    if room.plan.area > 7.5:
+        add(room, "screen", 0.0, 0.12)
     add(room, "scale", 0.0, 0.25)
     add(room, "plain_wardrobe", 0.4, 0.12)
-    add(room, "screen", 0.0, 0.06)
     windows(room, ("short_curtain", "", ""), 0.0)
     hang_kind(room, "towel_rail", 0.85, 0.85)
     hang_kind(room, "towel_hanger", 1.1, 0.35)

@@ -60,6 +60,7 @@ def rest(room: Room) -> None:
         ("storage_bench", 0.12),
         ("clothes_rail", 0.1),
         ("two_seater", 0.12),
+        ("side_table", 0.12),
     )
     for kind, probability in odds:
         add(room, kind, 0.3, probability)

@@ -30,9 +30,16 @@ ROWS = (
 )
 # What may stand on the counters: first what nearly all kitchens have.
 COUNTER = (
-    *(("kettle", 0.8), ("coffee_machine", 0.65), ("knife_block", 0.55), ("cutting_board", 0.5), ("toaster", 0.5)),
-    *(("microwave", 0.6), ("utensil_jar", 0.45), ("containers", 0.45), ("fruit_bowl", 0.4), ("plates", 0.4)),
-    *(("bottle", 0.4), ("cup", 0.55), ("food_processor", 0.35), ("jug", 0.25), ("bread", 0.3), ("glass", 0.3)),
+    *(("microwave", 0.9), ("kettle", 0.9), ("coffee_machine", 0.9), ("knife_block", 0.7), ("cutting_board", 0.75)),
+    *(
+        ("toaster", 0.6),
+        ("food_processor", 0.6),
+        ("utensil_jar", 0.6),
+        ("containers", 0.45),
+        ("fruit_bowl", 0.4),
+        ("plates", 0.4),
+    ),
+    *(("bottle", 0.4), ("cup", 0.55), ("jug", 0.25), ("bread", 0.3), ("glass", 0.3)),
     *(("mortar", 0.12), ("small_plant", 0.25), ("radio", 0.2), ("cake", 0.08), ("food", 0.15), ("teapot", 0.2)),
 )
 
@@ -47,13 +54,13 @@ def kitchen(room: Room) -> None:
         add(room, "stove", 0.6)
     if not any(unit.model.family == "refrigerator" for unit in row):
         add(room, "slim_fridge", 0.6)
-    if room.chance(0.35) and (more := _row(room, ("base_cabinet",) * int(room.rng.integers(1, 4)))):
+    if room.plan.area > 9.5:
+        dining_set(room, 4 if room.plan.area > 11.5 else 2)
+    if room.chance(0.85) and (more := _row(room, ("base_cabinet",) * int(room.rng.integers(1, 4)))):
         bases += more
     if room.plan.area > 12.5 and room.chance(0.35):
         _island(room, bases)
     _counters(room, row, bases)
-    if room.plan.area > 9.5:
-        dining_set(room, 4 if room.plan.area > 11.5 else 2)
     add(room, "kitchen_bin", probability=0.8)
     if room.plan.area > 14:
         add(room, "two_seater", 0.4, 0.2)

@@ -28,7 +28,7 @@ def balcony(room: Room) -> None:
     """Seats, a small table, plants."""
     if room.chance(0.7) and (table := add(room, "side_table")):
         some(room, table, ON_TABLE, 2)
-    for kind, probability in (("garden_chair", 0.7), ("garden_chair", 0.5), ("garden_bench", 0.3), ("bicycle", 0.06)):
+    for kind, probability in (("garden_chair", 0.7), ("garden_chair", 0.5), ("garden_bench", 0.3), ("chair", 0.3)):
         add(room, kind, 0.15, probability)
     _plants(room, 3)
 

@@ -10,6 +10,7 @@ from home_mjx.datasets.procedural.floor_plan.rooms import Wall
 from home_mjx.datasets.procedural.floor_plan.walls import CEILING_LOW, FLOOR_TOP, HALF
 
 BESIDE_DOOR = 0.12  # [m], from the frame to a switch
+ROD = 0.12  # [m], from the top of a window to that of its curtain
 NEAR = 0.003  # [m]: what is farther from a wall does not hang on it
 OVERHANG = 0.3  # [m], of curtains beyond a window, both sides together
 
@@ -85,7 +86,7 @@ def curtain(room: Room, window: PlacedFurniture, kind: str) -> bool:
     if wall is None:
         return False
     width = float(window.size[0]) + OVERHANG
-    top = float(window.box[1, 1]) + 0.08
+    top = min(float(window.box[1, 1]) + ROD, room.height - CEILING_LOW - 0.01)
     options = [m for m in models_of(kind) if 0.72 < width / m.size[0] < 1.35 and m.size[1] < top - FLOOR_TOP - 0.01]
     for index in room.rng.permutation(len(options)).tolist():
         plain = room.style.instance(options[index], room.look)

@@ -3,8 +3,11 @@
 from collections.abc import Sequence
 
 import numpy as np
+from jaxtyping import Float
 
-from home_mjx.datasets.procedural.floor_plan.placed import Box, Boxes, PlacedFurniture
+from home_mjx.datasets.procedural.floor_plan.placed import Box, PlacedFurniture
+
+Boxes = Float[np.ndarray, "_ 2 3"]  # any number, each time
 
 TOLERANCE = 0.002  # [m]: boxes that enter each other by less only touch
 FLAT = 0.012  # [m]: rugs and mats are thinner

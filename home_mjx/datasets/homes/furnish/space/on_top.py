@@ -10,7 +10,7 @@ from home_mjx.datasets.homes.furnish.space.tops import Top, carries, tops_of
 from home_mjx.datasets.homes.furnish.space.turned import askew
 from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
 
-TRIES = 7
+TRIES = 10
 BURNERS = (0.85, 1.02)  # [m], heights between which they are
 CASUAL = 0.35  # [rad], standard deviation of how small things are turned
 

@@ -4,18 +4,18 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
 
-from home_mjx.datasets.homes.furnish.space.occupied import Store, hull, is_flat, meet, upright
+from home_mjx.datasets.homes.furnish.space.occupied import Boxes, Store, hull, is_flat, meet, upright
 from home_mjx.datasets.homes.furnish.space.shell import column, cut_off, landings, sight, wall_box
 from home_mjx.datasets.homes.plan.openings.turned import TurnedWindow
 from home_mjx.datasets.homes.plan.shape.storeys import Stairwell
 from home_mjx.datasets.homes.taste import Style
 from home_mjx.datasets.procedural.floor_plan.openings import HousePlan
-from home_mjx.datasets.procedural.floor_plan.placed import Box, Boxes, PlacedFurniture
+from home_mjx.datasets.procedural.floor_plan.placed import Box, PlacedFurniture
 from home_mjx.datasets.procedural.floor_plan.walking import FLAT, HEAD, WalkingGrid
 from home_mjx.datasets.procedural.floor_plan.walls import FLOOR_TOP
 
 ACCESS = 0.9  # [m], depth of the floor before stairs that stays free
-RUG = 0.004  # [m], thickness of rugs: what stands on one ends this deep in it
+RUG = 0.0018  # [m], thickness of rugs: what stands on one ends this deep in it, which counts as touching
 
 Companions = Callable[[PlacedFurniture], Iterable[PlacedFurniture]]
 

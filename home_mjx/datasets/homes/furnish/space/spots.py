@@ -5,10 +5,10 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 import numpy as np
 from jaxtyping import Bool
 
-from home_mjx.datasets.homes.furnish.space.occupied import TOLERANCE, hull, meet
+from home_mjx.datasets.homes.furnish.space.occupied import TOLERANCE, Boxes, hull, meet
 from home_mjx.datasets.homes.furnish.space.room import Companions, Room, alone
 from home_mjx.datasets.homes.furnish.space.turned import askew
-from home_mjx.datasets.procedural.floor_plan.placed import FACING, Box, Boxes, PlacedFurniture, quarter_towards
+from home_mjx.datasets.procedural.floor_plan.placed import FACING, Box, PlacedFurniture, quarter_towards
 from home_mjx.datasets.procedural.floor_plan.rooms import Wall
 from home_mjx.datasets.procedural.floor_plan.walls import FLOOR_TOP, HALF
 
