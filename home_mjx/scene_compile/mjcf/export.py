@@ -54,9 +54,9 @@ def to_mjcf(
 
     Every object is a body `object<id>` with its visual meshes (group 2; ceilings and roofs are in group 4, so that one
     can look in from above). Movable ones have a free joint, a mass and one box or convex pieces (group 3); a leaf of a
-    door is a body `object<id>_leaf<instance>`; one that turns is on a hinge of the same name. Static boxes and the floor
-    plane belong to the world. Cameras: `top`, `room<i>`, and `agent0_eye` with an agent. Lights: `lamp<i>`, and a faint
-    one from above.
+    door is a body `object<id>_leaf<instance>`; one that turns is on a hinge of the same name. Static boxes and the
+    floor plane belong to the world. Cameras: `top`, `room<i>`, and `agent0_eye` with an agent. Lights: `lamp<i>`, and a
+    faint one from above.
 
     Args:
         house: A compiled house.
