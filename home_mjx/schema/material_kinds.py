@@ -31,6 +31,8 @@ HOME_TEXTURE_KINDS = {
 TEXTURE_KINDS = HOME_TEXTURE_KINDS | {
     "concrete": "concrete",
     "flower": "plant",
+    "foliage": "plant",
+    "front": "stucco",
     "glass": "glass",
     "grass": "grass",
     "ground": "ground",
@@ -38,6 +40,7 @@ TEXTURE_KINDS = HOME_TEXTURE_KINDS | {
     "leaves": "plant",
     "marble": "stone",
     "metal": "metal",
+    "roof": "tile",
     "spruce": "plant",
 }
 

@@ -1,10 +1,15 @@
 """Turns the design of a home into the record that the writer and the compiler take."""
 
+import itertools
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from home_mjx.datasets.homes.design import HomeDesign, draw_design
 from home_mjx.datasets.homes.meshes import room_parts
+from home_mjx.datasets.homes.outside import Outside, draw_outside
+from home_mjx.datasets.homes.outside.ground import ground_node
+from home_mjx.datasets.homes.outside.neighbours import block_node
 from home_mjx.datasets.procedural.build import furniture_object, used_models
 from home_mjx.datasets.seeds import house_id
 from home_mjx.datasets.storeys import stack_levels
@@ -18,20 +23,38 @@ def build_home(seed: int) -> House:
         >>> len(build_home(7).levels[0].rooms) >= 3
         True
     """
-    return to_house(house_id(seed), draw_design(seed))
+    design = draw_design(seed)
+    return to_house(house_id(seed), design, draw_outside(seed, design.plan, design.surfaces[0][0].outside))
 
 
-def to_house(name: str, design: HomeDesign) -> House:
-    """A design as a house: on every level rooms first, then everything that has a model.
+def to_house(name: str, design: HomeDesign, outside: Outside | None = None) -> House:
+    """A design as a house: on every level rooms first, then everything that has a model, then what is outside.
 
     Args:
         name: Id of the house.
         design: What it consists of.
+        outside: What is around it; None: nothing.
     """
-    flat = [_level(design, number, Path("room") / name) for number in range(len(design.plan.levels))]
+    folder = Path("room") / name
+    flat = [_level(design, number, folder) for number in range(len(design.plan.levels))]
+    placed = [placed for objects in design.objects for placed, _ in objects]
+    if outside is not None:
+        flat[0] = _surrounded(flat[0], outside, folder)
+        placed += outside.things
     levels = stack_levels(flat, design.plan.height)
-    models: Mapping[str, Mesh] = used_models([placed for objects in design.objects for placed, _ in objects])
+    models: Mapping[str, Mesh] = used_models(placed)
     return House(name, "suncg@1.0.0", Path("house") / name / "house.json", levels, models)
+
+
+def _surrounded(level: Level, outside: Outside, folder: Path) -> Level:
+    """The lowest level with what is outside as its last nodes, so that those of the rooms keep their numbers."""
+    number = itertools.count(len(level.rooms) + len(level.objects))
+    return replace(
+        level,
+        objects=(*level.objects, *(furniture_object(placed, next(number)) for placed in outside.things)),
+        boxes=tuple(block_node(block, next(number)) for block in outside.blocks),
+        grounds=tuple(ground_node(patch, next(number), folder) for patch in outside.grounds),
+    )
 
 
 def _level(design: HomeDesign, number: int, folder: Path) -> Level:

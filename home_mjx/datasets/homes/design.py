@@ -9,32 +9,15 @@ from home_mjx.datasets.homes.fittings import Owned, fittings
 from home_mjx.datasets.homes.furnish import furnish_home
 from home_mjx.datasets.homes.plan.home import HomePlan, draw_home
 from home_mjx.datasets.homes.plan.needs.program import Program, draw_program
-from home_mjx.datasets.homes.plan.needs.wants import OUTDOORS, WET
+from home_mjx.datasets.homes.taste import Style
+from home_mjx.datasets.homes.taste.surfaces import Cladding
 from home_mjx.datasets.procedural.floor_plan.openings import HousePlan
 from home_mjx.datasets.procedural.floor_plan.walls import Surfaces
-from home_mjx.datasets.procedural.furnish.style import Style
-from home_mjx.datasets.procedural.primitives.palette import (
-    CEILINGS,
-    DRY_WALLS,
-    FACADES,
-    SOFT_FLOORS,
-    WET_FLOORS,
-    WET_WALLS,
-    WOODEN_FLOORS,
-    choose,
-    textured,
-)
+from home_mjx.datasets.procedural.primitives.palette import FACADES, choose
+from home_mjx.errors import ConfigError
 from home_mjx.schema.house import Material
 
 PATIENCE = 40  # plans that cannot be furnished, after which another program is drawn where none was given
-HARD_FLOORS = (textured("stone_1"), textured("stone_2"), textured("tile_4"))
-DECKS = (*HARD_FLOORS, textured("wood_2"))
-FLOORS = {
-    **dict.fromkeys((*WET, "Kitchen"), WET_FLOORS),
-    **dict.fromkeys(("Living_Room", "Dining_Room", "Hallway", "Hall", "Lobby"), WOODEN_FLOORS),
-    **dict.fromkeys(("Garage", "Boiler_room", "Storage", "Entryway"), HARD_FLOORS),
-    **dict.fromkeys(OUTDOORS, DECKS),
-}
 
 
 @dataclass(frozen=True)
@@ -70,7 +53,13 @@ def draw_design(seed: int, program: Program | None = None) -> HomeDesign:
     wanted = draw_program(rng) if program is None else program
     failed = 0
     while True:
-        plan, style = draw_home(rng, wanted), Style.draw(rng)
+        try:
+            plan, style = draw_home(rng, wanted), Style.draw(rng)
+        except ConfigError:
+            if program is not None:
+                raise
+            wanted = draw_program(rng)  # some have no plan
+            continue
         furniture = furnish_home(plan, style)
         if furniture is not None:
             looks: dict[str, tuple[Material, ...]] = {}
@@ -79,8 +68,8 @@ def draw_design(seed: int, program: Program | None = None) -> HomeDesign:
                 inside = [(placed, room) for room, items in enumerate(rooms) for placed in items]
                 own = _dressed([*_openings(plan.levels[level]), *fittings(plan, level, style)], style, looks)
                 objects.append((*own, *inside))
-            facade, ceiling = choose(FACADES, rng), choose(CEILINGS, rng)
-            surfaces = tuple(tuple(_surfaces(level, rng, facade, ceiling)) for level in plan.levels)
+            cladding = Cladding(rng, choose(FACADES, rng))
+            surfaces = tuple(tuple(cladding.of(room.type) for room in level.rooms) for level in plan.levels)
             return HomeDesign(plan, surfaces, tuple(objects))
         failed += 1
         if program is None and failed % PATIENCE == 0:
@@ -98,9 +87,3 @@ def _dressed(objects: list[Owned], style: Style, looks: dict[str, tuple[Material
         if placed.model.id not in looks:
             looks[placed.model.id] = style.dress(placed.model)
         yield replace(placed, materials=looks[placed.model.id]), room
-
-
-def _surfaces(plan: HousePlan, rng: np.random.Generator, facade: Material, ceiling: Material) -> Iterator[Surfaces]:
-    for room in plan.rooms:
-        walls = WET_WALLS if room.type in WET else DRY_WALLS
-        yield Surfaces(choose(FLOORS.get(room.type, SOFT_FLOORS), rng), ceiling, choose(walls, rng), facade)

@@ -10,10 +10,10 @@ from home_mjx.datasets.homes.plan.shape.storeys import Stairwell
 from home_mjx.datasets.homes.structure import structure_models
 from home_mjx.datasets.homes.structure.railings import DEPTH
 from home_mjx.datasets.homes.structure.stairs import LENGTH, RISE, WIDTH
+from home_mjx.datasets.homes.taste import Style
 from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture, quarter_towards
 from home_mjx.datasets.procedural.floor_plan.rooms import Rect, RoomPlan, Wall, outer_spans
 from home_mjx.datasets.procedural.floor_plan.walls import FLOOR_TOP, HALF
-from home_mjx.datasets.procedural.furnish.style import Style
 from home_mjx.datasets.procedural.primitives.family import Furniture
 
 GAP = 0.01  # [m], between stairs and walls
@@ -26,9 +26,9 @@ def fittings(home: HomePlan, level: int, style: Style) -> Iterator[Owned]:
     """Stairs that begin on a level, railings at stairwells that end there and around its open rooms."""
     storey = home.storeys[level]
     models = structure_models()
-    rails = models["railing"][:5] if style.models["door"].id != "gen_door_2" else models["railing"][5:]
+    rails = models["railing"][5:] if style.boarded else models["railing"][:5]
     if storey.stairs is not None:
-        steps = models["stairs"][int(style.rng.integers(2))]
+        steps = models["stairs"][int(style.rng.integers(2)) + 2 * storey.stairs.left]
         yield _stairs(storey.stairs, steps, home.height), 0
     if storey.well is not None and storey.stairs is None:
         yield _rail_over_foot(storey.well, rails), 0
@@ -50,17 +50,19 @@ def _stairs(place: Stairwell, model: Furniture, height: float) -> PlacedFurnitur
 
 
 def _rail_over_foot(place: Stairwell, models: Sequence[Furniture]) -> PlacedFurniture:
-    """The railing beside the head of stairs, over their foot: the right half, seen from their front."""
+    """The railing beside the head of stairs, over their foot: along half of their front."""
     x, z = _edge(place)
     wide = _size(place)[0] - 2 * HALF
-    middle = np.array([x, z]) + np.array(_right_of(place)) * wide / 4 + np.array(place.way) * DEPTH / 2
+    middle = np.array([x, z]) + np.array(_foot_of(place)) * wide / 4 + np.array(place.way) * DEPTH / 2
     return _railing((float(middle[0]), float(middle[1])), wide / 2 - 0.02, place.way, models)
 
 
-def _right_of(place: Stairwell) -> tuple[float, float]:
-    """Unit direction (x, z) to the right of stairs, +x of their model, where their foot is."""
+def _foot_of(place: Stairwell) -> tuple[float, float]:
+    """Unit direction (x, z) to the side of stairs where their foot is: +x of their model, or -x."""
     model = structure_models()["stairs"][0]
-    return PlacedFurniture(model, (0.0, 0.0, 0.0), quarter_towards(-place.way[0], -place.way[1])).beside(1.0, 0.0)
+    return PlacedFurniture(model, (0.0, 0.0, 0.0), quarter_towards(-place.way[0], -place.way[1])).beside(
+        -1.0 if place.left else 1.0, 0.0
+    )
 
 
 def _edge(place: Stairwell) -> tuple[float, float]:

@@ -39,8 +39,9 @@ class Generator(NamedTuple):
     """One generator of houses."""
 
     version: int
-    models: Callable[[], Sequence[LibraryModel]]  # in the order of their rows in the tables
+    library: Callable[[Path], None]  # writes what all houses share below a dataset root
     write: Callable[[Path, int], None]  # the house of a seed below a dataset root
+    serves: Callable[[Path, str], bool]  # whether what a house uses of the library is there
 
 
 def generate_dataset(root: str | Path, seeds: Sequence[int], progress: bool = False) -> tuple[str, ...]:
@@ -65,7 +66,7 @@ def generate_dataset(root: str | Path, seeds: Sequence[int], progress: bool = Fa
     Example:
         >>> ids = generate_dataset("houses", range(8))  # doctest: +SKIP
     """
-    return write_seeds(root, seeds, Generator(VERSION, _library_models, _write), progress)
+    return write_seeds(root, seeds, Generator(VERSION, _write_library, _write, lambda _root, _house: True), progress)
 
 
 def write_seeds(
@@ -75,16 +76,18 @@ def write_seeds(
     seeds = [_checked(seed) for seed in seeds]
     root = Path(root).expanduser().absolute()
     _claim(root, generator.version)
-    write_library(root, generator.models(), {n: texture(n) for n in RECIPES})
-    missing = [seed for seed in dict.fromkeys(seeds) if not _is_whole(root, house_id(seed))]
+    generator.library(root)
+    names = {seed: house_id(seed) for seed in seeds}
+    missing = [seed for seed, name in names.items() if not (_is_whole(root, name) and generator.serves(root, name))]
     with _mapper(len(missing)) as run, tqdm(total=len(missing), disable=not progress, unit="house") as bar:
         for _ in run(partial(generator.write, root), missing):
             bar.update()
     return tuple(house_id(seed) for seed in seeds)
 
 
-def _library_models() -> list[LibraryModel]:
-    return [library_model(model) for model in library().values()]
+def _write_library(root: Path) -> None:
+    models = [library_model(model) for model in library().values()]
+    write_library(root, models, {name: texture(name) for name in RECIPES})
 
 
 def _checked(seed: object) -> int:

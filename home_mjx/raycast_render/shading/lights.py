@@ -12,6 +12,7 @@ from home_mjx.raycast_render.scene.look import Look, dimmed, outdoors
 from home_mjx.raycast_render.scene.surface import by_instance
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.raycast_render.scene.vec import Vec, select, take
+from home_mjx.raycast_render.shading.daytime import warmth
 from home_mjx.raycast_render.shading.preset import Lit
 from home_mjx.schema.compiled import ARCHITECTURE
 
@@ -20,11 +21,12 @@ GAP = 0.05  # [m] before the light, where they end: bulbs may be sunk into ceili
 ELSEWHERE = 0.1  # weight of lights in other rooms when lights are chosen
 SHADE = 0.6  # [m], least distance of a lamp's own surfaces from its light
 DAYLIGHT = (0.85, 0.93, 1.0)  # colour of the sky's light
-SUNLIGHT = (1.0, 0.93, 0.82)
+SUNLIGHT, SUNSET = (1.0, 0.93, 0.82), (1.0, 0.6, 0.3)
 LUMINANCE = (0.2126, 0.7152, 0.0722)  # ITU-R BT.709
 INDEX_BITS = 10  # of a choice's key; the lights of a house are fewer than 2**10
 UNROLLED = 4  # lights that are compared in one kernel: 16 are no quicker and take three times as long to compile
 
+Color = tuple[float, float, float]
 # Where on a light its light comes from, -1..1 along each axis; None: its middle.
 Spread = Float[Array, "*rays 2"] | None
 
@@ -177,8 +179,13 @@ def sun_light(scene: Scene, point: Point, spread: Spread, options: Lit) -> Recei
     # The barrier keeps what is known before the cast from being computed again after it.
     start, reach, strength, gloss = jax.lax.optimization_barrier((start, reach, strength, gloss))
     blocked = occluded(scene, start.packed(), way.packed(), t_max=reach)
-    light = outdoors(scene.look, Vec(*SUNLIGHT))
+    light = outdoors(scene.look, mixed(SUNLIGHT, SUNSET, warmth(options.sun_elevation)))
     return Received(*(light * jnp.where(blocked, 0.0, share) for share in (strength, gloss)))
+
+
+def mixed(one: Color, other: Color, share: float) -> Vec:
+    """A colour between two."""
+    return Vec(*(a + (b - a) * share for a, b in zip(one, other, strict=True)))
 
 
 def _sun(look: Look | None, options: Lit) -> tuple[Vec, Vec]:

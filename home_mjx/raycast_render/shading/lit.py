@@ -23,6 +23,7 @@ from home_mjx.raycast_render.scene.surface import (
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.raycast_render.scene.vec import Vec, select, take, take_vec
 from home_mjx.raycast_render.shading import lights, texture
+from home_mjx.raycast_render.shading.daytime import warmth
 from home_mjx.raycast_render.shading.optics import Sight, follow
 from home_mjx.raycast_render.shading.preset import Lit
 from home_mjx.schema.lighting import REFLECTANCE
@@ -32,6 +33,7 @@ WHITE = 5.0  # luminance that becomes white
 MIDDLE = 0.5  # luminance that the meter gives the middle of an image: `tone_map` makes 0.34 of it
 DARKEST = 1e-4  # [W/m^2/sr]: less counts as much for the meter
 ZENITH, HORIZON, GROUND = (0.45, 0.68, 1.0), (0.9, 0.96, 1.0), (0.2, 0.21, 0.16)  # of the sky's radiance
+DUSK = (1.35, 0.72, 0.42)  # the horizon's when the sun sets
 
 
 class Corner(Pytree):
@@ -96,10 +98,11 @@ def metered(light: Vec) -> Float[Array, ""]:
 
 
 def sky(direction: Vec, options: Lit) -> Vec:
-    """Radiance where rays hit nothing: blue above, bright at the horizon, bare ground below."""
+    """Radiance where rays hit nothing: blue above, bright at the horizon, red there at dusk, bare ground below."""
     up = direction.z * direction.inverse_norm()
     high = jnp.sqrt(jnp.clip(up, 0.0, 1.0))
-    above = Vec(*HORIZON) + (Vec(*ZENITH) - Vec(*HORIZON)) * high
+    horizon = lights.mixed(HORIZON, DUSK, warmth(options.sun_elevation))
+    above = horizon + (Vec(*ZENITH) - horizon) * high
     return select(up >= 0, above, Vec(*GROUND)) * options.sky
 
 

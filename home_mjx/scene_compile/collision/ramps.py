@@ -58,7 +58,7 @@ def with_ramps(colliders: Colliders, ramps: Ramps) -> Colliders:
 
 def guards(stairs: Sequence[Stairs]) -> BoxSet:
     """Boxes along open sides of stairs, up to a railing over the next floor, and walls below their heads."""
-    return join(box for one in stairs for box in _guards(one))
+    return join(box for one in stairs for box in (*_guards(one), *_wall_below_head(one)))
 
 
 def sills(stairs: Sequence[Stairs]) -> BoxSet:
@@ -68,7 +68,7 @@ def sills(stairs: Sequence[Stairs]) -> BoxSet:
 
 
 def _guards(stairs: Stairs) -> Iterator[BoxSet]:
-    """Down to the floor where nobody walks below; under the head of the last slope one could come from behind."""
+    """Down to the floor where nobody walks below."""
     for i, slope in enumerate(stairs.slopes):
         high, half = slope.high + RAIL, slope.width / 2
         low = stairs.low if slope.low < stairs.low + HEADROOM else slope.low - DEPTH
@@ -78,9 +78,14 @@ def _guards(stairs: Stairs) -> Iterator[BoxSet]:
         else:
             before, after = stairs.slopes[i - 1].outline, stairs.slopes[i + 1].outline
             yield from _around(slope, [before[[1, 2]], after[[3, 0]]], low, high)
+
+
+def _wall_below_head(stairs: Stairs) -> Iterator[BoxSet]:
+    """What keeps agents from coming below the last slope from behind; not where other stairs come out there."""
     head = stairs.slopes[-1]
     half = head.width / 2
-    yield _between(head, (head.run - BACK, head.run), (-half, half), stairs.low, head.high - BELOW_HEAD)
+    if not stairs.stacked:
+        yield _between(head, (head.run - BACK, head.run), (-half, half), stairs.low, head.high - BELOW_HEAD)
 
 
 def _around(landing: Slope, ways: Sequence[Float[np.ndarray, "2 2"]], low: float, high: float) -> Iterator[BoxSet]:

@@ -15,6 +15,7 @@ SMALLEST_CELL = 0.03  # [m]
 SPACING = 0.7  # of a cell, between samples: a face cannot cross a cell without a sample in it
 WASTE = 0.02  # of the object's bounding box: most empty volume that a merge may add while it is free to choose
 WELD = 1e-4  # [m]
+THINNEST = 1e-4  # [m], half of it: a leaf may end in a single point of a cell, and MuJoCo takes no empty boxes
 
 
 def fit_boxes(triangles: Float[np.ndarray, "t 3 3"], yaw: float, most: int) -> BoxSet:
@@ -38,7 +39,7 @@ def fit_boxes(triangles: Float[np.ndarray, "t 3 3"], yaw: float, most: int) -> B
     boxes = merge_boxes(cover_cells(_fill(occupied)), most, WASTE * occupied.size)
     edges = low + boxes * size
     tight = np.array([_tighten(e, b, size, surface, occupied) for e, b in zip(edges, boxes, strict=True)])
-    return box_set(tight.mean(axis=1) @ turn.T, np.diff(tight, axis=1)[:, 0] / 2, yaw)
+    return box_set(tight.mean(axis=1) @ turn.T, np.maximum(np.diff(tight, axis=1)[:, 0] / 2, THINNEST), yaw)
 
 
 def _voxels(

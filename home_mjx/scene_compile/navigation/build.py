@@ -48,7 +48,7 @@ def build_navigation(
     standable, room = np.stack([s.standable for s in spaces]), np.stack([s.room for s in spaces])
     centres = ground.x, ground.y
     height, on_ramp = np.stack([s.height for s in spaces]), np.stack([s.on_ramp for s in spaces])
-    ways = stair_links(stairs, standable, centres)
+    ways = stair_links(stairs, standable, height, centres)
     links = [link for way in ways for link in way]
     region, area = label_regions(standable, links, options.cell)
     home = region == 0

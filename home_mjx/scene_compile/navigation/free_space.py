@@ -1,6 +1,6 @@
 """Where an agent can stand on a level: its grid, rooms and free cells."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -101,18 +101,18 @@ def free_space(
     origin, x, y = _grid(rooms.polygon, options.cell)
     treads = [top for stairs in downstairs for top in stairs.top]
     room = _label_rooms(rooms, here, [*passages, *treads], x, y)
-    height, on_ramp, closed = rooms.floor[room], np.zeros(room.shape, bool), np.zeros(room.shape, bool)
+    height, on_ramp, owned = rooms.floor[room], np.zeros(room.shape, bool), np.zeros(room.shape, bool)
     points = np.stack(np.meshgrid(x, y), axis=-1)
-    for stairs, end in [*((s, 0) for s in upstairs), *((s, 1) for s in downstairs)]:
-        over = stairs.contains(points)
-        room, height = np.where(over, stairs.room[end], room), np.where(over, stairs.surface(points), height)
-        # Both levels have the cells around the split, where one goes on in the other.
-        here_too = stairs.reaches(points, end, 1.5 * options.cell)
-        on_ramp, closed = on_ramp | over, closed | (over & ~here_too)
+    for stairs, end, here in _shares(upstairs, downstairs, points, options.cell):
+        # Under the head of stairs that others come out of there is a floor, or the other stairs.
+        over = here if stairs.stacked and end == 0 else stairs.contains(points)
+        mine = here | (over & ~owned)
+        room, height = np.where(mine, stairs.room[end], room), np.where(mine, stairs.surface(points), height)
+        on_ramp, owned = on_ramp | over, owned | here
     reach = options.agent_radius + options.margin
     heights = options.step, options.agent_height
     away = clearance(obstacles, height, x, y, heights, reach)
-    inside, sure = (room >= 0) & ~closed, away >= reach
+    inside, sure = (room >= 0) & (owned | ~on_ramp), away >= reach
     # An agent's axis may be beside the cell's centre.
     near = max(options.agent_radius - options.cell / 2, 0)
     narrow = inside & (sure | (away > near))
@@ -120,6 +120,27 @@ def free_space(
         narrow | (inside & (clearance(fixed, height, x, y, heights, reach) > near)) if fixed is not None else narrow
     )
     return FreeSpace(level, origin, x, y, room.astype(np.int16), inside & sure, narrow, enterable, height, on_ramp)
+
+
+def _shares(
+    upstairs: Sequence[Stairs], downstairs: Sequence[Stairs], points: Float[np.ndarray, "ny nx 2"], cell: float
+) -> Iterator[tuple[Stairs, int, Bool[np.ndarray, "ny nx"]]]:
+    """Stairs of a level, the end at which they meet it, and which cells over them belong to it.
+
+    Both levels have the cells around the split, where one goes on in the other. Where stairs come out under others,
+    cells have one surface only: the lower one up to the split, and beyond a gap the upper one, which the next level
+    has that much farther down.
+    """
+    under = any(stairs.stacked for stairs in upstairs)
+    below = [
+        (stairs, 1, stairs.reaches(points, 1, (0.0 if under else 3.5 if stairs.stacked else 1.5) * cell))
+        for stairs in downstairs
+    ]
+    taken = np.any([here for _, _, here in below], axis=0) if below else np.zeros(points.shape[:2], bool)
+    for stairs in upstairs:
+        here = stairs.reaches(points, 0, 1.5 * cell)
+        yield stairs, 0, here & ~ndimage.binary_dilation(taken, np.ones((3, 3))) if stairs.stacked else here
+    yield from below
 
 
 def _grid(

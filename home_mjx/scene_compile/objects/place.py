@@ -18,6 +18,7 @@ from home_mjx.schema.house import Box, Level, Material, Mesh, Metadata, ModelInf
 
 UPRIGHT = 1e-3  # most that the vertical axis of an object may lean while it still counts as turned about it only
 STRAY = 1.0  # [m]: what is farther from a room than this is not in it, whatever the file says
+ROOFED = 1.0  # [m], least height of a room; the "ceiling" of a balcony is its floor
 PLAIN = Material("box", diffuse=(0.8, 0.8, 0.8), opacity=1.0)
 # Slot of each face of a Box (-x, +x, -y, +y, -z, +z in the world): GAPS's order is +y, -y, -x, +x, +z, -z in the file.
 BOX_SLOTS = (2, 3, 4, 5, 1, 0)
@@ -154,10 +155,16 @@ def triangles_z_up(mesh: Mesh) -> Float[np.ndarray, "f 3 3"]:
 
 
 def unit_cube() -> Model:
-    """The model of Box nodes: edges of 1 m around the origin, one slot and the whole texture per face."""
-    corner = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], float)
-    uv = np.tile(corner[[[0, 1, 2], [0, 2, 3]]], (6, 1, 1))
-    return make_model("box", box_triangles(np.zeros(3), np.full(3, 0.5)), uv, np.repeat(BOX_SLOTS, 2))
+    """The model of Box nodes: edges of 1 m around the origin, one slot and the whole texture per face.
+
+    On the four walls textures stand upright, left to right as seen from outside.
+    """
+    triangles = box_triangles(np.zeros(3), np.full(3, 0.5))
+    normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    is_wall = np.abs(normal[:, 2:]) < 0.5
+    right = np.where(is_wall, np.stack([-normal[:, 1], normal[:, 0], 0 * normal[:, 0]], -1), [1.0, 0.0, 0.0])
+    uv = np.stack([np.einsum("tci,ti->tc", triangles, axis) for axis in (right, np.cross(normal, right))], -1) + 0.5
+    return make_model("box", triangles, uv, np.repeat(BOX_SLOTS, 2))
 
 
 def _pose(node: Object | Box, offset: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 4"]:
@@ -179,11 +186,13 @@ def _slots(node: Object | Box, models: Mapping[str, Mesh]) -> tuple[Material, ..
 def _room(node: Object | Box, level: Level, rooms: Rooms, center: Float[np.ndarray, "3"]) -> int:
     """The smallest room that lists the node and is near it, else the smallest one that its middle is in; -1 if none.
 
-    Lists come first since the middle of an open door, or of what hangs on a wall, may be in the room behind.
+    Lists come first since the middle of an open door, or of what hangs on a wall, may be in the room behind. What is
+    above a room's ceiling, as roofs are, is not in it.
     """
     here = np.flatnonzero(rooms.level == level.index)
     listed = [int(r) for r, room in zip(here, level.rooms, strict=True) if node.index in room.members]
     near = [r for r in listed if polygon_distance(rooms.polygon[r], center[:2]) <= STRAY]
     if near:
         return min(near, key=lambda r: polygon_area(rooms.polygon[r]))
-    return int(smallest_room(rooms, here, center[:2]))
+    roofed = rooms.ceiling[here] > rooms.floor[here] + ROOFED
+    return int(smallest_room(rooms, here[~roofed | (center[2] < rooms.ceiling[here])], center[:2]))

@@ -1,7 +1,7 @@
 """Stairs: which levels they join, and the even slopes that stand for their steps."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -36,6 +36,7 @@ class Stairs:
         well: What of the upper level's floor is open over the stairs [m].
         level_floor: Height of the lowest floor of the upper level [m].
         object_ids: Of everything that they are made of.
+        stacked: Whether other stairs, from the level below, come out under their head.
     """
 
     object_id: int
@@ -47,6 +48,7 @@ class Stairs:
     well: tuple[Polygon, ...]
     level_floor: float
     object_ids: tuple[int, ...]
+    stacked: bool = False
 
     @property
     def low(self) -> float:
@@ -108,7 +110,8 @@ def find_stairs(
     models = [[item] for item in objects if item.info.coarse == CATEGORY and item.level in level[:-1]]
     boxes = [flight for lower in range(len(level) - 1) for flight in box_flights(objects, level[lower], floor[lower:])]
     found = [_stairs(parts, rooms, list(level).index(parts[0].level), list(level), floor) for parts in models + boxes]
-    return [stairs for stairs in found if stairs is not None]
+    known = [stairs for stairs in found if stairs is not None]
+    return [replace(one, stacked=any(_comes_out(other, one) for other in known)) for one in known]
 
 
 def _stairs(
@@ -141,6 +144,14 @@ def _stairs(
         level_floor=float(floor[lower + 1]),
         object_ids=tuple(item.object_id for item in parts),
     )
+
+
+def _comes_out(below: Stairs, above: Stairs) -> bool:
+    """Whether stairs end on the level where others begin, under the last slope of those."""
+    last, head = below.slopes[-1], above.slopes[-1]
+    way = last.foot + last.run * last.up - head.foot
+    along, aside = float(way @ head.up), abs(float(way @ np.array([-head.up[1], head.up[0]])))
+    return below.upper == above.lower and 0 < along < head.run + BESIDE and aside < (last.width + head.width) / 2
 
 
 def _room_at(rooms: Rooms, level: int, point: Float[np.ndarray, "2"]) -> int:

@@ -8,7 +8,7 @@ from jaxtyping import Int
 
 from home_mjx.scene_compile.architecture.frame import Frame
 from home_mjx.scene_compile.architecture.shell import Shell
-from home_mjx.scene_compile.collision.barriers import fence, find_barriers
+from home_mjx.scene_compile.collision.barriers import fence, find_barriers, within_reach
 from home_mjx.scene_compile.collision.choose import choose_movables
 from home_mjx.scene_compile.collision.colliders import ColliderOptions, wall_colliders
 from home_mjx.scene_compile.collision.edges import edge_barriers
@@ -24,6 +24,7 @@ from home_mjx.scene_compile.collision.level import (
 from home_mjx.scene_compile.collision.movables import Candidate, MovableOptions, make_bodies
 from home_mjx.scene_compile.collision.ramps import guards, make_ramps, sills, with_ramps
 from home_mjx.scene_compile.geometry.boxes import BoxSet, distinct, join
+from home_mjx.scene_compile.geometry.mesh import bounds
 from home_mjx.scene_compile.navigation.free_space import FreeSpace, NavigationOptions, free_space
 from home_mjx.scene_compile.navigation.nowhere import nowhere_to_stand
 from home_mjx.scene_compile.objects.doorways import Doorway, find_doorways
@@ -161,6 +162,8 @@ def build_levels(
 def find_sites(rooms: Rooms, objects: Sequence[PlacedObject], climb: bool) -> list[Site]:
     """The levels that have rooms, the lowest first; objects of other levels reach into the ground floor only.
 
+    Objects out of reach are on none.
+
     Args:
         rooms: Outlines and floors.
         objects: Of all levels.
@@ -170,6 +173,7 @@ def find_sites(rooms: Rooms, objects: Sequence[PlacedObject], climb: bool) -> li
     lowest = np.array([rooms.floor[rooms.level == number].min() for number in numbers])
     stairs = find_stairs(objects, rooms, numbers, lowest) if climb else []
     climbed = {object_id for one in stairs for object_id in one.object_ids}
+    near = [o for o in objects if o.room >= 0 or within_reach(*bounds(o.triangles), rooms)]
     doorways, sites = find_doorways(objects, rooms), []
     for grid, number in enumerate(numbers):
         here = [doorway for doorway in doorways if doorway.level == number]
@@ -178,7 +182,7 @@ def find_sites(rooms: Rooms, objects: Sequence[PlacedObject], climb: bool) -> li
                 grid=grid,
                 number=number,
                 plan=plan_floors(rooms, number, [d.footprint for d in here if not d.leads_outdoors], stairs, grid),
-                objects=[o for o in objects if o.object_id not in climbed and (grid == 0 or o.level == number)],
+                objects=[o for o in near if o.object_id not in climbed and (grid == 0 or o.level == number)],
                 doorways=here,
                 upstairs=[one for one in stairs if one.lower == grid],
                 downstairs=[one for one in stairs if one.upper == grid],

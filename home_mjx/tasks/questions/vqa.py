@@ -60,9 +60,9 @@ class VQA(Asking):
 
     def _questions(self, view: HouseView, parts: dict[int, float]) -> Iterator[Question]:
         """About what fills some part of an image each, by object id."""
-        seen = [thing for thing in view.things if thing.object_id in parts]
+        seen = [thing for thing in view.everything if thing.object_id in parts]
         clear = [thing for thing in seen if parts[thing.object_id] >= self.least_part]
-        nouns, known = sorted({noun(thing) for thing in askable(view.things)}), {}
+        nouns, known = sorted({noun(thing) for thing in askable(view.everything)}), {}
         for kind in self.kinds:
             asked = attributes(seen, kind, clear) if kind in OF_THINGS else in_view(kind, nouns, seen, clear)
             known |= {question.texts[0]: question for question in asked}

@@ -22,6 +22,7 @@ HAND = 0.93  # [m], how far hands reach: less than `Body.reach`, as agents do no
 CELLS = 64  # that are nearest to a thing are tried
 EVERY = 4  # cell in reach of a hand is tried
 REACH = 0.3  # [m]: besides the nearest cell, those that are farther by so much are ends of ways to a thing
+STOREY = 2.0  # [m] above the highest floor: what is wholly higher is out of reach
 BELOW_TOP = 0.1  # [m], eyes of an agent
 
 
@@ -66,7 +67,20 @@ class HouseView:
 
     @cached_property
     def things(self) -> tuple[Thing, ...]:
-        """All objects; a door's frame and leaves are one."""
+        """The objects of the house, and of its plot; trees, roofs and neighbours that nobody gets to are left out."""
+        low, high = np.asarray(self.bank.physics.lot[self.house])
+        floors = np.asarray(self.bank.navigation.floor[self.house])
+        top = floors[np.isfinite(floors)].max() + STOREY
+        return tuple(
+            thing
+            for thing in self.everything
+            if thing.word(Semantic.ROOM) >= 0
+            or ((thing.box[0] < [*high, top]).all() and (thing.box[1, :2] > low).all())
+        )
+
+    @cached_property
+    def everything(self) -> tuple[Thing, ...]:
+        """All objects that can be seen; a door's frame and leaves are one."""
         geometry = self.bank.geometry
         ids, rows = geometry.instance_object[self.house], geometry.instance_semantic[self.house]
         semantics, found = np.asarray(self.bank.semantics), []

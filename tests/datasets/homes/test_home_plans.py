@@ -1,5 +1,6 @@
 """Plans of homes before they are furnished: programs, sizes, doors, stairs; and names of generated houses."""
 
+import itertools
 from functools import cache
 
 import numpy as np
@@ -9,6 +10,7 @@ from home_mjx.datasets.generators.names import ProceduralHouses
 from home_mjx.datasets.homes.plan.home import HomePlan, draw_home
 from home_mjx.datasets.homes.plan.needs.program import MOST, Program, draw_program, ground_rooms
 from home_mjx.datasets.homes.plan.needs.wants import LINKS, OUTDOORS, WANTS
+from home_mjx.datasets.homes.plan.shape.parted import draw_parted
 from home_mjx.datasets.homes.plan.shape.storeys import is_simple
 from home_mjx.datasets.procedural.floor_plan.rooms import Rect, RoomPlan
 from home_mjx.datasets.seeds import house_id
@@ -81,6 +83,22 @@ def test_many_homes_are_no_rectangles():
         outlines += sum(room.area for room in rooms) < 0.93 * np.prod(np.ptp(points, axis=0))
     assert outlines > 0.5 * len(plans())
     assert max(corners) >= 8
+
+
+def test_some_homes_are_us_and_some_are_ts():
+    """On the side away from the row behind the hall, the middle is nearer to the hall than both ends, or farther."""
+    rng, found = np.random.default_rng(4), {"U": 0, "T": 0}
+    while min(found.values()) < 3:
+        draft = draw_parted(rng, ground_rooms(rng, 9), False)
+        if draft is None:
+            continue
+        rects = [rect for _, rects in draft.rooms for rect in rects]
+        low, high = min(r.x0 for r in rects), max(r.x1 for r in rects)
+        depth = [max(r.z1 for r in rects if r.x0 < x < r.x1) for x in np.linspace(low + 0.01, high - 0.01, 80)]
+        steps = [np.sign(b - a) for a, b in itertools.pairwise(depth) if abs(b - a) > 0.05]
+        assert steps[:1] + steps[-1:] in ([-1.0, 1.0], [1.0, -1.0])
+        assert max(depth) - min(depth) >= 1.2
+        found["U" if steps[0] < 0 else "T"] += 1
 
 
 def test_storeys_stand_on_one_another():

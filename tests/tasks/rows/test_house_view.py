@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from home_mjx.registry import as_bank
-from home_mjx.tasks.rows.house_view import house_views
+from home_mjx.schema.semantic import Semantic
+from home_mjx.tasks.rows.house_view import HouseView, Thing, house_views
 from home_mjx.tasks.rows.words import Kind
 from home_mjx.tasks.sensors.sight import as_it_begins, clear, look_points
 
@@ -39,6 +40,18 @@ def seen_one_by_one(view, eyes, boxes):
 def in_one_piece(view):
     """Things that are one instance: not doors."""
     return [(thing, view.instance_of(thing)) for thing in view.things if view.instance_of(thing) >= 0]
+
+
+def test_things_that_nobody_gets_to_are_not_among_those_of_the_house(views):
+    """A tree beyond the fence, and a roof; but not what stands in no room beside the house."""
+    view = HouseView(views[0].bank, 0, views[0]._boxes, views[0]._device)
+    row, (low, high) = view.everything[0].row.copy(), np.asarray(view.bank.physics.lot[0])
+    row[Semantic.ROOM] = -1
+    size = np.array([0.5, 0.5, 0.5])
+    corners = {"tree": [*(high + 0.1), 0.0], "roof": [0.0, 0.0, 4.5], "beside": [*(low + 0.1), 0.0]}
+    more = {name: Thing(9000 + i, row, np.array([at, at + size]), -1) for i, (name, at) in enumerate(corners.items())}
+    view.__dict__["everything"] = (*views[0].everything, *more.values())
+    assert view.things == (*views[0].everything, more["beside"])
 
 
 def test_what_ways_lead_to_is_seen_by_whoever_stops_beside_the_middle_of_a_cell(views, rng):

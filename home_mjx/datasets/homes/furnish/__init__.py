@@ -1,4 +1,4 @@
-"""Furniture of homes: the recipes of the first generator, and recipes for the rooms that it does not know."""
+"""Furniture of homes: what goes into each room, and where."""
 
 from home_mjx.datasets.homes.furnish.level import furnish_home
 

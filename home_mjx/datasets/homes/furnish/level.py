@@ -2,18 +2,22 @@
 
 from collections.abc import Sequence
 
-from home_mjx.datasets.homes.furnish.layout import HomeLayout
-from home_mjx.datasets.homes.furnish.recipes import RECIPES
+from home_mjx.datasets.homes.furnish.recipes import ESSENTIALS, RECIPES
+from home_mjx.datasets.homes.furnish.space.hung import sockets, switches, under_ceiling
+from home_mjx.datasets.homes.furnish.space.on_top import on_top
+from home_mjx.datasets.homes.furnish.space.room import Room
+from home_mjx.datasets.homes.furnish.space.spots import add
 from home_mjx.datasets.homes.plan.home import HomePlan
 from home_mjx.datasets.homes.plan.needs.wants import OUTDOORS
+from home_mjx.datasets.homes.taste import Style
 from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
-from home_mjx.datasets.procedural.furnish import ESSENTIALS, RADIO_STANDS
-from home_mjx.datasets.procedural.furnish.layout import RoomLayout
-from home_mjx.datasets.procedural.furnish.style import Style
 
 TRIES = 3  # of furnishing one room
 WASHING = ("bathtub", "shower")
 LAMPS = ((0.0, 0.0), (0.5, 0.0), (-0.5, 0.0), (0.0, 0.5), (0.0, -0.5))  # [m], from the middle of a room
+LONG = ("Hallway", "Hall", "Lobby")
+GRAND = ("Living_Room", "Bedroom", "Dining_Room", "Hall", "Lobby", "Guest_Room")  # may have chandeliers and fans
+RADIO_STANDS = ("tv_stand", "dresser", "nightstand", "desk", "side_table", "shoes_cabinet", "coffee_table")
 
 Furnished = tuple[tuple[tuple[PlacedFurniture, ...], ...], ...]  # of every storey, of every room
 
@@ -24,65 +28,70 @@ def furnish_home(home: HomePlan, style: Style) -> Furnished | None:
     That is if open doors block one another, a room has no place for what it is for, or no bathroom has a tub or a
     shower.
     """
-    levels: list[list[HomeLayout]] = []
-    for number in range(len(home.levels)):
-        layouts = []
-        for index in range(len(home.levels[number].rooms)):
-            layout = _furnished(home, number, index, style)
-            if layout is None:
-                return None
-            layouts.append(layout)
-        levels.append(layouts)
-    rooms = [layout for layouts in levels for layout in layouts]
-    if not _washes(rooms) or not _radio(rooms, style):
+    places = [(number, index) for number, level in enumerate(home.levels) for index in range(len(level.rooms))]
+    if not all(_empty(home, *place, style).passable for place in places):
         return None
-    return tuple(tuple(tuple(layout.items) for layout in layouts) for layouts in levels)
+    levels: list[list[Room]] = []
+    for number in range(len(home.levels)):
+        rooms = []
+        for index in range(len(home.levels[number].rooms)):
+            room = _furnished(home, number, index, style)
+            if room is None:
+                return None
+            rooms.append(room)
+        levels.append(rooms)
+    everywhere = [room for rooms in levels for room in rooms]
+    if not _washes(everywhere) or not _radio(everywhere, style):
+        return None
+    return tuple(tuple(tuple(room.items) for room in rooms) for rooms in levels)
 
 
-def _furnished(home: HomePlan, level: int, index: int, style: Style) -> HomeLayout | None:
+def _empty(home: HomePlan, level: int, index: int, style: Style) -> Room:
+    return Room(home.levels[level], index, style, home.stairwell(level) if index == 0 else None)
+
+
+def _furnished(home: HomePlan, level: int, index: int, style: Style) -> Room | None:
     """A furnished room; None if it cannot serve."""
     for _ in range(TRIES):
-        stairs = home.stairwell(level) if index == 0 else None
-        layout = HomeLayout(home.levels[level], index, style, stairs)
-        if not layout.passable:
-            return None
-        RECIPES[layout.room.type](layout)
-        needed = ESSENTIALS.get(layout.room.type)
-        if needed is None or any(item.model.fine == needed for item in layout.items):
-            _finish(layout, style)
-            return layout
+        room = _empty(home, level, index, style)
+        outdoors = room.kind in OUTDOORS
+        if not outdoors:
+            switches(room)
+        RECIPES[room.kind](room)
+        needed = ESSENTIALS.get(room.kind)
+        if needed is None or any(item.model.fine in needed for item in room.items):
+            if not outdoors:
+                _lamp(room)
+                sockets(room)
+            return room
     return None
 
 
-def _finish(room: RoomLayout, style: Style) -> None:
-    """A lamp and pictures; neither outdoors."""
-    if room.room.type in OUTDOORS:
-        return
-    _lamp(room)
-    for _ in range(int(style.rng.integers(0, 3))):
-        room.hang(style.object("picture"), float(style.rng.uniform(1.25, 1.45)))
-
-
-def _lamp(room: RoomLayout) -> None:
+def _lamp(room: Room) -> None:
     """A lamp in the middle of the room, low above a dining table; in long halls one in each part."""
     tables = [item for item in room.items if item.model.fine == "dining_table"]
-    if tables and room.under_ceiling(room.style.object("pendant"), tables[0].position[0], tables[0].position[2]):
+    if tables and under_ceiling(room, room.object("pendant"), tables[0].position[0], tables[0].position[2]):
         return
-    for rect in room.room.rects[: 2 if room.room.type in ("Hallway", "Hall", "Lobby") else 1]:
+    kind = "ceiling_lamp"
+    if room.kind in GRAND and room.height > 2.55:
+        kind = str(room.rng.choice(["ceiling_lamp", "ceiling_lamp", "pendant", "chandelier", "ceiling_fan"]))
+    for rect in room.plan.rects[: 2 if room.kind in LONG else 1]:
         x, z = (rect.x0 + rect.x1) / 2, (rect.z0 + rect.z1) / 2
-        any(room.under_ceiling(room.style.object("ceiling_lamp"), x + dx, z + dz) for dx, dz in LAMPS)
+        any(under_ceiling(room, room.object(kind), x + dx, z + dz) for dx, dz in LAMPS)
 
 
-def _washes(rooms: Sequence[RoomLayout]) -> bool:
+def _washes(rooms: Sequence[Room]) -> bool:
     """Whether one bathroom of the home has a tub or a shower."""
     return any(item.model.fine in WASHING for room in rooms for item in room.items)
 
 
-def _radio(rooms: Sequence[RoomLayout], style: Style) -> bool:
-    """One radio in the home: on a piece of furniture, or else a loudspeaker on the floor."""
-    order = [rooms[i] for i in style.rng.permutation(len(rooms)) if rooms[i].room.type not in OUTDOORS]
+def _radio(rooms: Sequence[Room], style: Style) -> bool:
+    """One radio in the home at least: on a piece of furniture, or else a loudspeaker on the floor."""
+    if any(item.model.fine == "loudspeaker" for room in rooms for item in room.items):
+        return True
+    order = [rooms[i] for i in style.rng.permutation(len(rooms)) if rooms[i].kind not in OUTDOORS]
     for room in order:
         for anchor in [item for item in room.items if item.model.family in RADIO_STANDS]:
-            if room.on_top(anchor, style.object("radio")):
+            if on_top(room, anchor, "radio"):
                 return True
-    return any(room.against_wall(style.object("speaker")) for room in order)
+    return any(add(room, "floor_speaker") for room in order)

@@ -13,9 +13,9 @@ from home_mjx.datasets.homes.plan.quality import is_liveable
 from home_mjx.datasets.homes.plan.shape.storeys import Stairwell, Storey, draw_storeys
 from home_mjx.datasets.homes.plan.slants import add_slants
 from home_mjx.datasets.homes.structure import structure_models
+from home_mjx.datasets.homes.things import model_of
 from home_mjx.datasets.procedural.floor_plan.openings import HousePlan, Opening
 from home_mjx.datasets.procedural.floor_plan.rooms import RoomPlan
-from home_mjx.datasets.procedural.furniture import family_models
 from home_mjx.datasets.procedural.primitives.palette import choose
 from home_mjx.errors import ConfigError
 
@@ -23,6 +23,7 @@ TRIES = 6000  # of drawing storeys; a few dozen is usual
 PATIENCE = 1500  # tries, after which another program is drawn where none was given
 HEIGHTS, ODDS = (2.5, 2.6, 2.7, 2.8, 3.0), (0.15, 0.15, 0.45, 0.15, 0.1)  # [m], of walls of homes on one floor
 AGAIN = 0.9  # chance of another try where the entrance leads into the living room and there is a hall
+SOLID, GLAZED = (1, 2, 4, 5, 7, 8, 9), (3, 6)  # numbers of the doors' models
 PITCHES = (2.7, 2.8, 2.9)  # [m], from floor to floor
 
 
@@ -61,8 +62,8 @@ def draw_home(rng: np.random.Generator, program: Program | None = None) -> HomeP
         True
     """
     wanted = draw_program(rng) if program is None else program
-    doors = family_models()["door"]
-    models = Models(choose(doors[:2], rng), doors[2], choose(structure_models()["garage_door"], rng))
+    solid, glazed = (model_of("door", choose(numbers, rng)) for numbers in (SOLID, GLAZED))
+    models = Models(solid, glazed, choose(structure_models()["garage_door"], rng))
     for attempt in range(TRIES):
         storeys = draw_storeys(rng, wanted)
         if storeys is not None and is_liveable(storeys):

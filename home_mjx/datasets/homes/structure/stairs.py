@@ -15,16 +15,17 @@ LENGTH = (STEPS - 1) * RUN + LANDING  # [m]
 LANE = (WIDTH - GAP) / 2  # [m], width of a flight
 
 
-def back_stairs(closed: bool) -> Iterator[Solid]:
+def back_stairs(closed: bool, left: bool = False) -> Iterator[Solid]:
     """Up to -z on the right (+x), back to the front on the left. The front edge is at z = 0.
 
     Args:
         closed: Boards between the treads.
+        left: The other way round: up on the left.
     """
     rise = RISE / (2 * STEPS)
     yield box("wood", (WIDTH, 0.06, LANDING), (0.0, STEPS * rise - 0.06, -LENGTH + LANDING / 2))
     for side, first in ((1, 0), (-1, STEPS)):
-        x = side * (WIDTH - LANE) / 2
+        x = (-side if left else side) * (WIDTH - LANE) / 2
         for i in range(1, STEPS):
             z = -(i - 0.5) * RUN if side > 0 else -(STEPS - 1 - i + 0.5) * RUN
             yield box("wood", (LANE - 0.06, 0.04, RUN + 0.02), (x, (first + i) * rise - 0.04, z))
@@ -51,7 +52,7 @@ FAMILIES = (
         "stairs",
         back_stairs,
         slots("wood", "wood_1"),
-        (variant(closed=True), variant(closed=False)),
+        tuple(variant(closed=closed, left=left) for left in (False, True) for closed in (True, False)),
         centred=False,
     ),
 )

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from home_mjx.datasets.homes.textures import fabrics, patterns, pictures, rugs
+from home_mjx.datasets.homes.textures import fabrics, outdoors, patterns, pictures, rugs
 from home_mjx.datasets.procedural.primitives import textures as before
 from home_mjx.datasets.procedural.primitives.palette import rgb
 from home_mjx.datasets.procedural.primitives.textures import Image, Rgb
@@ -269,6 +269,7 @@ _GROUPS = {
     "marble": MARBLES,
     **OTHERS,
     "picture": PICTURES,
+    **outdoors.ROWS,
 }
 
 

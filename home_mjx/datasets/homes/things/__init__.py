@@ -2,12 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from functools import cache
+from types import MappingProxyType
 
 from home_mjx.datasets.homes.things.appliances import fridges, hot_drinks, mixers, ovens, washing
 from home_mjx.datasets.homes.things.bath import basins, bathtubs, mirrors, paper, showers, toiletries, toilets, towels
 from home_mjx.datasets.homes.things.beds import bunks, cots, double, single
 from home_mjx.datasets.homes.things.decor import books, candles, clocks, figures, ornaments, pictures, vases
 from home_mjx.datasets.homes.things.electronics import cleaning, gadgets, phones, screens, sound
+from home_mjx.datasets.homes.things.family import Family
 from home_mjx.datasets.homes.things.green import plants
 from home_mjx.datasets.homes.things.kitchen import cabinets, cookers, hanging, hoods, sinks
 from home_mjx.datasets.homes.things.lamps import ceiling, chandeliers, floor, outdoor, pendants, table, wall
@@ -43,9 +45,9 @@ from home_mjx.datasets.homes.things.textiles import curtains, cushions, rugs, we
 from home_mjx.datasets.homes.things.toys import baskets, bins, pets, toys
 from home_mjx.datasets.homes.things.vehicles import cars, cycles
 from home_mjx.datasets.homes.things.walls import coolers, fans, fences, fireplaces, heaters, partitions, switches
-from home_mjx.datasets.procedural.primitives.family import Furniture, models_by_family, models_by_id
+from home_mjx.datasets.procedural.primitives.family import Furniture, models_by_family
 
-__all__ = ["family_models", "library"]
+__all__ = ["families", "family_models", "library", "library_model", "model_of"]
 
 _MODULES = (
     *(chairs, stools, armchairs, office, sofas, ottomans, benches, patio),
@@ -74,6 +76,38 @@ _MODULES = (
 
 
 @cache
+def families() -> Mapping[str, Family]:
+    """The designs of things that can stand for one another, by name."""
+    return {family.name: family for module in _MODULES for family in module.FAMILIES}
+
+
+@cache
+def model_of(family: str, number: int) -> Furniture:
+    """One library model, built when it is first asked for.
+
+    Args:
+        family: Its name.
+        number: From 1.
+
+    Example:
+        >>> model_of("sofa", 2).id
+        'home_sofa_2'
+    """
+    return families()[family].model(number)
+
+
+def library_model(model_id: str) -> Furniture:
+    """The library model of an id.
+
+    Example:
+        >>> library_model("home_sofa_2") is model_of("sofa", 2)
+        True
+    """
+    family, _, number = model_id.removeprefix("home_").rpartition("_")
+    return model_of(family, int(number))
+
+
+@cache
 def library() -> Mapping[str, Furniture]:
     """Every model by id, in the order of the metadata rows.
 
@@ -81,7 +115,8 @@ def library() -> Mapping[str, Furniture]:
         >>> library()["home_sofa_2"].fine
         'sofa'
     """
-    return models_by_id(family for module in _MODULES for family in module.FAMILIES)
+    models = (model_of(family.name, n) for family in families().values() for n in family.numbers)
+    return MappingProxyType({model.id: model for model in models})
 
 
 @cache

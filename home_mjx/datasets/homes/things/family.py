@@ -61,12 +61,22 @@ class Family:
     centred: bool = True
     finishes: Mapping[str, str] = field(default_factory=dict)
 
+    @property
+    def numbers(self) -> range:
+        """Of the library models, from 1."""
+        return range(1, len(self.designs) + 1)
+
     def models(self) -> Iterator[Furniture]:
         """The library models of the family."""
-        for number, made in enumerate(self.designs, 1):
-            yield self._model(f"home_{self.name}_{number}", number, made)
+        yield from map(self.model, self.numbers)
 
-    def _model(self, model_id: str, number: int, made: Design) -> Furniture:
+    def model(self, number: int) -> Furniture:
+        """One of the library models.
+
+        Args:
+            number: From 1.
+        """
+        model_id, made = f"home_{self.name}_{number}", self.designs[number - 1]
         solids, bulbs, parts = _built(made, {}, self.centred)
         names = list(dict.fromkeys(str(solid.material) for solid in solids))
         slots = {name: self.finishes.get(name, name.rstrip("_0123456789")) for name in names}
@@ -107,7 +117,10 @@ def _shifted(bulb: Bulb, shift: Float[np.ndarray, " 3"]) -> Bulb:
 
 
 def _smooth(mesh: Mesh) -> Mesh:
-    return replace(mesh, normal=corner_normals(mesh.vertices, mesh.faces))
+    """The mesh with normals, without vertices that no face uses: files do not keep them."""
+    used, faces = np.unique(mesh.faces, return_inverse=True)
+    faces = faces.reshape(mesh.faces.shape).astype(mesh.faces.dtype)
+    return replace(mesh, vertices=mesh.vertices[used], faces=faces, normal=corner_normals(mesh.vertices[used], faces))
 
 
 def _light(bulb: Bulb) -> Light:

@@ -12,7 +12,7 @@ from home_mjx.datasets.procedural.primitives.solids import Vector
 from home_mjx.schema.house import Material
 
 Box = Float[np.ndarray, "2 3"]
-Boxes = Float[np.ndarray, "n 2 3"]
+Boxes = Float[np.ndarray, "_ 2 3"]
 
 FACING = ((0, 1), (1, 0), (0, -1), (-1, 0))  # (x, z) that the front points to after 0..3 quarter turns
 

@@ -99,17 +99,77 @@ def write_library(
         DatasetError: The folders cannot be written.
     """
     for model in models:
-        key = model.info.model_id
-        meshes = {key: model.mesh, **model.variants}
-        files = {f"{stem}.obj": obj_text(mesh, f"{key}.mtl") for stem, mesh in meshes.items()}
-        _write_folder(root, Path("object") / key, {**files, f"{key}.mtl": mtl_text(model.mesh.materials)}, mend=True)
+        write_model(root, model)
+    write_textures(root, textures)
+    write_tables(root, models)
+
+
+def write_model(root: Path, model: LibraryModel, digests: bool = False) -> None:
+    """Writes the folder of one model below a dataset root; what differs is written again.
+
+    Args:
+        root: Dataset root.
+        model: The model.
+        digests: Also write the digests of its files.
+
+    Raises:
+        DatasetError: The folder cannot be written.
+    """
+    key = model.info.model_id
+    meshes = {key: model.mesh, **model.variants}
+    files = {f"{stem}.obj": obj_text(mesh, f"{key}.mtl") for stem, mesh in meshes.items()}
+    files |= {f"{key}.mtl": mtl_text(model.mesh.materials)}
+    _write_folder(root, Path("object") / key, {**files, **(_digests(files) if digests else {})}, mend=True)
+
+
+def write_textures(root: Path, textures: Mapping[str, UInt8[np.ndarray, "h w 3"]]) -> None:
+    """Writes textures below a dataset root; others are kept, and what differs is written again.
+
+    Args:
+        root: Dataset root.
+        textures: Images by name without extension, row 0 at the top, sRGB.
+
+    Raises:
+        DatasetError: The folder cannot be written.
+    """
+    _write_folder(root, Path("texture"), {})  # processes may write different ones at the same time
     _write_folder(root, Path("texture"), {f"{name}.png": image for name, image in textures.items()}, mend=True)
+
+
+def write_tables(root: Path, models: Sequence[LibraryModel], digests: bool = False) -> None:
+    """Writes the metadata tables below a dataset root.
+
+    Args:
+        root: Dataset root.
+        models: The models, in the order of their rows.
+        digests: Also write the digests of the tables, by which it is seen later that they are whole.
+
+    Raises:
+        DatasetError: The folder cannot be written.
+    """
     tables = {
         "ModelCategoryMapping.csv": categories_csv(models),
         "models.csv": sizes_csv(models),
         "suncgModelLights.json": lights_json(models),
     }
-    _write_folder(root, Path("metadata"), tables, mend=True)
+    _write_folder(root, Path("metadata"), {**tables, **(_digests(tables) if digests else {})}, mend=True)
+
+
+def _digests(files: Mapping[str, str]) -> dict[str, str]:
+    return {DIGESTS: json.dumps({name: _digest(text) for name, text in files.items()})}
+
+
+def is_whole_folder(folder: Path) -> bool:
+    """Whether a folder that was written with digests holds the files that were written.
+
+    Args:
+        folder: Of a model, or of the tables.
+    """
+    try:
+        digests: dict[str, str] = json.loads(read_text(folder / DIGESTS))
+        return all(_digest(read_text(folder / name)) == digest for name, digest in digests.items())
+    except (DatasetError, ValueError, TypeError, AttributeError, RecursionError):
+        return False
 
 
 def _write_folder(
@@ -142,7 +202,8 @@ def _write_folder(
 def _mend(path: Path, content: str | UInt8[np.ndarray, "h w 3"]) -> None:
     """Writes a file again that is not what it should be; whole or not at all, since others may be reading it."""
     if not _holds(path, content):
-        log.warning("broken file %s is made again", path)
+        if path.exists():
+            log.warning("broken file %s is made again", path)
         with write_whole(path) as file:
             if isinstance(content, str):
                 file.write(content.encode())

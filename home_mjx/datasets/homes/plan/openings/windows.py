@@ -7,12 +7,14 @@ import numpy as np
 from home_mjx.datasets.homes.plan.needs.wants import WET, WINDOWLESS
 from home_mjx.datasets.homes.plan.openings.sites import outer_sites
 from home_mjx.datasets.homes.plan.openings.turned import slanted_windows
+from home_mjx.datasets.homes.things import model_of
 from home_mjx.datasets.procedural.floor_plan.openings import HIGH_SILL_Y, MARGIN, SILL_Y, Opening, Site
 from home_mjx.datasets.procedural.floor_plan.placed import Boxes, PlacedFurniture, overlaps, quarter_towards, stack
 from home_mjx.datasets.procedural.floor_plan.rooms import Rect, RoomPlan
-from home_mjx.datasets.procedural.furniture import family_models
 from home_mjx.datasets.procedural.primitives.palette import choose
 
+SMALL = 1  # number of the model of small windows
+SETS = ((2, 3, 4), (2, 9, 4), (5, 6, 4), (7, 6, 4), (8, 3, 4))  # of models that go together, narrow ones first
 EACH = 3.4  # [m] of wall for each window
 SECOND_WALL = 0.55  # chance of windows in a further wall
 
@@ -29,16 +31,17 @@ def draw_windows(
         shut: The place of stairs, whose walls have no windows: those would be in no room.
     """
     found: list[Opening] = []
+    alike = choose(SETS, rng)
     for room, plan in enumerate(rooms):
         if plan.type in WINDOWLESS or (plan.type == "Garage" and rng.random() < 0.5):
             continue
-        bays = list(slanted_windows(room, plan, family_models()["window"][0]))
+        bays = list(slanted_windows(room, plan, model_of("window", SMALL)))
         found += bays
         count = len(bays)
         for site in sorted(outer_sites(rooms, room), key=lambda site: site.span[0] - site.span[1]):
             if (count and rng.random() > SECOND_WALL) or (shut is not None and _beside(site, shut)):
                 continue
-            new = list(_fit(rng, site, plan.type, [*doors, *found]))
+            new = list(_fit(rng, site, plan.type, alike, [*doors, *found]))
             found += new
             count += len(new)
     return found
@@ -51,13 +54,15 @@ def _beside(site: Site, rect: Rect) -> bool:
     return at_line and site.span[0] < rect[axis + 2] and site.span[1] > rect[axis]
 
 
-def _fit(rng: np.random.Generator, site: Site, kind: str, taken: Sequence[Opening]) -> Iterator[Opening]:
+def _fit(
+    rng: np.random.Generator, site: Site, kind: str, alike: Sequence[int], taken: Sequence[Opening]
+) -> Iterator[Opening]:
     """Windows of one size at even distances in a stretch of wall; wet rooms and garages get small high ones."""
     low, high = site.span
     small = kind in (*WET, "Garage")
     count = 1 if small else max(1, round((high - low) / EACH))
-    models = family_models()["window"]
-    models = models[:1] if small else models[1:]
+    numbers = (SMALL,) if small else alike
+    models = [model_of("window", number) for number in numbers]
     fitting = [m for m in models if m.size[0] + 2 * MARGIN <= (high - low) / count]
     if not fitting:
         return

@@ -96,7 +96,7 @@ def draw_straight(rng: np.random.Generator, types: Sequence[str], stairs: bool) 
         lay_row(Row(0, signs[i], bases[i], 0.0, length[i], depths[i], _step(rng, length[i], depths[i])), rows[i])
         for i in range(2)
     ]
-    return _closed(rng, laid, across, max(length), block)
+    return closed(rng, laid, across, max(length), block)
 
 
 def _take_block(
@@ -177,14 +177,22 @@ def needed(laid: Laid) -> float:
     return max([*fronts, *([] if stairs is None else [stairs[row.axis + 2]])])
 
 
-def _closed(
+def closed(
     rng: np.random.Generator,
     laid: Sequence[Laid | None],
     across: float,
     end: float,
     block: tuple[Cell, Rect] | None,
 ) -> Draft | None:
-    """The storey of two rows: the hall ends where its last rooms are reached, or goes on to the outer wall."""
+    """The storey of rows along one hall, which ends where its last rooms are reached, or goes on to the outer wall.
+
+    Args:
+        rng: Source of randomness.
+        laid: The rows, as `lay_row` gives them.
+        across: Width of the hall [m].
+        end: Where the longest row ends [m].
+        block: The room before the other end of the hall, and its place.
+    """
     if any(one is None for one in laid):
         return None
     known = [one for one in laid if one is not None]
@@ -204,7 +212,7 @@ def _closed(
     shell = Shell(
         hall=(Rect(0.0, 0.0, stop, across),),
         rows=tuple(rows),
-        reach=((0.0, stop),) * 2,
+        reach=((0.0, stop),) * len(rows),
         block=None if block is None else block[1],
         rests=rests,
         stairs=place[1],
@@ -215,4 +223,4 @@ def _closed(
         kind, rects = rooms[rests[0][1]][-1]
         rooms[rests[0][1]][-1] = (kind, (*rects, rests[0][0]))
     ends = [] if block is None else [(block[0].type, (block[1],))]
-    return Draft(shell, (*rooms[0], *rooms[1], *ends))
+    return Draft(shell, (*(room for row in rooms for room in row), *ends))

@@ -8,6 +8,7 @@ import numpy as np
 from home_mjx.datasets.homes.plan.needs.program import ABOVE, MORE_ABOVE, MOST, Program, draw_more
 from home_mjx.datasets.homes.plan.needs.wants import ROOMY, WANTS
 from home_mjx.datasets.homes.plan.shape.hub import draw_hub
+from home_mjx.datasets.homes.plan.shape.parted import draw_parted
 from home_mjx.datasets.homes.plan.shape.rows import FOYER, Placed, Row, lay, suits
 from home_mjx.datasets.homes.plan.shape.shell import Draft, Shell, cell_of, draw_straight
 from home_mjx.datasets.homes.plan.shape.wing import draw_winged
@@ -16,7 +17,8 @@ from home_mjx.datasets.procedural.floor_plan.rooms import Rect, RoomPlan
 TRIES = 60  # of filling a part of a row
 CONTACT = 1.2  # [m], least of a room with the hall
 TINY = 0.25  # [m]: shorter walls are no walls
-WINGED_FROM = 8  # rooms on a floor
+WINGED_FROM, PARTED_FROM = 8, 7  # rooms on a floor
+WINGED, PARTED = 0.4, 0.45  # of attempts at floors of so many rooms
 
 
 @dataclass(frozen=True)
@@ -26,10 +28,12 @@ class Stairwell:
     Attributes:
         rect: Between the middles of its walls, and the edge of the hall [m].
         way: (x, z) unit direction from the hall into it.
+        left: Whether they go up on the left, and come back on the right.
     """
 
     rect: Rect
     way: tuple[int, int]
+    left: bool = False
 
     @property
     def area(self) -> float:
@@ -71,8 +75,11 @@ def draw_storeys(rng: np.random.Generator, program: Program) -> tuple[Storey, ..
 def _draw_ground(rng: np.random.Generator, program: Program) -> Draft | None:
     if program.storeys == 1 and "Living_Room" not in program.ground:
         return draw_hub(rng, program.ground)
-    if len(program.ground) + 1 >= WINGED_FROM and rng.random() < 0.55:
+    count, form = len(program.ground) + 1, rng.random()
+    if count >= WINGED_FROM and form < WINGED:
         return draw_winged(rng, program.ground, program.storeys > 1)
+    if count >= PARTED_FROM and form > 1 - PARTED:
+        return draw_parted(rng, program.ground, program.storeys > 1)
     return draw_straight(rng, program.ground, program.storeys > 1)
 
 
@@ -151,7 +158,7 @@ def _placed(
         row = shell.rows[shell.stairs_row]
         ahead = Rect(0, 0, row.sign * (row.axis == 1), row.sign * (row.axis == 0))
         x0, z0, x1, z1 = _turned(ahead, turn, mirrored, keep=True)
-        well = Stairwell(place(shell.stairs), (round(x1 - x0), round(z1 - z0)))
+        well = Stairwell(place(shell.stairs), (round(x1 - x0), round(z1 - z0)), bool(rng.random() < 0.5))
     hall_kind = _hall_kind(rng, drafts)
     storeys = []
     for level, draft in enumerate(drafts):

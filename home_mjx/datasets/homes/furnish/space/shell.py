@@ -1,48 +1,37 @@
-"""The layout of a room that may hold the place of stairs, or have no walls."""
+"""Boxes of walls, stairs and corners that bound the space of a room."""
 
 from collections.abc import Iterator
 
 import numpy as np
+from jaxtyping import Float
 
 from home_mjx.datasets.homes.plan.shape.cut_rooms import CutRoom, slants
 from home_mjx.datasets.homes.plan.shape.storeys import Stairwell
-from home_mjx.datasets.procedural.floor_plan.openings import HousePlan
 from home_mjx.datasets.procedural.floor_plan.placed import Box
-from home_mjx.datasets.procedural.floor_plan.rooms import RoomPlan
-from home_mjx.datasets.procedural.floor_plan.walking import WalkingGrid
+from home_mjx.datasets.procedural.floor_plan.rooms import RoomPlan, Wall
 from home_mjx.datasets.procedural.floor_plan.walls import HALF
-from home_mjx.datasets.procedural.furnish.layout import RoomLayout
-from home_mjx.datasets.procedural.furnish.style import Style
 
-ACCESS = 0.9  # [m], depth of the floor before stairs that stays free
 STRIP = 0.125  # of a corner that is cut off: so wide are the boxes that stand for it
 BESIDE = 0.5  # [m], from the edge of stairs to the places that must be reached
+SIGHT = 0.35  # [m], depth in front of a window that tall things keep clear
 
 
-class HomeLayout(RoomLayout):
-    """A room that is being furnished.
-
-    Args:
-        plan: The storey.
-        index: Which of its rooms.
-        style: Of the home.
-        stairs: The place of stairs in this room.
-    """
-
-    def __init__(self, plan: HousePlan, index: int, style: Style, stairs: Stairwell | None = None) -> None:
-        super().__init__(plan, index, style)
-        steps = [] if stairs is None else [_column(stairs, 0.0, plan.height)]
-        corners = list(_cut_off(self.room, plan.height))
-        if not steps and not corners:
-            return
-        self._solid += [*steps, *corners]
-        self._clear += [] if stairs is None else [_column(stairs, ACCESS, plan.height)]
-        ways = [o.placed.beside(0.0, side * 0.5) for o in plan.openings_of(index) if o.is_door for side in (-1, 1)]
-        ends = [] if stairs is None else _landings(stairs)
-        self._grid = WalkingGrid(self.room, self._solid, [*ways, *ends])
+def wall_box(wall: Wall, height: float) -> Box:
+    """The half of a wall on the side of the room, and the other one [m]."""
+    ends: Float[np.ndarray, "2 2"] = np.sort([wall.start, wall.end], axis=0)
+    (x0, z0), (x1, z1) = ends + np.array([[-HALF], [HALF]])
+    return np.array([[x0, 0.0, z0], [x1, height, z1]])
 
 
-def _cut_off(room: RoomPlan, height: float) -> Iterator[Box]:
+def sight(window: Box) -> Box:
+    """The space before and behind a window, from a little above its sill, that tall things must not fill."""
+    grown = window + np.array([[0.0, 0.12, 0.0], [0.0, 0.0, 0.0]])
+    across = 0 if np.ptp(window[:, 0]) < np.ptp(window[:, 2]) else 2
+    grown[:, across] += (-SIGHT, SIGHT)
+    return grown
+
+
+def cut_off(room: RoomPlan, height: float) -> Iterator[Box]:
     """Boxes over the corners that are cut off a room, and the walls there."""
     for (x0, z0), (x1, z1) in slants(room):
         # The corner is where the neighbouring walls would meet: at (x0, z1) or at (x1, z0).
@@ -56,7 +45,7 @@ def _cut_off(room: RoomPlan, height: float) -> Iterator[Box]:
             yield np.array([[low[0] - HALF, 0.0, low[1] - HALF], [high[0] + HALF, height, high[1] + HALF]])
 
 
-def _column(stairs: Stairwell, before: float, height: float) -> Box:
+def column(stairs: Stairwell, before: float, height: float) -> Box:
     """The space over a place of stairs and so far before it [m]."""
     x0, z0, x1, z1 = stairs.rect
     low, high = np.array([x0, 0.0, z0]), np.array([x1, height, z1])
@@ -66,7 +55,7 @@ def _column(stairs: Stairwell, before: float, height: float) -> Box:
     return np.stack([low, high])
 
 
-def _landings(stairs: Stairwell) -> list[tuple[float, float]]:
+def landings(stairs: Stairwell) -> list[tuple[float, float]]:
     """Points before the foot and before the head of stairs."""
     middle = np.array([(stairs.rect.x0 + stairs.rect.x1) / 2, (stairs.rect.z0 + stairs.rect.z1) / 2])
     size, way = np.array(stairs.rect.sides), np.array(stairs.way, float)

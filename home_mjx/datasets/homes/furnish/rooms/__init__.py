@@ -1,0 +1,1 @@
+"""What goes into each type of room, and in which order."""

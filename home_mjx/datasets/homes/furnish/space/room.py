@@ -1,0 +1,143 @@
+"""A room that is being furnished: no overlaps, free passages, walkable floor."""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+
+import numpy as np
+
+from home_mjx.datasets.homes.furnish.space.occupied import Boxes, Store, hull, is_flat, meet, upright
+from home_mjx.datasets.homes.furnish.space.shell import column, cut_off, landings, sight, wall_box
+from home_mjx.datasets.homes.plan.openings.turned import TurnedWindow
+from home_mjx.datasets.homes.plan.shape.storeys import Stairwell
+from home_mjx.datasets.homes.taste import Style
+from home_mjx.datasets.procedural.floor_plan.openings import HousePlan
+from home_mjx.datasets.procedural.floor_plan.placed import Box, PlacedFurniture
+from home_mjx.datasets.procedural.floor_plan.walking import FLAT, HEAD, WalkingGrid
+from home_mjx.datasets.procedural.floor_plan.walls import FLOOR_TOP
+
+ACCESS = 0.9  # [m], depth of the floor before stairs that stays free
+RUG = 0.0018  # [m], thickness of rugs: what stands on one ends this deep in it, which counts as touching
+
+Companions = Callable[[PlacedFurniture], Iterable[PlacedFurniture]]
+
+
+def alone(_: PlacedFurniture) -> Iterable[PlacedFurniture]:
+    """Nothing besides the thing itself."""
+    return ()
+
+
+class Room:
+    """A room that is being furnished.
+
+    Args:
+        plan: The storey.
+        index: Which of its rooms.
+        style: Of the home.
+        stairs: The place of stairs in this room.
+
+    Attributes:
+        items: What has been placed.
+    """
+
+    def __init__(self, plan: HousePlan, index: int, style: Style, stairs: Stairwell | None = None) -> None:
+        self.plan, self.kind = plan.rooms[index], plan.rooms[index].type
+        self.height, self.style, self.rng, self.look = plan.height, style, style.rng, style.look()
+        self.items: list[PlacedFurniture] = []
+        self.openings = plan.openings_of(index)
+        self.windows = [o.placed for o in self.openings if not o.is_door and not isinstance(o.placed, TurnedWindow)]
+        self.doors = [o.placed for o in self.openings if o.is_door]
+        walls = [wall_box(wall, plan.height) for wall in self.plan.walls]
+        steps = [] if stairs is None else [column(stairs, 0.0, plan.height)]
+        corners = list(cut_off(self.plan, plan.height))
+        parts = [part for opening in self.openings for part in opening.placed.parts]
+        self.solid = Store([*walls, *steps, *corners, *parts])
+        before = [] if stairs is None else [column(stairs, ACCESS, plan.height)]
+        passages = [o.passage for o in self.openings if o.is_door]
+        self.clear = Store([*passages, *before])
+        self.views = Store([sight(o.placed.box) for o in self.openings if not o.is_door])
+        self._flat = Store([upright(box) for box in (*walls, *steps, *corners, *passages)])
+        ways = [door.beside(0.0, side * 0.5) for door in self.doors for side in (-1, 1)]
+        self.grid = WalkingGrid(
+            self.plan, [*walls, *steps, *corners, *parts], [*ways, *([] if stairs is None else landings(stairs))]
+        )
+
+    @property
+    def passable(self) -> bool:
+        """Whether one gets from every door to every other; open leaves may block even an empty room."""
+        return self.grid.stays_connected([])
+
+    def chance(self, probability: float) -> bool:
+        """A biased coin."""
+        return bool(self.rng.random() < probability)
+
+    def likes(self, interest: str, yes: float = 1.0, no: float = 0.0) -> bool:
+        """A coin for something that those who live here like, or do not."""
+        return self.chance(yes if interest in self.style.interests else no)
+
+    def clutter(self, probability: float) -> bool:
+        """A coin for something that lies around."""
+        return self.chance(min(1.0, probability * self.style.clutter))
+
+    def object(self, kind: str) -> PlacedFurniture:
+        """A thing of a kind at the origin, in the colours of the room."""
+        return _thin(self.style.object(kind, self.look))
+
+    def options(self, kind: str) -> Iterator[PlacedFurniture]:
+        """A thing as by `object`, then all others of the kind, smaller ones first."""
+        return map(_thin, self.style.options(kind, self.look))
+
+    @property
+    def taken(self) -> Boxes:
+        """All boxes that are solid or kept free."""
+        return np.concatenate([self.solid.boxes, self.clear.boxes])
+
+    def put(self, items: Sequence[PlacedFurniture], zones: Sequence[Box] = (), views: bool = True) -> bool:
+        """Places things together if they fit; `zones` must be free and stay free of furniture.
+
+        Args:
+            items: The things. They are not compared with one another.
+            zones: Free boxes [m].
+            views: Keep windows clear.
+        """
+        boxes = np.concatenate([hull(item) for item in items])
+        blocked = self.views.boxes if views else self.views.boxes[:0]
+        extra = np.array(zones, float).reshape(-1, 2, 3)
+        if meet(np.concatenate([boxes, extra]), self.solid.boxes) or meet(boxes, self.clear.boxes):
+            return False
+        if meet(boxes, blocked) or not all(self._holds(item.box) for item in items):
+            return False
+        tall = [i.box for i in items if i.box[0, 1] < HEAD and i.box[1, 1] > FLOOR_TOP + FLAT and self.on_floor(i)]
+        if tall and not self.grid.stays_connected(tall):
+            return False
+        self.grid.block(tall)
+        self.solid.add(boxes)
+        self.clear.add(extra)
+        self._flat.add(np.array([upright(i.box) for i in items if is_flat(i.box)], float).reshape(-1, 2, 3))
+        self.items += items
+        return True
+
+    def on_floor(self, item: PlacedFurniture) -> bool:
+        """Whether a thing is in the way of feet."""
+        return bool(item.box[0, 1] < FLOOR_TOP + 0.35)
+
+    def inside(self, x: float, z: float) -> bool:
+        """Whether a point is in the plan of the room."""
+        return any(r.x0 < x < r.x1 and r.z0 < z < r.z1 for r in self.plan.rects)
+
+    def _holds(self, box: Box) -> bool:
+        """Whether a box is inside the room and, if it is a rug, on no other: rugs are too thin for boxes to meet."""
+        x, _, z = box.mean(0)
+        rug = is_flat(box) and bool(box[0, 1] < FLOOR_TOP + 0.01)
+        return self.inside(x, z) and not (rug and meet(upright(box)[None], self._flat.boxes))
+
+    def reserve(self, zone: Box) -> None:
+        """Keeps a space free of what comes later."""
+        self.clear.add(zone[None])
+
+
+def _thin(item: PlacedFurniture) -> PlacedFurniture:
+    """Rugs and mats as thin as they must be for things to stand on them."""
+    if item.model.fine != "rug":
+        return item
+    return PlacedFurniture(
+        item.model, item.position, scale=(1.0, round(RUG / float(item.model.size[1]), 4), 1.0), materials=item.materials
+    )

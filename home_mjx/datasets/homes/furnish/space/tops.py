@@ -1,0 +1,74 @@
+"""Level surfaces of models that things can stand on, and what things stand on them with."""
+
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from home_mjx.datasets.homes.things import library_model
+from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
+
+LOWEST, SMALLEST = 0.15, 0.015  # [m] of height and [m^2]
+SOLE = 0.006  # [m]: what of a thing is lower touches what carries it
+EDGE = 1e-6
+LEVEL, ABOVE = 1e-6, 0.004  # [m]
+
+
+class Top(NamedTuple):
+    """A level surface of a model."""
+
+    height: float  # [m] above the model's origin
+    triangles: Float[np.ndarray, "t 3 2"]  # (x, z) [m]
+    area: float  # [m^2]
+
+
+@cache
+def tops_of(model_id: str) -> tuple[Top, ...]:
+    """The level surfaces of a model that look up and are free above, larger ones first."""
+    model = library_model(model_id)
+    corners = model.mesh.vertices[model.mesh.faces]
+    corners = corners[(np.ptp(corners[..., 1], axis=1) < LEVEL) & (corners[:, 0, 1] > LOWEST)]
+    a, b, c = np.moveaxis(corners[..., [0, 2]], 1, 0)
+    twice = (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0]) - (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1])
+    kept = (twice > 0) & ~_covered(corners.mean(axis=1), model.parts)
+    heights, flat, areas = np.round(corners[kept][:, 0, 1], 4), corners[kept][..., [0, 2]], twice[kept] / 2
+    found = [Top(float(h), flat[heights == h], float(areas[heights == h].sum())) for h in np.unique(heights)]
+    return tuple(sorted((top for top in found if top.area > SMALLEST), key=lambda top: -top.area))
+
+
+def _covered(points: Float[np.ndarray, "p 3"], parts: Float[np.ndarray, "q 2 3"]) -> Bool[np.ndarray, " p"]:
+    """Whether a little above a point there is a part."""
+    above = points[:, None] + (0.0, ABOVE, 0.0)
+    return ((above > parts[:, 0]) & (above < parts[:, 1])).all(axis=-1).any(axis=1)
+
+
+@cache
+def sole_of(model_id: str) -> tuple[float, float, float, float]:
+    """Bounds x0, z0, x1, z1 of what a model stands on [m]."""
+    vertices = library_model(model_id).mesh.vertices
+    low = vertices[vertices[:, 1] < vertices[:, 1].min() + SOLE][:, [0, 2]]
+    (x0, z0), (x1, z1) = low.min(axis=0).tolist(), low.max(axis=0).tolist()
+    return x0, z0, x1, z1
+
+
+def _sole_points(item: PlacedFurniture) -> Float[np.ndarray, "9 3"]:
+    """Corners, middles of the sides and the middle of what a thing stands on [m]."""
+    x0, z0, x1, z1 = sole_of(item.model.id)
+    grid = [[x, 0.0, z] for x in (x0, (x0 + x1) / 2, x1) for z in (z0, (z0 + z1) / 2, z1)]
+    return np.array(grid) @ item.linear.T + item.position
+
+
+def carries(anchor: PlacedFurniture, top: Top, item: PlacedFurniture) -> bool:
+    """Whether all of a thing's sole is above a surface."""
+    local = (_sole_points(item) - anchor.position) @ np.linalg.inv(anchor.linear).T
+    return bool(_inside(local[:, [0, 2]], top.triangles).any(axis=1).all())
+
+
+def _inside(points: Float[np.ndarray, "p 2"], triangles: Float[np.ndarray, "t 3 2"]) -> Bool[np.ndarray, "p t"]:
+    found = np.ones((len(points), len(triangles)), bool)
+    for k in range(3):
+        start, end = triangles[:, k], triangles[:, (k + 1) % 3]
+        way, away = end - start, points[:, None] - start
+        found &= way[:, 1] * away[..., 0] - way[:, 0] * away[..., 1] >= -EDGE
+    return found

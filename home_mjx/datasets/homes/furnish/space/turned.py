@@ -1,0 +1,48 @@
+"""Things that stand askew."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Float
+
+from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
+
+_PICKS = np.array([[(i >> k) & 1 for k in range(3)] for i in range(8)])
+
+
+@dataclass(frozen=True)
+class Turned(PlacedFurniture):
+    """A thing that is turned by any angle, besides its quarter turns.
+
+    Attributes:
+        angle: About the vertical axis, from z towards x [rad].
+    """
+
+    angle: float = 0.0
+
+    @cached_property
+    def linear(self) -> Float[np.ndarray, "3 3"]:
+        """Rotation times scale and mirror."""
+        straight = PlacedFurniture(self.model, (0.0, 0.0, 0.0), self.quarter, self.scale, self.mirrored).linear
+        c, s = np.cos(self.angle), np.sin(self.angle)
+        return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]]) @ straight
+
+    def _moved(self, boxes: Float[np.ndarray, "*n 2 3"]) -> Float[np.ndarray, "*n 2 3"]:
+        """Upright boxes around turned ones."""
+        corners = np.stack([boxes[..., _PICKS[:, k], k] for k in range(3)], axis=-1) @ self.linear.T + self.position
+        return np.stack([corners.min(axis=-2), corners.max(axis=-2)], axis=-2)
+
+
+def turned(item: PlacedFurniture, x: float, y: float, z: float, angle: float) -> Turned:
+    """A thing at a place [m] whose front points to (sin angle, cos angle) in (x, z)."""
+    at = (round(x, 4), round(y, 4), round(z, 4))
+    own = {name: getattr(item, name) for name in ("model", "scale", "mirrored", "closed", "materials")}
+    return Turned(position=at, quarter=0, angle=round(angle, 4), **own)
+
+
+def askew(item: PlacedFurniture, angle: float) -> PlacedFurniture:
+    """The same thing, turned a little further where it stands."""
+    if isinstance(item, Turned):
+        return replace(item, angle=round(item.angle + angle, 4))
+    return turned(item, *item.position, item.quarter * np.pi / 2 + angle)

@@ -1,0 +1,126 @@
+"""The library of a dataset of homes: tables of all models; models and textures as homes come to use them."""
+
+import re
+from collections.abc import Iterator, Mapping
+from functools import cache, lru_cache
+from pathlib import Path
+
+from PIL import Image
+
+from home_mjx.core.files import read_text
+from home_mjx.datasets.homes.outside.models import outside_models
+from home_mjx.datasets.homes.structure import structure_models
+from home_mjx.datasets.homes.textures.recipes import texture
+from home_mjx.datasets.homes.things import library as things
+from home_mjx.datasets.homes.things import library_model as thing
+from home_mjx.datasets.homes.things.categories import CATEGORIES
+from home_mjx.datasets.procedural.categories import Category
+from home_mjx.datasets.procedural.dataset import library_model
+from home_mjx.datasets.procedural.primitives.family import Furniture
+from home_mjx.datasets.suncg.write.house import is_whole_folder, write_model, write_tables, write_textures
+from home_mjx.errors import DatasetError
+from home_mjx.schema.house import House, Material
+
+CLASSES = {**CATEGORIES, "roof": Category("roof", "otherstructure", ("n04105068", "roof.n.01"))}
+
+_written: dict[Path, set[str]] = {}  # by this process, below each root
+
+
+@cache
+def _others() -> Mapping[str, Furniture]:
+    """Models that are no things: of the building and of what is around it."""
+    families = (*structure_models().values(), *outside_models().values())
+    return {model.id: model for models in families for model in models}
+
+
+def write_shared(root: Path) -> None:
+    """Writes the tables, which list every model, so that they do not depend on which homes there are.
+
+    Tables that are as they were written are kept: making them means building all models.
+    """
+    if is_whole_folder(root / "metadata"):
+        return
+    models = (*things().values(), *_others().values())
+    write_tables(root, [library_model(model, CLASSES) for model in models], digests=True)
+
+
+def has_library(root: Path, house_id: str) -> bool:
+    """Whether all models and textures of a written home are there as they were written.
+
+    Args:
+        root: Dataset root.
+        house_id: Which home.
+    """
+    try:
+        text = read_text(root / "house" / house_id / "house.json")
+        rooms = [read_text(path) for path in sorted((root / "room" / house_id).glob("*.mtl"))]
+    except DatasetError:
+        return False
+    models = [root / "object" / name for name in set(re.findall(r'"modelId":"((?:home|gen)_[^"]+)"', text))]
+    textures = set(re.findall(r'"texture":"([^"]+)"', text)).union(*(_textures_of(mtl) for mtl in rooms))
+    for folder in models:
+        if not _is_whole(folder, _stamp(folder)):
+            return False
+        textures |= _textures_of(read_text(folder / f"{folder.name}.mtl"))
+    return all(_is_image(path, _stamp(path)) for path in (root / "texture" / f"{name}.png" for name in textures))
+
+
+def _textures_of(mtl: str) -> set[str]:
+    return {Path(path).stem for path in re.findall(r"map_Kd (\S+)", mtl)}
+
+
+def _stamp(path: Path) -> tuple[int, ...]:
+    """Sizes and times of a file, or of those in a folder: while they are the same, so are the files."""
+    files = sorted(path.iterdir()) if path.is_dir() else [path] if path.exists() else []
+    return tuple(number for file in files for number in (file.stat().st_size, file.stat().st_mtime_ns))
+
+
+@lru_cache(maxsize=4096)
+def _is_whole(folder: Path, stamp: tuple[int, ...]) -> bool:
+    return bool(stamp) and is_whole_folder(folder)
+
+
+@lru_cache(maxsize=4096)
+def _is_image(path: Path, stamp: tuple[int, ...]) -> bool:
+    try:
+        with Image.open(path) as image:
+            image.load()
+        return bool(stamp)
+    except (OSError, ValueError, SyntaxError):  # of Pillow, for what is no image
+        return False
+
+
+def write_used(root: Path, home: House) -> None:
+    """Writes the models and textures of a home that this process has not written yet; what differs is mended.
+
+    Args:
+        root: Dataset root.
+        home: Whose.
+
+    Raises:
+        DatasetError: The folders cannot be written.
+    """
+    done = _written.setdefault(root, set())
+    for name in sorted({item.model_id for level in home.levels for item in level.objects}):
+        if name not in done or not (root / "object" / name).is_dir():
+            model = _others().get(name) or thing(name)
+            write_model(root, library_model(model, CLASSES), digests=True)
+            _write_textures(root, done, model.mesh.materials)
+            done.add(name)
+    for materials in _materials(home):
+        _write_textures(root, done, materials)
+
+
+def _materials(home: House) -> Iterator[tuple[Material, ...]]:
+    for level in home.levels:
+        yield from (item.materials for item in (*level.objects, *level.boxes))
+        yield from (ground.mesh.materials for ground in level.grounds if ground.mesh is not None)
+        for room in level.rooms:
+            yield from (mesh.materials for mesh in (room.floor, room.ceiling, room.walls) if mesh is not None)
+
+
+def _write_textures(root: Path, done: set[str], materials: tuple[Material, ...]) -> None:
+    for name in sorted({m.texture.name for m in materials if m.texture is not None}):
+        if name not in done or not (root / "texture" / name).exists():
+            write_textures(root, {Path(name).stem: texture(Path(name).stem)})
+            done.add(name)

@@ -1,0 +1,53 @@
+"""Sun and sky by the time of day."""
+
+import math
+
+LATITUDE = 48.0  # [degrees]
+FULL = 0.595  # transmittance of the air at the elevation that `Lit` has by default, 35 degrees
+WARM_BELOW = 18.0  # [degrees], elevation of the sun below which its light reddens
+DUSK, NIGHT = 0.12, 1e-3  # radiance of the sky when the sun sets, and least, over that at 35 degrees
+TWILIGHT = 4.5  # [degrees] below the horizon, over which the sky's light falls to a tenth
+
+
+def sun_position(hour: float, latitude: float = LATITUDE, declination: float = 12.0) -> tuple[float, float]:
+    """Azimuth, from +x (east) towards +y (north), and elevation of the sun [degrees].
+
+    Args:
+        hour: Solar time: at 12 the sun is highest.
+        latitude: [degrees].
+        declination: Of the sun [degrees]; 0 at the equinoxes, 23.4 at midsummer.
+
+    Source: J. Meeus, "Astronomical Algorithms", chapter 13.
+
+    Example:
+        >>> print(*(round(angle) for angle in sun_position(12.0)))
+        270 54
+    """
+    turn, north, tilt = (math.radians(angle) for angle in (15 * (hour - 12), latitude, declination))
+    up = math.sin(north) * math.sin(tilt) + math.cos(north) * math.cos(tilt) * math.cos(turn)
+    east = -math.cos(tilt) * math.sin(turn)
+    along = math.cos(north) * math.sin(tilt) - math.sin(north) * math.cos(tilt) * math.cos(turn)
+    return math.degrees(math.atan2(along, east)) % 360, math.degrees(math.asin(max(-1.0, min(1.0, up))))
+
+
+def sun_share(elevation: float) -> float:
+    """Irradiance of the sun over that at 35 degrees.
+
+    Source: F. Kasten and A. T. Young, "Revised optical air mass tables", Applied Optics, 1989; A. B. Meinel and M. P.
+    Meinel, "Applied Solar Energy", 1976: a transmittance of 0.7 ** (air mass ** 0.678).
+    """
+    if elevation <= 0:
+        return 0.0
+    mass = 1 / (math.sin(math.radians(elevation)) + 0.50572 * (elevation + 6.07995) ** -1.6364)
+    return 0.7 ** (mass**0.678) / FULL
+
+
+def sky_share(elevation: float) -> float:
+    """Radiance of the sky over that at 35 degrees: as the sine of the elevation, and less and less in twilight."""
+    day = DUSK + (1 - DUSK) * math.sin(math.radians(max(elevation, 0.0))) / math.sin(math.radians(35.0))
+    return max(NIGHT, day * 10 ** (min(elevation, 0.0) / TWILIGHT))
+
+
+def warmth(elevation: float) -> float:
+    """How red the light is, 0 to 1, where the sun stands low."""
+    return max(0.0, 1 - max(elevation, 0.0) / WARM_BELOW)
