@@ -20,7 +20,7 @@ Place = Callable[[PlacedFurniture], PlacedFurniture | None]
 
 
 def fit(room: Room, kind: str, place: Place) -> PlacedFurniture | None:
-    """Places the favourite of a kind, or else the first other one that fits."""
+    """Places the favourite of a kind, or else a small one that fits."""
     return next((placed for item in room.options(kind) if (placed := place(item))), None)
 
 
