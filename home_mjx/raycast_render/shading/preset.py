@@ -62,7 +62,7 @@ class Lit:
         """
         check_number("hour", hour, 0, 24)
         azimuth, elevation = sun_position(hour)
-        given = {
+        given: dict[str, Any] = {
             "sun": round(cls.sun * sun_share(elevation), 4),
             "sky": round(cls.sky * sky_share(elevation), 6),
             "sun_azimuth": round(azimuth, 3),

@@ -13,6 +13,7 @@ from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.files import replace_folder
 from home_mjx.errors import ConfigError
 from home_mjx.scene_compile.architecture.rooms import ground_floor
+from home_mjx.scene_compile.collision.barriers import lot
 from home_mjx.scene_compile.geometry.boxes import box_inertia
 from home_mjx.scene_compile.materials.contact import USUAL, damping_ratio
 from home_mjx.scene_compile.mjcf.agent import FRICTIONLESS, SOLREF, add_agent, add_motors, solimp
@@ -28,6 +29,7 @@ from home_mjx.scene_compile.mjcf.boxes import (
 from home_mjx.scene_compile.mjcf.lights import add_lamps
 from home_mjx.scene_compile.mjcf.overlaps import part_overlaps
 from home_mjx.schema.agent import Body
+from home_mjx.schema.categories import COARSE
 from home_mjx.schema.choices import COLLISIONS
 from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse
 from home_mjx.schema.semantic import Semantic
@@ -35,7 +37,7 @@ from home_mjx.schema.semantic import Semantic
 USUAL_FRICTION = f"{USUAL.friction} 0.005 0.0001"  # of what has no friction of its own
 FILE, OVERLAPS = "house.xml", "overlaps.json"
 EYE_HEIGHT = Body().eye_height  # [m], of the cameras of rooms
-NYU40_CEILING = 22
+NYU40_CEILING, ROOF = 22, COARSE.index("roof")
 VISUAL, CEILING = "2", "4"  # the viewer shows groups 0 to 2 at first
 
 
@@ -50,11 +52,11 @@ def to_mjcf(
 ) -> tuple[str, dict[str, bytes]]:
     """MJCF of a house and the files that it refers to.
 
-    Every object is a body `object<id>` with its visual meshes (group 2; ceilings are in group 4, so that one can look
-    in from above). Movable ones have a free joint, a mass and one box or convex pieces (group 3); a leaf of a door is
-    a body `object<id>_leaf<instance>`; one that turns is on a hinge of the same name. Static boxes and the floor plane
-    belong to the world. Cameras: `top`, `room<i>`, and `agent0_eye` with an agent. Lights: `lamp<i>`, and a faint one
-    from above.
+    Every object is a body `object<id>` with its visual meshes (group 2; ceilings and roofs are in group 4, so that one
+    can look in from above). Movable ones have a free joint, a mass and one box or convex pieces (group 3); a leaf of a
+    door is a body `object<id>_leaf<instance>`; one that turns is on a hinge of the same name. Static boxes and the
+    floor plane belong to the world. Cameras: `top`, `room<i>`, and `agent0_eye` with an agent. Lights: `lamp<i>`, and a
+    faint one from above.
 
     Args:
         house: A compiled house.
@@ -79,7 +81,8 @@ def to_mjcf(
     check_number("timestep", timestep, 1e-6)
     root = ET.Element("mujoco", model=safe_name(house.id))
     ET.SubElement(root, "option", timestep=str(timestep), integrator="implicitfast")
-    center, extent = house.box.mean(axis=0), float(np.ptp(house.box, axis=0).max())
+    bounds = _plot(house)
+    center, extent = bounds.mean(axis=0), float(np.ptp(bounds, axis=0).max())
     ET.SubElement(root, "statistic", center=numbers(center), extent=f"{extent:.6g}")
     default = ET.SubElement(root, "default")
     ET.SubElement(default, "geom", condim="3", friction=USUAL_FRICTION, solref=SOLREF, solimp=solimp())
@@ -165,12 +168,19 @@ def _add_surroundings(world: ET.Element, house: CompiledHouse) -> None:
     ET.SubElement(world, "geom", name="floor", type="plane", size="0 0 1", pos=f"0 0 {floor:.9g}", group=COLLIDER)
     # Without shadows light passes the ceilings.
     ET.SubElement(world, "light", type="directional", dir="0.3 0.2 -1", castshadow="false", diffuse="0.4 0.4 0.4")
-    middle, size = house.box.mean(axis=0), np.ptp(house.box, axis=0)
-    high = house.box[1, 2] + 1.3 * max(size[:2])  # with a fovy of 45 degrees
+    bounds = _plot(house)
+    middle, size = bounds.mean(axis=0), np.ptp(bounds, axis=0)
+    high = bounds[1, 2] + 1.3 * max(size[:2])  # with a fovy of 45 degrees
     ET.SubElement(world, "camera", name="top", pos=numbers(np.array([middle[0], middle[1], high])))
     for i, (polygon, height) in enumerate(zip(house.rooms.polygon, house.rooms.floor, strict=True)):
         pos = numbers(np.array([*polygon.mean(axis=0), height + EYE_HEIGHT]))
         ET.SubElement(world, "camera", _looking_along_x(), name=f"room{i}", pos=pos)
+
+
+def _plot(house: CompiledHouse) -> Float[np.ndarray, "2 3"]:
+    """The box around the house [m]; gardens and neighbours are beyond."""
+    (x0, y0), (x1, y1) = lot(house.rooms)
+    return np.clip(house.box, [x0, y0, -np.inf], [x1, y1, np.inf])
 
 
 def _looking_along_x() -> dict[str, str]:
@@ -265,7 +275,7 @@ def _add_visuals(
     stretch: Float[np.ndarray, "3 3"],
     **place: str,
 ) -> None:
-    """Adds one mesh geom per material slot."""
+    """Adds one mesh geom per material slot; roofs are shown with the ceilings."""
     model = house.models[house.instances.model[instance]]
     first = int(house.instances.material[instance])
     for slot in np.unique(model.slot).tolist():
@@ -279,7 +289,8 @@ def _add_visuals(
 def _is_ceiling(house: CompiledHouse, instance: int, slot: int) -> bool:
     model = house.models[house.instances.model[instance]]
     rows = house.instances.semantic[instance] + np.unique(model.part[model.slot == slot])
-    return bool((house.semantics[rows, Semantic.NYU40] == NYU40_CEILING).all())
+    table = house.semantics[rows]
+    return bool(((table[:, Semantic.NYU40] == NYU40_CEILING) | (table[:, Semantic.COARSE] == ROOF)).all())
 
 
 def _add_agent(root: ET.Element, world: ET.Element, house: CompiledHouse, shape: Body) -> None:
