@@ -13,6 +13,7 @@ from home_mjx.datasets.homes.furnish.space.turned import Turned, askew, turned
 from home_mjx.datasets.homes.plan.needs.wants import LINKS, OUTDOORS, WANTS
 from home_mjx.datasets.homes.taste import Style
 from home_mjx.datasets.homes.taste.kinds import _PARTS, choices
+from home_mjx.datasets.homes.taste.style import FITTED, FRONTS, METALS
 from home_mjx.datasets.homes.things import families, library_model, model_of
 from home_mjx.datasets.homes.things.finishes import FINISHES
 from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
@@ -93,7 +94,9 @@ def test_everything_is_dressed_from_the_finishes_of_its_slots():
         for item in items:
             assert [m.name for m in item.materials] == list(item.model.slots), item.model.id
             for material, finish in zip(item.materials, item.model.slots.values(), strict=True):
-                assert isinstance(finish, str)
+                others = METALS if finish in ("chrome", "brass") else FRONTS if item.model.family in FITTED else ()
+                options = {(m.diffuse, m.texture) for name in (finish, *others) for m in FINISHES[name]}
+                assert (material.diffuse, material.texture) in options, (item.model.id, finish)
                 assert material.opacity is None  # that of the model's own MTL
 
 

@@ -21,6 +21,7 @@ OF_HOMES = ("wood", "chrome", "steel", "brass", "iron", "stone", "marble", "cane
 FITTED = ("kitchen_cabinet", "hanging_cabinet", "kitchen_sink", "dishwasher")  # alike all over a kitchen
 FRONTS = {"wood": "wood", "paint": "paint", "color": "paint", "stone": "stone", "marble": "stone"}
 FAVOURITES = 3  # models of a kind that a home has, at most
+SMALLEST = 3  # models that are tried where the favourite one does not fit
 USUAL = 0.85  # part of a home's things that are favourites
 INTERESTS = ("children", "music", "games", "sport", "books", "plants", "cooking", "pets", "art", "travel")
 
@@ -69,9 +70,9 @@ class Style:
         return self.instance(model_of(family, choose(self._favourites[kind] if usual else numbers, self.rng)), look)
 
     def options(self, kind: str, look: Look | None = None) -> Iterator[PlacedFurniture]:
-        """A thing as by `object`, then one of every model of the kind, smaller ones first."""
+        """A thing as by `object`, then some of the smallest models of the kind."""
         yield self.object(kind, look)
-        for model in models_of(kind):
+        for model in models_of(kind)[:SMALLEST]:
             yield self.instance(model, look)
 
     def instance(self, model: Furniture, look: Look | None = None) -> PlacedFurniture:

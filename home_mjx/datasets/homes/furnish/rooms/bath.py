@@ -37,7 +37,6 @@ def bathroom(room: Room) -> None:
     hang_kind(room, "towel_hanger", 1.1, 0.35)
     hang_kind(room, "coat_hooks", 1.2, 0.2)
     hang_kind(room, "round_lamp", 1.75, 0.25)
-    hang_kind(room, "wall_shelf", 1.4, 0.15)
     add(room, "slim_plant", 0.0, 0.25)
 
 

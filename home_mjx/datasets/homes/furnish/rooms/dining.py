@@ -29,7 +29,7 @@ def dining_set(room: Room, seats: int) -> PlacedFurniture | None:
     """A table with chairs all round, or a smaller one if that does not fit."""
     chair = room.object("chair")
     for kind, number in (("dining_table", seats), ("dining_table", 4), ("table", 4), ("table", 2)):
-        for item in (room.object(kind), *list(room.options(kind))[1:4]):
+        for item in room.options(kind):
             if item.size[1] > 0.85:
                 continue
             if table := freely(room, item, lambda anchor, n=number: seated(room, anchor, chair, n), around=AROUND):

@@ -10,6 +10,7 @@ from home_mjx.datasets.homes.furnish.space.on_top import on_burner, on_top
 from home_mjx.datasets.homes.furnish.space.room import Room
 from home_mjx.datasets.homes.furnish.space.spots import GAP, add, backed, clear_of, freely, zone_before
 from home_mjx.datasets.homes.furnish.space.turned import turned
+from home_mjx.datasets.homes.taste.kinds import models_of
 from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
 from home_mjx.datasets.procedural.floor_plan.rooms import Wall
 from home_mjx.datasets.procedural.floor_plan.walls import FLOOR_TOP, HALF
@@ -105,6 +106,7 @@ def _above(room: Room, row: Sequence[PlacedFurniture]) -> None:
     """A hood over the stove and cabinets over the rest, where no window is."""
     shelf = room.chance(0.2)
     cabinets = [room.object("wall_shelf" if shelf else "wall_cabinet") for _ in range(2)]
+    narrow = [room.style.instance(model, room.look) for model in models_of("wall_cabinet")[:2]]
     for unit in row:
         if unit.size[1] > 1.25:
             continue
@@ -113,7 +115,7 @@ def _above(room: Room, row: Sequence[PlacedFurniture]) -> None:
             low = HOOD_ROOM - float(hood.size[1]) if hood.size[1] > 0.3 else UNDER + 0.1
             above(room, unit, hood, max(low, 1.5))
             continue
-        for item in (cabinets[int(room.rng.integers(2))], *cabinets, *list(room.options("wall_cabinet"))[1:3]):
+        for item in (cabinets[int(room.rng.integers(2))], *cabinets, *narrow):
             if item.size[0] < unit.size[0] + 0.01 and above(room, unit, item, UNDER):
                 break
 

@@ -1,5 +1,6 @@
 """Living rooms."""
 
+import itertools
 from collections.abc import Iterator
 
 import numpy as np
@@ -124,8 +125,7 @@ def lounge(room: Room) -> tuple[PlacedFurniture | None, PlacedFurniture | None]:
 
 
 def _stands(room: Room) -> Iterator[PlacedFurniture]:
-    yield room.object("low_tv_stand")
-    yield from list(room.options("low_tv_stand"))[1:3]
+    yield from itertools.islice(room.options("low_tv_stand"), 3)
 
 
 def _walls(room: Room, stand: PlacedFurniture) -> list[PlacedFurniture]:

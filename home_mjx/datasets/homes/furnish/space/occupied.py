@@ -39,11 +39,14 @@ def meet(boxes: Boxes, others: Boxes, tolerance: float = TOLERANCE) -> bool:
     """Whether one of some boxes enters one of others."""
     if not len(boxes) or not len(others):
         return False
-    low, high = boxes[:, 0].min(axis=0) + tolerance, boxes[:, 1].max(axis=0) - tolerance
-    near = others[((others[:, 0] < high) & (others[:, 1] > low)).all(axis=1)]
-    if not len(near):
+    near = np.ones(len(others), bool)
+    for axis in range(3):  # by columns: that takes half of the time
+        near &= others[:, 0, axis] < boxes[:, 1, axis].max() - tolerance
+        near &= others[:, 1, axis] > boxes[:, 0, axis].min() + tolerance
+    if not near.any():
         return False
-    depth = np.minimum(boxes[:, None, 1], near[:, 1]) - np.maximum(boxes[:, None, 0], near[:, 0])
+    found = others[near]
+    depth = np.minimum(boxes[:, None, 1], found[:, 1]) - np.maximum(boxes[:, None, 0], found[:, 0])
     return bool((depth.min(axis=-1) > tolerance).any())
 
 

@@ -82,7 +82,7 @@ class Room:
         return _thin(self.style.object(kind, self.look))
 
     def options(self, kind: str) -> Iterator[PlacedFurniture]:
-        """A thing as by `object`, then all others of the kind, smaller ones first."""
+        """A thing as by `object`, then some of the smallest of the kind."""
         return map(_thin, self.style.options(kind, self.look))
 
     @property

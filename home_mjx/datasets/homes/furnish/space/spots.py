@@ -13,6 +13,8 @@ from home_mjx.datasets.procedural.floor_plan.rooms import Wall
 from home_mjx.datasets.procedural.floor_plan.walls import FLOOR_TOP, HALF
 
 GAP = 0.01  # [m], between furniture and a wall
+CORE = 3  # parts of a thing that are looked at first
+MOST = 50  # places in a room that are tried for a thing with companions
 HUNG = 0.0015  # [m], between what hangs and its wall
 
 Spot = tuple[float, float, float, int]  # x, y, z [m] and quarter turns
@@ -20,7 +22,7 @@ Place = Callable[[PlacedFurniture], PlacedFurniture | None]
 
 
 def fit(room: Room, kind: str, place: Place) -> PlacedFurniture | None:
-    """Places the favourite of a kind, or else the first other one that fits."""
+    """Places the favourite of a kind, or else a small one that fits."""
     return next((placed for item in room.options(kind) if (placed := place(item))), None)
 
 
@@ -77,15 +79,18 @@ def first(
 
 
 def _unblocked(room: Room, spots: Sequence[Spot], turned: Mapping[int, Boxes]) -> list[int]:
-    """Indices of spots that are not kept free; nor taken, if nothing may come between the parts of the thing."""
-    taken = room.clear.boxes if len(next(iter(turned.values()))) > 1 else room.taken
-    whole = {quarter: np.stack([boxes[:, 0].min(0), boxes[:, 1].max(0)]) for quarter, boxes in turned.items()}
-    boxes = np.stack([whole[spot[3]] for spot in spots]) + np.array([spot[:3] for spot in spots])[:, None]
-    busy = np.ones((len(boxes), len(taken)), bool)
+    """Indices of spots where the largest parts of a thing touch nothing and nothing that is kept free."""
+    taken = room.taken
+    cores = {
+        quarter: boxes[np.argsort(-np.ptp(boxes, axis=1).prod(axis=1))[:CORE]] for quarter, boxes in turned.items()
+    }
+    boxes = np.stack([cores[spot[3]] for spot in spots]) + np.array([spot[:3] for spot in spots])[:, None, None]
+    busy = np.ones((*boxes.shape[:2], len(taken)), bool)
     for axis in range(3):
-        low, high = boxes[:, None, 0, axis] + TOLERANCE, boxes[:, None, 1, axis] - TOLERANCE
-        busy &= (low < taken[:, 1, axis]) & (high > taken[:, 0, axis])
-    return np.flatnonzero(~busy.any(axis=1)).tolist()
+        busy &= boxes[..., None, 0, axis] + TOLERANCE < taken[:, 1, axis]
+        busy &= boxes[..., None, 1, axis] - TOLERANCE > taken[:, 0, axis]
+    thick = (np.ptp(taken, axis=1) > TOLERANCE).all(axis=1)
+    return np.flatnonzero(~(busy & thick).any(axis=(1, 2))).tolist()
 
 
 def backed(item: PlacedFurniture, wall: Wall, along: float, y: float = FLOOR_TOP, gap: float = GAP) -> PlacedFurniture:
@@ -162,7 +167,8 @@ def freely(
         margin = np.array([[-around, 0.0, -around], [around, 0.0, around]])
         whole = {q: (item.at(0.0, 0.0, 0.0, q).box + margin)[None] for q in turns}
         spots = [spots[i] for i in _unblocked(room, spots, whole)]
-    return first(room, item, [spots[i] for i in room.rng.permutation(len(spots)).tolist()], 0.0, companions)
+    order = room.rng.permutation(len(spots)).tolist()
+    return first(room, item, [spots[i] for i in (order[:MOST] if around else order)], 0.0, companions)
 
 
 def scattered(room: Room, kind: str, tries: int = 6) -> PlacedFurniture | None:
