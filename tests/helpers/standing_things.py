@@ -72,7 +72,7 @@ def floating(home: Home, number: int, found: list[Thing]) -> list[str]:
     """Names of things that neither stand on a floor or a thing, nor touch a wall or a ceiling."""
     level = home.house.levels[number]
     walls = np.concatenate([flat(corners(room.walls)) for room in level.rooms if room.walls is not None])
-    floors = np.concatenate([flat(corners(room.floor)) for room in level.rooms])
+    floors = np.concatenate([flat(corners(room.floor)) for room in level.rooms if room.floor is not None])
     ceilings = [flat(corners(room.ceiling)) for room in level.rooms if room.ceiling is not None]
     building = np.concatenate([walls, floors, *ceilings])
     pieces = np.concatenate([t.pieces for t in found])

@@ -23,8 +23,6 @@ from home_mjx.schema.house import House, Material
 
 CLASSES = {**CATEGORIES, "roof": Category("roof", "otherstructure", ("n04105068", "roof.n.01"))}
 
-_written: dict[Path, set[str]] = {}  # by this process, below each root
-
 
 @cache
 def _others() -> Mapping[str, Furniture]:
@@ -91,7 +89,7 @@ def _is_image(path: Path, stamp: tuple[int, ...]) -> bool:
 
 
 def write_used(root: Path, home: House) -> None:
-    """Writes the models and textures of a home that this process has not written yet; what differs is mended.
+    """Writes the models and textures of a home that are not there yet, or are not as they were written.
 
     Args:
         root: Dataset root.
@@ -100,18 +98,18 @@ def write_used(root: Path, home: House) -> None:
     Raises:
         DatasetError: The folders cannot be written.
     """
-    done = _written.setdefault(root, set())
     for name in sorted({item.model_id for level in home.levels for item in level.objects}):
-        if name not in done or not (root / "object" / name).is_dir():
+        folder = root / "object" / name
+        if not _is_whole(folder, _stamp(folder)):
             model = _others().get(name) or thing(name)
             write_model(root, library_model(model, CLASSES), digests=True)
-            _write_textures(root, done, model.mesh.materials)
-            done.add(name)
     for materials in _materials(home):
-        _write_textures(root, done, materials)
+        _write_textures(root, materials)
 
 
 def _materials(home: House) -> Iterator[tuple[Material, ...]]:
+    """Those of what the home consists of, and those that its models have of their own."""
+    yield from (mesh.materials for mesh in home.models.values())
     for level in home.levels:
         yield from (item.materials for item in (*level.objects, *level.boxes))
         yield from (ground.mesh.materials for ground in level.grounds if ground.mesh is not None)
@@ -119,8 +117,8 @@ def _materials(home: House) -> Iterator[tuple[Material, ...]]:
             yield from (mesh.materials for mesh in (room.floor, room.ceiling, room.walls) if mesh is not None)
 
 
-def _write_textures(root: Path, done: set[str], materials: tuple[Material, ...]) -> None:
-    for name in sorted({m.texture.name for m in materials if m.texture is not None}):
-        if name not in done or not (root / "texture" / name).exists():
-            write_textures(root, {Path(name).stem: texture(Path(name).stem)})
-            done.add(name)
+def _write_textures(root: Path, materials: tuple[Material, ...]) -> None:
+    for name in sorted({m.texture.stem for m in materials if m.texture is not None}):
+        path = root / "texture" / f"{name}.png"
+        if not _is_image(path, _stamp(path)):
+            write_textures(root, {name: texture(name)})

@@ -139,7 +139,9 @@ def _shares(
     taken = np.any([here for _, _, here in below], axis=0) if below else np.zeros(points.shape[:2], bool)
     for stairs in upstairs:
         here = stairs.reaches(points, 0, 1.5 * cell)
-        yield stairs, 0, here & ~ndimage.binary_dilation(taken, np.ones((3, 3))) if stairs.stacked else here
+        if stairs.stacked:
+            here &= np.logical_not(ndimage.binary_dilation(taken, np.ones((3, 3))))
+        yield stairs, 0, here
     yield from below
 
 

@@ -101,7 +101,7 @@ def _beside(room: Room, placed: PlacedFurniture, stands: Sequence[PlacedFurnitur
         if on_wall:
             above(room, item, room.object("round_lamp"), 1.15)
         else:
-            on_top(room, item, lamp, straight=True) or on_top(room, item, "bedside_lamp", straight=True)
+            any(on_top(room, item, kind, straight=True) for kind in (lamp, "bedside_lamp"))
         some(room, item, BESIDE, 2)
     if room.chance(0.55):
         x, z = placed.beside(0.0, 0.55 * float(placed.size[2]))

@@ -57,7 +57,8 @@ def gym(room: Room) -> None:
         freely(room, room.object("pool_table"))
     for probability in (1.0, 0.9, 0.7, 0.4):
         if room.chance(probability):
-            freely(room, room.object("gym"), quarters=range(4)) or add(room, "small_gym", 0.2)
+            machine = freely(room, room.object("gym"), quarters=range(4))
+            add(room, "small_gym", 0.2, 0.0 if machine else 1.0)
     for kind, probability in (("bench", 0.5), ("rack", 0.3), ("chair", 0.2), ("table", 0.15), ("water_dispenser", 0.1)):
         add(room, kind, 0.3, probability)
     add(room, "floor_speaker", 0.0, 0.5)

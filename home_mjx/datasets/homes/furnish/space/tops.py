@@ -40,7 +40,8 @@ def tops_of(model_id: str) -> tuple[Top, ...]:
 def _covered(points: Float[np.ndarray, "p 3"], parts: Float[np.ndarray, "q 2 3"]) -> Bool[np.ndarray, " p"]:
     """Whether a little above a point there is a part."""
     above = points[:, None] + (0.0, ABOVE, 0.0)
-    return ((above > parts[:, 0]) & (above < parts[:, 1])).all(axis=-1).any(axis=1)
+    inside = np.asarray(((above > parts[:, 0]) & (above < parts[:, 1])).all(axis=-1))
+    return np.asarray(inside.any(axis=-1))
 
 
 @cache
