@@ -31,6 +31,9 @@ class NetworkConfig:
         dtype: Type in which images are convolved: "float32" or "bfloat16". Everything else is float32.
         mentions: Mark in images of ids what instructions name, see `mentioned`, and look there, see `Glimpse`. Without,
             each word has to be learned.
+        normalized: Scale the encoder's features before the memory reads them (layer normalisation, arXiv:1607.06450),
+            and let actions and value be read from them, too, beside the memory. Without, features of many images grow
+            until the memory's gates are all open or shut.
 
     Raises:
         ConfigError: A value cannot be used.
@@ -41,10 +44,12 @@ class NetworkConfig:
     channels: tuple[int, ...] = (32, 64, 128)
     dtype: str = "float32"
     mentions: bool = True
+    normalized: bool = True
 
     def __post_init__(self) -> None:
         check_known("dtype", [self.dtype], DTYPES)
         check_flag("network.mentions", self.mentions)
+        check_flag("network.normalized", self.normalized)
         for name, value in (("features", self.features), ("memory", self.memory)):
             check_number(f"network.{name}", value, 1, whole=True)
         if not isinstance(self.channels, tuple) or not self.channels:
@@ -114,7 +119,9 @@ class RecurrentAgent(nn.Module):
         dtype = jnp.dtype(self.config.dtype)
         sizes = self.config.features, self.config.channels
         seen = Encoder(self.specs, *sizes, dtype, self.config.mentions)(obs)
+        seen = nn.LayerNorm()(seen) if self.config.normalized else seen
         memory, x = Memory(self.config.memory)(memory, (seen, begins))
+        x = jnp.concatenate([x, seen], axis=-1) if self.config.normalized else x
         return memory, self._policy(x), self._value(x)
 
     def read(
