@@ -5,6 +5,7 @@ import json
 import os
 import shutil
 import stat
+import sys
 import tempfile
 import time
 import uuid
@@ -136,9 +137,13 @@ def read_arrays(path: Path, names: Sequence[str], what: str, hint: str) -> list[
 
 def _is_array(found: Any, name: str) -> np.ndarray:
     """What NumPy gives for a part of an archive: its bytes, where it has not the head of an array."""
-    if isinstance(found, np.ndarray):
-        return found
-    raise ValueError(f"`{name}` is no array")
+    if not isinstance(found, np.ndarray):
+        raise ValueError(f"`{name}` is no array")
+    if found.dtype.kind == "U":  # NumPy makes strings of any numbers, with which Python then fails anywhere
+        letters = np.frombuffer(found.tobytes(), np.dtype(np.uint32).newbyteorder(found.dtype.byteorder))
+        if letters.max(initial=0) > sys.maxunicode:
+            raise ValueError(f"`{name}` has characters that there are not")
+    return found
 
 
 def open_regular(path: Path) -> io.BufferedReader:

@@ -120,6 +120,20 @@ def test_arrays_that_unpack_to_too_much_are_refused(tmp_path, monkeypatch):
     assert read_arrays(tmp_path / "a.npz", ["b"], "checkpoint", "Name one.")[0].tolist() == [1, 1]
 
 
+@pytest.mark.parametrize("order", ["<", ">"])
+def test_text_of_characters_that_there_are_not_is_refused(tmp_path, order):
+    """NumPy makes strings of them, of which `str.encode` and `difflib` raise what nobody expects."""
+    for letter, fits in ((0x10FFFF, True), (0x110000, False), (0xFFFFFFFF, False)):
+        text = np.array([65, letter], f"{order}u4").view(f"{order}U2").reshape(())
+        np.savez(tmp_path / "a.npz", text=text)
+        if fits:
+            (found,) = read_arrays(tmp_path / "a.npz", ["text"], "notes", "Write them again.")
+            assert str(found) == "A\U0010ffff"
+        else:
+            with pytest.raises(DatasetError, match="`text` has characters that there are not"):
+                read_arrays(tmp_path / "a.npz", ["text"], "notes", "Write them again.")
+
+
 def test_a_made_up_size_takes_no_memory(tmp_path):
     """The header of an array says that it is 80 TB large."""
     head = b"{'descr': '<f8', 'fortran_order': False, 'shape': (10000000000000,), }".ljust(117) + b"\n"

@@ -94,7 +94,7 @@ def _content(path: Path) -> np.ndarray:
         if size > 2 * MOST:
             raise ValueError(f"entry has {size} bytes")
         content = np.empty(size, np.uint8)
-        if file.readinto(content) != size:
+        if file.readinto(content.data) != size:
             raise ValueError("entry is being written over")
     return content
 
