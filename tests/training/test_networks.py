@@ -260,6 +260,23 @@ def test_memory_is_forgotten_exactly_where_episodes_begin(rng: np.random.Generat
     assert np.all(np.abs(fresh[:, [0, 2]] - value[2:, [0, 2]]) > 1e-4)
 
 
+def test_features_of_any_size_leave_the_memory_open(rng: np.random.Generator):
+    """Of agents with many images features grew to 35 in fifty steps, and seven in eight numbers of memory were at 1."""
+    obs, begins = observations(rng, 1, 6), jnp.ones((1, 6), bool)
+    agent = RecurrentAgent.of(SPECS, MOVES, SMALL)
+    net = agent.init_net(jax.random.key(0))
+    last = max(
+        (name for name in net["params"]["Encoder_0"] if name.startswith("Dense")), key=lambda name: int(name[6:])
+    )
+    net["params"]["Encoder_0"][last]["kernel"] *= 10.0  # so that they are well above what the norm adds against zero
+    large = jax.tree.map(lambda x: x, net)
+    large["params"]["Encoder_0"][last]["kernel"] *= 1000.0
+    memory, params, value = agent.read(net, agent.first_memory(6), obs, begins)
+    for own, other in zip(agent.read(large, agent.first_memory(6), obs, begins), (memory, params, value), strict=True):
+        np.testing.assert_allclose(own, other, rtol=1e-3, atol=1e-4)
+    assert float(jnp.mean(jnp.std(memory, axis=0))) > 0.01
+
+
 def test_every_observation_is_read(rng: np.random.Generator):
     agent = RecurrentAgent.of(SPECS, DRIVE, SMALL)
     net, obs = agent.init_net(jax.random.key(0)), observations(rng, 1, 2)
