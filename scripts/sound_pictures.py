@@ -1,22 +1,18 @@
-"""Draws the pictures of docs/sound.md, and writes what a walk through a house sounds like (local/sound/walk.wav).
+"""Draws the pictures of docs/sound.md.
 
-python scripts/sound_pictures.py                                     docs/images/sound_*.png, of a generated house
-python scripts/sound_pictures.py walk map --dataset ROOT --out local/sound   of another dataset, not for the docs
+python scripts/sound_pictures.py                                 docs/images/sound_*.png, of a generated house
+python scripts/sound_pictures.py map --dataset ROOT --out local/sound   of another dataset, not for the docs
 """
 
 import argparse
 import sys
 from functools import partial
-from itertools import pairwise
 from pathlib import Path
 
 import jax
 import jax.numpy as jnp
 import matplotlib
 import numpy as np
-from scipy.signal import spectrogram
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import dijkstra
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "benchmarks"))
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "helpers"))
@@ -30,20 +26,15 @@ from home_mjx.audio_jax import (
     BakeOptions,
     Listener,
     Source,
-    audio_preset,
     baked_sound,
-    clip_samples,
     early_paths,
-    moving_frame,
-    reception,
     with_late_sound,
 )
 from home_mjx.bank.bank import HouseBank
 from home_mjx.cli.floors import storey_pictures
-from home_mjx.core.transforms import camera_quat
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.scene_compile.cache.house_set import HouseSet
-from home_mjx.viz.media import write_png, write_wav
+from home_mjx.viz.media import write_png
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
@@ -52,8 +43,6 @@ ROOT = Path(__file__).resolve().parent.parent
 GENERATED = "procedural:1?seed=91001"
 OCTAVES = {125: 0, 1000: 3, 8000: 6}
 KHZ = OCTAVES[1000]
-SPEED = 1.2  # [m/s], of a walk
-LONGEST = 12.0  # [s]
 EARS = np.array([0.0, 0.0, 1.5])
 DPI = 80
 
@@ -172,45 +161,6 @@ def plan(args):
     print(args.out / "sound_map.png", flush=True)
 
 
-def walk(args):
-    """A walk to what sounds, from the room that is farthest: WAV, spectrogram, and level over time."""
-    config = audio_preset("fast", late="baked", num_edges=8)
-    places, yaw, source = way(args.house, config.timing.ctrl_dt * SPEED)
-    clip = jnp.asarray(clip_samples("radio", config))
-    scene = scene_of(args.baked)
-    hear = jax.jit(
-        lambda p, q: reception(
-            scene, Source(jnp.asarray(source, jnp.float32)), Listener(p, q), jax.random.key(0), config
-        )
-    )
-    play = jax.jit(moving_frame, static_argnums=3)
-    heads = [
-        hear(jnp.asarray(p, jnp.float32), camera_quat(jnp.float32(a), jnp.float32(0)))
-        for p, a in zip(places, yaw, strict=True)
-    ]
-    times = np.arange(1 - config.memory_length, config.frame + config.ahead)
-    frames = [
-        np.asarray(play(clip[(times + number * config.frame) % clip.size], *pair, config))
-        for number, pair in enumerate(pairwise(heads))
-    ]
-    sound = np.concatenate(frames, axis=1)
-    args.sound.mkdir(parents=True, exist_ok=True)
-    write_wav(args.sound / "walk.wav", sound, config.sample_rate)
-    print(args.sound / "walk.wav", flush=True)
-    figure, axes = plt.subplots(2, 1, figsize=(9, 5), sharex=True)
-    frequency, time, power = spectrogram(sound.mean(axis=0), config.sample_rate, nperseg=512)
-    axes[0].pcolormesh(time, frequency / 1000, 10 * np.log10(power + 1e-14), vmin=-110, vmax=-40, rasterized=True)
-    axes[0].set(ylabel="frequency [kHz]", title="A walk to a radio through a house")
-    level = 10 * np.log10(np.mean(np.stack(frames) ** 2, axis=2) + 1e-12)
-    for ear, name in enumerate(("left ear", "right ear")):
-        axes[1].plot((np.arange(len(level)) + 0.5) * config.timing.ctrl_dt, level[:, ear], label=name)
-    axes[1].set(xlabel="time [s]", ylabel="level [dB]")
-    axes[1].legend()
-    saved(figure, args.out, "walk")
-    largest = np.abs(np.diff(level, axis=0)).max()
-    print(f"{len(frames)} frames from {np.linalg.norm(places[0] - source):.1f} m; largest change {largest:.1f} dB")
-
-
 def middle(house, room):
     """Ears at the place of a room that is farthest from what stands there."""
     from scipy.ndimage import distance_transform_edt
@@ -222,43 +172,7 @@ def middle(house, room):
     return np.append(plan, house.rooms.floor[room]) + EARS
 
 
-def way(house, step):
-    """Places of ears every `step` metres, where they look [rad], and what they go to [m]."""
-    navigation = house.navigation
-    free = navigation.region[0] == 0
-    number = np.full(free.shape, -1)
-    number[free] = np.arange(free.sum())
-    pairs = []
-    for dy, dx in ((0, 1), (1, 0), (1, 1), (1, -1)):
-        a, b = number[: free.shape[0] - dy, max(-dx, 0) : free.shape[1] - max(dx, 0)], number[dy:, max(dx, 0) :]
-        b = b[:, : a.shape[1]] if dx >= 0 else number[dy:, : a.shape[1]]
-        both = (a >= 0) & (b >= 0)
-        pairs.append((a[both], b[both], np.full(both.sum(), np.hypot(dx, dy) * navigation.cell)))
-    rows, columns, length = (np.concatenate(x) for x in zip(*pairs, strict=True))
-    graph = coo_matrix((length, (rows, columns)), shape=(free.sum(),) * 2).tocsr()
-    cells = np.argwhere(free)
-    to = np.asarray(navigation.start)[0]
-    goal = int(np.argmin(np.linalg.norm(navigation.origin + (cells[:, ::-1] + 0.5) * navigation.cell - to[:2], axis=1)))
-    far, before = dijkstra(graph, directed=False, indices=goal, return_predecessors=True)
-    far = np.where(np.isfinite(far) & (far < SPEED * LONGEST), far, -1)
-    at, path = int(np.argmax(far)), []
-    while at >= 0:
-        path.append(cells[at])
-        at = before[at]
-    plan = navigation.origin + (np.array(path)[:, ::-1] + 0.5) * navigation.cell
-    width = min(9, len(plan) // 3)
-    plan = np.stack(
-        [np.convolve(np.pad(x, width // 2, mode="edge"), np.ones(width) / width, "valid") for x in plan.T], 1
-    )
-    run = np.append(0, np.cumsum(np.linalg.norm(np.diff(plan, axis=0), axis=1)))
-    at = np.arange(0, run[-1] - 0.5, step)
-    places = np.stack([np.interp(at, run, x) for x in plan.T] + [np.full_like(at, to[2])], axis=1) + EARS
-    turn = np.unwrap(np.arctan2(*np.gradient(places[:, :2], axis=0).T[::-1]))
-    source = np.append(plan[-1], to[2] + 1.0)
-    return places, np.convolve(np.pad(turn, 4, mode="edge"), np.ones(9) / 9, "valid"), source
-
-
-PICTURES = {"decays": decays, "doors": doors, "doorway": doorway, "map": plan, "walk": walk}
+PICTURES = {"decays": decays, "doors": doors, "doorway": doorway, "map": plan}
 
 
 def main():
@@ -267,11 +181,10 @@ def main():
     parser.add_argument("pictures", nargs="*", choices=[*PICTURES, []], help="only these (default: all)")
     parser.add_argument("--dataset", default=GENERATED)
     parser.add_argument("--out", type=Path, default=ROOT / "docs" / "images")
-    parser.add_argument("--sound", type=Path, default=ROOT / "local" / "sound", help="folder for the walk's WAV file")
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
     chosen = args.pictures or list(PICTURES)
-    if {"doors", "map", "walk"} & set(chosen):
+    if {"doors", "map"} & set(chosen):
         args.house = HouseSet(args.dataset, num_houses=1).load()[0]
         args.baked = with_late_sound(HouseBank.from_compiled([args.house]), [args.house], BakeOptions())
     for name in chosen:

@@ -100,7 +100,9 @@ class Pool:
         """
         if not self.rays:
             return [[] for _ in rooms]
-        *rays, energy, room, entered, octave = (np.concatenate(x) for x in zip(*self.rays, strict=True))
+        origin, direction, travelled, energy, room, entered, octave = (
+            np.concatenate(x) for x in zip(*self.rays, strict=True)
+        )
         gate, (flights, count) = number[room, entered], size
         out = []
         for index, here in enumerate(rooms[:, 1], first):
@@ -114,7 +116,7 @@ class Pool:
                 picks.append(_draw(own if own.size else mine, energy, count * flights, rng))
             drawn = np.stack(picks).reshape(len(BANDS), flights, count)
             every = np.moveaxis(drawn, 1, 0).reshape(flights, -1)
-            out.append([Start(*(x[pick] for x in rays), int(here)) for pick in every])
+            out.append([Start(origin[pick], direction[pick], travelled[pick], int(here)) for pick in every])
         return out
 
 

@@ -14,11 +14,9 @@ from home_mjx.audio_jax import (
     AudioConfig,
     BakeOptions,
     Listener,
-    Paths,
     Source,
     baked_sound,
     early_paths,
-    early_response,
     impulse_response,
     survey_room,
 )
@@ -26,7 +24,6 @@ from home_mjx.audio_jax.baking.bake import bake_house, open_scene
 from home_mjx.audio_jax.baking.late_field import LateField, stacked
 from home_mjx.audio_jax.base.filters import octave_gains
 from home_mjx.bank.bank import HouseBank
-from home_mjx.core.transforms import camera_quat
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import CompiledHouse
@@ -218,41 +215,3 @@ def first_span(scene: Scene, source: jax.Array, ear: jax.Array) -> tuple[np.ndar
     baked_power = energy @ share
     flow = np.asarray(late.comes_from)[0] * baked_power + power @ np.asarray(paths.direction)[inside]
     return flow / (baked_power + power.sum()), whole
-
-
-@pytest.mark.slow
-def test_both_ears_tell_on_which_side_a_doorway_is(coupled):
-    """It is 46 degrees to the right, the source hidden: the first 25 ms lead as sound from the doorway alone does.
-
-    The mean over eight noises; in each by itself the diffuse field in the same 25 ms shifts it at random.
-    """
-    _, scene, _ = coupled
-    config = AudioConfig(late="baked", num_edges=8, response_seconds=0.2)
-    hear = jax.jit(impulse_response, static_argnums=4)
-    source = Source(jnp.float32([2.0, -0.6, 1.4]))
-    for place in ([7.5, 1.3, 1.5], [7.0, 1.6, 1.5], [8.8, -1.2, 1.5]):
-        door = np.array([6.0, 0.0, 1.4]) - place
-        quat = camera_quat(jnp.float32(np.arctan2(door[1], door[0]) + np.radians(46)), jnp.float32(0))
-        head = Listener(jnp.float32(place), quat)
-        heard_there = [np.asarray(hear(scene, source, head, jax.random.key(k), config)) for k in range(8)]
-        toward = jnp.float32(door / np.linalg.norm(door))[None]
-        alone = Paths(jnp.float32([2.0]), jnp.ones((1, 7), jnp.float32), toward)
-        wanted = lead([np.asarray(early_response(alone, quat, config))], config.sample_rate)
-        assert wanted > 4e-4
-        assert lead(heard_there, config.sample_rate) == pytest.approx(wanted, abs=1.1e-4)
-
-
-def lead(responses: list[np.ndarray], rate: int, seconds: float = 0.025, finer: int = 16) -> float:
-    """By how much the right ear is ahead [s], from the first sound on: the peak of the correlation below 1.5 kHz."""
-    size, cross = 4 * round(seconds * rate), 0
-    for response in responses:
-        loud = np.abs(response).max(axis=0)
-        first = max(int(np.argmax(loud > 0.05 * loud.max())) - 16, 0)
-        left, right = np.fft.rfft(response[:, first : first + round(seconds * rate)], size)
-        cross = cross + left * np.conj(right)
-    frequency = np.fft.rfftfreq(size, 1 / rate)
-    inside = (frequency > 100) & (frequency < 1500)
-    likeness = np.fft.irfft(np.where(inside, cross, 0), finer * size)
-    lag = np.fft.fftfreq(finer * size, 1 / (finer * size)) / (finer * rate)
-    near = np.abs(lag) < 1e-3
-    return float(lag[near][np.argmax(likeness[near])])
