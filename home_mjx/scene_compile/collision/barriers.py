@@ -122,17 +122,16 @@ def lot(rooms: Rooms) -> Float[np.ndarray, "2 2"]:
     return np.stack([points.min(axis=0) - FENCE_AWAY, points.max(axis=0) + FENCE_AWAY])
 
 
-def within_reach(low: Float[np.ndarray, "3"], high: Float[np.ndarray, "3"], rooms: Rooms) -> bool:
+def within_reach(box: Float[np.ndarray, "2 3"], rooms: Rooms) -> bool:
     """Whether anything of a box is within the fence around the rooms, and below their highest ceiling.
 
     Nobody can touch what is wholly beyond, such as neighbours' houses, or the roof.
 
     Args:
-        low: Least corner of the box [m].
-        high: Greatest corner.
+        box: Its least and its greatest corner [m].
         rooms: Outlines and heights.
     """
-    (x0, y0), (x1, y1) = lot(rooms)
+    (low, high), ((x0, y0), (x1, y1)) = box, lot(rooms)
     top = max(rooms.floor.max() + HEIGHT, rooms.ceiling.max())
     return bool(low[0] < x1 and low[1] < y1 and high[0] > x0 and high[1] > y0 and low[2] < top)
 

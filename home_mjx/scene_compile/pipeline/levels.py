@@ -173,7 +173,7 @@ def find_sites(rooms: Rooms, objects: Sequence[PlacedObject], climb: bool) -> li
     lowest = np.array([rooms.floor[rooms.level == number].min() for number in numbers])
     stairs = find_stairs(objects, rooms, numbers, lowest) if climb else []
     climbed = {object_id for one in stairs for object_id in one.object_ids}
-    near = [o for o in objects if o.room >= 0 or within_reach(*bounds(o.triangles), rooms)]
+    near = [o for o in objects if o.room >= 0 or within_reach(bounds(o.triangles), rooms)]
     doorways, sites = find_doorways(objects, rooms), []
     for grid, number in enumerate(numbers):
         here = [doorway for doorway in doorways if doorway.level == number]
