@@ -57,6 +57,23 @@ def test_results_are_checked_though_the_call_is_known():
     assert wrong(0) is given[0]
 
 
+def test_shapes_that_are_checked_in_their_turn_end():
+    """A space of gymnax has a shape and a dtype by checked properties, and was looked into without end."""
+
+    class Space:
+        dtype = np.float32
+
+        @property
+        def shape(self) -> tuple[int, ...]:
+            return given(self)
+
+    @checks
+    def given(space: Space) -> tuple[int, ...]:
+        return (3,)
+
+    assert [given(Space()), Space().shape, given(Space())] == [(3,)] * 3
+
+
 def test_items_words_classes_and_tracers_are_told_apart():
     @checks
     def all_of(items: tuple[int, ...] | dict[str, float], sort: type[Exception] = ValueError) -> str:

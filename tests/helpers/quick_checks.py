@@ -16,6 +16,7 @@ import jaxtyping
 
 MOST = 1000  # ways of a function that are known; later ones are checked at each call
 LONG = 32  # items of a list that is looked into
+ARRAYS = ("numpy", "jax", "jaxlib")  # packages
 PLAIN, ARRAY, ITEMS, NAMED, WORD, UNKNOWN = range(6)
 
 _jaxtyped = jaxtyping.jaxtyped
@@ -148,8 +149,8 @@ def kind(value: Any) -> Any:
 def _sort(own: type) -> int:
     if issubclass(own, type):
         return WORD  # hints tell classes apart
-    if hasattr(own, "shape") and hasattr(own, "dtype"):
-        return ARRAY
+    if own.__module__.partition(".")[0] in ARRAYS and hasattr(own, "shape") and hasattr(own, "dtype"):
+        return ARRAY  # of a class of ours, shapes may be properties that are checked in their turn
     if own is dict:
         return NAMED
     if issubclass(own, tuple | list):

@@ -58,7 +58,7 @@ def test_presets_of_hours():
     assert noon.sky > dusk.sky > night.sky > 0
     assert dusk.num_lights == 2
     assert Lit.at(12, sky=0.5).sky == 0.5
-    for hour in (-1, 25, "noon", True):
+    for hour in (-1, 25, float("nan"), True):
         with pytest.raises(ConfigError, match="hour"):
             Lit.at(hour)
 
