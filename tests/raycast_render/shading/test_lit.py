@@ -221,7 +221,8 @@ def test_tone_mapping_keeps_order_and_ends():
 def test_more_samples_smooth_edges_and_leave_other_images_alone():
     bank = HouseBank.from_compiled([shoebox(furniture=(POST,))])
     bank = bank.replace(lights=bank.lights.replace(ambient=jnp.ones_like(bank.lights.ambient)))
-    camera = camera_at(quat=[0.65, 0.7, 0.1, 0.05])
+    quat = np.array([0.65, 0.7, 0.1, 0.05])
+    camera = camera_at(quat=(quat / np.linalg.norm(quat)).tolist())
     kinds = ("rgb", "depth", "instance")
 
     def look(preset, samples):
