@@ -323,7 +323,7 @@ def test_a_thousand_homes_have_no_twins(tmp_path, monkeypatch):
     for seed in range(first, first + 1000):
         write_home(dataset, seed)
         home = Home.read(dataset, house_id(seed))
-        assert validate_house(open_dataset(dataset), house_id(seed)) == []
+        assert validate_house(open_dataset(dataset), house_id(seed)) == ()
         joined, (entrance,) = home.graph(), home.entrances()
         assert all(len(joined[r]) == 1 for r in home.rooms() if home.kind(*r) not in LINKS)
         assert reachable(joined, entrance, lambda room: home.kind(*room) in LINKS) == set(home.rooms())  # noqa: B023
@@ -342,7 +342,7 @@ def test_walkers_of_two_sizes_reach_every_room_of_furnished_homes(tmp_path):
     ids = generate_dataset(tmp_path / "homes", seeds, version=2)
     dataset = open_dataset(tmp_path / "homes")
     for name in ids:
-        assert validate_house(dataset, name) == []
+        assert validate_house(dataset, name) == ()
         walker = Walker(Home(dataset.load_house(name), dataset.metadata))
         for radius in (0.1, 0.25):
             assert min(walker.reached(radius).values()) > 0.2, (name, radius)
