@@ -14,6 +14,7 @@ from home_mjx.core.checks import check_number
 from home_mjx.core.pytree import Pytree
 from home_mjx.registry import EnvSpec
 from home_mjx.tasks.base.state import EnvParams, State
+from home_mjx.tasks.base.task import path_scores
 from home_mjx.tasks.environment.autoreset import where_envs
 from home_mjx.tasks.environment.bound import BoundEnv
 from home_mjx.tasks.environment.episodes import sample_episodes
@@ -211,8 +212,5 @@ def _path_figures(figures: dict[str, Array], length: Array | None) -> dict[str, 
     """SPL and soft SPL where the task does not give them itself."""
     if length is None or "success" not in figures or "spl" in figures:
         return {}
-    short = length / jnp.maximum(jnp.maximum(length, figures["walked"]), 1e-6)
-    found = {"spl": figures["success"] * short}
-    if "distance" in figures:
-        found["soft_spl"] = jnp.clip(1 - figures["distance"] / jnp.maximum(length, 1e-6), 0, 1) * short
-    return found
+    found = path_scores(figures["success"], length, figures["walked"], figures.get("distance", length))
+    return found if "distance" in figures else {"spl": found["spl"]}

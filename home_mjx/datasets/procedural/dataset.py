@@ -82,7 +82,7 @@ def write_seeds(
     with _mapper(len(missing)) as run, tqdm(total=len(missing), disable=not progress, unit="house") as bar:
         for _ in run(partial(generator.write, root), missing):
             bar.update()
-    return tuple(house_id(seed) for seed in seeds)
+    return tuple(names[seed] for seed in seeds)
 
 
 def _write_library(root: Path) -> None:

@@ -197,3 +197,27 @@ def check_task_class(task: type[Task]) -> None:
     if params is None or not params.frozen or lost:
         hint = "Write @dataclasses.dataclass(frozen=True) above the class."
         raise ConfigError(f"the task {task.__name__} is not a frozen dataclass", hint=hint)
+
+
+def path_scores(
+    success: Float[Array, "*n"], length: Float[Array, "*n"], walked: Float[Array, "*n"], left: Float[Array, "*n"]
+) -> dict[str, Float[Array, "*n"]]:
+    """`spl` and `soft_spl`; both are 0 where no way leads to the goal.
+
+    Anderson et al., "On Evaluation of Embodied Navigation Agents", 2018 (arXiv:1807.06757), and for soft SPL Datta
+    et al., "Integrating Egocentric Localization", 2020 (arXiv:2009.03231).
+
+    Args:
+        success: 1 or 0.
+        length: Of the shortest path [m].
+        walked: Length of the agent's way [m].
+        left: Distance to the goal where the agent is now [m].
+
+    Example:
+        >>> found = path_scores(*(jnp.float32(x) for x in (1.0, 4.0, 5.0, 1.0)))
+        >>> {name: round(float(x), 2) for name, x in found.items()}
+        {'spl': 0.8, 'soft_spl': 0.6}
+    """
+    short = jnp.where(jnp.isfinite(length), length / jnp.maximum(jnp.maximum(length, walked), 1e-6), 0.0)
+    near = jnp.clip(1 - left / jnp.maximum(length, 1e-6), 0, 1)
+    return {"spl": success * short, "soft_spl": jnp.where(short > 0, near * short, 0.0)}

@@ -12,7 +12,7 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import ArraySpec, Specs
-from home_mjx.tasks.base.task import Task
+from home_mjx.tasks.base.task import Task, path_scores
 from home_mjx.tasks.rows.build import Generator, build_task_bank
 from home_mjx.tasks.rows.features import Looked, emitters, look
 from home_mjx.tasks.rows.machine import advance, conditions
@@ -239,19 +239,15 @@ class RowTask(Task):
     def metrics(self, snapshot: Snapshot, state: RowState) -> dict[str, Float[Array, ""]]:
         """Habitat's: success, SPL, soft SPL, distance to the goal [m], collisions; and the stage.
 
-        Anderson et al., "On Evaluation of Embodied Navigation Agents", 2018 (arXiv:1807.06757), and for soft SPL Datta
-        et al., "Integrating Egocentric Localization", 2020 (arXiv:2009.03231). Paths are those of the first agent.
+        See `path_scores`. Paths are those of the first agent.
         Where agents speak also whether the row's question was `answered`, right or wrong, and the `questions` asked.
         """
         success = (state.stage == SUCCESS).astype(jnp.float32)
-        short = state.length / jnp.maximum(jnp.maximum(state.length, state.walked[0]), 1e-6)
         goal = jnp.maximum(state.program.guide[0], 0)
         left = jnp.min(state.distance[:, goal])
-        near = jnp.clip(1 - left / jnp.maximum(state.length, 1e-6), 0, 1)
         return {
             "success": success,
-            "spl": success * short,
-            "soft_spl": near * short,
+            **path_scores(success, state.length, state.walked[0], left),
             "distance": left,
             "collisions": jnp.mean(state.collisions.astype(jnp.float32)),
             "stage": state.stage.astype(jnp.float32),

@@ -17,7 +17,7 @@ from home_mjx.navigation.grid import geodesic_distance
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import ArraySpec, Specs
 from home_mjx.tasks.base.state import Episodes
-from home_mjx.tasks.base.task import Task
+from home_mjx.tasks.base.task import Task, path_scores
 from home_mjx.tasks.suite import goals
 
 FARTHEST = 1000.0  # [m]: no house is larger
@@ -137,15 +137,12 @@ class PointNav(Task):
     def metrics(self, snapshot: Snapshot, state: PointNavState) -> dict[str, Float[Array, ""]]:
         """Habitat's, as means over agents: success, SPL, soft SPL, distance [m], collisions; and who touches something.
 
-        Formulas are those of `RowTask.metrics`. Where no way leads to the goal, both SPL are 0.
+        See `path_scores`.
         """
-        success, length = state.reached.astype(jnp.float32), state.length
-        short = jnp.where(jnp.isfinite(length), length / jnp.maximum(jnp.maximum(length, state.walked), 1e-6), 0.0)
-        near = jnp.clip(1 - state.distance / jnp.maximum(length, 1e-6), 0, 1)
+        success = state.reached.astype(jnp.float32)
         figures = {
             "success": success,
-            "spl": success * short,
-            "soft_spl": jnp.where(short > 0, near * short, 0.0),
+            **path_scores(success, state.length, state.walked, state.distance),
             "distance": state.distance,
             "collisions": state.collisions.astype(jnp.float32),
             "contact": snapshot.contact.astype(jnp.float32),

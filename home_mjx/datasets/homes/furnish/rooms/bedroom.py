@@ -67,7 +67,8 @@ def rest(room: Room) -> None:
     for kind, probability in CORNERS:
         add(room, kind, 0.0, probability)
     for kind, probability in (("shoes", 0.35), ("cloth", 0.2), ("book", 0.08)):
-        scattered(room, kind) if room.clutter(probability) else None
+        if room.clutter(probability):
+            scattered(room, kind)
     hang_kind(room, "wall_cooler", 2.05, 0.22)
     hang_kind(room, "wall_mirror", 0.9, 0.3)
     hang_kind(room, "wall_shelf", 1.4, 0.2)

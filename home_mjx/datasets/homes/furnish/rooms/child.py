@@ -30,9 +30,11 @@ def child_room(room: Room) -> None:
     if room.chance(0.6):
         freely(room, room.object("round_rug" if room.chance(0.6) else "large_rug"))
     for _ in range(2 + int(room.rng.integers(4))):
-        scattered(room, "floor_toy") if room.clutter(0.9) else None
+        if room.clutter(0.9):
+            scattered(room, "floor_toy")
     for kind, probability in (("tricycle", 0.15), ("shoes", 0.4), ("floor_basket", 0.35), ("ottoman", 0.15)):
-        scattered(room, kind) if room.chance(probability) else None
+        if room.chance(probability):
+            scattered(room, kind)
     hang_kind(room, "wall_shelf", 1.3, 0.4)
     hang_kind(room, "wall_clock", 1.65, 0.2)
     pictures(room, 3)

@@ -73,7 +73,8 @@ def office(room: Room) -> None:
         add(room, kind, 0.0, probability)
     if room.chance(0.3):
         freely(room, room.object("large_rug"))
-    scattered(room, "paper_bin") if room.chance(0.3) else None
+    if room.chance(0.3):
+        scattered(room, "paper_bin")
     hang_kind(room, "wall_whiteboard", 0.95, 0.25)
     hang_kind(room, "wall_clock", 1.65, 0.4)
     hang_kind(room, "wall_shelf", 1.4, 0.4)

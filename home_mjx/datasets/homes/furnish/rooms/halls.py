@@ -35,7 +35,8 @@ def hallway(room: Room) -> None:
 def _shoes(room: Room) -> None:
     """A pair of shoes at a wall."""
     item = room.object("shoes")
-    add(room, "shoes") if item and room.clutter(0.7) else None
+    if item and room.clutter(0.7):
+        add(room, "shoes")
 
 
 def runner(room: Room) -> None:
@@ -78,7 +79,8 @@ def dressing_room(room: Room) -> None:
         add(room, "shoes", 0.0, 0.6)
     add(room, "floor_basket", 0.0, 0.4)
     add(room, "ironing_board", 0.0, 0.15)
-    scattered(room, "cloth") if room.clutter(0.4) else None
+    if room.clutter(0.4):
+        scattered(room, "cloth")
 
 
 def entryway(room: Room) -> None:

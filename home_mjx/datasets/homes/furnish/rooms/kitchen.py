@@ -125,10 +125,12 @@ def _counters(room: Room, row: Sequence[PlacedFurniture], bases: Sequence[Placed
     for unit in row:
         if unit.model.family == "kitchen_sink":
             for kind, probability in (("soap_dispenser", 0.5), ("plates", 0.25), ("cup", 0.3)):
-                on_top(room, unit, kind) if room.clutter(probability) else None
+                if room.clutter(probability):
+                    on_top(room, unit, kind)
         if unit.model.family == "cooker":
             for kind in ("pan", "pan", "kettle"):
-                on_burner(room, unit, kind) if room.clutter(0.6) else None
+                if room.clutter(0.6):
+                    on_burner(room, unit, kind)
     if not bases:
         return
     more = 1.25 if "cooking" in room.style.interests else 0.8

@@ -208,7 +208,8 @@ def around(room: Room, sofa: PlacedFurniture, table: PlacedFurniture) -> None:
     for side, kind in zip(room.rng.permutation([-1, 1]).tolist(), ("floor_lamp", "side_table"), strict=True):
         placed = next_to(room, sofa, room.object(kind), side) if room.chance(0.75) else None
         if placed and kind == "side_table":
-            on_top(room, placed, "bedside_lamp", middle=True) if room.chance(0.6) else None
+            if room.chance(0.6):
+                on_top(room, placed, "bedside_lamp", middle=True)
             some(room, placed, ON_SIDE, 2)
     if room.chance(0.6):
         above(room, sofa, room.object("picture"), 1.25)

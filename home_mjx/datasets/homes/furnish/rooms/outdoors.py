@@ -38,4 +38,5 @@ def _plants(room: Room, most: int) -> None:
         if room.chance(0.5):
             add(room, str(room.rng.choice(["slim_plant", "plant", "small_plant"])))
     add(room, "garden_lamp", 0.0, 0.35)
-    scattered(room, "pet") if room.likes("pets", 0.1) else None
+    if room.likes("pets", 0.1):
+        scattered(room, "pet")

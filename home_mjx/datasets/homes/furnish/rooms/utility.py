@@ -24,7 +24,8 @@ def garage(room: Room) -> None:
     some(room, add(room, "washer", 0.5, 0.3), ON_WASHER, 2)
     add(room, "dryer", 0.5, 0.1)
     some(room, add(room, "desk", 0.4, 0.2), (("tool_box", 0.8), ("desk_lamp", 0.5), ("helmet", 0.3)), 2)
-    scattered(room, "helmet") if room.chance(0.1) else None
+    if room.chance(0.1):
+        scattered(room, "helmet")
     windows(room, ("",), 0.0)
 
 
