@@ -59,7 +59,8 @@ def _step_native(
 ) -> tuple[PhysicsState, Lost]:
     numbers = jnp.asarray(numbers_of(template.config), jnp.float32)
     scale = (state.scale or Scale()).factors
-    own = (house, state.qpos, state.qvel, state.qacc, action, state.held, state.grip, state.goal, scale)
+    held = jnp.clip(state.held, -1, physics.body_valid.shape[1] - 1)  # native code would write beside its arrays
+    own = (house, state.qpos, state.qvel, state.qacc, action, held, state.grip, state.goal, scale)
     shared = (*_house_arrays(template.config, physics), jnp.asarray(template.agents, jnp.float32), numbers)
     batch = jax.tree.map(lambda x: x[None], own)
     results = _batched(platform)(*shared, *batch)

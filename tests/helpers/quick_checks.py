@@ -18,6 +18,7 @@ MOST = 1000  # ways of a function that are known; later ones are checked at each
 LONG = 32  # items of a list that is looked into
 ARRAYS = ("numpy", "jax", "jaxlib")  # packages
 PLAIN, ARRAY, ITEMS, NAMED, WORD, UNKNOWN = range(6)
+NOTHING = (None, Any, "None", "Any")  # hints that say nothing of what is handed over
 
 _jaxtyped = jaxtyping.jaxtyped
 _sorts: dict[type, int] = {type(None): PLAIN, bool: PLAIN, int: PLAIN, float: PLAIN, str: WORD, bytes: PLAIN}
@@ -45,6 +46,8 @@ def _decorated(checker: Any, target: Any) -> Any:
     odd = inspect.isgeneratorfunction, inspect.iscoroutinefunction, inspect.isasyncgenfunction
     if not isinstance(target, types.FunctionType) or any(is_odd(target) for is_odd in odd):
         return _jaxtyped(target, typechecker=checker)
+    if all(hint in NOTHING for hint in target.__annotations__.values()):
+        return target  # such as what Numba compiles, which older versions of jaxtyping wrap all the same
     # By its code: a function within another one is made anew whenever that one is called.
     known = _functions.get(target.__code__)
     if known is None:

@@ -3,7 +3,6 @@
 import jax
 import jax.numpy as jnp
 import pytest
-import rollouts
 
 
 def pytest_runtest_setup(item):
@@ -17,6 +16,9 @@ class World:
     """Bank, template, compiled run, and what happened in each scene during the first two seconds."""
 
     def __init__(self, impl):
+        import rollouts  # here, since the package must not be imported before jaxtyping's hook
+
+        self.rollouts = rollouts
         self.bank, self.template = rollouts.build(impl)
         self.run = rollouts.make_run(self.template)
         self.house = jnp.arange(rollouts.BATCH, dtype=jnp.int32)
@@ -24,8 +26,8 @@ class World:
         self.end, self.rollout = self.run(self.bank, self.house, self.start, rollouts.actions())
 
     def scene(self, name):
-        index = rollouts.NAMES.index(name)
-        return rollouts.Rollout(*(values[:, index] for values in self.rollout))
+        index = self.rollouts.NAMES.index(name)
+        return self.rollouts.Rollout(*(values[:, index] for values in self.rollout))
 
 
 @pytest.fixture(scope="session", params=["jax", "fused", "c"])

@@ -3,6 +3,9 @@
 // It does what xla.py and native.py do, and tests triangles with the same roundings as they, so that all three agree;
 // boxes are tested otherwise, which decides no hit.
 //
+// Every index that comes from an array is held to the rows that there are, and children lie behind their parents: trees
+// of anybody's making may be cut short, but nothing beside the arrays is read, and no circle is walked.
+//
 // Sources: S. Woop, C. Benthin, I. Wald, "Watertight ray/triangle intersection", JCGT 2(1), 2013; T. Ize, "Robust BVH
 // ray traversal", JCGT 2(2), 2013; T. Aila, S. Laine, "Understanding the efficiency of ray traversal on GPUs", HPG 2009
 // (both children's boxes in the parent, the nearer child first, a stack per ray); S. Boulos, I. Wald, P. Shirley,
@@ -17,6 +20,7 @@ constexpr int TILE_WIDTH = 8;      // pixels of an image that a warp casts
 constexpr int TILE_HEIGHT = 4;
 constexpr int EMPTY = -1;          // code of an empty leaf; on the stack, the bottom of a tree
 constexpr int MAX_DEPTH = 32;      // of a tree, as in bvh.py
+constexpr int STACK = 2 * MAX_DEPTH + 4;  // what is put off, without the bottoms of two trees
 constexpr float MISS = 3e38f;      // as in limits.py, like the next two
 constexpr float FAR_SLACK = 1 + 6e-7f;
 constexpr float TINY = 1e-20f;
@@ -61,6 +65,7 @@ struct Operands {
   const float2* __restrict__ box;     // 3 a moving instance: centre and half size of its bounds in the world
   int root;                           // of the tree over the static instances
   int num_moving;
+  int nodes, triangles, materials, instances;  // rows that there are; instances of a house
 };
 
 struct Ray {
@@ -108,9 +113,11 @@ INLINE bool meets(const Slopes& s, float cx, float cy, float cz, float hx, float
 }
 
 // The stack holds codes, each with the distance at which the ray gets there.
-INLINE void push(int2*& top, int code, float t) { *top++ = make_int2(code, __float_as_int(t)); }
+INLINE void push(int2*& top, const int2* end, int code, float t) {
+  if (top < end) *top++ = make_int2(code, __float_as_int(t));
+}
 
-INLINE void push_bottom(int2*& top) { push(top, EMPTY, -INF); }
+INLINE void push_bottom(int2*& top) { *top++ = make_int2(EMPTY, __float_as_int(-INF)); }
 
 // What was put off last and still lies before the best hit, or the bottom
 INLINE int pop(int2*& top, float limit) {
@@ -122,16 +129,18 @@ INLINE int pop(int2*& top, float limit) {
 }
 
 // From a node on to the nearer child that the ray meets, or to what it put off last
-INLINE int descend(const Operands& world, int node, const Slopes& s, float t_min, float limit, int2*& top) {
+INLINE int descend(const Operands& world, int node, const Slopes& s, float t_min, float limit, int2*& top,
+                   const int2* end) {
   const float4* at = world.node + 4ll * node;
   float4 p = __ldg(at), q = __ldg(at + 1), r = __ldg(at + 2);
   int2 child = __ldg(reinterpret_cast<const int2*>(at + 3));
   float t0, t1;
-  bool meets0 = meets(s, p.x, p.y, p.z, p.w, q.x, q.y, t_min, limit, t0);
-  bool meets1 = meets(s, q.z, q.w, r.x, r.y, r.z, r.w, t_min, limit, t1);
+  // As unsigned numbers leaves lie behind all nodes.
+  bool meets0 = unsigned(child.x) > unsigned(node) && meets(s, p.x, p.y, p.z, p.w, q.x, q.y, t_min, limit, t0);
+  bool meets1 = unsigned(child.y) > unsigned(node) && meets(s, q.z, q.w, r.x, r.y, r.z, r.w, t_min, limit, t1);
   if (meets0 && meets1) {
     bool swap = t1 < t0;
-    push(top, swap ? child.x : child.y, swap ? t0 : t1);
+    push(top, end, swap ? child.x : child.y, swap ? t0 : t1);
     return swap ? child.y : child.x;
   }
   return meets0 ? child.x : meets1 ? child.y : pop(top, limit);
@@ -184,7 +193,8 @@ INLINE void test(const Operands& world, int triangle, int instance, int material
   if (total == 0) return;
   float t = __fdiv_rn(__fadd_rn(__fadd_rn(__fmul_rn(u, a.z), __fmul_rn(v, b.z)), __fmul_rn(w, c.z)), total);
   if (!(t >= ray.t_min) || !comes_first(t, instance, triangle, best)) return;
-  if ((__ldg(world.material_mask + material + __float_as_int(first.w)) & ray.mask) == 0) return;
+  int row = min(max(material + __float_as_int(first.w), 0), world.materials - 1);
+  if ((__ldg(world.material_mask + row) & ray.mask) == 0) return;
   bool mirrored = s.axis != 2;  // by changing places with z
   bool front = positive == ((s.iz > 0) != mirrored);
   best = {t, instance, triangle, v, w, total, front};
@@ -211,17 +221,19 @@ INLINE void enter(const float4* instance, const Ray& ray, Slopes& slopes, Shear&
 // different instances, or in none, walk down nodes together.
 template <bool ANY_HIT>
 INLINE void traverse(const Operands& world, const Ray& ray, int code, const float4* moving, unsigned pending, Best& best) {
-  int2 stack[2 * MAX_DEPTH + 4];
-  int2* top = stack;
+  int2 stack[STACK + 2];
+  int2 *top = stack, *end = stack + STACK;
   push_bottom(top);
   Slopes slopes = slopes_of(ray);
   Shear shear{};
   int instance = -1, material = 0;
   for (;;) {
-    while (code >= 0) code = descend(world, code, slopes, ray.t_min, best.t, top);
+    while (unsigned(code) < unsigned(world.nodes))
+      code = descend(world, code, slopes, ray.t_min, best.t, top, end);
     if (instance >= 0 && code != EMPTY) {  // at triangles
       int triangle = ~code >> 4;
-      for (int count = ~code & 15; count > 0; --count) test(world, triangle++, instance, material, ray, shear, best);
+      int count = triangle < 0 ? 0 : min(~code & 15, world.triangles - triangle);
+      for (; count > 0; --count) test(world, triangle++, instance, material, ray, shear, best);
       if (ANY_HIT && best.instance >= 0) return;
       code = pop(top, best.t);
     } else if (instance >= 0) {  // through with an instance
@@ -232,7 +244,11 @@ INLINE void traverse(const Operands& world, const Ray& ray, int code, const floa
       const float4* next;
       if (code != EMPTY) {
         int index = ~code >> 4, more = (~code & 15) - 1;
-        if (more > 0) push(top, ~((index + 1) << 4 | more), ray.t_min);
+        if (unsigned(index) >= unsigned(world.instances)) {
+          code = pop(top, best.t);
+          continue;
+        }
+        if (more > 0) push(top, end, ~((index + 1) << 4 | more), ray.t_min);
         next = world.fixed + 4 * index;
       } else {
         if (pending == 0) return;
@@ -385,18 +401,20 @@ INLINE Ray load(const Rays& rays, const int* own, int env, long long row, float&
 INLINE bool is_finite(const Ray& ray) { return (ray.ox + ray.oy + ray.oz + ray.dx + ray.dy + ray.dz) * 0 == 0; }
 
 // Offsets to this thread's environment and ray; false for threads that have none. `size` holds the number of
-// environments, rays per environment, static and moving instances per environment, pixels in a row, and for each field
-// of the rays whether it has a value for each of them.
+// environments, rays per environment, static and moving instances per environment, pixels in a row, for each field of
+// the rays whether it has a value for each of them, then nodes, triangles, materials and houses.
 template <bool ANY_HIT>
 INLINE bool run(Operands world, const int* __restrict__ house_root, const int* __restrict__ house, const Rays& rays,
                 const int* __restrict__ size, long long& row, Best& best) {
   int env = blockIdx.y + gridDim.y * blockIdx.z;
   if (env >= __ldg(size)) return false;
-  int number = ray_of_thread(__ldg(size + 1), __ldg(size + 4)), at = __ldg(house + env);
+  int number = ray_of_thread(__ldg(size + 1), __ldg(size + 4));
+  int at = min(max(__ldg(house + env), 0), __ldg(size + 14) - 1);
   row = (long long)env * __ldg(size + 1) + max(number, 0);
-  world.num_moving = __ldg(size + 3);
+  world.instances = __ldg(size + 2), world.num_moving = __ldg(size + 3);
+  world.nodes = __ldg(size + 11), world.triangles = __ldg(size + 12), world.materials = __ldg(size + 13);
   world.root = __ldg(house_root + at);
-  world.fixed += 4ll * at * __ldg(size + 2);
+  world.fixed += 4ll * at * world.instances;
   world.moving += 4ll * env * world.num_moving;
   world.box += 3ll * env * world.num_moving;
   float t_max;
@@ -411,7 +429,7 @@ INLINE bool run(Operands world, const int* __restrict__ house_root, const int* _
       const float2 *box, const int *house_root, const int *house, const float *origin, const float *direction,       \
       const float *t_min, const float *t_max, const int *exclude, const int *mask, const int *size
 #define WORLD \
-  Operands { node, corner, material_mask, fixed, moving, box, 0, 0 }
+  Operands { node, corner, material_mask, fixed, moving, box, 0, 0, 0, 0, 0, 0 }
 #define RAYS \
   Rays { origin, direction, t_min, t_max, exclude, mask }
 

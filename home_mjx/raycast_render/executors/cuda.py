@@ -90,7 +90,8 @@ def operands(geometry: Geometry, house: Array, moving: Moving, rays: Rays) -> tu
     fields = (rays.origin, rays.direction, rays.t_min, rays.t_max, rays.exclude, rays.mask)
     own = (int(x.shape[1] == rays.shape[1]) for x in fields)  # one value per ray, or one per environment
     tiled = tile_width(rays.shape[1], rays.width)
-    size = (*rays.shape, geometry.instance_model.shape[1], moving.instance.shape[1], tiled, *own)
+    rows = (x.shape[0] for x in (gpu.node, gpu.triangle, geometry.material_mask, geometry.house_root))
+    size = (*rays.shape, gpu.instance.shape[1], moving.instance.shape[1], tiled, *own, *rows)
     return (
         gpu.node,
         gpu.triangle,

@@ -216,8 +216,9 @@ def _children(world: _Operands, state: _State, node: Int[Array, " n"]) -> tuple[
     box, child = world.geometry.node_box[node], world.geometry.node_child[node]
     limits = world.rays.t_min, state.best.t
     a, b = (_slab(box[:, side], state.origin, state.direction, limits[0]) for side in range(2))
-    code_a = jnp.where(a <= limits[1], child[:, 0], EMPTY)
-    code_b = jnp.where(b <= limits[1], child[:, 1], EMPTY)
+    behind = (child < 0) | (child > node[:, None])  # as in every tree that was built; no circle is walked for ever
+    code_a = jnp.where((a <= limits[1]) & behind[:, 0], child[:, 0], EMPTY)
+    code_b = jnp.where((b <= limits[1]) & behind[:, 1], child[:, 1], EMPTY)
     return jnp.where(a <= b, code_a, code_b), jnp.where(a <= b, code_b, code_a)
 
 

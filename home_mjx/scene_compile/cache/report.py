@@ -17,6 +17,7 @@ from home_mjx.scene_compile.pipeline.compile import CompileOptions
 
 FREE = "Free some space and start it again with --resume: what is done stays."
 COMPILED, CACHED, FAILED = "compiled", "cached", "failed"
+BEGINNING = b'{"id": "'  # of every line
 KINDS = {"id": str, "status": str, "entry": str | None}  # of what is read in a line
 
 
@@ -86,12 +87,17 @@ def earlier_lines(path: Path) -> list[dict[str, Any]]:
     """What an earlier run has noted; a file that is no report is refused, so that it is not written over."""
     try:
         lines = read_report(path)
-        is_other = not lines and path.is_file() and path.read_bytes().strip()
+        is_other = not lines and path.is_file() and not all(map(_may_be_cut, path.read_bytes().splitlines()))
     except OSError as error:
         raise ConfigError(f"report cannot be read: {error.strerror}", file=path, hint="Name a new file.") from None
     if is_other:
         raise ConfigError("there is a file that is no report", file=path, hint="Name a new file.")
     return lines
+
+
+def _may_be_cut(line: bytes) -> bool:
+    """Whether a line can be what is left of one that a killed run was writing."""
+    return line.startswith(BEGINNING) or BEGINNING.startswith(line)
 
 
 def read_report(path: Path) -> list[dict[str, Any]]:

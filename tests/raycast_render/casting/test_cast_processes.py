@@ -152,23 +152,3 @@ print(*(compiled.cache_hits for compiled in build_handler()))
 """
     run(program)
     assert run(program) == ["1", "1", "1"]
-
-
-def test_random_numbers_for_what_moves_kill_nothing():
-    """Models, materials, instances and poses from anywhere: rays hit something or nothing, and the process lives."""
-    out = run("""
-scene = place()
-rng = np.random.default_rng(0)
-n, moving = 64, scene.moving
-def anything(x):
-    bits = rng.integers(0, 256, (n, *x.shape, x.dtype.itemsize), dtype=np.uint8)
-    return jnp.asarray(np.where(rng.random((n, *x.shape)) < 0.3, np.asarray(x), bits.view(x.dtype)[..., 0]))
-moved = jax.tree.map(anything, moving)
-houses = jnp.asarray(rng.integers(-2**31, 2**31, n), jnp.int32)
-origin, direction = jnp.zeros((16, 3)) + jnp.array([0.0, 0.0, 1.0]), jnp.asarray(rng.normal(size=(16, 3)), jnp.float32)
-def one(house, moving):
-    return cast(scene.replace(house=house, moving=moving), origin, direction, executor="cpu").instance
-found = jax.jit(jax.vmap(one))(houses, moved)
-print(found.shape == (n, 16), bool((found >= 0).any()))
-""")
-    assert out == ["True", "True"]

@@ -19,7 +19,8 @@ from home_mjx.raycast_render.scene import constants as limits
 
 ANY_HIT, WIDTH = 0, 1  # attributes, in the order of their names
 NUM_OPERANDS, NUM_RESULTS = 24, 6
-INSTANCE_MODEL, MOVING_INSTANCE = 6, 12  # operands whose shapes tell how many there are of each
+# Operands whose shapes tell how many rows there are
+NODE, TRIANGLE, MODEL, HOUSE, INSTANCE_MODEL, MATERIAL, MOVING_INSTANCE = 1, 2, 4, 5, 6, 10, 12
 NUM_RAY_FIELDS = NUM_OPERANDS - native_packet.FIRST_RAY
 CHUNK = 16  # packets that a thread takes at once
 WORK, TASK = "home_mjx_cast_work", "home_mjx_cast_task"
@@ -94,11 +95,23 @@ def _cast_chunk(frame, chunk):
         counts[i] = ffi.dim(frame, ffi.OPERANDS, native_packet.FIRST_RAY + i, 1)
     for i in range(NUM_RESULTS):
         results[i] = ffi.data(frame, ffi.RESULTS, i)
-    instances = ffi.dim(frame, ffi.OPERANDS, INSTANCE_MODEL, 1)
-    moving = ffi.dim(frame, ffi.OPERANDS, MOVING_INSTANCE, 1)
-    tiles, any_hit = _tiling(frame), ffi.attribute(frame, ANY_HIT) != 0
+    sizes, tiles, any_hit = _sizes(frame), _tiling(frame), ffi.attribute(frame, ANY_HIT) != 0
     for packet in range(chunk * CHUNK, min((chunk + 1) * CHUNK, _num_packets(frame))):
-        native.cast_packet(operands, counts, results, instances, moving, tiles, any_hit, packet)
+        native.cast_packet(operands, counts, results, sizes, tiles, any_hit, packet)
+
+
+@compiled
+@no_type_check
+def _sizes(frame):
+    return native_packet.Sizes(
+        ffi.dim(frame, ffi.OPERANDS, NODE, 0),
+        ffi.dim(frame, ffi.OPERANDS, TRIANGLE, 0),
+        ffi.dim(frame, ffi.OPERANDS, MODEL, 0),
+        ffi.dim(frame, ffi.OPERANDS, HOUSE, 0),
+        ffi.dim(frame, ffi.OPERANDS, MATERIAL, 0),
+        ffi.dim(frame, ffi.OPERANDS, INSTANCE_MODEL, 1),
+        ffi.dim(frame, ffi.OPERANDS, MOVING_INSTANCE, 1),
+    )
 
 
 @compiled

@@ -170,7 +170,8 @@ def test(world, instance, triangle, ray, shear, reaches, best):
     number = instance.number
     same = best.instance == number
     lower = (same & (best.triangle > triangle)) | (best.instance > number) | (best.instance < np.int32(0))
-    stops = world.material_mask[instance.material + world.triangle_slot[triangle]]
+    row = np.int64(instance.material) + np.int64(world.triangle_slot[triangle])
+    stops = world.material_mask[min(max(row, np.int64(0)), world.sizes.materials - 1)]
     wins = meets & ~(total == ZERO) & (t >= ray.t_min) & ((t < best.t) | ((t == best.t) & lower))
     wins = wins & ~((ray.mask & stops) == np.int32(0))
     if not any_lane(wins):

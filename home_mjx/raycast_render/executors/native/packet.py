@@ -31,6 +31,18 @@ class Tiling(NamedTuple):
     packets: np.int64
 
 
+class Sizes(NamedTuple):
+    """How many rows the arrays have: instances per house, moving ones per environment."""
+
+    nodes: np.int64
+    triangles: np.int64
+    models: np.int64
+    houses: np.int64
+    materials: np.int64
+    instances: np.int64
+    moving: np.int64
+
+
 class Packet(NamedTuple):
     """Rays as the caller gave them."""
 
@@ -44,6 +56,13 @@ class Packet(NamedTuple):
     t_max: Lane
     exclude: Lane
     mask: Lane
+
+
+@compiled
+@no_type_check
+def known(row, count):
+    """The nearest row that there is."""
+    return min(max(np.int64(row), np.int64(0)), count - 1)
 
 
 @compiled

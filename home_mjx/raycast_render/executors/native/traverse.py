@@ -3,7 +3,9 @@
 The algorithm is that of `xla`, which names its sources. The rays of a packet, a tile of the image, traverse the trees
 together, one in each lane of a vector. A node is opened if any ray meets it; the stack keeps where each ray enters it.
 So each ray tests the triangles that it would test alone. All memory is reached through bare pointers:
-Numba counts references to arrays at every step, which costs several times the work itself.
+Numba counts references to arrays at every step, which costs several times the work itself. So every index that comes
+from an array is held to the rows that there are, and a walk ends after as many nodes as there are: trees of anybody's
+making may be cut short, but nothing beside the arrays is read and no circle is walked for ever.
 
 Source: I. Wald, P. Slusallek, C. Benthin, M. Wagner, "Interactive rendering with coherent ray tracing",
 Eurographics 2001.
@@ -28,7 +30,7 @@ from home_mjx.raycast_render.executors.native.intersect import (
     test,
 )
 from home_mjx.raycast_render.executors.native.lanes import FLOATS, any_lane, count, spread, where
-from home_mjx.raycast_render.executors.native.packet import lane_rows, place, read, write
+from home_mjx.raycast_render.executors.native.packet import Sizes, known, lane_rows, place, read, write
 from home_mjx.scene_compile.geometry.bvh import EMPTY, MAX_DEPTH
 
 Pointer = Any  # a C pointer, which Numba indexes like an array
@@ -59,26 +61,24 @@ class Operands(NamedTuple):
     moving_box: Pointer  # (e, d, 2, 3) float32
     moving_object: Pointer  # (e, d) int32
     moving_material: Pointer  # (e, d) int32
-    num_instances: int
-    num_moving: int
+    sizes: Sizes
 
 
 @njit(error_model="numpy")
 @no_type_check
-def cast_packet(operands, counts, results, num_instances, num_moving, tiles, any_hit, packet) -> None:
+def cast_packet(operands, counts, results, sizes, tiles, any_hit, packet) -> None:
     """Casts one packet.
 
     Args:
         operands: Addresses of the arrays of `Operands` in its order, then of `types.Rays`.
         counts: Number of values per environment of each field of the rays: the number of rays, or one.
         results: Addresses of t, instance, triangle, u, v and front.
-        num_instances: Instances per house.
-        num_moving: Moving instances per environment.
+        sizes: How many rows the arrays have.
         tiles: Each environment's packets.
         any_hit: Whether a ray may stop at the first triangle that it meets.
         packet: Its number, counted over all environments.
     """
-    world = _world(operands, num_instances, num_moving)
+    world = _world(operands, sizes)
     env = packet // tiles.packets
     rows = lane_rows()
     place(tiles, packet % tiles.packets, rows)
@@ -92,7 +92,7 @@ def cast_packet(operands, counts, results, num_instances, num_moving, tiles, any
 
 @compiled
 @no_type_check
-def _world(at, num_instances, num_moving):
+def _world(at, sizes):
     return Operands(
         float_pointer(at[0]),
         int_pointer(at[1]),
@@ -112,8 +112,7 @@ def _world(at, num_instances, num_moving):
         float_pointer(at[15]),
         int_pointer(at[16]),
         int_pointer(at[17]),
-        num_instances,
-        num_moving,
+        sizes,
     )
 
 
@@ -121,14 +120,17 @@ def _world(at, num_instances, num_moving):
 @no_type_check
 def _cast(world, env, ray, exclude, best, codes, enters):
     """Static instances through the house's top tree, then the moving ones one by one."""
-    first = np.int64(world.house[env]) * world.num_instances
-    code, enter, size = world.house_root[world.house[env]], ray.t_min, 0
+    house, num_instances, left = known(world.house[env], world.sizes.houses), world.sizes.instances, world.sizes.nodes
+    code, enter, size = world.house_root[house], ray.t_min, 0
     while code != EMPTY:
         if code >= 0:
+            if left <= 0:
+                break
+            left -= 1
             code, enter, size = _open(world, code, ray, best.t, codes, enters, size)
         else:
-            for i in range(~code >> 4, (~code >> 4) + (~code & 15)):
-                at = first + i
+            for i in range(~code >> 4, min((~code >> 4) + (~code & 15), num_instances)):
+                at = house * num_instances + i
                 sees = _sees(world.instance_object[at], exclude) & (enter <= best.t)
                 if any_lane(sees):
                     instance = Instance(np.int32(i), world.instance_model[at], world.instance_material[at])
@@ -137,7 +139,7 @@ def _cast(world, env, ray, exclude, best, codes, enters):
             code = np.int32(EMPTY)
         if code == EMPTY:
             code, enter, size = _pop(codes, enters, size, 0, best.t)
-    for at in range(env * world.num_moving, (env + 1) * world.num_moving):
+    for at in range(env * world.sizes.moving, (env + 1) * world.sizes.moving):
         if world.moving_instance[at] >= 0:
             sees = _sees(world.moving_object[at], exclude) & (slab(world.moving_box, at, ray) <= best.t)
             if any_lane(sees):
@@ -158,12 +160,16 @@ def _sees(object_id, exclude):
 def _cast_model(world, instance, ray, best, codes, enters):
     """The best hits after one instance; the rays are in its frame."""
     shear = shear_of(ray)
-    code, enter, size = world.model_root[instance.model], ray.t_min, MAX_DEPTH
+    left = world.sizes.nodes
+    code, enter, size = world.model_root[known(instance.model, world.sizes.models)], ray.t_min, MAX_DEPTH
     while code != EMPTY:
         if code >= 0:
+            if left <= 0:
+                break
+            left -= 1
             code, enter, size = _open(world, code, ray, best.t, codes, enters, size)
         else:
-            for triangle in range(~code >> 4, (~code >> 4) + (~code & 15)):
+            for triangle in range(~code >> 4, min((~code >> 4) + (~code & 15), world.sizes.triangles)):
                 best = test(world, instance, np.int32(triangle), ray, shear, enter <= best.t, best)
             code = np.int32(EMPTY)
         if code == EMPTY:
@@ -178,12 +184,12 @@ def _open(world, node, ray, limit, codes, enters, size):
 
     The code of a child that no ray meets before its best hit is EMPTY.
     """
-    at = 2 * np.int64(node)
+    at = 2 * known(node, world.sizes.nodes)
     near, far = world.node_child[at], world.node_child[at + 1]
     near_t, far_t = slab(world.node_box, at, ray), slab(world.node_box, at + 1, ray)
     if count(far_t < near_t) > count(near_t < far_t):
         near, far, near_t, far_t = far, near, far_t, near_t
-    if far != EMPTY and any_lane(far_t <= limit):
+    if far != EMPTY and size < 2 * MAX_DEPTH and any_lane(far_t <= limit):
         codes[size], enters[size] = far, far_t
         size += 1
     return near if any_lane(near_t <= limit) else np.int32(EMPTY), near_t, size
