@@ -1,11 +1,12 @@
 """Reads changed files by all readers of the package, for as long as is wanted.
 
-    python tests/soak/fuzz.py [--targets NAME ...] [--seconds S] [--cases N] [--seed N] [--quick] [--out FOLDER]
+    python tests/soak/fuzz.py [--targets NAME ...] [--seconds S] [--total N] [--seed N] [--quick] [--out FOLDER]
 
 Every input is read or refused by a typed error, within 10 s and 1 GiB, and no input ends the process. Inputs that break
 this are written to a folder, by target and case; the same seed and case make the same input. Inputs that have failed
-once (`tests/soak/kept`) are read first. One JSON object a line for each target; the last one has the sums. Exits with 1
-if an input has failed.
+once (`tests/soak/kept`) are read first. Time and number are dealt out evenly: each target gets the same share of
+`--seconds`, which runs while it reads and not while it gets ready, and the same share of `--total`. One JSON object a
+line for each target; the last one has the sums. Exits with 1 if an input has failed.
 """
 
 import argparse
@@ -39,7 +40,7 @@ SPARE = 4 << 30  # [bytes] of addresses beyond those in use
 MEMORY = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
 LONG = 3000  # characters of a message
 FAILURES = 25  # of a target, after which it is left
-NOTES = struct.Struct("qqqqdq")  # next case, read, refused, failed, slowest [s], growth [KiB]
+NOTES = struct.Struct("qqqqdqd")  # next case, read, refused, failed, slowest [s], growth [KiB], spent on reading [s]
 
 
 class Slow(BaseException):
@@ -53,14 +54,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--quick", action="store_true", help="only targets that compile no program")
     parser.add_argument("--seconds", type=float, default=float("inf"), help="of all targets together")
     parser.add_argument("--cases", type=int, default=1 << 62, help="at most so many of each target")
+    parser.add_argument("--total", type=int, default=1 << 62, help="at most so many of all targets together")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--out", type=Path, default=Path("fuzz-failures"))
     args = parser.parse_args(arguments)
     names = args.targets or [name for name, target in TARGETS.items() if target.quick or not args.quick]
-    end, total = time.monotonic() + args.seconds, {"cases": 0, "failed": 0}
-    for number, name in enumerate(names):
-        share = (end - time.monotonic()) / (len(names) - number)
-        record = Hunt(name, args.seed, args.out).run(args.cases, share)
+    cases, seconds = min(args.cases, -(-args.total // len(names))), args.seconds / len(names)
+    total = {"cases": 0, "failed": 0}
+    for name in names:
+        record = Hunt(name, args.seed, args.out).run(cases, seconds)
         print(json.dumps(record), flush=True)
         for key in total:
             total[key] += record[key]
@@ -80,10 +82,10 @@ class Hunt:
         """Until there are no more cases, or no more time."""
         begun, deaths, stuck = time.monotonic(), 0, False
         with tempfile.TemporaryDirectory(dir=MEMORY) as folder:
-            while self.case < cases and time.monotonic() - begun < seconds and deaths < FAILURES:
+            while self.case < cases and self.spent < seconds and deaths < FAILURES:
                 place = Path(folder, str(deaths))
                 place.mkdir()
-                status, stuck = self.process(place, cases, max(begun + seconds - time.monotonic(), 1.0))
+                status, stuck = self.process(place, cases, seconds)
                 if status == 0:
                     break
                 if status == 1:
@@ -94,11 +96,16 @@ class Hunt:
                         self.case, "stuck" if stuck else f"ended by {-status}", *self.originals(Path(folder, "o"))
                     )
                     self.note(case=self.case + 1, failed=self.all()[3] + 1)
-        case, read, refused, failed, slowest, growth = self.all()
-        spent = time.monotonic() - begun
+        case, read, refused, failed, slowest, growth, spent = self.all()
+        ready = time.monotonic() - begun - spent
         counts = {"cases": case, "read": read, "refused": refused, "failed": failed}
-        rates = {"per_minute": round(60 * case / spent), "slowest_s": round(slowest, 2), "growth_mib": growth >> 10}
-        return {"target": self.name, "seed": self.seed, **counts, **rates, "seconds": round(spent, 1)}
+        rates = {
+            "per_minute": round(60 * case / max(spent, 1e-3)),
+            "slowest_s": round(slowest, 2),
+            "growth_mib": growth >> 10,
+        }
+        times = {"seconds": round(spent, 1), "getting_ready_s": round(ready, 1)}
+        return {"target": self.name, "seed": self.seed, **counts, **rates, **times}
 
     def process(self, folder: Path, cases: int, seconds: float) -> tuple[int, bool]:
         """Exit status of a process that reads, and whether it was killed because it hung."""
@@ -134,19 +141,21 @@ class Hunt:
         signal.signal(signal.SIGALRM, _too_slow)
         taken = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
         resource.setrlimit(resource.RLIMIT_AS, (taken + SPARE, resource.RLIM_INFINITY))
-        base, end = peak(), time.monotonic() + seconds
+        base = peak()
         if self.case == 0:
             self.again(read)
-        while self.case < cases and time.monotonic() < end:
+        while self.case < cases and self.spent < seconds:
+            begun = time.monotonic()
             data = mutated(f"{self.name}:{self.seed}", self.case, originals, self.target.kinds)
             self.one(data, read, base)
+            self.note(spent=self.spent + time.monotonic() - begun)
             if peak() - base > MOST:
                 return RESTART
         return 0
 
     def one(self, data: bytes, read: Any, base: int) -> None:
         """Reads the next input."""
-        case, num_read, refused, failed, slowest, growth = self.all()
+        case, num_read, refused, failed, slowest, growth, _ = self.all()
         begun = time.perf_counter()
         is_read, trouble = self.attempt(data, read, base)
         spent = time.perf_counter() - begun
@@ -201,15 +210,27 @@ class Hunt:
         """The next one."""
         return self.all()[0]
 
-    def all(self) -> tuple[int, int, int, int, float, int]:
+    @property
+    def spent(self) -> float:
+        """[s], on inputs so far."""
+        return self.all()[6]
+
+    def all(self) -> tuple[int, int, int, int, float, int, float]:
         """All notes."""
         return NOTES.unpack(self.notes[:])
 
     def note(
-        self, case: int, read: int = -1, refused: int = -1, failed: int = -1, slowest: float = -1, growth: int = -1
+        self,
+        case: int = -1,
+        read: int = -1,
+        refused: int = -1,
+        failed: int = -1,
+        slowest: float = -1,
+        growth: int = -1,
+        spent: float = -1,
     ) -> None:
         """Changes notes; those below 0 stay."""
-        new = (case, read, refused, failed, slowest, growth)
+        new = (case, read, refused, failed, slowest, growth, spent)
         self.notes[:] = NOTES.pack(*(old if x < 0 else x for x, old in zip(new, self.all(), strict=True)))
 
 
