@@ -64,7 +64,7 @@ def test_no_module_starts_a_jax_backend():
 import importlib, pkgutil, home_mjx
 from home_mjx.errors import ConfigError
 optional = {"brax", "flax", "jaxmarl", "matplotlib", "mujoco_playground", "optax", "pettingzoo"}
-optional |= {"tensorboardX", "torch"}
+optional |= {"pyarrow", "tensorboardX", "torch"}
 for module in pkgutil.walk_packages(home_mjx.__path__, "home_mjx."):
     if module.name == "home_mjx.adapters.jaxmarl":  # JaxMARL itself starts one
         continue
@@ -134,7 +134,7 @@ def test_pins_are_names_and_versions_only_and_cover_the_requirements():
     pinned = {normalised(line) for line in lines}
     extras = PROJECT["optional-dependencies"]
     wanted = PROJECT["dependencies"] + [
-        r for name in ("multiagent", "test", "train", "view", "dev") for r in extras[name]
+        r for name in ("data", "multiagent", "test", "train", "view", "dev") for r in extras[name]
     ]
     assert {normalised(r) for r in wanted} - {"home-mjx"} <= pinned
 
@@ -199,10 +199,11 @@ def test_changelog_knows_this_version():
 
 
 def test_public_packages_export_what_exists():
-    has_train = importlib.util.find_spec("flax") is not None
+    needs = {"training": "flax", "trajectories": "pyarrow"}  # of the extras `train` and `data`
+    lacking = {name for name, package in needs.items() if importlib.util.find_spec(package) is None}
     for init in sorted((ROOT / "home_mjx").glob("*/__init__.py")):
-        if init.parent.name == "training" and not has_train:
-            continue  # its names need the extra `train`
+        if init.parent.name in lacking:
+            continue
         module = importlib.import_module(f"home_mjx.{init.parent.name}")
         missing = [name for name in getattr(module, "__all__", ()) if not hasattr(module, name)]
         assert missing == [], module.__name__
