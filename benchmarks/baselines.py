@@ -275,7 +275,8 @@ def table(lines: list[dict[str, Any]]) -> str:
             own = ", ".join(f"{name} {shown(line[name])}{UNITS.get(name, '')}" for name in line["own"])
             name = f"blind: {line['blind']}" if agent == "blind" else agent
             spl = shown(line["spl"]) if line["paths"] and "spl" in line else ""
-            cells = [name, shown(line["success"]), spl, f"{line['length']['mean']:.0f}", own, str(line["episodes"])]
+            steps = line.get("episode_steps") or line["length"]  # as the lines of 2026 name it
+            cells = [name, shown(line["success"]), spl, f"{steps['mean']:.0f}", own, str(line["episodes"])]
             rows.append([case.replace(line["id"], f"`{line['id']}`") if agent == AGENTS[0] else "", *cells])
     return "\n".join("| " + " | ".join(row) + " |" for row in rows)
 

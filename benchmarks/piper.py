@@ -100,7 +100,7 @@ def main() -> None:
         begin = time.perf_counter()
         policy = moving(env.core) if name == "random" else expert_policy
         found = evaluate(BoundEnv(cores[name], env.params, env.spec), policy, num_episodes=args.episodes)
-        line = {key: round(float(np.mean(found[key])), 3) for key in ("success", "near", "length", "collisions")}
+        line = {key: round(float(np.mean(found[key])), 3) for key in ("success", "near", "episode_steps", "collisions")}
         error = round(float(np.std(found["success"]) / np.sqrt(args.episodes)), 3)
         own = {"policy": name, "episodes": args.episodes, "houses": env.bank.num_houses, "stderr": error}
         print(json.dumps(own | line | {"seconds": round(time.perf_counter() - begin)}), flush=True)

@@ -54,7 +54,9 @@ class HomeMjxError(Exception):
     def __str__(self) -> str:
         where = ", ".join(w for w in (self.file and f"in {self.file}", self.element and f"at {self.element}") if w)
         text = f"{self.message} ({where})" if where else self.message
-        return f"{text}. {self.hint}" if self.hint else text
+        text = f"{text}. {self.hint}" if self.hint else text
+        # What a file holds may have halves of characters, which can be printed nowhere.
+        return text.encode(errors="backslashreplace").decode()
 
     def __reduce__(self) -> tuple:
         # Keyword-only arguments do not survive the default pickling, which worker processes need.

@@ -67,6 +67,13 @@ def test_without_place_or_hint_it_is_its_message(kind: type[errors.HomeMjxError]
     assert str(kind("nothing fits")) == "nothing fits"
 
 
+def test_what_a_file_holds_can_always_be_printed():
+    """Half of a pair of code units, as JSON can hold one; found by fuzzing files of episodes."""
+    error = errors.DatasetError("house \ud800 is not in the bank", file="a", element="line \udfff", hint="\ud800!")
+    assert str(error).encode() == rb"house \ud800 is not in the bank (in a, at line \udfff). \ud800!"
+    assert str(error) == error.args[0]
+
+
 def test_missing_files_have_name_and_number(tmp_path: Path):
     with pytest.raises(FileNotFoundError) as caught:
         read_bytes(tmp_path / "none.obj")

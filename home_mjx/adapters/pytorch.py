@@ -31,8 +31,18 @@ def to_torch(tree: Any) -> Any:
 
     Returns:
         The same containers with a `torch.Tensor` for each array, of the same shape and type.
+
+    Raises:
+        ConfigError: One of the arrays holds typed keys of random numbers, which are no numbers.
     """
-    return jax.tree.map(torch.from_dlpack, tree)
+    return jax.tree.map(_to_torch, tree)
+
+
+def _to_torch(array: Any) -> Any:
+    if jax.dtypes.issubdtype(getattr(array, "dtype", None), jax.dtypes.prng_key):
+        hint = "Take their numbers, `jax.random.key_data(keys)`; `jax.random.wrap_key_data` makes keys of them again."
+        raise ConfigError(f"expected an array of numbers, got typed keys of random numbers: {array.aval}", hint=hint)
+    return torch.from_dlpack(array)
 
 
 def to_jax(tree: Any) -> Any:

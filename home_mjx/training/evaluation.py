@@ -91,7 +91,7 @@ def evaluate(
         seed: Of episodes and actions.
 
     Returns:
-        For each episode: `return`, `length` [steps], `walked` [m] by the first agent, and the task's metrics at its
+        For each episode: `return`, `episode_steps`, `walked` [m] by the first agent, and the task's metrics at its
         end. If the task has `success` and knows the `length` of the shortest path, also `spl` (Anderson et al.,
         arXiv:1807.06757), and with `distance` also `soft_spl` (Datta et al., arXiv:2009.03231).
 
@@ -176,7 +176,7 @@ def _play(
     )
     length = _shortest(params, numbers)
     zero = jnp.zeros(num, jnp.float32)
-    figures = {"return": zero, "length": zero, "walked": zero} | env.metrics
+    figures = {"return": zero, "episode_steps": zero, "walked": zero} | env.metrics
 
     def step(play: Play) -> Play:
         following, now = split_keys(play.keys)
@@ -198,7 +198,7 @@ def _figures(core: HouseholdEnv, params: EnvParams, play: Play, env: State) -> d
     look = jax.vmap(lambda state: core.snapshot(params, state).pose.pos[0])
     moved = jnp.linalg.norm(look(env) - look(play.env), axis=-1)
     reward = jnp.mean(env.reward.reshape(env.done.shape[0], -1), axis=-1)
-    gained = {"return": reward, "length": jnp.ones_like(reward), "walked": moved}
+    gained = {"return": reward, "episode_steps": jnp.ones_like(reward), "walked": moved}
     return {name: play.figures[name] + x for name, x in gained.items()} | env.metrics
 
 

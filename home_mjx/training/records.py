@@ -17,7 +17,7 @@ CURVES = (
     "success",
     "spl",
     "return",
-    "length",
+    "episode_steps",
     "distance",
     "steps_per_second",
     "loss/entropy",

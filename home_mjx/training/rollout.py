@@ -21,7 +21,7 @@ class Actor(Pytree):
     memory: Any  # of the policy, R rows
     begins: Bool[Array, " r"]  # the observation in `env` is an episode's first
     keys: UInt32[Array, "r 2"]  # of each row, so that actions do not depend on how rows are dealt out to devices
-    totals: dict[str, Float[Array, " n"]]  # `return` and `length` of the running episodes
+    totals: dict[str, Float[Array, " n"]]  # of the running episodes: `return`; `length` [steps], as checkpoints name it
 
 
 class Steps(Pytree):
@@ -75,8 +75,8 @@ def rollout(
     """Takes `num_steps` steps.
 
     Returns:
-        What acting carries on, the steps, and sums over the episodes that ended: `episodes`, `return`, `length`, and
-        the task's metrics at the end.
+        What acting carries on, the steps, and sums over the episodes that ended: `episodes`, `return`,
+        `episode_steps`, and the task's metrics at the end.
     """
     agents = batch.core.num_agents
 
@@ -118,7 +118,8 @@ def _count(totals: dict[str, Array], env: State) -> tuple[dict[str, Array], dict
     """Running totals after a step, and sums over the episodes that it ended; agents of an environment are averaged."""
     reward = jnp.mean(env.reward.reshape(env.done.shape[0], -1), axis=-1)
     now = {"return": totals["return"] + reward, "length": totals["length"] + 1}
-    ended = {"episodes": jnp.ones_like(reward), **now, **env.metrics}
+    own = {"return": now["return"], "episode_steps": now["length"]}
+    ended = {"episodes": jnp.ones_like(reward), **own, **env.metrics}
     sums = {name: jnp.sum(jnp.where(env.done, x, 0.0)) for name, x in ended.items()}
     return {name: jnp.where(env.done, 0.0, x) for name, x in now.items()}, sums
 

@@ -10,6 +10,7 @@ pytest.importorskip("torch", reason="PyTorch is not installed")
 import torch
 
 from home_mjx.adapters.pytorch import to_jax, to_torch
+from home_mjx.errors import ConfigError
 from home_mjx.tasks import HouseholdEnv, make_config
 
 
@@ -25,6 +26,15 @@ def test_tensors_lie_where_the_arrays_do():
     for name, array in obs.items():
         assert tensors[name].data_ptr() == array.unsafe_buffer_pointer()
         np.testing.assert_array_equal(tensors[name].numpy(), array)
+
+
+def test_typed_keys_are_refused_and_their_numbers_are_taken():
+    keys = jax.random.split(jax.random.key(3), 4)
+    with pytest.raises(ConfigError, match=r"typed keys.*key<fry>\[4\].*jax\.random\.key_data"):
+        to_torch({"keys": keys})
+    tensor = to_torch(jax.random.key_data(keys))
+    again = jax.random.wrap_key_data(to_jax(tensor))
+    np.testing.assert_array_equal(jax.random.key_data(again), jax.random.key_data(keys))
 
 
 @pytest.mark.parametrize("dtype", ["float32", "int32", "bool"])

@@ -115,7 +115,7 @@ def test_a_killed_run_goes_on_as_if_it_had_not_been(houses: Path, tmp_path: Path
     assert [word for word in ("trained", "random", "8 episodes") if word not in table] == []
     report = json.loads((whole / "evaluation.json").read_text())
     assert report["split"] == "val"
-    assert {"success", "spl", "soft_spl", "return", "length"} <= set(report["trained"])
+    assert {"success", "spl", "soft_spl", "return", "episode_steps"} <= set(report["trained"])
     assert read_config(whole / "checkpoint.npz").env.split == "train"
     assert {path.name for path in whole.iterdir()} == {
         "agent.npz", "checkpoint.npz", "curves.png", "evaluation.json", "metrics.jsonl", "tensorboard",

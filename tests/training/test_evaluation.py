@@ -43,7 +43,7 @@ def test_who_stands_still_gets_nowhere(env):
     found = evaluate(env, still, num_episodes=NUM)
     assert {x.shape for x in found.values()} == {(NUM,)}
     assert not np.any([found["success"], found["spl"]])
-    assert np.all(found["length"] == 30)
+    assert np.all(found["episode_steps"] == 30)
     assert np.all(found["walked"] < 0.02)
     length = np.asarray(with_episodes(env, NUM).params.tasks.columns["length"])
     np.testing.assert_allclose(found["distance"], length, atol=0.05)
@@ -70,7 +70,7 @@ def test_figures_are_those_of_episodes_stepped_one_by_one(env):
         success, distance = float(state.metrics["success"]), float(state.metrics["distance"])
         short = lengths[i] / max(lengths[i], walked)
         wanted = {
-            "success": success, "return": gained, "length": steps, "walked": walked, "distance": distance,
+            "success": success, "return": gained, "episode_steps": steps, "walked": walked, "distance": distance,
             "spl": success * short, "soft_spl": np.clip(1 - distance / lengths[i], 0, 1) * short,
         }  # fmt: skip
         for name, value in wanted.items():

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-FIRST = ("success", "spl", "soft_spl", "return", "length")  # figures that come first
+FIRST = ("success", "spl", "soft_spl", "return", "episode_steps")  # figures that come first
 
 
 def as_table(report: dict[str, Any]) -> str:

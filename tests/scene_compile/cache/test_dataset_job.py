@@ -18,7 +18,7 @@ from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.scene_compile.cache import executors
 from home_mjx.scene_compile.cache.entry import read_entry
 from home_mjx.scene_compile.cache.job import compile_dataset
-from home_mjx.scene_compile.cache.report import Outcome, read_report
+from home_mjx.scene_compile.cache.report import Outcome, earlier_lines, journal, read_report
 
 NUM_HOUSES = 12
 
@@ -158,6 +158,21 @@ def test_a_run_of_one_house_adds_to_the_report(houses):
     compile_dataset(root)
     compile_dataset(root, ids[:1])
     assert compile_dataset(root, resume=True).skipped == NUM_HOUSES
+
+
+def test_a_run_that_was_killed_in_its_first_line_goes_on(tmp_path):
+    """At whatever byte; also if the next one was killed there as well."""
+    path = tmp_path / "report.jsonl"
+    with journal(path, append=False) as note:
+        note(Outcome("a" * 32, "compiled", 1.0, entry="v/houses/a.zip"))
+    line = path.read_bytes()
+    for count in range(len(line)):
+        for content in (line[:count], line[:count] + b"\n" + line[: count // 2]):
+            path.write_bytes(content)
+            assert earlier_lines(path) == [] or count == len(line) - 1
+            with journal(path, append=True) as note:
+                note(Outcome("b" * 32, "cached", 1.0))
+            assert earlier_lines(path)[-1]["id"] == "b" * 32
 
 
 @pytest.mark.parametrize("content", [b"my notes\n", b'{"a": 1}\n', b"\xff\xfe\x00", b"[1]\n"])
