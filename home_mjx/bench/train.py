@@ -41,12 +41,11 @@ def _updates(settings: Settings, case: str, devices: list[jax.Device] | None = N
     start = time.perf_counter()
     update = ppo.update.lower(params, state).compile()
     seconds = time.perf_counter() - start
-    rate = timing.steps_per_second(
-        lambda s, _: update(params, s)[0], state, [jax.numpy.zeros(())], settings.seconds
-    )
+    rate = timing.steps_per_second(lambda s, _: update(params, s)[0], state, [jax.numpy.zeros(())], settings.seconds)
     config = ppo.config
     passes = f"{config.num_epochs} epochs of {config.num_minibatches} minibatches"
-    note = f"PointNav-v0 with {', '.join(env.config.sensors or ())}; {passes}; devices: {len(devices)}; {settings.houses}"
+    sensors = ", ".join(env.config.sensors or ())
+    note = f"PointNav-v0 with {sensors}; {passes}; devices: {len(devices)}; {settings.houses}"
     steps = rate * config.batch_size
     return make_record(case, steps, "steps/s", note, num_envs=config.num_envs, compile_seconds=seconds)
 
