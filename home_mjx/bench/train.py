@@ -29,7 +29,7 @@ def depth_devices(settings: Settings) -> Record:
     return _updates(settings, "train/depth-devices", jax.devices(), sensors=("depth", "goal"))
 
 
-def _updates(settings: Settings, case: str, devices: list[jax.Device] | None = None, **options: Any) -> Record:
+def _updates(settings: Settings, case: str, devices: list[Any] | None = None, **options: Any) -> Record:
     from home_mjx.training import CPU_CONFIG, PPO, PPOConfig
 
     env = make("PointNav-v0", settings.bank, **POINT_NAV, **options)
