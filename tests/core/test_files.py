@@ -2,12 +2,21 @@
 
 import os
 import zipfile
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from home_mjx.core import files
-from home_mjx.core.files import read_arrays, read_bytes, replace_folder, write_durably, write_together, write_whole
+from home_mjx.core.files import (
+    read_arrays,
+    read_bytes,
+    read_json_lines,
+    replace_folder,
+    write_durably,
+    write_together,
+    write_whole,
+)
 from home_mjx.errors import ConfigError, DatasetError, MissingFileError
 
 
@@ -109,6 +118,16 @@ def test_pipes_are_not_waited_for(tmp_path):
         read_bytes(tmp_path / "pipe")
     with pytest.raises(DatasetError, match="not a regular file"):
         read_arrays(tmp_path / "pipe", ["a"], "checkpoint", "Name one.")
+
+
+def test_files_without_end_and_lists_within_lists_are_refused(tmp_path):
+    with pytest.raises(DatasetError, match="not a regular file"):
+        next(read_json_lines(Path("/dev/zero"), "episode", dict))
+    (tmp_path / "a.jsonl").write_text("1\n" + "[" * 100_000 + "\n")
+    lines = read_json_lines(tmp_path / "a.jsonl", "episode", lambda line: line)
+    assert next(lines) == 1
+    with pytest.raises(DatasetError, match=r"no episode: .*line 2"):
+        next(lines)
 
 
 def test_arrays_that_unpack_to_too_much_are_refused(tmp_path, monkeypatch):

@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
+from full_disk import full_disk
 from processes import processes_of, wait_for
 from tiny_dataset import edit_house, write_tiny_dataset
 
@@ -173,6 +174,26 @@ def test_a_run_that_was_killed_in_its_first_line_goes_on(tmp_path):
             with journal(path, append=True) as note:
                 note(Outcome("b" * 32, "cached", 1.0))
             assert earlier_lines(path)[-1]["id"] == "b" * 32
+
+
+def test_two_runs_into_one_report_keep_each_others_lines(tmp_path):
+    path = tmp_path / "report.jsonl"
+    with journal(path, append=True) as one, journal(path, append=True) as other:
+        for number in range(50):
+            one(Outcome(f"{2 * number:032x}", "compiled", 1.0))
+            other(Outcome(f"{2 * number + 1:032x}", "compiled", 1.0))
+    assert [line["id"] for line in earlier_lines(path)] == [f"{number:032x}" for number in range(100)]
+
+
+def test_a_full_disk_is_said_with_the_file_that_it_lacks(houses):
+    root, ids = houses
+    with full_disk(3000):
+        summary = compile_dataset(root, ids[:1])
+    line = read_report(summary.report)[-1]
+    assert (summary.failed, line["error"]["type"]) == (1, "ConfigError")
+    assert line["error"]["file"].endswith(".zip")
+    assert line["error"]["hint"].startswith("Free some space")
+    assert compile_dataset(root, ids[:1], resume=True).failed == 0
 
 
 @pytest.mark.parametrize("content", [b"my notes\n", b'{"a": 1}\n', b"\xff\xfe\x00", b"[1]\n"])
