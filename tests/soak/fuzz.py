@@ -34,7 +34,8 @@ from readers import TARGETS  # noqa: E402
 
 KEPT = Path(__file__).with_name("kept")
 SLOW = 10.0  # [s], for one input
-STUCK = 30.0  # [s], after which the process is killed
+PATIENCE = 3  # times as long where the machine is busy: a reader that waits for ever uses no processor either
+STUCK = 60.0  # [s], after which the process is killed
 MOST = 1 << 20  # [KiB] that memory may grow by
 SPARE = 4 << 30  # [bytes] of addresses beyond those in use
 MEMORY = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
@@ -167,7 +168,8 @@ class Hunt:
     def attempt(self, data: bytes, read: Any, base: int) -> tuple[bool, str]:
         """Whether an input was read, and what was wrong in that."""
         is_read, trouble = False, ""
-        signal.setitimer(signal.ITIMER_REAL, SLOW)
+        _Clock.begun, _Clock.rings = time.process_time(), 0
+        signal.setitimer(signal.ITIMER_REAL, SLOW, SLOW)
         try:
             read(data)
             is_read = True
@@ -251,8 +253,16 @@ def peak() -> int:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
+class _Clock:
+    """Of the input that is being read."""
+
+    begun, rings = 0.0, 0
+
+
 def _too_slow(*_: object) -> None:
-    raise Slow
+    _Clock.rings += 1
+    if _Clock.rings >= PATIENCE or time.process_time() - _Clock.begun > SLOW / 2:
+        raise Slow
 
 
 if __name__ == "__main__":
