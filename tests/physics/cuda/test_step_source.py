@@ -10,12 +10,18 @@ import numpy as np
 import pytest
 from c_oracle import Boxes, Oracle
 from heaps import AGENTS, BODIES, DOORS, RAMPS, heap
+from odd_numbers import garbled
+from sanitized import Program
 
+from home_mjx.physics.cuda import launch
 from home_mjx.physics.cuda.launch import CONTACT_WORDS, PAIRS_PER_MOBILE, SMALL_ISLAND, SOURCES
 from home_mjx.physics.native.data import limits
 from home_mjx.physics.native.data.numbers import Numbers, reference_surfaces
+from home_mjx.physics.native.data.operands import HELD
 
 WHOLE = 3, 13, 18, 22  # operands of whole numbers
+CHECKED = 11, 12  # agents and options
+CALLS = 60  # with garbage
 SHIM = Path(__file__).parents[2] / "helpers" / "physics_shim.h"
 MAIN = """
 extern "C" void run(void** p) {
@@ -56,6 +62,14 @@ def in_single(oracle: Oracle) -> None:
 
 
 def step(library, oracle: Oracle, qpos, qvel, action, substeps: int, scale=(1.0, 1.0)):
+    inputs, outputs = operands(oracle, qpos, qvel, action, substeps, scale)
+    pointers = [x.ctypes.data for x in inputs + outputs]
+    library.run((ctypes.c_void_p * len(pointers))(*pointers))
+    return outputs
+
+
+def operands(oracle: Oracle, qpos, qvel, action, substeps: int, scale=(1.0, 1.0)):
+    """What the kernel reads, and where it writes."""
     agents, bodies, static = oracle.agents, len(oracle.mass), len(oracle.static.pos)
     numbers, doors = oracle.numbers._replace(substeps=float(substeps)), oracle.door_rows
     valid, house = np.ones(bodies), np.zeros(1)
@@ -68,10 +82,26 @@ def step(library, oracle: Oracle, qpos, qvel, action, substeps: int, scale=(1.0,
     mobiles = agents + bodies + len(doors)
     outputs = [np.zeros(len(x), np.float32) for x in (qpos, qvel, qvel)]
     outputs += [np.zeros(agents, np.int32), np.zeros(2, np.int32), np.zeros((mobiles, 4), np.float32)]
-    outputs += [np.zeros(mobiles, np.int32), np.zeros(4_000_000, np.uint8)]
-    pointers = [x.ctypes.data for x in inputs + outputs]
-    library.run((ctypes.c_void_p * len(pointers))(*pointers))
-    return outputs
+    words = (limits.NEAR + 12 + PAIRS_PER_MOBILE + CONTACT_WORDS * limits.POINTS_PER_MOBILE) * mobiles
+    words += launch._newton_words(mobiles)
+    return inputs, [*outputs, np.zeros(mobiles, np.int32), np.zeros(words)]  # here its numbers have 64 bits
+
+
+def test_garbage_in_every_array_stays_within_the_arrays(library, tmp_path):
+    """But in the numbers of the options, which are checked, and in what is held, which is clipped; see `fused.py`."""
+    source = Path(library._name).with_name("main.cpp").read_text()
+    program, rng = Program(tmp_path, source, "run(p)"), np.random.default_rng(17)
+    for number in range(CALLS):
+        oracle, *state = heap(rng)
+        in_single(oracle)
+        oracle.drive(rng)
+        oracle.ramps = RAMPS.astype(np.float32).astype(float)
+        inputs, outputs = operands(oracle, *state, 3)
+        kept = {i: inputs[i] for i in (*CHECKED, len(inputs) - 1)}
+        inputs = [np.asarray(x) for x in garbled(f"step:{number}", tuple(inputs))[0]]
+        inputs[HELD] = np.clip(inputs[HELD], -1, len(oracle.mass) - 1)
+        program.add([kept.get(i, x) for i, x in enumerate(inputs)] + outputs)
+    program.run()
 
 
 @pytest.mark.parametrize("substeps", [1, 5])

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import trimesh
 from odd_numbers import garbled
+from sanitized import Program
 from soup import Placed, Soup, f32, i32, in_jit, random_pose, random_rays, random_soup
 
 from home_mjx.bank.records.gpu_geometry import gpu_geometry
@@ -24,6 +25,7 @@ from home_mjx.raycast_render.scene.types import Rays
 from home_mjx.scene_compile.geometry import bvh
 
 N = 1500
+CALLS = 300  # with garbage
 TYPES = (np.float32, np.int32, np.int32, np.float32, np.float32, np.bool_)
 
 
@@ -80,36 +82,10 @@ def run(library, scene, origin, direction, t_min=0.0, t_max=np.inf, exclude=-1, 
     return outputs[1][0] >= 0 if any_hit else [x[0] for x in outputs]
 
 
-MAIN = """
-#include <cstdio>
-#include <cstdlib>
-int main() {
-  int head[3];
-  while (fread(head, 4, 3, stdin) == 3) {
-    void* p[21];
-    for (int i = 0; i < 15; ++i) {
-      long long size;
-      if (fread(&size, 8, 1, stdin) != 1) return 3;
-      p[i] = malloc(size);
-      if (fread(p[i], 1, size, stdin) != size_t(size)) return 3;
-    }
-    for (int i = 15; i < 21; ++i) p[i] = malloc(4ll * head[0] * head[1]);
-    run(p, head[0], head[1], head[2]);
-    for (void* x : p) free(x);
-  }
-  return 0;
-}
-"""
-
-
 def test_garbage_in_every_array_stays_within_the_arrays(library, tmp_path):
-    """As a program under AddressSanitizer, with each array in an allocation of its own; see tests/soak/garbage.py."""
-    main, program = Path(library._name).with_name("main.cpp"), tmp_path / "cast"
-    (tmp_path / "main.cpp").write_text(main.read_text() + MAIN)
-    options = ["-std=c++17", "-O1", "-w", "-fsanitize=address"]
-    made = subprocess.run([shutil.which("c++") or "g++", *options, "-o", program, tmp_path / "main.cpp"], check=False)
-    if made.returncode:
-        pytest.skip("the compiler has no AddressSanitizer")
+    """A bank and six scenes in each call; see tests/soak/garbage.py."""
+    source = Path(library._name).with_name("main.cpp").read_text()
+    program = Program(tmp_path, source, "run(p, 16, a, b)")
     rng = np.random.default_rng(11)
     scene = random_soup(rng).scene()
     origin, direction = (f32(x.reshape(6, 16, 3)) for x in random_rays(rng, 96))
@@ -117,16 +93,13 @@ def test_garbage_in_every_array_stays_within_the_arrays(library, tmp_path):
     values |= {"exclude": i32(np.full((6, 16), -1)), "mask": i32(np.full((6, 16), 7))}
     geometry = scene.geometry.replace(gpu=gpu_geometry(scene.geometry))
     own = jax.tree.map(lambda x: jnp.stack([x] * 6), (scene.house, scene.moving))
-    given = (geometry, *own, Rays(origin, direction, **values))
-    with (tmp_path / "calls").open("wb") as file:
-        for number in range(300):
-            inputs = jax.device_get(jax.jit(cuda.operands)(*(garbled(f"cuda:{number}", *given) if number else given)))
-            file.write(np.array([16, 6, number % 2], np.int32).tobytes())
-            for x in inputs:
-                file.write(np.int64(x.nbytes).tobytes() + np.ascontiguousarray(x).tobytes())
-    with (tmp_path / "calls").open("rb") as file:
-        done = subprocess.run([program], stdin=file, capture_output=True, text=True, timeout=120, check=False)
-    assert done.returncode == 0, done.stderr[:3000]
+    given, results = (geometry, *own, Rays(origin, direction, **values)), [np.zeros((6, 16), kind) for kind in TYPES]
+    read = jax.jit(cuda.operands)
+    for number in range(CALLS):
+        inputs = jax.device_get(read(*(garbled(f"cuda:{number}", *given) if number else given)))
+        any_hit = number % 2
+        program.add([*inputs, *(results[1:2] if any_hit else results)], 6, any_hit)
+    program.run()
 
 
 def assert_same(library, scene, origin, direction, **options):
