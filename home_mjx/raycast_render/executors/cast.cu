@@ -135,9 +135,9 @@ INLINE int descend(const Operands& world, int node, const Slopes& s, float t_min
   float4 p = __ldg(at), q = __ldg(at + 1), r = __ldg(at + 2);
   int2 child = __ldg(reinterpret_cast<const int2*>(at + 3));
   float t0, t1;
-  // As unsigned numbers leaves lie behind all nodes.
-  bool meets0 = unsigned(child.x) > unsigned(node) && meets(s, p.x, p.y, p.z, p.w, q.x, q.y, t_min, limit, t0);
-  bool meets1 = unsigned(child.y) > unsigned(node) && meets(s, q.z, q.w, r.x, r.y, r.z, r.w, t_min, limit, t1);
+  // As unsigned numbers leaves lie behind all nodes, and with one added the empty leaf before them.
+  bool meets0 = unsigned(child.x + 1) > unsigned(node + 1) && meets(s, p.x, p.y, p.z, p.w, q.x, q.y, t_min, limit, t0);
+  bool meets1 = unsigned(child.y + 1) > unsigned(node + 1) && meets(s, q.z, q.w, r.x, r.y, r.z, r.w, t_min, limit, t1);
   if (meets0 && meets1) {
     bool swap = t1 < t0;
     push(top, end, swap ? child.x : child.y, swap ? t0 : t1);
@@ -257,7 +257,8 @@ INLINE void traverse(const Operands& world, const Ray& ray, int code, const floa
         pending &= pending - 1;
       }
       int4 record = __ldg(reinterpret_cast<const int4*>(next + 3));
-      if (ray.exclude >= 0 && record.z == ray.exclude) {
+      bool is_none = record.x == EMPTY || record.y < 0;  // the stack has one bottom for each instance that is entered
+      if (is_none || (ray.exclude >= 0 && record.z == ray.exclude)) {
         code = pop(top, best.t);
       } else {
         push_bottom(top);
