@@ -11,6 +11,7 @@ Example:
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 
 from home_mjx.errors import ConfigError
 
@@ -39,7 +40,7 @@ def to_torch(tree: Any) -> Any:
 
 
 def _to_torch(array: Any) -> Any:
-    if jax.dtypes.issubdtype(getattr(array, "dtype", None), jax.dtypes.prng_key):
+    if isinstance(array, jax.Array) and jnp.issubdtype(array.dtype, jax.dtypes.prng_key):
         hint = "Take their numbers, `jax.random.key_data(keys)`; `jax.random.wrap_key_data` makes keys of them again."
         raise ConfigError(f"expected an array of numbers, got typed keys of random numbers: {array.aval}", hint=hint)
     return torch.from_dlpack(array)
