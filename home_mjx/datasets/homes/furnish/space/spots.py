@@ -52,8 +52,9 @@ def place(
 ) -> PlacedFurniture | None:
     """Places a thing where it is, with its companions and a free zone in front of it."""
     zones = [zone_before(item, front)] if front else []
-    if meet(hull(item), room.solid.boxes) or meet(np.array(zones).reshape(-1, 2, 3), room.solid.boxes):
-        return None
+    if companions is not alone:  # which cost more than a look at what is there
+        if meet(np.concatenate([hull(item), *(zone[None] for zone in zones)]), room.solid.boxes):
+            return None
     return item if room.put([item, *companions(item)], zones, views) else None
 
 

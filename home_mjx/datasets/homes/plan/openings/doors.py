@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from home_mjx.datasets.homes.plan.needs.wants import LINKS, OUTDOORS, TO_PRIVATE
+from home_mjx.datasets.homes.plan.openings.passage import is_passable
 from home_mjx.datasets.homes.plan.openings.sites import inner_sites, outer_sites
 from home_mjx.datasets.homes.plan.shape.cut_rooms import beside_cut
 from home_mjx.datasets.homes.plan.shape.storeys import Storey
@@ -86,7 +87,11 @@ class DoorPlan:
     def _free(self, door: Opening) -> bool:
         boxes = stack([other.placed.box for other in self.doors])
         passages = stack([other.passage for other in self.doors])
-        return not overlaps(door.placed.box, passages).any() and not overlaps(door.passage, boxes).any()
+        if overlaps(door.placed.box, passages).any() or overlaps(door.passage, boxes).any():
+            return False
+        inside = door.rooms[0]
+        others = [other for other in self.doors if inside in other.rooms]
+        return is_passable(self.rooms[inside], [*others, door])
 
 
 def _positions(rng: np.random.Generator, span: tuple[float, float], width: float) -> Iterator[float]:

@@ -12,7 +12,7 @@ from home_mjx.datasets.homes.plan.shape.shell import (
     cell_of,
     closed,
     deal,
-    lay_row,
+    lay_rows,
 )
 
 SHALLOW, DEEP = (2.9, 3.6), (4.8, 5.8)  # [m], of rows
@@ -44,4 +44,5 @@ def draw_parted(rng: np.random.Generator, types: Sequence[str], stairs: bool) ->
         for low, high, depth, part in zip(ends, ends[1:], depths, parts, strict=False)
     ]
     rows.append((Row(0, -1, 0.0, 0.0, snap(ends[-1]), behind), back))
-    return closed(rng, [lay_row(row, cells) for row, cells in rows], across, snap(ends[-1]), None)
+    laid = lay_rows(rows)
+    return None if laid is None else closed(rng, laid, across, snap(ends[-1]), None)
