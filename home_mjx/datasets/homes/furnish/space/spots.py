@@ -52,10 +52,16 @@ def place(
 ) -> PlacedFurniture | None:
     """Places a thing where it is, with its companions and a free zone in front of it."""
     zones = [zone_before(item, front)] if front else []
-    if companions is not alone:  # which cost more than a look at what is there
-        if meet(np.concatenate([hull(item), *(zone[None] for zone in zones)]), room.solid.boxes):
+    if companions is alone:
+        return item if room.put([item], zones, views) else None
+    if meet(np.concatenate([hull(item), *(zone[None] for zone in zones)]), room.solid.boxes):
+        return None
+    group = [item]
+    for one in companions(item):  # one by one: making them takes longer than seeing that the first is in the way
+        if meet(hull(one), room.solid.boxes) or meet(hull(one), room.clear.boxes):
             return None
-    return item if room.put([item, *companions(item)], zones, views) else None
+        group.append(one)
+    return item if room.put(group, zones, views) else None
 
 
 def first(
@@ -86,6 +92,8 @@ def _unblocked(room: Room, spots: Sequence[Spot], turned: Mapping[int, Boxes]) -
         quarter: boxes[np.argsort(-np.ptp(boxes, axis=1).prod(axis=1))[:CORE]] for quarter, boxes in turned.items()
     }
     boxes = np.stack([cores[spot[3]] for spot in spots]) + np.array([spot[:3] for spot in spots])[:, None, None]
+    low, high = boxes[..., 0, :].min(axis=(0, 1)), boxes[..., 1, :].max(axis=(0, 1))
+    taken = taken[((taken[:, 0] < high) & (taken[:, 1] > low)).all(axis=1)]  # near any of the spots
     busy = np.ones((*boxes.shape[:2], len(taken)), bool)
     for axis in range(3):
         busy &= boxes[..., None, 0, axis] + TOLERANCE < taken[:, 1, axis]
