@@ -27,7 +27,6 @@ SEEDS = (0, 1, 2, 6, 7, 11)
 CLIMBED = 11  # a seed whose home has two storeys
 STACKED = 6  # one of three, the stairs above one another
 TWIN = 0.85  # of a room map
-RAILS = {f"gen_railing_{k}" for k in range(1, 11)}  # meet in corners
 COMMON = {
     *("armchair", "bookshelf", "chair", "coffee_table", "curtain", "clock", "cup", "desk", "dining_table", "door"),
     *("double_bed", "dresser", "heater", "hanging_kitchen_cabinet", "kitchen_cabinet", "mirror", "picture_frame"),
@@ -250,7 +249,7 @@ def test_things_stand_or_hang_and_are_in_nothing_else(homes):
         for number in range(len(home.house.levels)):
             found = things(home, number)
             assert floating(home, number, found) == [], seed
-            assert [pair for pair in overlaps(found) if not RAILS.issuperset(pair[:2])] == [], seed
+            assert overlaps(found) == [], seed
 
 
 @pytest.mark.slow
