@@ -103,7 +103,8 @@ def write_used(root: Path, home: House) -> None:
         if not _is_whole(folder, _stamp(folder)):
             model = _others().get(name) or thing(name)
             write_model(root, library_model(model, CLASSES), digests=True)
-    _write_textures(root, {m.texture.stem for materials in _materials(home) for m in materials if m.texture is not None})
+    every = (material for materials in _materials(home) for material in materials)
+    _write_textures(root, {material.texture.stem for material in every if material.texture is not None})
 
 
 def _materials(home: House) -> Iterator[tuple[Material, ...]]:

@@ -10,8 +10,12 @@ from home_mjx.datasets.generators.names import ProceduralHouses
 from home_mjx.datasets.homes.plan.home import HomePlan, draw_home
 from home_mjx.datasets.homes.plan.needs.program import MOST, Program, draw_program, ground_rooms
 from home_mjx.datasets.homes.plan.needs.wants import LINKS, OUTDOORS, WANTS
+from home_mjx.datasets.homes.plan.openings.passage import is_passable
 from home_mjx.datasets.homes.plan.shape.parted import draw_parted
 from home_mjx.datasets.homes.plan.shape.storeys import is_simple
+from home_mjx.datasets.homes.things import model_of
+from home_mjx.datasets.procedural.floor_plan.openings import DOOR_Y, Opening
+from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture, quarter_towards
 from home_mjx.datasets.procedural.floor_plan.rooms import Rect, RoomPlan
 from home_mjx.datasets.seeds import house_id
 from home_mjx.errors import ConfigError
@@ -131,6 +135,28 @@ def test_stairs_open_to_the_hall_along_all_of_their_front():
 
 def common(a: Rect, b: Rect) -> float:
     return max(0.0, min(a.x1, b.x1) - max(a.x0, b.x0)) * max(0.0, min(a.z1, b.z1) - max(a.z0, b.z0))
+
+
+def test_open_leaves_may_block_a_room():
+    """In a room hardly wider than its door nobody gets past the open leaf; in another it depends on where that is."""
+    model, size = model_of("door", 1), 3.0
+    narrow = RoomPlan("Bedroom", (Rect(0.0, 0.0, float(model.size[0]) + 0.24, size),))
+    wide = RoomPlan("Bedroom", (Rect(0.0, 0.0, size, size),))
+
+    def passable(room: RoomPlan, x: float) -> bool:
+        placed = PlacedFurniture(model, (x, DOOR_Y, 0.0), quarter_towards(0, -1))
+        return is_passable(room, [Opening(placed, (0, 1))])
+
+    assert not passable(narrow, narrow.rects[0].x1 / 2)
+    assert any(passable(wide, x) for x in np.linspace(1.0, 2.0, 21).tolist())
+
+
+def test_doors_leave_a_way_through_every_room():
+    for plan in plans():
+        for number, level in enumerate(plan.levels):
+            for index in range(len(level.rooms)):
+                stairs = plan.stairwell(number) if index == 0 else None
+                assert is_passable(level.rooms[index], level.openings_of(index), stairs)
 
 
 def test_the_same_generator_gives_the_same_plan():

@@ -83,9 +83,7 @@ def _past_the_hall(rooms: Sequence[RoomPlan], entrance: Opening) -> bool:
     return rooms[0].type != "Living_Room" and rooms[entrance.rooms[0]].type == "Living_Room"
 
 
-def _opened(
-    rng: np.random.Generator, storeys: Sequence[Storey], models: Models, into_hall: bool
-) -> HomePlan | None:
+def _opened(rng: np.random.Generator, storeys: Sequence[Storey], models: Models, into_hall: bool) -> HomePlan | None:
     """Doors, open rooms and windows of all storeys; None if a room, or the hall, cannot be reached as it should be."""
     height = float(rng.choice(HEIGHTS, p=ODDS) if len(storeys) == 1 else rng.choice(PITCHES))
     found, levels = [], []

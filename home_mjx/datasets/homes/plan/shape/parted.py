@@ -24,7 +24,7 @@ def draw_parted(rng: np.random.Generator, types: Sequence[str], stairs: bool) ->
     across = snap(rng.uniform(1.3, 1.7) if not stairs else rng.uniform(1.4, 2.0))
     deep, shallow = snap(rng.uniform(*DEEP)), snap(rng.uniform(*SHALLOW))
     depths = (deep, shallow, deep) if rng.random() < U_SHAPED else (shallow, deep, shallow)
-    behind = snap(rng.uniform(3.0, 3.4) if stairs else rng.uniform(2.6, 4.2))
+    behind = snap(rng.uniform(3.0, 3.8) if stairs else rng.uniform(2.6, 4.2))
     halves = deal(rng, [cell_of(rng, kind) for kind in types], (sum(depths) / 3, behind))
     if halves is None or len(halves[0]) < 3 or not halves[1]:
         return None

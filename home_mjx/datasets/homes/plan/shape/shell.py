@@ -80,7 +80,7 @@ def deal(rng: np.random.Generator, cells: Sequence[Cell], depths: Sequence[float
 def draw_straight(rng: np.random.Generator, types: Sequence[str], stairs: bool) -> Draft | None:
     """One attempt at a ground floor with one hall; None if it fails."""
     across = snap(rng.uniform(1.3, 1.7) if not stairs else rng.uniform(1.4, 2.0))
-    depths = [snap(rng.uniform(3.4, 4.8)), snap(rng.uniform(3.0, 3.4) if stairs else rng.uniform(2.5, 4.2))]
+    depths = [snap(rng.uniform(3.4, 4.8)), snap(rng.uniform(3.0, 3.8) if stairs else rng.uniform(2.5, 4.2))]
     cells, block = _take_block(rng, [cell_of(rng, kind) for kind in types], across, depths)
     rows = deal(rng, cells, depths)
     if rows is None or not all(rows):
@@ -92,9 +92,7 @@ def draw_straight(rng: np.random.Generator, types: Sequence[str], stairs: bool) 
         rows[i].insert(int(rng.integers(min(2, len(rows[i])) + 1)), Cell(FOYER, rng.uniform(1.6, 2.2) * depths[i]))
     length = _lengths(rows, depths)
     bases, signs = (across, 0.0), (1, -1)
-    lines = [
-        Row(0, signs[i], bases[i], 0.0, length[i], depths[i], _step(rng, length[i], depths[i])) for i in range(2)
-    ]
+    lines = [Row(0, signs[i], bases[i], 0.0, length[i], depths[i], _step(rng, length[i], depths[i])) for i in range(2)]
     laid = lay_rows(zip(lines, rows, strict=True))
     return None if laid is None else closed(rng, laid, across, max(length), block)
 

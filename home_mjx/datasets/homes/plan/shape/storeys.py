@@ -204,7 +204,7 @@ def is_simple(room: RoomPlan) -> bool:
     """Whether the outline of a room is one loop around all of it, without tiny walls."""
     x, z = room.polygon.T
     area = abs((x * np.roll(z, -1) - np.roll(x, -1) * z).sum()) / 2
-    if len(set(zip(x.tolist(), z.tolist(), strict=True))) < len(x):  # a loop around one of several parts, again and again
+    if len({(a, b) for a, b in room.polygon.tolist()}) < len(x):  # a loop around one of several parts, again and again
         return False
     return bool(abs(area - room.area) < 1e-3 and min(wall.length for wall in room.walls) > TINY)
 

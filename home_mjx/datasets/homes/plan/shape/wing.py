@@ -23,7 +23,7 @@ from home_mjx.datasets.procedural.floor_plan.rooms import Rect
 def draw_winged(rng: np.random.Generator, types: Sequence[str], stairs: bool) -> Draft | None:
     """One attempt at a ground floor in the shape of an L or a T; None if it fails."""
     across, aside = (snap(rng.uniform(1.3, 1.7)) for _ in range(2))
-    depths = [snap(rng.uniform(3.4, 4.6)), snap(rng.uniform(3.0, 3.4) if stairs else rng.uniform(2.6, 4.4))]
+    depths = [snap(rng.uniform(3.4, 4.6)), snap(rng.uniform(3.0, 3.8) if stairs else rng.uniform(2.6, 4.4))]
     wings = [snap(rng.uniform(3.0, 4.4)) for _ in range(2)]
     cells = sorted((cell_of(rng, kind) for kind in types), key=lambda c: WANTS[c.type].zone + rng.uniform(-0.15, 0.15))
     cut = round(len(cells) * rng.uniform(0.5, 0.7))
