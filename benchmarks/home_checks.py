@@ -19,10 +19,10 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "helpers"))
 from standing_things import floating, overlaps, things
 from walked_homes import LINKS, Home, Walker, reachable, room_map
 
-from home_mjx.datasets import open_dataset, validate_house
-from home_mjx.datasets.homes.dataset import write_home
+from home_mjx.datasets import validate_house
 from home_mjx.datasets.seeds import house_id
 from home_mjx.datasets.shapes.polygon_slab import signed_area
+from home_mjx.datasets.suncg.dataset import Dataset
 from home_mjx.scene_compile import compile_house
 from home_mjx.scene_compile.architecture.rooms import extract_rooms
 from home_mjx.scene_compile.mjcf.export import to_mjcf
@@ -36,11 +36,11 @@ TORQUE, PUSHED = 4.0, 4.0  # [N m] at doors, and for how long each way [s]
 Record = dict[str, Any]
 
 
-def check_home(root: Path, seed: int, thorough: bool) -> Record:
-    """Writes a home, reads it back, and looks at it.
+def check_home(dataset: Dataset, seed: int, thorough: bool) -> Record:
+    """Reads a home from its files, and looks at it.
 
     Args:
-        root: A dataset of homes, whose tables are there.
+        dataset: Holds the home.
         seed: Of the home.
         thorough: Also walk it with two radii, compile it, push its doors and let it stand for ten seconds.
     """
@@ -52,12 +52,9 @@ def check_home(root: Path, seed: int, thorough: bool) -> Record:
         start = time.perf_counter()
 
     name = house_id(seed)
-    write_home(root, seed)
-    lap("write")
-    dataset = open_dataset(root)
     home = Home(dataset.load_house(name), dataset.metadata)
     lap("read")
-    found: Record = {"seed": seed, "sha256": digest(root, name)}
+    found: Record = {"seed": seed, "sha256": digest(dataset.root, name)}
     found["findings"] = [str(finding) for finding in validate_house(dataset, name)]
     lap("validate")
     found |= doors(home) | standing(home)

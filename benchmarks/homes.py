@@ -20,9 +20,11 @@ import numpy as np
 from home_checks import Record, check_home, digest, unpacked
 from tqdm import tqdm
 
-from home_mjx.datasets import generate_dataset
+from home_mjx.datasets import generate_dataset, open_dataset
+from home_mjx.datasets.homes.dataset import write_home
 from home_mjx.datasets.procedural import dataset as machinery
 from home_mjx.datasets.seeds import house_id
+from home_mjx.datasets.suncg.dataset import Dataset
 
 # Of SUNCG's 329,195 rooms with a label other than `Room`, in per cent.
 SUNCG = {
@@ -70,6 +72,7 @@ ASKED = {
     "Balcony": "fence 123 chair 90 outdoor_lamp 64 wall_lamp 44",
 }
 LEVELS, ROOMS_A_FLOOR, OBJECTS_A_ROOM = 1.28, 8.1, 14.1
+BATCH = 25  # homes that are written before they are looked at
 ALIKE = 0.85  # the part of their room maps that homes have in common which are called alike
 
 
@@ -120,16 +123,33 @@ def look(records: Path, root: Path, seeds: Sequence[int], every: int, seconds: f
     root.parent.mkdir(parents=True, exist_ok=True)
     known = {r["seed"]: r for r in map(json.loads, records.read_text().splitlines())} if records.exists() else {}
     generate_dataset(root, seeds[:1], version=2)  # the tables
-    with records.open("a") as file:
-        for number, seed in enumerate(tqdm(seeds, desc="homes")):
-            thorough = number % every == 0
-            if time.monotonic() - start > seconds:
-                break
-            if seed not in known or (thorough and "drift" not in known[seed]):
-                known[seed] = check_home(root, seed, thorough)
+    dataset = open_dataset(root)
+    with records.open("a") as file, tqdm(total=len(seeds), desc="homes") as bar:
+        for first in range(0, len(seeds), BATCH):
+            batch = seeds[first : first + BATCH]
+            lacking = [s for s in batch if s not in known or (s % every == 0 and "drift" not in known[s])]
+            if lacking and time.monotonic() - start < seconds:
+                dataset = written(root, lacking, dataset)
+            for seed in lacking:
+                if time.monotonic() - start > seconds:
+                    return [known[seed] for seed in seeds if seed in known]
+                known[seed] = check_home(dataset, seed, seed % every == 0)
                 file.write(json.dumps(known[seed]) + "\n")
                 file.flush()
+                bar.update()
+            bar.update(len(batch) - len(lacking))
     return [known[seed] for seed in seeds if seed in known]
+
+
+def written(root: Path, seeds: Sequence[int], before: Dataset) -> Dataset:
+    """The dataset with some more homes, and with the models that were read before."""
+    start = time.monotonic()
+    for seed in seeds:
+        write_home(root, seed)
+    sys.stderr.write(f"{len(seeds)} homes written in {time.monotonic() - start:.1f} s\n")
+    dataset = open_dataset(root)
+    dataset.assets = before.assets
+    return dataset
 
 
 def report(found: list[Record]) -> None:
@@ -204,13 +224,15 @@ def main() -> None:
     parser.add_argument("--homes", type=int, default=1000)
     parser.add_argument("--first", type=int, default=0, help="first seed")
     parser.add_argument("--root", type=Path, default=Path("homes"))
-    parser.add_argument("--every", type=int, default=20, help="walk, compile and simulate each so-many-th home")
+    parser.add_argument(
+        "--every", type=int, default=20, help="walk, compile and simulate the homes of seeds that this divides"
+    )
     parser.add_argument("--seconds", type=float, default=float("inf"), help="stop after so long, before the tables")
     parser.add_argument("--workers", type=int, default=0, help="compare with as many processes instead")
     args = parser.parse_args()
     records, seeds = args.root.with_suffix(".jsonl"), range(args.first, args.first + args.homes)
     if args.workers:
-        found = look(records, args.root, seeds, args.homes, 0.0)
+        found = look(records, args.root, seeds, args.every, 0.0)
         compare(args.root.with_name(f"{args.root.name}-{args.workers}"), found, args.workers)
         return
     found = look(records, args.root, seeds, args.every, args.seconds)
