@@ -9,6 +9,7 @@ from home_mjx.datasets.homes.shapes.swept import prism, ring, rod, tube
 from home_mjx.datasets.homes.shapes.turned import turned
 from home_mjx.datasets.homes.things.family import Family, design
 from home_mjx.datasets.homes.things.storage.cases import garment
+from home_mjx.datasets.homes.things.storage.coat_racks import branches, panel, peg_rail, ringed, scissors, valet
 from home_mjx.datasets.procedural.primitives.solids import Solid
 
 
@@ -98,12 +99,10 @@ def hook_board(width: float = 0.8, shelf: bool = False) -> Iterator[Solid]:
 
 
 HANGERS = (
-    design(coat_tree),
-    design(coat_tripod),
-    design(clothes_rail),
-    design(hook_board),
-    design(hook_board, shelf=True, width=1.0),
-)
+    design(coat_tree), design(coat_tripod), design(clothes_rail), design(hook_board),
+    design(hook_board, shelf=True, width=1.0), design(valet), design(branches), design(ringed), design(peg_rail),
+    design(scissors), design(panel),
+)  # fmt: skip
 
 
 FAMILIES = (Family("hanger", "hanger", HANGERS),)
