@@ -1,6 +1,7 @@
 """Halls, entrances and dressing rooms."""
 
 from home_mjx.datasets.homes.furnish.rooms.living import ON_CHEST, greenery
+from home_mjx.datasets.homes.furnish.space.corners import add_corner
 from home_mjx.datasets.homes.furnish.space.hung import above, hang_kind, pictures, windows
 from home_mjx.datasets.homes.furnish.space.on_top import on_top, some
 from home_mjx.datasets.homes.furnish.space.room import Room
@@ -25,6 +26,7 @@ def hallway(room: Room) -> None:
     for _ in range(1 + int(room.rng.integers(3))):
         _shoes(room)
     add(room, "umbrella_stand", 0.0, 0.25)
+    add_corner(room, "corner_shelf", 0.12)
     hang_kind(room, "tall_mirror", 0.45, 0.3)
     runner(room)
     for _ in range(2):
