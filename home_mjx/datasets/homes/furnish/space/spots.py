@@ -9,7 +9,7 @@ from home_mjx.datasets.homes.furnish.space.occupied import TOLERANCE, Boxes, hul
 from home_mjx.datasets.homes.furnish.space.room import Companions, Room, alone
 from home_mjx.datasets.homes.furnish.space.turned import askew
 from home_mjx.datasets.procedural.floor_plan.placed import FACING, Box, PlacedFurniture, quarter_towards
-from home_mjx.datasets.procedural.floor_plan.rooms import Wall
+from home_mjx.datasets.procedural.floor_plan.rooms import Rect, Wall
 from home_mjx.datasets.procedural.floor_plan.walls import FLOOR_TOP, HALF
 
 GAP = 0.01  # [m], between furniture and a wall
@@ -180,11 +180,23 @@ def freely(
     return first(room, item, [spots[i] for i in (order[:MOST] if around else order)], 0.0, companions)
 
 
+def somewhere(room: Room, inset: float) -> tuple[float, float, Rect]:
+    """A point at random in one of the rectangles of a room, and that; where it is narrow, on its middle line.
+
+    Args:
+        room: Where.
+        inset: Least distance to the rectangle's sides where it is wide enough [m].
+    """
+    rect = room.plan.rects[int(room.rng.integers(len(room.plan.rects)))]
+    half = np.array(rect.sides) / 2
+    x, z = room.rng.uniform(-1, 1, 2) * np.maximum(half - inset, 0.0) + np.array([rect.x0, rect.z0]) + half
+    return float(x), float(z), rect
+
+
 def scattered(room: Room, kind: str, tries: int = 6) -> PlacedFurniture | None:
     """Lets a small thing lie anywhere on the floor, turned at random."""
     for _ in range(tries):
-        rect = room.plan.rects[int(room.rng.integers(len(room.plan.rects)))]
-        x, z = room.rng.uniform([rect.x0 + 0.3, rect.z0 + 0.3], [rect.x1 - 0.3, rect.z1 - 0.3]).tolist()
+        x, z, _ = somewhere(room, 0.3)
         item = askew(room.object(kind).at(x, FLOOR_TOP, z), float(room.rng.uniform(-np.pi, np.pi)))
         if placed := place(room, item):
             return placed
