@@ -25,7 +25,7 @@ PATIENCE = 1500  # tries, after which another program is drawn where none was gi
 HEIGHTS, ODDS = (2.5, 2.6, 2.7, 2.8, 3.0), (0.15, 0.15, 0.45, 0.15, 0.1)  # [m], of walls of homes on one floor
 AGAIN = 0.9  # chance that an entrance has to lead into the hall where there is one, and not into the living room
 WAYS = 5  # of placing doors and windows in the same rooms that are tried
-SOLID, GLAZED = (1, 2, 4, 5, 7, 8, 9), (3, 6)  # numbers of the doors' models
+SOLID, GLAZED = (1, 2, 4, 5, 7, 8, 9, 10, 11, 12, 13), (3, 6)  # numbers of the doors' models
 PITCHES = (2.7, 2.8, 2.9)  # [m], from floor to floor
 
 
@@ -65,7 +65,8 @@ def draw_home(rng: np.random.Generator, program: Program | None = None) -> HomeP
     """
     wanted = draw_program(rng) if program is None else program
     solid, glazed = (model_of("door", choose(numbers, rng)) for numbers in (SOLID, GLAZED))
-    models = Models(solid, glazed, choose(structure_models()["garage_door"], rng))
+    entry, double = (model_of(kind, choose(range(1, 4), rng)) for kind in ("entry_door", "double_door"))
+    models = Models(solid, glazed, choose(structure_models()["garage_door"], rng), entry, double)
     for attempt in range(TRIES):
         storeys = draw_storeys(rng, wanted)
         if storeys is not None and is_liveable(storeys):
