@@ -25,7 +25,7 @@ PATIENCE = 1500  # tries, after which another program is drawn where none was gi
 HEIGHTS, ODDS = (2.5, 2.6, 2.7, 2.8, 3.0), (0.15, 0.15, 0.45, 0.15, 0.1)  # [m], of walls of homes on one floor
 AGAIN = 0.9  # chance that an entrance has to lead into the hall where there is one, and not into the living room
 WAYS = 5  # of placing doors and windows in the same rooms that are tried
-SOLID, GLAZED = (1, 2, 4, 5, 7, 8, 9, 10, 11, 12, 13), (3, 6)  # numbers of the doors' models
+SOLID, GLAZED = (1, 2, 4, 5, 7, 8, 9, 10, 11, 13), (3, 6, 12)  # numbers of the doors' models
 PITCHES = (2.7, 2.8, 2.9)  # [m], from floor to floor
 
 

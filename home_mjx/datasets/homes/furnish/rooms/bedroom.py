@@ -42,6 +42,8 @@ def bedroom(room: Room) -> None:
     television(room)
     if room.style.interests & {"children"} and room.chance(0.12):
         add(room, "baby_bed", 0.4)
+    if room.likes("sport", 0.2):
+        add(room, "small_gym", 0.2)
     rest(room)
 
 

@@ -27,6 +27,9 @@ def hallway(room: Room) -> None:
         _shoes(room)
     add(room, "umbrella_stand", 0.0, 0.25)
     add_corner(room, "corner_shelf", 0.12)
+    if room.likes("sport", 0.3):
+        add(room, "helmet")
+        add(room, "bicycle", 0.2, 0.3)
     hang_kind(room, "tall_mirror", 0.45, 0.3)
     runner(room)
     for _ in range(2):

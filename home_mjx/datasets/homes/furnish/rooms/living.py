@@ -91,6 +91,8 @@ def extras(room: Room) -> None:
     if room.likes("pets", 0.4):
         scattered(room, "pet")
     add(room, "fish_tank", 0.5, 0.12)
+    if room.likes("travel", 0.25):
+        add(room, str(room.rng.choice(["tripod", "magazine_rack"])))
     if room.likes("children", 0.5):
         for _ in range(1 + int(room.rng.integers(3))):
             scattered(room, "floor_toy")
@@ -107,7 +109,9 @@ def extras(room: Room) -> None:
     hang_kind(room, "wall_shelf", 1.4, 0.3)
     for _ in range(2):
         hang_kind(room, "wall_lamp", 1.65, 0.25)
-    pictures(room, 4)
+    if room.likes("art", 0.5):
+        hang_kind(room, "wall_ornament", 1.3)
+    pictures(room, 7 if "art" in room.style.interests else 4)
 
 
 def greenery(room: Room, probability: float, most: int) -> None:
@@ -249,6 +253,9 @@ def around(room: Room, sofa: PlacedFurniture, table: PlacedFurniture) -> None:
             some(room, placed, ON_SIDE, 2)
     if room.chance(0.6):
         above(room, sofa, room.object("picture"), 1.25)
+    for interest, kind in (("games", "chessboard"), ("travel", "magazine"), ("books", "books"), ("art", "figure")):
+        if room.likes(interest, 0.3):
+            on_top(room, table, kind)
     some(room, table, ON_TABLE, 1 + int(room.rng.integers(5)))
     if room.chance(0.25):
         scattered(room, "ottoman")
