@@ -1,24 +1,30 @@
-"""What homes of the second generator are like, beside SUNCG's: storeys, rooms, types, areas, twins.
+"""Homes of the second generator: whether they are as they have to be, and what they are like beside SUNCG's.
 
-    python benchmarks/homes.py [--homes 1000] [--first 0] [--root FOLDER]
+    python benchmarks/homes.py [--homes 1000] [--first 0] [--every 20] [--seconds 500] [--root FOLDER]
 
-Writes the homes where they are not there yet, reads them back and prints a table for docs/dataset.md.
+Writes one home after another, looks at each (`home_checks.py`) and keeps a line for it in `FOLDER.jsonl`. It may be
+stopped at any time, and goes on where it was. Prints what was found, and a table for docs/dataset.md.
+`--workers N` instead writes the same homes by N processes into `FOLDER-N` and compares digests.
 """
 
 import argparse
 import itertools
+import json
 import sys
+import time
 from collections import Counter, defaultdict
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from home_checks import Record, check_home, digest, unpacked
 from tqdm import tqdm
 
 from home_mjx.datasets import generate_dataset, open_dataset
-from home_mjx.datasets.shapes.polygon_slab import signed_area
-from home_mjx.scene_compile.architecture.rooms import extract_rooms
-from home_mjx.schema.categories import ROOM_TYPES
-from home_mjx.schema.compiled import Rooms
+from home_mjx.datasets.homes.dataset import write_home
+from home_mjx.datasets.procedural import dataset as machinery
+from home_mjx.datasets.seeds import house_id
+from home_mjx.datasets.suncg.dataset import Dataset
 
 # Of SUNCG's 329,195 rooms with a label other than `Room`, in per cent.
 SUNCG = {
@@ -66,26 +72,8 @@ ASKED = {
     "Balcony": "fence 123 chair 90 outdoor_lamp 64 wall_lamp 44",
 }
 LEVELS, ROOMS_A_FLOOR, OBJECTS_A_ROOM = 1.28, 8.1, 14.1
-CELL, TWIN = 0.25, 0.85  # [m], of room maps, and the part that twins have in common
-
-
-def room_map(rooms: Rooms) -> np.ndarray:
-    """Types of the rooms of the ground floor on a grid; 0 outside."""
-    here = np.flatnonzero(rooms.level == 0)
-    corners = np.concatenate([rooms.polygon[r] for r in here])
-    low, high = corners.min(0), corners.max(0)
-    axes = [np.arange(a + CELL / 2, b, CELL) for a, b in zip(low, high, strict=True)]
-    place, found = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1), None
-    found = np.zeros(place.shape[:2], int)
-    for r in here:
-        x, y = np.moveaxis(place, -1, 0)
-        inside = np.zeros(found.shape, bool)
-        polygon = rooms.polygon[r]
-        for (x0, y0), (x1, y1) in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
-            if y0 != y1:
-                inside ^= ((y0 > y) != (y1 > y)) & (x < (x1 - x0) * (y - y0) / (y1 - y0) + x0)
-        found[inside] = rooms.type[r] + 1
-    return found
+BATCH = 25  # homes that are written before they are looked at
+ALIKE = 0.85  # the part of their room maps that homes have in common which are called alike
 
 
 def likeness(one: np.ndarray, other: np.ndarray) -> float:
@@ -101,18 +89,20 @@ def likeness(one: np.ndarray, other: np.ndarray) -> float:
     return best
 
 
-def twins(maps: list[np.ndarray]) -> tuple[int, float]:
-    """Pairs that are more alike than `TWIN`, and how alike the two most alike are, if by more than half of that."""
-    counts = np.array([np.bincount(m.ravel(), minlength=len(ROOM_TYPES) + 1)[1:] for m in maps])
-    found, most = 0, 0.0
+def alike(maps: list[np.ndarray]) -> tuple[int, int, float]:
+    """Pairs of twins, whose maps are the same; pairs that are more alike than `ALIKE`; the most alike of all."""
+    most_types = max(int(m.max()) for m in maps)
+    counts = np.array([np.bincount(m.ravel(), minlength=most_types + 1)[1:] for m in maps])
+    found, most = [0, 0], 0.0
     for i in tqdm(range(len(maps)), desc="twins"):
         common = np.minimum(counts[i], counts[:i]).sum(1)
         total = np.maximum(counts[i].sum(), counts[:i].sum(1))
         for j in np.flatnonzero(common > 0.8 * total).tolist():
-            alike = likeness(maps[i], maps[j])
-            most = max(most, alike)
-            found += alike > TWIN
-    return found, most
+            part = likeness(maps[i], maps[j])
+            most = max(most, part)
+            found[0] += part == 1.0
+            found[1] += part > ALIKE
+    return found[0], found[1], most
 
 
 def covered(held: dict[str, set[str]]) -> tuple[float, list[str]]:
@@ -127,42 +117,83 @@ def covered(held: dict[str, set[str]]) -> tuple[float, list[str]]:
     return there / total, lacking
 
 
-def main() -> None:
-    """Prints the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--homes", type=int, default=1000)
-    parser.add_argument("--first", type=int, default=0, help="first seed")
-    parser.add_argument("--root", type=Path, default=Path("homes"))
-    args = parser.parse_args()
-    ids = generate_dataset(args.root, range(args.first, args.first + args.homes), progress=True, version=2)
-    dataset = open_dataset(args.root)
-    types, areas, storeys, floors, objects, fine, maps = Counter(), defaultdict(list), [], [], [], Counter(), []
+def look(records: Path, root: Path, seeds: Sequence[int], every: int, seconds: float) -> list[Record]:
+    """The records of the homes, those from before included, as far as one gets in the time."""
+    start = time.monotonic()
+    root.parent.mkdir(parents=True, exist_ok=True)
+    known = {r["seed"]: r for r in map(json.loads, records.read_text().splitlines())} if records.exists() else {}
+    generate_dataset(root, seeds[:1], version=2)  # the tables
+    dataset = open_dataset(root)
+    with records.open("a") as file, tqdm(total=len(seeds), desc="homes") as bar:
+        for first in range(0, len(seeds), BATCH):
+            batch = seeds[first : first + BATCH]
+            lacking = [s for s in batch if s not in known or (s % every == 0 and "drift" not in known[s])]
+            if lacking and time.monotonic() - start < seconds:
+                dataset = written(root, lacking, dataset)
+            for seed in lacking:
+                if time.monotonic() - start > seconds:
+                    return [known[seed] for seed in seeds if seed in known]
+                known[seed] = check_home(dataset, seed, seed % every == 0)
+                file.write(json.dumps(known[seed]) + "\n")
+                file.flush()
+                bar.update()
+            bar.update(len(batch) - len(lacking))
+    return [known[seed] for seed in seeds if seed in known]
+
+
+def written(root: Path, seeds: Sequence[int], before: Dataset) -> Dataset:
+    """The dataset with some more homes, and with the models that were read before."""
+    start = time.monotonic()
+    for seed in seeds:
+        write_home(root, seed)
+    sys.stderr.write(f"{len(seeds)} homes written in {time.monotonic() - start:.1f} s\n")
+    dataset = open_dataset(root)
+    dataset.assets = before.assets
+    return dataset
+
+
+def report(found: list[Record]) -> None:
+    """What is not as it has to be."""
+    out, deep = sys.stdout.write, [r for r in found if "drift" in r]
+    out(f"{len(found)} homes, {found[0]['seed']} to {found[-1]['seed']}; {len(deep)} walked, compiled and simulated\n")
+    for key in ("findings", "links", "shut", "floating", "overlaps"):
+        out(f"{key}: {sum(len(r[key]) for r in found)} {[(r['seed'], r[key]) for r in found if r[key]][:20]}\n")
+    out(f"homes without exactly one entrance: {sum(r['entrances'] != 1 for r in found)}\n")
+    out(f"rooms that are not reached: {[(r['seed'], r['unreached']) for r in deep if any(r['unreached'].values())]}\n")
+    rooms = sum(sum(r["floors"]) for r in deep)
+    out(f"  of {rooms} rooms, {sum(r['storeys'] > 1 for r in deep)} homes with stairs\n")
+    stuck = [(r["seed"], r["stuck"]) for r in deep if r["stuck"]]
+    out(f"hinges: {sum(r['hinges'] for r in deep)}, stuck: {stuck}\n")
+    drift = sorted(((r["drift"], r["seed"]) for r in deep), reverse=True)
+    out(f"free bodies: {sum(r['free'] for r in deep)}, most drift [m]: {drift[:5]}\n")
+    spent: Counter[str] = Counter()
+    for record in found:
+        spent.update(record["times"])
+    out(f"seconds: { {name: round(value, 1) for name, value in spent.items()} }\n")
+
+
+def table(found: list[Record]) -> None:
+    """Statistics, beside SUNCG's."""
+    types, areas, fine = Counter(), defaultdict(list), Counter()
     held, shapes = defaultdict(set), defaultdict(set)
-    for name in tqdm(ids, desc="read"):
-        house = dataset.load_house(name)
-        rooms = extract_rooms(house, np.zeros(3))
-        storeys.append(len(house.levels))
-        floors += [len(level.rooms) for level in house.levels]
-        for kind, polygon in zip(rooms.type.tolist(), rooms.polygon, strict=True):
-            types[ROOM_TYPES[kind]] += 1
-            areas[ROOM_TYPES[kind]].append(signed_area(polygon))
-        objects += [len(room.members) for level in house.levels for room in level.rooms]
-        for level in house.levels:
-            infos = {item.index: dataset.metadata.info(item.model_id) for item in level.objects}
-            for room in level.rooms:
-                inside = [infos[i] for i in room.members if i in infos]
-                held[room.types[0]] |= {name for info in inside for name in (info.fine, info.coarse)}
-                fine.update(info.fine for info in inside)
-                for info in inside:
-                    shapes[info.fine].add(info.model_id)
-        maps.append(room_map(rooms))
-    number, most = twins(maps)
+    for record in found:
+        for kind, area in zip(record["rooms"], record["areas"], strict=True):
+            types[kind] += 1
+            areas[kind].append(area)
+        for kind, things in record["held"].items():
+            for name, coarse, model in (thing.split("/") for thing in things):
+                held[kind] |= {name, coarse}
+                shapes[name].add(model)
+                fine[name] += 1
+    storeys, floors = [r["storeys"] for r in found], [n for r in found for n in r["floors"]]
+    twins, similar, most = alike([unpacked(r["map"]) for r in found])
     out = sys.stdout.write
-    out(f"| | {args.homes:,} homes | SUNCG |\n| --- | ---: | ---: |\n")
+    out(f"| | {len(found):,} homes | SUNCG |\n| --- | ---: | ---: |\n")
     out(f"| storeys | {np.mean(storeys):.2f} | {LEVELS} |\n")
     out(f"| rooms of a floor | {np.mean(floors):.1f} ({min(floors)} to {max(floors)}) | {ROOMS_A_FLOOR} |\n")
-    out(f"| objects of a room | {np.mean(objects):.1f} | {OBJECTS_A_ROOM} |\n")
-    out(f"| pairs with more than 85 % of the same room map | {number} (most alike: {100 * most:.0f} %) | |\n\n")
+    out(f"| objects of a room | {np.mean([n for r in found for n in r['objects']]):.1f} | {OBJECTS_A_ROOM} |\n")
+    out(f"| pairs with the same room map | {twins} | |\n")
+    out(f"| pairs with more than 85 % of it | {similar} (most alike: {100 * most:.1f} %) | |\n\n")
     out("| Room | Part of all rooms [%] | SUNCG [%] | Area [m²], 10th, 50th and 90th percentile |\n")
     out("| --- | ---: | ---: | --- |\n")
     for kind, count in types.most_common():
@@ -175,6 +206,40 @@ def main() -> None:
     share, lacking = covered(held)
     out(f"of the commonest instances of EmbodiedQA, {100 * share:.1f} % are of categories in rooms of their type; ")
     out(f"not: {', '.join(lacking) or 'none'}\n")
+
+
+def compare(root: Path, found: list[Record], workers: int) -> None:
+    """Writes the homes again by worker processes, and counts those whose files differ."""
+    machinery.usable_cores = lambda: workers  # as on a machine of so many cores
+    start = time.monotonic()
+    generate_dataset(root, [r["seed"] for r in found], progress=True, version=2)
+    spent = time.monotonic() - start
+    differ = [r["seed"] for r in found if digest(root, house_id(r["seed"])) != r["sha256"]]
+    sys.stdout.write(f"{len(found)} homes by {workers} processes in {spent:.1f} s; other bytes: {differ}\n")
+
+
+def main() -> None:
+    """Looks at homes, and prints what was found."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--homes", type=int, default=1000)
+    parser.add_argument("--first", type=int, default=0, help="first seed")
+    parser.add_argument("--root", type=Path, default=Path("homes"))
+    parser.add_argument(
+        "--every", type=int, default=20, help="walk, compile and simulate the homes of seeds that this divides"
+    )
+    parser.add_argument("--seconds", type=float, default=float("inf"), help="stop after so long, before the tables")
+    parser.add_argument("--workers", type=int, default=0, help="compare with as many processes instead")
+    args = parser.parse_args()
+    records, seeds = args.root.with_suffix(".jsonl"), range(args.first, args.first + args.homes)
+    if args.workers:
+        found = look(records, args.root, seeds, args.every, 0.0)
+        compare(args.root.with_name(f"{args.root.name}-{args.workers}"), found, args.workers)
+        return
+    found = look(records, args.root, seeds, args.every, args.seconds)
+    if found:
+        report(found)
+        if len(found) == len(seeds):
+            table(found)
 
 
 if __name__ == "__main__":

@@ -80,6 +80,8 @@ def _tell(summary: "Summary") -> None:
     )
     if summary.incomplete:
         sys.stdout.write(f"{summary.incomplete} with stand-ins for what the dataset lacks: the report lists them\n")
+    if summary.fixed:
+        sys.stdout.write(f"{summary.fixed} objects that could move are fixed: more than --max-bodies in a house\n")
     if summary.failed:
         failed = [line for line in read_report(summary.report) if line["status"] == FAILED]
         for line in failed[-10:]:

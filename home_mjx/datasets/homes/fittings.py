@@ -12,12 +12,14 @@ from home_mjx.datasets.homes.structure.railings import DEPTH
 from home_mjx.datasets.homes.structure.stairs import LENGTH, RISE, WIDTH
 from home_mjx.datasets.homes.taste import Style
 from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture, quarter_towards
-from home_mjx.datasets.procedural.floor_plan.rooms import Rect, RoomPlan, Wall, outer_spans
+from home_mjx.datasets.procedural.floor_plan.rooms import RoomPlan, Wall, outer_spans
 from home_mjx.datasets.procedural.floor_plan.walls import FLOOR_TOP, HALF
 from home_mjx.datasets.procedural.primitives.family import Furniture
 
 GAP = 0.01  # [m], between stairs and walls
 CORNER = 0.03  # [m], of railings from the outline, towards the room
+# [m], from the corners of an outline to the ends of railings: those along z end behind those along x.
+ALONG, BEHIND = CORNER - DEPTH / 2, CORNER + DEPTH / 2 + 0.001
 
 Owned = tuple[PlacedFurniture, int | None]  # an object on a level, and the index of its room
 
@@ -81,17 +83,14 @@ def _size(place: Stairwell) -> tuple[float, float]:
 
 def _around(room: RoomPlan, others: Sequence[Wall], models: Sequence[Furniture]) -> Iterator[PlacedFurniture]:
     """Railings along the sides of an open room that no other room shares."""
-    inner = _shrunk(room.rects[0])
     for wall in room.walls:
+        start, end = (room.rects[0][wall.axis + k] for k in (0, 2))
+        inset = BEHIND if wall.axis else ALONG
         for low, high in outer_spans(wall, others):
-            low, high = max(low, inner[wall.axis]), min(high, inner[wall.axis + 2])
+            low, high = max(low, start + inset), min(high, end - inset)
             normal = wall.normal
             x, z = wall.point((low + high) / 2, CORNER)
             yield _railing((x, z), high - low, (round(float(normal[0])), round(float(normal[1]))), models)
-
-
-def _shrunk(rect: Rect) -> Rect:
-    return Rect(rect.x0 + 0.005, rect.z0 + 0.005, rect.x1 - 0.005, rect.z1 - 0.005)
 
 
 def _railing(

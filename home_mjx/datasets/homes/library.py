@@ -1,7 +1,7 @@
 """The library of a dataset of homes: tables of all models; models and textures as homes come to use them."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Set
 from functools import cache, lru_cache
 from pathlib import Path
 
@@ -103,8 +103,8 @@ def write_used(root: Path, home: House) -> None:
         if not _is_whole(folder, _stamp(folder)):
             model = _others().get(name) or thing(name)
             write_model(root, library_model(model, CLASSES), digests=True)
-    for materials in _materials(home):
-        _write_textures(root, materials)
+    every = (material for materials in _materials(home) for material in materials)
+    _write_textures(root, {material.texture.stem for material in every if material.texture is not None})
 
 
 def _materials(home: House) -> Iterator[tuple[Material, ...]]:
@@ -117,8 +117,8 @@ def _materials(home: House) -> Iterator[tuple[Material, ...]]:
             yield from (mesh.materials for mesh in (room.floor, room.ceiling, room.walls) if mesh is not None)
 
 
-def _write_textures(root: Path, materials: tuple[Material, ...]) -> None:
-    for name in sorted({m.texture.stem for m in materials if m.texture is not None}):
+def _write_textures(root: Path, names: Set[str]) -> None:
+    for name in sorted(names):
         path = root / "texture" / f"{name}.png"
         if not _is_image(path, _stamp(path)):
             write_textures(root, {name: texture(name)})

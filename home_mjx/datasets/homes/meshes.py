@@ -26,6 +26,7 @@ from home_mjx.datasets.shapes.polygon_slab import slab
 from home_mjx.datasets.shapes.wall_prism import Hole, Wall
 from home_mjx.schema.house import Material, Mesh
 
+SKIRTING = FLOOR_TOP + 0.09  # [m], where skirting boards end
 Parts = tuple[Mesh, Mesh | None, Mesh | None]  # floor, ceiling, walls
 
 
@@ -55,8 +56,9 @@ def room_parts(
     if room.type in OUTDOORS:
         return floor, None, None
     ceiling = _slab(stem, "Ceiling", less if open_ceiling else room, (low, low + FLOOR_TOP), surfaces.ceiling)
-    pieces = list(_wall_pieces(room, number, height, openings))
-    cladding = (surfaces.inside, CUT, surfaces.outside) * len(room.polygon)
+    boards = () if surfaces.skirting is None else (surfaces.skirting,)
+    pieces = list(_wall_pieces(room, number, height, openings, bool(boards)))
+    cladding = (surfaces.inside, CUT, surfaces.outside, *boards) * len(room.polygon)
     return floor, ceiling, _rounded(join_pieces(stem.with_name(f"{stem.name}w.obj"), pieces, cladding))
 
 
@@ -66,13 +68,17 @@ def _slab(stem: Path, kind: str, room: RoomPlan, span: tuple[float, float], mate
     return _rounded(join_pieces(stem.with_name(f"{stem.name}{kind[0].lower()}.obj"), [piece], [material]))
 
 
-def _wall_pieces(room: RoomPlan, number: str, height: float, openings: Sequence[PlacedFurniture]) -> Iterator[Piece]:
-    """The inner and the outer prism of every wall."""
+def _wall_pieces(
+    room: RoomPlan, number: str, height: float, openings: Sequence[PlacedFurniture], boards: bool
+) -> Iterator[Piece]:
+    """The inner and the outer prism of every wall; with `boards`, the foot of the inner one is of a fourth slot."""
     for k, side in enumerate(sides(room)):
         holes = tuple(hole for opening in openings if (hole := _hole(side, opening)) is not None)
         start, end = (np.array([x, 0.0, z]) for x, z in side)
-        for piece in wall_pieces(Wall(start, end, height, holes), f"0_{number}_{k}"):
-            yield replace(piece, slot=piece.slot + 3 * k)
+        lines = (SKIRTING,) if boards else ()
+        for piece in wall_pieces(Wall(start, end, height, holes, lines=lines), f"0_{number}_{k}"):
+            foot = boards & (piece.slot == 0) & (piece.vertices[piece.faces][..., 1].max(axis=1) < SKIRTING + 1e-6)
+            yield replace(piece, slot=np.where(foot, 3, piece.slot) + (3 + boards) * k)
 
 
 def _hole(side: tuple[Point, Point], opening: PlacedFurniture) -> Hole | None:

@@ -26,6 +26,7 @@ class Wall:
     holes: tuple[Hole, ...] = ()
     depth: float = DEPTH  # [m]
     rise: float = RISE  # [m]
+    lines: tuple[float, ...] = ()  # [m], heights above its base at which faces are divided
 
     @property
     def length(self) -> float:
@@ -78,7 +79,7 @@ def _panel(
     width, top = wall.length + 2 * beyond, wall.height + wall.rise
     holes = np.array([_open(hole, wall, beyond, width, top) for hole in merge_holes(wall.holes)]).reshape(-1, 4)
     us = np.unique(np.clip([0.0, width, *holes[:, 0], *holes[:, 1]], 0, width))
-    vs = np.unique(np.clip([0.0, top, *holes[:, 2], *holes[:, 3]], 0, top))
+    vs = np.unique(np.clip([0.0, top, *holes[:, 2], *holes[:, 3], *wall.lines], 0, top))
     u, v = np.meshgrid((us[1:] + us[:-1]) / 2, (vs[1:] + vs[:-1]) / 2, indexing="ij")
     keep = np.ones(u.shape, bool)
     for left, right, low, high in holes:

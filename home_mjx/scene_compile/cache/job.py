@@ -95,7 +95,7 @@ def compile_dataset(
     _prepare()
     task = partial(compile_one, dataset.root, options, f"{os.getpid()} {time.time_ns()}")
     counts: dict[str, int] = dict.fromkeys((COMPILED, CACHED, FAILED), 0)
-    incomplete = 0
+    incomplete = fixed = 0
     with (
         outcomes(task, left, workers, scheduler) as found,
         # After the scheduler: nothing is lost from an old report if there is none.
@@ -106,10 +106,12 @@ def compile_dataset(
             note(outcome)
             counts[outcome.status] += 1
             incomplete += bool(outcome.stand_ins)
+            fixed += outcome.fixed
             bar.set_postfix(failed=counts[FAILED], refresh=False)
             bar.update()
     compiled, cached, failed = counts.values()
-    return Summary(compiled, cached, failed, len(chosen) - len(left), time.perf_counter() - begin, path, incomplete)
+    seconds = time.perf_counter() - begin
+    return Summary(compiled, cached, failed, len(chosen) - len(left), seconds, path, incomplete, fixed)
 
 
 def _prepare() -> None:
@@ -130,11 +132,11 @@ def compile_one(root: Path, options: CompileOptions, run: str, house_id: str) ->
         house_id: The house.
     """
     begin = time.perf_counter()
-    status, error, entry, stand_ins = FAILED, None, None, []
+    status, error, entry, stand_ins, fixed = FAILED, None, None, [], 0
     try:
         houses = _houses(root, options, run)
         before = houses.compiled
-        houses.load(house_id)
+        fixed = int(houses.load(house_id).report["movable_but_too_many"])
         stand_ins = [str(item) for item in houses.stand_ins.get(house_id, ())]
         status = COMPILED if houses.compiled > before else CACHED
         if len(houses.library) > MODELS_KEPT:
@@ -145,7 +147,7 @@ def compile_one(root: Path, options: CompileOptions, run: str, house_id: str) ->
         entry = str(path.relative_to(cache_folder()))
     except Exception as problem:  # one house of 45,000 must not stop the run, whatever is wrong with it
         status, error = FAILED, described(problem)
-    return Outcome(house_id, status, round(time.perf_counter() - begin, 4), error, entry, stand_ins)
+    return Outcome(house_id, status, round(time.perf_counter() - begin, 4), error, entry, stand_ins, fixed)
 
 
 @lru_cache(maxsize=1)

@@ -32,6 +32,7 @@ class Outcome:
         error: Of a failed house: kind, message, file, element and hint.
         entry: Where it is, below the cache folder; None if it failed.
         stand_ins: What was taken in place of what the dataset lacks, a line each.
+        fixed: How many objects could move and do not, being more than `MovableOptions.max_bodies`.
     """
 
     id: str
@@ -40,6 +41,7 @@ class Outcome:
     error: dict[str, str | None] | None = None
     entry: str | None = None
     stand_ins: list[str] = field(default_factory=list)
+    fixed: int = 0
 
 
 @dataclass(frozen=True)
@@ -53,6 +55,7 @@ class Summary:
     seconds: float
     report: Path
     incomplete: int = 0  # compiled or cached, with stand-ins for what the dataset lacks
+    fixed: int = 0  # objects of all houses that could move and do not, being more than `MovableOptions.max_bodies`
 
 
 def report_path(root: Path, options: CompileOptions) -> Path:

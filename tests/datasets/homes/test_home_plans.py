@@ -10,12 +10,18 @@ from home_mjx.datasets.generators.names import ProceduralHouses
 from home_mjx.datasets.homes.plan.home import HomePlan, draw_home
 from home_mjx.datasets.homes.plan.needs.program import MOST, Program, draw_program, ground_rooms
 from home_mjx.datasets.homes.plan.needs.wants import LINKS, OUTDOORS, WANTS
+from home_mjx.datasets.homes.plan.openings.passage import is_passable
 from home_mjx.datasets.homes.plan.shape.parted import draw_parted
 from home_mjx.datasets.homes.plan.shape.storeys import is_simple
+from home_mjx.datasets.homes.things import model_of
+from home_mjx.datasets.procedural.floor_plan.openings import DOOR_Y, Opening
+from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture, quarter_towards
 from home_mjx.datasets.procedural.floor_plan.rooms import Rect, RoomPlan
+from home_mjx.datasets.procedural.primitives.family import Furniture
 from home_mjx.datasets.seeds import house_id
 from home_mjx.errors import ConfigError
 from home_mjx.scene_compile import HouseSet
+from home_mjx.scene_compile.objects.hinges import find_hinges
 from home_mjx.schema.categories import ROOM_TYPES
 
 
@@ -131,6 +137,58 @@ def test_stairs_open_to_the_hall_along_all_of_their_front():
 
 def common(a: Rect, b: Rect) -> float:
     return max(0.0, min(a.x1, b.x1) - max(a.x0, b.x0)) * max(0.0, min(a.z1, b.z1) - max(a.z0, b.z0))
+
+
+def test_double_doors_are_between_rooms_for_guests():
+    grand, doubles, entries = {"Hallway", "Hall", "Lobby", "Living_Room", "Dining_Room"}, 0, 0
+    for level in levels():
+        for opening in level.openings:
+            if opening.placed.model.family == "double_door":
+                assert {level.rooms[room].type for room in opening.rooms} <= grand
+                doubles += 1
+            if opening.placed.model.family == "entry_door":
+                assert len(opening.rooms) == 1
+                assert opening.placed.closed
+                entries += 1
+    assert doubles > 3
+    assert entries > 0.8 * len(plans())
+
+
+def test_both_leaves_of_a_double_door_turn_on_hinges_of_their_own():
+    hinges = find_hinges(*(z_up(model_of("double_door", 1), closed) for closed in (False, True)))
+    assert len(hinges) == 2
+    width = float(model_of("double_door", 1).size[0])
+    assert abs(hinges[0].pivot[0] - hinges[1].pivot[0]) > 0.9 * width
+    assert sorted(np.sign(hinge.turn) for hinge in hinges) == [-1, 1]
+    np.testing.assert_allclose([abs(hinge.turn) for hinge in hinges], np.pi / 2, atol=0.02)
+
+
+def z_up(model: Furniture, closed: bool) -> np.ndarray:
+    """Triangles as the compiler has them: (x, y, z) becomes (x, -z, y)."""
+    mesh = model.closed if closed else model.mesh
+    assert mesh is not None
+    return mesh.vertices[mesh.faces][..., [0, 2, 1]] * (1, -1, 1)
+
+
+def test_open_leaves_may_block_a_room():
+    """In a room hardly deeper than a leaf is wide nobody gets from one half to the other."""
+    model = model_of("door", 1)
+
+    def passable(depth: float) -> list[bool]:
+        room = RoomPlan("Bedroom", (Rect(0.0, 0.0, 3.0, depth),))
+        placed = [PlacedFurniture(model, (x, DOOR_Y, 0.0), quarter_towards(0, -1)) for x in (1.3, 1.35, 1.4, 1.45)]
+        return [is_passable(room, [Opening(door, (0, 1))]) for door in placed]
+
+    assert not any(passable(float(model.size[2]) + 0.25))
+    assert any(passable(3.0))
+
+
+def test_doors_leave_a_way_through_every_room():
+    for plan in plans():
+        for number, level in enumerate(plan.levels):
+            for index in range(len(level.rooms)):
+                stairs = plan.stairwell(number) if index == 0 else None
+                assert is_passable(level.rooms[index], level.openings_of(index), stairs)
 
 
 def test_the_same_generator_gives_the_same_plan():

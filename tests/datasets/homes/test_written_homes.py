@@ -1,7 +1,6 @@
 """Homes of the second generator as they are on disk: valid, walkable, with private rooms at the ends of the doors."""
 
 import hashlib
-import itertools
 import shutil
 from collections import Counter
 from pathlib import Path
@@ -9,10 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from standing_things import floating, overlaps, things
-from walked_homes import LINKS, Home, Walker, likeness, may_be_alike, reachable, room_map
+from walked_homes import LINKS, Home, Walker, likeness, may_be_alike, reachable
 
 from home_mjx.datasets import generate_dataset, open_dataset, validate_house
-from home_mjx.datasets.homes.dataset import write_home
 from home_mjx.datasets.procedural import dataset as machinery
 from home_mjx.datasets.procedural.build import build_house
 from home_mjx.datasets.seeds import house_id
@@ -26,8 +24,6 @@ from home_mjx.scene_compile.navigation.free_space import NavigationOptions
 SEEDS = (0, 1, 2, 6, 7, 11)
 CLIMBED = 11  # a seed whose home has two storeys
 STACKED = 6  # one of three, the stairs above one another
-TWIN = 0.85  # of a room map
-RAILS = {f"gen_railing_{k}" for k in range(1, 11)}  # meet in corners
 COMMON = {
     *("armchair", "bookshelf", "chair", "coffee_table", "curtain", "clock", "cup", "desk", "dining_table", "door"),
     *("double_bed", "dresser", "heater", "hanging_kitchen_cabinet", "kitchen_cabinet", "mirror", "picture_frame"),
@@ -250,7 +246,7 @@ def test_things_stand_or_hang_and_are_in_nothing_else(homes):
         for number in range(len(home.house.levels)):
             found = things(home, number)
             assert floating(home, number, found) == [], seed
-            assert [pair for pair in overlaps(found) if not RAILS.issuperset(pair[:2])] == [], seed
+            assert overlaps(found) == [], seed
 
 
 @pytest.mark.slow
@@ -303,37 +299,12 @@ def test_free_bodies_stay_where_they_are_and_doors_have_hinges(root, seed):
     assert len(compiled.bodies.mass) > 20
     assert max(rest_drift(*to_mjcf(compiled)).values()) < 2e-3
     leaves = sum(
-        dataset.metadata.info(item.model_id).fine == "door" and item.state != 1
+        (2 if item.model_id.startswith("home_double_door") else 1)
         for level in dataset.load_house(house_id(seed)).levels
         for item in level.objects
+        if dataset.metadata.info(item.model_id).fine == "door" and item.state != 1
     )
     assert len(compiled.doors.mass) == leaves
-
-
-@pytest.mark.slow
-def test_a_thousand_homes_have_no_twins(tmp_path, monkeypatch):
-    """And no private room as a link, and no room that cannot be reached. Seeds that nobody has looked at.
-
-    They are written without furniture, which takes most of the time.
-    """
-    monkeypatch.setattr("home_mjx.datasets.homes.design.furnish_home", unfurnished)
-    maps = []
-    dataset, first = tmp_path / "homes", 500_000
-    generate_dataset(dataset, [first], version=2)
-    for seed in range(first, first + 1000):
-        write_home(dataset, seed)
-        home = Home.read(dataset, house_id(seed))
-        assert validate_house(open_dataset(dataset), house_id(seed)) == ()
-        joined, (entrance,) = home.graph(), home.entrances()
-        assert all(len(joined[r]) == 1 for r in home.rooms() if home.kind(*r) not in LINKS)
-        assert reachable(joined, entrance, lambda room: home.kind(*room) in LINKS) == set(home.rooms())  # noqa: B023
-        maps.append(room_map(home))
-    pairs = itertools.combinations(maps, 2)
-    assert not [1 for a, b in pairs if may_be_alike(a, b, TWIN) and likeness(a, b) > TWIN]
-
-
-def unfurnished(plan, style):
-    return tuple(tuple(() for _ in level.rooms) for level in plan.levels)
 
 
 @pytest.mark.slow

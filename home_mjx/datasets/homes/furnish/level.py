@@ -25,12 +25,8 @@ Furnished = tuple[tuple[tuple[PlacedFurniture, ...], ...], ...]  # of every stor
 def furnish_home(home: HomePlan, style: Style) -> Furnished | None:
     """The furniture of every room of every storey; None if the plan does not serve.
 
-    That is if open doors block one another, a room has no place for what it is for, or no bathroom has a tub or a
-    shower.
+    That is if a room has no place for what it is for, or no bathroom has a tub or a shower.
     """
-    places = [(number, index) for number, level in enumerate(home.levels) for index in range(len(level.rooms))]
-    if not all(_empty(home, *place, style).passable for place in places):
-        return None
     levels: list[list[Room]] = []
     for number in range(len(home.levels)):
         rooms = []

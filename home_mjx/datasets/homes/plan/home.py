@@ -7,6 +7,7 @@ import numpy as np
 
 from home_mjx.datasets.homes.plan.needs.program import Program, draw_program
 from home_mjx.datasets.homes.plan.openings.doors import Models, draw_doors, draw_entrance, garage_doors
+from home_mjx.datasets.homes.plan.openings.passage import is_passable
 from home_mjx.datasets.homes.plan.openings.windows import draw_windows
 from home_mjx.datasets.homes.plan.outdoors import add_outdoors
 from home_mjx.datasets.homes.plan.quality import is_liveable
@@ -22,8 +23,9 @@ from home_mjx.errors import ConfigError
 TRIES = 6000  # of drawing storeys; a few dozen is usual
 PATIENCE = 1500  # tries, after which another program is drawn where none was given
 HEIGHTS, ODDS = (2.5, 2.6, 2.7, 2.8, 3.0), (0.15, 0.15, 0.45, 0.15, 0.1)  # [m], of walls of homes on one floor
-AGAIN = 0.9  # chance of another try where the entrance leads into the living room and there is a hall
-SOLID, GLAZED = (1, 2, 4, 5, 7, 8, 9), (3, 6)  # numbers of the doors' models
+AGAIN = 0.9  # chance that an entrance has to lead into the hall where there is one, and not into the living room
+WAYS = 5  # of placing doors and windows in the same rooms that are tried
+SOLID, GLAZED = (1, 2, 4, 5, 7, 8, 9, 10, 11, 13), (3, 6, 12)  # numbers of the doors' models
 PITCHES = (2.7, 2.8, 2.9)  # [m], from floor to floor
 
 
@@ -63,12 +65,14 @@ def draw_home(rng: np.random.Generator, program: Program | None = None) -> HomeP
     """
     wanted = draw_program(rng) if program is None else program
     solid, glazed = (model_of("door", choose(numbers, rng)) for numbers in (SOLID, GLAZED))
-    models = Models(solid, glazed, choose(structure_models()["garage_door"], rng))
+    entry, double = (model_of(kind, choose(range(1, 4), rng)) for kind in ("entry_door", "double_door"))
+    models = Models(solid, glazed, choose(structure_models()["garage_door"], rng), entry, double)
     for attempt in range(TRIES):
         storeys = draw_storeys(rng, wanted)
         if storeys is not None and is_liveable(storeys):
-            home = _opened(rng, add_slants(rng, storeys), models)
-            if home is not None:
+            slanted, strict = add_slants(rng, storeys), bool(rng.random() < AGAIN)
+            ways = (_opened(rng, slanted, models, strict) for _ in range(WAYS))
+            if home := next((home for home in ways if home is not None), None):
                 return home
         if program is None and attempt % PATIENCE == PATIENCE - 1:
             wanted = draw_program(rng)
@@ -80,8 +84,8 @@ def _past_the_hall(rooms: Sequence[RoomPlan], entrance: Opening) -> bool:
     return rooms[0].type != "Living_Room" and rooms[entrance.rooms[0]].type == "Living_Room"
 
 
-def _opened(rng: np.random.Generator, storeys: Sequence[Storey], models: Models) -> HomePlan | None:
-    """Doors, open rooms and windows of all storeys; None if a room cannot be reached."""
+def _opened(rng: np.random.Generator, storeys: Sequence[Storey], models: Models, into_hall: bool) -> HomePlan | None:
+    """Doors, open rooms and windows of all storeys; None if a room, or the hall, cannot be reached as it should be."""
     height = float(rng.choice(HEIGHTS, p=ODDS) if len(storeys) == 1 else rng.choice(PITCHES))
     found, levels = [], []
     for number, plain in enumerate(storeys):
@@ -92,12 +96,15 @@ def _opened(rng: np.random.Generator, storeys: Sequence[Storey], models: Models)
             return None
         if number == 0:
             entrance = draw_entrance(rng, storey, models, doors)
-            if entrance is None or (_past_the_hall(storey.rooms, entrance) and rng.random() < AGAIN):
+            if entrance is None or (into_hall and _past_the_hall(storey.rooms, entrance)):
                 return None
             doors.append(entrance)
         openings: list[Opening] = [*doors, *garage_doors(rng, storey.rooms, models, doors)]
         place = storey.stairs or storey.well
         windows = draw_windows(rng, storey.rooms, openings, place.rect if place else None)
-        levels.append(HousePlan(storey.rooms, (*openings, *windows), height))
+        level = HousePlan(storey.rooms, (*openings, *windows), height)
+        if not all(is_passable(r, level.openings_of(i), None if i else place) for i, r in enumerate(level.rooms)):
+            return None
+        levels.append(level)
         found.append(storey)
     return HomePlan(tuple(found), tuple(levels), height)

@@ -32,6 +32,10 @@ BRIGHT_PAPERS = _named("wallp", (8, 10, 14, 17, 18, 19, 20))
 _COLORS = ("#f2efe6", "#e4e8e4", "#d6dee4", "#e8ddd0", "#c9d4c8", "#dccfc4", "#b9c6cc", "#c8b6a6")
 PAINTS = (*DRY_WALLS, *map(plain, _COLORS))
 SOFT_ROOMS = ("Bedroom", "Child_Room", "Guest_Room", "Office", "Wardrobe", "Gym")
+BOARDS = (
+    *map(plain, ("#f4f2ec", "#f4f2ec", "#dcd6c8", "#3a3632")),
+    *_named("wood", (1, 3, 4)),
+)  # along the feet of walls
 HARD_ROOMS = ("Garage", "Boiler_room", "Storage")
 
 
@@ -46,11 +50,13 @@ class Cladding:
     def __init__(self, rng: np.random.Generator, facade: Material) -> None:
         self._rng, self._facade = rng, facade
         self._ceiling = choose(CEILINGS, rng)
+        self._board = choose(BOARDS, rng)
         self._parquet, self._tiles, self._paint = choose(PARQUETS, rng), choose(TILES, rng), choose(PAINTS, rng)
 
     def of(self, kind: str) -> Surfaces:
         """The surfaces of a room of a type."""
-        return Surfaces(self._floor(kind), self._ceiling, self._walls(kind), self._facade)
+        board = None if kind in (*WET, *HARD_ROOMS) else self._board
+        return Surfaces(self._floor(kind), self._ceiling, self._walls(kind), self._facade, board)
 
     def _floor(self, kind: str) -> Material:
         if kind in OUTDOORS:

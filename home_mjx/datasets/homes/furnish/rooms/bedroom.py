@@ -5,6 +5,7 @@ from functools import partial
 
 from home_mjx.datasets.homes.furnish.rooms.desks import desk
 from home_mjx.datasets.homes.furnish.rooms.living import screened
+from home_mjx.datasets.homes.furnish.space.corners import across_corner, add_corner, in_corner
 from home_mjx.datasets.homes.furnish.space.hung import above, hang_kind, pictures, windows
 from home_mjx.datasets.homes.furnish.space.on_top import on_top, some
 from home_mjx.datasets.homes.furnish.space.room import Room
@@ -32,7 +33,7 @@ def bedroom(room: Room) -> None:
     """A double bed, a wardrobe, and what else fits."""
     windows(room, ("long_curtain", "long_curtain", "short_curtain"), 0.5)
     bed(room, "double_bed")
-    add(room, "plain_wardrobe", 0.55)
+    wardrobe(room)
     chest(room, 0.6)
     if room.chance(0.4):
         dressing_table(room)
@@ -41,7 +42,16 @@ def bedroom(room: Room) -> None:
     television(room)
     if room.style.interests & {"children"} and room.chance(0.12):
         add(room, "baby_bed", 0.4)
+    if room.likes("sport", 0.2):
+        add(room, "small_gym", 0.2)
     rest(room)
+
+
+def wardrobe(room: Room) -> PlacedFurniture | None:
+    """A wardrobe at a wall, sometimes in a corner."""
+    if room.chance(0.1) and (placed := fit(room, "corner_wardrobe", lambda item: in_corner(room, item, 0.4))):
+        return placed
+    return add(room, "plain_wardrobe", 0.55)
 
 
 def television(room: Room) -> None:
@@ -64,6 +74,8 @@ def rest(room: Room) -> None:
     )
     for kind, probability in odds:
         add(room, kind, 0.3, probability)
+    add_corner(room, "corner_shelf", 0.1)
+    add_corner(room, "armchair", 0.12, across_corner)
     for kind, probability in CORNERS:
         add(room, kind, 0.0, probability)
     for kind, probability in (("shoes", 0.35), ("cloth", 0.2), ("book", 0.08)):
@@ -139,8 +151,9 @@ def guest_room(room: Room) -> None:
     """A bed, a wardrobe and an armchair."""
     windows(room, ("long_curtain", "short_curtain"), 0.5)
     bed(room, str(room.rng.choice(["double_bed", "single_bed"])))
-    add(room, "plain_wardrobe", 0.55)
-    add(room, "armchair", 0.3, 0.6)
+    wardrobe(room)
+    if not add_corner(room, "armchair", 0.3, across_corner):
+        add(room, "armchair", 0.3, 0.4)
     chest(room, 0.4)
     if room.chance(0.3):
         desk(room, "small_desk")

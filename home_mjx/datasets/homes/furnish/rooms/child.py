@@ -1,6 +1,6 @@
 """Children's rooms."""
 
-from home_mjx.datasets.homes.furnish.rooms.bedroom import bed
+from home_mjx.datasets.homes.furnish.rooms.bedroom import bed, wardrobe
 from home_mjx.datasets.homes.furnish.rooms.desks import desk
 from home_mjx.datasets.homes.furnish.space.hung import hang_kind, pictures, windows
 from home_mjx.datasets.homes.furnish.space.on_top import some
@@ -20,7 +20,7 @@ def child_room(room: Room) -> None:
         bed_placed = bed(room, "single_bed")
     if baby and bed_placed:
         add(room, "baby_bed", 0.4)
-    add(room, "plain_wardrobe", 0.5)
+    wardrobe(room)
     if not baby and room.chance(0.8):
         desk(room, "small_desk")
     for kind, probability in (("toy_shelf", 0.8), ("dresser", 0.4), ("open_shelf", 0.25)):

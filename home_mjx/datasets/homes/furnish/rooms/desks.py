@@ -2,11 +2,15 @@
 
 from collections.abc import Iterator
 
+import numpy as np
+
+from home_mjx.datasets.homes.furnish.space.corners import in_corner
 from home_mjx.datasets.homes.furnish.space.hung import hang_kind, pictures, windows
 from home_mjx.datasets.homes.furnish.space.on_top import on_top, some
 from home_mjx.datasets.homes.furnish.space.room import Room
 from home_mjx.datasets.homes.furnish.space.seats import seated
-from home_mjx.datasets.homes.furnish.space.spots import add, against_wall, fit, freely, place, scattered
+from home_mjx.datasets.homes.furnish.space.spots import add, against_wall, clear_of, fit, freely, place, scattered
+from home_mjx.datasets.homes.furnish.space.turned import turned
 from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
 from home_mjx.datasets.procedural.floor_plan.walls import FLOOR_TOP
 
@@ -25,8 +29,29 @@ def desk(room: Room, kind: str = "plain_desk") -> PlacedFurniture | None:
         yield from list(seated(room, placed, chair, 2))[:1]
 
     placed = fit(room, kind, lambda item: against_wall(room, item, companions=companions))
-    if placed is None:
-        return None
+    return None if placed is None else _used(room, placed)
+
+
+def corner_desk(room: Room) -> PlacedFurniture | None:
+    """A desk along two walls with a chair between its wings, turned to the corner."""
+    chair = room.object("office_chair")
+
+    def companions(placed: PlacedFurniture) -> Iterator[PlacedFurniture]:
+        hand = -1.0 if placed.mirrored else 1.0
+        for away in (0.2, 0.28, 0.36, 0.44, 0.52, 0.6):
+            x, z = placed.beside(hand * away, away)
+            turn = placed.quarter * np.pi / 2 + float(np.arctan2(-hand, -1.0))
+            spot = turned(chair, x, FLOOR_TOP, z, turn)
+            if clear_of(spot, (placed,)):
+                yield spot
+                return
+
+    placed = fit(room, "corner_desk", lambda item: in_corner(room, item, 0.0, companions))
+    return None if placed is None else _used(room, placed)
+
+
+def _used(room: Room, placed: PlacedFurniture) -> PlacedFurniture:
+    """A computer on a desk, and what work leaves there."""
     machine = "computer" if room.chance(0.4) else "laptop"
     if on_top(room, placed, machine, straight=machine == "computer", middle=True) and machine == "computer":
         _tower(room, placed)
@@ -58,7 +83,7 @@ def scattered_bin(room: Room, placed: PlacedFurniture) -> None:
 def office(room: Room) -> None:
     """A desk and shelves; sometimes a second desk, a table for a meeting, a board."""
     windows(room, ("short_curtain", "short_curtain", "long_curtain", ""), 0.5)
-    if not desk(room):
+    if not (room.chance(0.35) and corner_desk(room)) and not desk(room):
         return
     if room.plan.area > 11 and room.chance(0.25):
         desk(room, "small_desk")

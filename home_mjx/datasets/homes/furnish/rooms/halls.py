@@ -1,10 +1,11 @@
 """Halls, entrances and dressing rooms."""
 
 from home_mjx.datasets.homes.furnish.rooms.living import ON_CHEST, greenery
+from home_mjx.datasets.homes.furnish.space.corners import add_corner
 from home_mjx.datasets.homes.furnish.space.hung import above, hang_kind, pictures, windows
 from home_mjx.datasets.homes.furnish.space.on_top import on_top, some
 from home_mjx.datasets.homes.furnish.space.room import Room
-from home_mjx.datasets.homes.furnish.space.spots import add, place, scattered
+from home_mjx.datasets.homes.furnish.space.spots import add, place, scattered, somewhere
 from home_mjx.datasets.procedural.floor_plan.walls import FLOOR_TOP
 
 
@@ -13,7 +14,7 @@ def hallway(room: Room) -> None:
     windows(room, ("short_curtain", "long_curtain", ""), 0.4)
     cabinet = add(room, "shoes_cabinet", 0.35)
     some(room, cabinet, (("table_vase", 0.4), ("telephone", 0.3), ("ornament", 0.3), ("photo", 0.3)), 2)
-    if cabinet and room.chance(0.4):
+    if cabinet and cabinet.size[1] < 1.2 and room.chance(0.4):
         above(room, cabinet, room.object("wall_mirror"), max(float(cabinet.size[1]) + 0.15, 0.95))
     if not room.chance(0.5) or not hang_kind(room, "coat_hooks", 1.2):
         add(room, "coat_stand", 0.0, 0.8)
@@ -25,6 +26,10 @@ def hallway(room: Room) -> None:
     for _ in range(1 + int(room.rng.integers(3))):
         _shoes(room)
     add(room, "umbrella_stand", 0.0, 0.25)
+    add_corner(room, "corner_shelf", 0.12)
+    if room.likes("sport", 0.3):
+        add(room, "helmet")
+        add(room, "bicycle", 0.2, 0.3)
     hang_kind(room, "tall_mirror", 0.45, 0.3)
     runner(room)
     for _ in range(2):
@@ -44,10 +49,9 @@ def runner(room: Room) -> None:
     if not room.chance(0.45):
         return
     for _ in range(4):
-        rect = room.plan.rects[int(room.rng.integers(len(room.plan.rects)))]
+        x, z, rect = somewhere(room, 0.6)
         wide, deep = rect.sides
         rug = room.object("runner")
-        x, z = room.rng.uniform([rect.x0 + 0.6, rect.z0 + 0.6], [rect.x1 - 0.6, rect.z1 - 0.6]).tolist()
         if place(room, rug.at(x, FLOOR_TOP, z, 0 if wide > deep else 1)):
             return
 

@@ -5,10 +5,11 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from home_mjx.datasets.homes.furnish.rooms.dining import dining_set
+from home_mjx.datasets.homes.furnish.space.corners import corner_spots
 from home_mjx.datasets.homes.furnish.space.hung import above, hang_kind, pictures, windows
 from home_mjx.datasets.homes.furnish.space.on_top import on_burner, on_top
 from home_mjx.datasets.homes.furnish.space.room import Room
-from home_mjx.datasets.homes.furnish.space.spots import GAP, add, backed, clear_of, freely, zone_before
+from home_mjx.datasets.homes.furnish.space.spots import GAP, HUNG, add, backed, clear_of, freely, place, zone_before
 from home_mjx.datasets.homes.furnish.space.turned import turned
 from home_mjx.datasets.homes.taste.kinds import models_of
 from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
@@ -16,6 +17,7 @@ from home_mjx.datasets.procedural.floor_plan.rooms import Wall
 from home_mjx.datasets.procedural.floor_plan.walls import FLOOR_TOP, HALF
 
 UNDER, RAIL = 1.45, 1.2  # [m], undersides of wall cabinets and of what hangs between them and the counter
+ENDS = 0.25  # [m], between the side of a unit in a corner and that of the cabinet above it
 HOOD_ROOM = 2.44  # [m], where hoods end
 # The kinds of a row from one end, longer rows first.
 ROWS = (
@@ -107,6 +109,8 @@ def _above(room: Room, row: Sequence[PlacedFurniture]) -> None:
     shelf = room.chance(0.2)
     cabinets = [room.object("wall_shelf" if shelf else "wall_cabinet") for _ in range(2)]
     narrow = [room.style.instance(model, room.look) for model in models_of("wall_cabinet")[:2]]
+    if not shelf:
+        _corner_cabinet(room, row)
     for unit in row:
         if unit.size[1] > 1.25:
             continue
@@ -118,6 +122,16 @@ def _above(room: Room, row: Sequence[PlacedFurniture]) -> None:
         for item in (cabinets[int(room.rng.integers(2))], *cabinets, *narrow):
             if item.size[0] < unit.size[0] + 0.01 and above(room, unit, item, UNDER):
                 break
+
+
+def _corner_cabinet(room: Room, row: Sequence[PlacedFurniture]) -> None:
+    """A wall cabinet in the corner where a row begins or ends, over one of its units."""
+    item = room.object("corner_wall_cabinet")
+    for spot in corner_spots(room, item, FLOOR_TOP + UNDER, HUNG):
+        placed = item.at(*spot)
+        below = [unit for unit in row if unit.size[1] < 1.0 and unit.model.family != "cooker"]
+        if any((abs(placed.box - unit.box)[:, [0, 2]] < ENDS).any(axis=0).all() for unit in below):
+            place(room, placed)
 
 
 def _counters(room: Room, row: Sequence[PlacedFurniture], bases: Sequence[PlacedFurniture]) -> None:

@@ -1,11 +1,12 @@
 """Living rooms."""
 
-import itertools
 from collections.abc import Iterator
+from itertools import islice
 
 import numpy as np
 
 from home_mjx.datasets.homes.furnish.rooms.dining import dining_set
+from home_mjx.datasets.homes.furnish.space.corners import across_corner, add_corner, corner_spots
 from home_mjx.datasets.homes.furnish.space.hung import above, hang_kind, pictures, windows
 from home_mjx.datasets.homes.furnish.space.on_top import on_top, some
 from home_mjx.datasets.homes.furnish.space.room import Room
@@ -49,6 +50,10 @@ ON_TABLE = (
     ("plates", 0.12),
     ("bottle", 0.12),
 )
+ON_STAND = (
+    *(("soundbar", 0.4), ("playstation", 0.15), ("xbox", 0.15), ("small_plant", 0.3), ("photo", 0.3)),
+    *(("ornament", 0.2), ("box_speaker", 0.2)),
+)
 ON_SIDE = (("cup", 0.4), ("book", 0.4), ("cellphone", 0.25), ("photo", 0.4), ("small_plant", 0.3), ("telephone", 0.25))
 ON_CHEST = (
     *(("table_vase", 0.5), ("photo", 0.5), ("figure", 0.45), ("candle", 0.3), ("table_clock", 0.3)),
@@ -65,7 +70,7 @@ def living_room(room: Room) -> None:
         some(room, fire, ON_CHEST, 3)
         if fire and room.chance(0.5):
             add(room, "log_basket")
-    sofa, table = lounge(room)
+    sofa, table = (corner_lounge(room) if room.chance(0.3) else None) or lounge(room)
     if sofa is not None and table is not None:
         around(room, sofa, table)
     elif sofa is not None:
@@ -86,10 +91,14 @@ def extras(room: Room) -> None:
     if room.likes("pets", 0.4):
         scattered(room, "pet")
     add(room, "fish_tank", 0.5, 0.12)
+    if room.likes("travel", 0.25):
+        add(room, str(room.rng.choice(["tripod", "magazine_rack"])))
     if room.likes("children", 0.5):
         for _ in range(1 + int(room.rng.integers(3))):
             scattered(room, "floor_toy")
-    for kind, probability in (("bar_cart", 0.12), ("armchair", 0.2), ("tall_clock", 0.08), ("screen", 0.06)):
+    add_corner(room, "corner_shelf", 0.15)
+    add_corner(room, "armchair", 0.1, across_corner)
+    for kind, probability in (("bar_cart", 0.12), ("armchair", 0.12), ("tall_clock", 0.08), ("screen", 0.06)):
         add(room, kind, 0.3, probability)
     some(room, add(room, "open_shelf", 0.3, 0.1), (("stereo_set", 0.9), ("books", 0.5)), 2)
     for kind, probability in (("floor_speaker", 0.25), ("magazine_rack", 0.2), ("standing_cooler", 0.04)):
@@ -100,7 +109,9 @@ def extras(room: Room) -> None:
     hang_kind(room, "wall_shelf", 1.4, 0.3)
     for _ in range(2):
         hang_kind(room, "wall_lamp", 1.65, 0.25)
-    pictures(room, 4)
+    if room.likes("art", 0.5):
+        hang_kind(room, "wall_ornament", 1.3)
+    pictures(room, 7 if "art" in room.style.interests else 4)
 
 
 def greenery(room: Room, probability: float, most: int) -> None:
@@ -118,14 +129,43 @@ def lounge(room: Room) -> tuple[PlacedFurniture | None, PlacedFurniture | None]:
             sofa, table = room.object(kind), room.object("coffee_table")
             for spot in _walls(room, stand)[:14]:
                 if group := _group(room, spot, sofa, table, hung):
-                    some(room, spot, (("soundbar", 0.4), ("playstation", 0.15), ("xbox", 0.15), ("small_plant", 0.3),
-                                      ("photo", 0.3), ("ornament", 0.2), ("box_speaker", 0.2)), 3)  # fmt: skip
+                    some(room, spot, ON_STAND, 3)
                     return group
     return fit(room, "two_seater", lambda item: against_wall(room, item, 0.5)), None
 
 
+def corner_lounge(room: Room) -> tuple[PlacedFurniture, PlacedFurniture] | None:
+    """A sofa along two walls, a table between its wings, a television at the wall before it."""
+    sofa, table = room.object("corner_sofa"), room.object("coffee_table")
+    hand = -1.0 if sofa.mirrored else 1.0
+    for spot in corner_spots(room, sofa):
+        placed = sofa.at(*spot)
+        x, z = placed.beside(0.36 * hand, 0.36)
+        low = table.at(x, FLOOR_TOP, z, placed.quarter)
+        if not clear_of(low, (placed,)):
+            continue
+        for stand in _before(room, placed, hand):
+            screen = _screen(room, stand, room.chance(0.3))
+            group = [placed, low, stand, *([screen] if screen else [])]
+            if screen and clear_of(low, (stand, screen)) and room.put(group, [zone_before(stand, 0.55)], views=True):
+                some(room, stand, ON_STAND, 3)
+                return placed, low
+    return None
+
+
+def _before(room: Room, sofa: PlacedFurniture, hand: float) -> Iterator[PlacedFurniture]:
+    """Stands at the wall that a corner sofa faces, before its long seat."""
+    for stand in _stands(room):
+        for spot in _walls(room, stand):
+            away = np.subtract((spot.position[0], spot.position[2]), (sofa.position[0], sofa.position[2]))
+            way = np.array(ahead(sofa))
+            aside = hand * float(away @ np.array([way[1], -way[0]]))
+            if spot.quarter == (sofa.quarter + 2) % 4 and 1.2 < away @ way < 4.5 and abs(aside - 0.3) < 0.6:
+                yield spot
+
+
 def _stands(room: Room) -> Iterator[PlacedFurniture]:
-    yield from itertools.islice(room.options("low_tv_stand"), 3)
+    yield from islice(room.options("low_tv_stand"), 3)
 
 
 def _walls(room: Room, stand: PlacedFurniture) -> list[PlacedFurniture]:
@@ -213,6 +253,9 @@ def around(room: Room, sofa: PlacedFurniture, table: PlacedFurniture) -> None:
             some(room, placed, ON_SIDE, 2)
     if room.chance(0.6):
         above(room, sofa, room.object("picture"), 1.25)
+    for interest, kind in (("games", "chessboard"), ("travel", "magazine"), ("books", "books"), ("art", "figure")):
+        if room.likes(interest, 0.3):
+            on_top(room, table, kind)
     some(room, table, ON_TABLE, 1 + int(room.rng.integers(5)))
     if room.chance(0.25):
         scattered(room, "ottoman")

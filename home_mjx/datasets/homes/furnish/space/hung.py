@@ -71,7 +71,7 @@ def switches(room: Room) -> None:
         low, high = wall.span[0] + HALF + float(item.size[0]), wall.span[1] - HALF - float(item.size[0])
         places = [door.position[2 * wall.axis] + side * away for side in (latch, -latch)]
         spots = at_wall(item, wall, [at for at in places if low < at < high], FLOOR_TOP + 1.05, HUNG)
-        first(room, item, spots, views=False)
+        first(room, item, spots)  # not before a window
 
 
 def sockets(room: Room) -> None:

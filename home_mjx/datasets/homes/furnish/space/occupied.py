@@ -39,13 +39,15 @@ def meet(boxes: Boxes, others: Boxes, tolerance: float = TOLERANCE) -> bool:
     """Whether one of some boxes enters one of others."""
     if not len(boxes) or not len(others):
         return False
-    near = np.ones(len(others), bool)
-    for axis in range(3):  # by columns: that takes half of the time
-        near &= others[:, 0, axis] < boxes[:, 1, axis].max() - tolerance
-        near &= others[:, 1, axis] > boxes[:, 0, axis].min() + tolerance
-    if not near.any():
-        return False
+    low, high = boxes[0] if len(boxes) == 1 else (boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0))
+    (x0, y0, z0), (x1, y1, z1) = (low + tolerance).tolist(), (high - tolerance).tolist()
+    # By columns, and across the floor first: that takes a third of the time.
+    near = (others[:, 0, 0] < x1) & (others[:, 1, 0] > x0)
+    near &= (others[:, 0, 2] < z1) & (others[:, 1, 2] > z0)
+    near &= (others[:, 0, 1] < y1) & (others[:, 1, 1] > y0)
     found = others[near]
+    if not len(found):
+        return False
     depth = np.minimum(boxes[:, None, 1], found[:, 1]) - np.maximum(boxes[:, None, 0], found[:, 0])
     return bool((depth.min(axis=-1) > tolerance).any())
 

@@ -5,13 +5,14 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 import numpy as np
 
 from home_mjx.datasets.homes.furnish.space.occupied import Boxes, Store, hull, is_flat, meet, upright
-from home_mjx.datasets.homes.furnish.space.shell import column, cut_off, landings, sight, wall_box
+from home_mjx.datasets.homes.plan.openings.bounds import column, sight
+from home_mjx.datasets.homes.plan.openings.passage import bounds, floor_grid
 from home_mjx.datasets.homes.plan.openings.turned import TurnedWindow
 from home_mjx.datasets.homes.plan.shape.storeys import Stairwell
 from home_mjx.datasets.homes.taste import Style
 from home_mjx.datasets.procedural.floor_plan.openings import HousePlan
 from home_mjx.datasets.procedural.floor_plan.placed import Box, PlacedFurniture
-from home_mjx.datasets.procedural.floor_plan.walking import FLAT, HEAD, WalkingGrid
+from home_mjx.datasets.procedural.floor_plan.walking import FLAT, HEAD
 from home_mjx.datasets.procedural.floor_plan.walls import FLOOR_TOP
 
 ACCESS = 0.9  # [m], depth of the floor before stairs that stays free
@@ -45,25 +46,15 @@ class Room:
         self.openings = plan.openings_of(index)
         self.windows = [o.placed for o in self.openings if not o.is_door and not isinstance(o.placed, TurnedWindow)]
         self.doors = [o.placed for o in self.openings if o.is_door]
-        walls = [wall_box(wall, plan.height) for wall in self.plan.walls]
-        steps = [] if stairs is None else [column(stairs, 0.0, plan.height)]
-        corners = list(cut_off(self.plan, plan.height))
+        walls = bounds(self.plan, plan.height, stairs)
         parts = [part for opening in self.openings for part in opening.placed.parts]
-        self.solid = Store([*walls, *steps, *corners, *parts])
+        self.solid = Store([*walls, *parts])
         before = [] if stairs is None else [column(stairs, ACCESS, plan.height)]
         passages = [o.passage for o in self.openings if o.is_door]
         self.clear = Store([*passages, *before])
         self.views = Store([sight(o.placed.box) for o in self.openings if not o.is_door])
-        self._flat = Store([upright(box) for box in (*walls, *steps, *corners, *passages)])
-        ways = [door.beside(0.0, side * 0.5) for door in self.doors for side in (-1, 1)]
-        self.grid = WalkingGrid(
-            self.plan, [*walls, *steps, *corners, *parts], [*ways, *([] if stairs is None else landings(stairs))]
-        )
-
-    @property
-    def passable(self) -> bool:
-        """Whether one gets from every door to every other; open leaves may block even an empty room."""
-        return self.grid.stays_connected([])
+        self._flat = Store([upright(box) for box in (*walls, *passages)])
+        self.grid = floor_grid(self.plan, self.openings, stairs)
 
     def chance(self, probability: float) -> bool:
         """A biased coin."""

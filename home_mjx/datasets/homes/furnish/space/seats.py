@@ -52,8 +52,8 @@ def seated(room: Room, table: PlacedFurniture, chair: PlacedFurniture, count: in
             spot = _pulled(chair, (x, z), way, tuck - shallower, turn)
             if clear_of(spot, (table, *done)):
                 done.append(spot)
+                yield spot
                 break
-    yield from done
 
 
 def _pulled(chair: PlacedFurniture, edge: Sequence[float], way: float, tuck: float, turn: float) -> PlacedFurniture:

@@ -9,7 +9,7 @@ from home_mjx.datasets.homes.furnish.space.occupied import TOLERANCE, Boxes, hul
 from home_mjx.datasets.homes.furnish.space.room import Companions, Room, alone
 from home_mjx.datasets.homes.furnish.space.turned import askew
 from home_mjx.datasets.procedural.floor_plan.placed import FACING, Box, PlacedFurniture, quarter_towards
-from home_mjx.datasets.procedural.floor_plan.rooms import Wall
+from home_mjx.datasets.procedural.floor_plan.rooms import Rect, Wall
 from home_mjx.datasets.procedural.floor_plan.walls import FLOOR_TOP, HALF
 
 GAP = 0.01  # [m], between furniture and a wall
@@ -52,9 +52,16 @@ def place(
 ) -> PlacedFurniture | None:
     """Places a thing where it is, with its companions and a free zone in front of it."""
     zones = [zone_before(item, front)] if front else []
-    if meet(hull(item), room.solid.boxes) or meet(np.array(zones).reshape(-1, 2, 3), room.solid.boxes):
+    if companions is alone:
+        return item if room.put([item], zones, views) else None
+    if meet(np.concatenate([hull(item), *(zone[None] for zone in zones)]), room.solid.boxes):
         return None
-    return item if room.put([item, *companions(item)], zones, views) else None
+    group = [item]
+    for one in companions(item):  # one by one: making them takes longer than seeing that the first is in the way
+        if meet(hull(one), room.solid.boxes) or meet(hull(one), room.clear.boxes):
+            return None
+        group.append(one)
+    return item if room.put(group, zones, views) else None
 
 
 def first(
@@ -85,6 +92,8 @@ def _unblocked(room: Room, spots: Sequence[Spot], turned: Mapping[int, Boxes]) -
         quarter: boxes[np.argsort(-np.ptp(boxes, axis=1).prod(axis=1))[:CORE]] for quarter, boxes in turned.items()
     }
     boxes = np.stack([cores[spot[3]] for spot in spots]) + np.array([spot[:3] for spot in spots])[:, None, None]
+    low, high = boxes[..., 0, :].min(axis=(0, 1)), boxes[..., 1, :].max(axis=(0, 1))
+    taken = taken[((taken[:, 0] < high) & (taken[:, 1] > low)).all(axis=1)]  # near any of the spots
     busy = np.ones((*boxes.shape[:2], len(taken)), bool)
     for axis in range(3):
         busy &= boxes[..., None, 0, axis] + TOLERANCE < taken[:, 1, axis]
@@ -171,11 +180,23 @@ def freely(
     return first(room, item, [spots[i] for i in (order[:MOST] if around else order)], 0.0, companions)
 
 
+def somewhere(room: Room, inset: float) -> tuple[float, float, Rect]:
+    """A point at random in one of the rectangles of a room, and that; where it is narrow, on its middle line.
+
+    Args:
+        room: Where.
+        inset: Least distance to the rectangle's sides where it is wide enough [m].
+    """
+    rect = room.plan.rects[int(room.rng.integers(len(room.plan.rects)))]
+    half = np.array(rect.sides) / 2
+    x, z = room.rng.uniform(-1, 1, 2) * np.maximum(half - inset, 0.0) + np.array([rect.x0, rect.z0]) + half
+    return float(x), float(z), rect
+
+
 def scattered(room: Room, kind: str, tries: int = 6) -> PlacedFurniture | None:
     """Lets a small thing lie anywhere on the floor, turned at random."""
     for _ in range(tries):
-        rect = room.plan.rects[int(room.rng.integers(len(room.plan.rects)))]
-        x, z = room.rng.uniform([rect.x0 + 0.3, rect.z0 + 0.3], [rect.x1 - 0.3, rect.z1 - 0.3]).tolist()
+        x, z, _ = somewhere(room, 0.3)
         item = askew(room.object(kind).at(x, FLOOR_TOP, z), float(room.rng.uniform(-np.pi, np.pi)))
         if placed := place(room, item):
             return placed

@@ -45,24 +45,19 @@ def _covered(points: Float[np.ndarray, "p 3"], parts: Float[np.ndarray, "q 2 3"]
 
 
 @cache
-def sole_of(model_id: str) -> tuple[float, float, float, float]:
-    """Bounds x0, z0, x1, z1 of what a model stands on [m]."""
+def sole_of(model_id: str) -> Float[np.ndarray, "9 3"]:
+    """Corners, middles of the sides and the middle of what a model stands on [m]."""
     vertices = library_model(model_id).mesh.vertices
     low = vertices[vertices[:, 1] < vertices[:, 1].min() + SOLE][:, [0, 2]]
     (x0, z0), (x1, z1) = low.min(axis=0).tolist(), low.max(axis=0).tolist()
-    return x0, z0, x1, z1
-
-
-def _sole_points(item: PlacedFurniture) -> Float[np.ndarray, "9 3"]:
-    """Corners, middles of the sides and the middle of what a thing stands on [m]."""
-    x0, z0, x1, z1 = sole_of(item.model.id)
-    grid = [[x, 0.0, z] for x in (x0, (x0 + x1) / 2, x1) for z in (z0, (z0 + z1) / 2, z1)]
-    return np.array(grid) @ item.linear.T + item.position
+    return np.array([[x, 0.0, z] for x in (x0, (x0 + x1) / 2, x1) for z in (z0, (z0 + z1) / 2, z1)])
 
 
 def carries(anchor: PlacedFurniture, top: Top, item: PlacedFurniture) -> bool:
     """Whether all of a thing's sole is above a surface."""
-    local = (_sole_points(item) - anchor.position) @ np.linalg.inv(anchor.linear).T
+    points = sole_of(item.model.id) @ item.linear.T + np.subtract(item.position, anchor.position)
+    # Columns of a rotation times a scale: the transpose over their squared lengths is its inverse.
+    local = points @ anchor.linear / (anchor.linear**2).sum(axis=0)
     return bool(_inside(local[:, [0, 2]], top.triangles).any(axis=1).all())
 
 

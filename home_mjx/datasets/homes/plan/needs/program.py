@@ -16,6 +16,7 @@ LEVELS = (0.766, 0.186, 0.048)  # of homes with 1, 2 and 3 storeys
 ROOMS = {3: 3, 4: 7, 5: 10, 6: 12, 7: 14, 8: 14, 9: 13, 10: 10, 11: 7, 12: 5, 13: 3, 14: 2}
 MOST, LEAST = 14, 3
 LEAST_STAIRS = 5  # rooms of a floor that has stairs
+LARGER = 5  # numbers of rooms, from that on, that small homes of several storeys have instead
 
 # Further rooms of a home on one floor, by weight; those that stand twice may come twice.
 MORE = (
@@ -96,7 +97,9 @@ def draw_program(rng: np.random.Generator) -> Program:
     storeys = 1 + int(rng.choice(3, p=LEVELS))
     weights = np.array(list(ROOMS.values()), float)
     count = int(rng.choice(list(ROOMS), p=weights / weights.sum()))
-    return Program(ground_rooms(rng, max(count, LEAST_STAIRS) if storeys > 1 else count, storeys), storeys)
+    if storeys > 1 and count < LEAST_STAIRS:
+        count = LEAST_STAIRS + int(rng.integers(LARGER))  # not all of the same few rooms, or some would be alike
+    return Program(ground_rooms(rng, count, storeys), storeys)
 
 
 def ground_rooms(rng: np.random.Generator, count: int, storeys: int = 1) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from home_mjx.datasets.homes.plan.needs.wants import LINKS, OUTDOORS, TO_PRIVATE
+from home_mjx.datasets.homes.plan.openings.passage import is_passable
 from home_mjx.datasets.homes.plan.openings.sites import inner_sites, outer_sites
 from home_mjx.datasets.homes.plan.shape.cut_rooms import beside_cut
 from home_mjx.datasets.homes.plan.shape.storeys import Storey
@@ -18,6 +19,8 @@ from home_mjx.datasets.procedural.primitives.family import Furniture
 MORE = 0.45  # chance of a second way between common rooms
 ENTRANCE = ("Entryway", "Hall", "Lobby", "Hallway", "Living_Room")
 PRIVATE = 10
+GRAND = ("Hallway", "Hall", "Lobby", "Living_Room", "Dining_Room")
+DOUBLE = 0.4  # chance of a double door between two of them
 
 
 class Models(NamedTuple):
@@ -26,6 +29,8 @@ class Models(NamedTuple):
     door: Furniture
     glazed: Furniture  # of doors to balconies
     garage_door: Furniture
+    entry: Furniture  # of the entrance
+    double: Furniture  # between rooms for guests, in some homes
 
 
 def rank(kind: str) -> int:
@@ -63,12 +68,26 @@ class DoorPlan:
         return False
 
     def fit(self, site: Site) -> Opening | None:
-        """A door in a stretch of wall, near an end of it, whose leaf and passage keep clear of other doors.
+        """A door in a stretch of wall, near an end of it, whose leaves and passage keep clear of other doors.
 
-        The leaf swings into the more private room, against the nearer wall; a door to the outside is shut.
+        It swings into the more private room, against the nearer wall; a door to the outside is shut.
         """
+        return next((door for model in self._models(site) if (door := self._fit(site, model))), None)
+
+    def _models(self, site: Site) -> Iterator[Furniture]:
+        """Those that a door may be of, the best first."""
+        kinds = [self.kind(room) for room in site.rooms]
+        if any(kind in OUTDOORS for kind in kinds):
+            yield self.models.glazed
+            return
+        if len(kinds) == 1:
+            yield self.models.entry
+        elif all(kind in GRAND for kind in kinds) and self.rng.random() < DOUBLE:
+            yield self.models.double
+        yield self.models.door
+
+    def _fit(self, site: Site, model: Furniture) -> Opening | None:
         outdoors = [room for room in site.rooms if self.kind(room) in OUTDOORS]
-        model = self.models.glazed if outdoors else self.models.door
         inside = max((r for r in site.rooms if r not in outdoors), key=lambda r: rank(self.kind(r)))
         swing = site.wall.normal if inside == site.rooms[0] else -site.wall.normal
         owners = (inside, *(room for room in site.rooms if room != inside))
@@ -86,7 +105,11 @@ class DoorPlan:
     def _free(self, door: Opening) -> bool:
         boxes = stack([other.placed.box for other in self.doors])
         passages = stack([other.passage for other in self.doors])
-        return not overlaps(door.placed.box, passages).any() and not overlaps(door.passage, boxes).any()
+        if overlaps(door.placed.box, passages).any() or overlaps(door.passage, boxes).any():
+            return False
+        inside = door.rooms[0]
+        others = [other for other in self.doors if inside in other.rooms]
+        return is_passable(self.rooms[inside], [*others, door])
 
 
 def _positions(rng: np.random.Generator, span: tuple[float, float], width: float) -> Iterator[float]:

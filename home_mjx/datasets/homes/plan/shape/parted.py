@@ -12,7 +12,7 @@ from home_mjx.datasets.homes.plan.shape.shell import (
     cell_of,
     closed,
     deal,
-    lay_row,
+    lay_rows,
 )
 
 SHALLOW, DEEP = (2.9, 3.6), (4.8, 5.8)  # [m], of rows
@@ -24,7 +24,7 @@ def draw_parted(rng: np.random.Generator, types: Sequence[str], stairs: bool) ->
     across = snap(rng.uniform(1.3, 1.7) if not stairs else rng.uniform(1.4, 2.0))
     deep, shallow = snap(rng.uniform(*DEEP)), snap(rng.uniform(*SHALLOW))
     depths = (deep, shallow, deep) if rng.random() < U_SHAPED else (shallow, deep, shallow)
-    behind = snap(rng.uniform(3.0, 3.4) if stairs else rng.uniform(2.6, 4.2))
+    behind = snap(rng.uniform(3.0, 3.8) if stairs else rng.uniform(2.6, 4.2))
     halves = deal(rng, [cell_of(rng, kind) for kind in types], (sum(depths) / 3, behind))
     if halves is None or len(halves[0]) < 3 or not halves[1]:
         return None
@@ -44,4 +44,5 @@ def draw_parted(rng: np.random.Generator, types: Sequence[str], stairs: bool) ->
         for low, high, depth, part in zip(ends, ends[1:], depths, parts, strict=False)
     ]
     rows.append((Row(0, -1, 0.0, 0.0, snap(ends[-1]), behind), back))
-    return closed(rng, [lay_row(row, cells) for row, cells in rows], across, snap(ends[-1]), None)
+    laid = lay_rows(rows)
+    return None if laid is None else closed(rng, laid, across, snap(ends[-1]), None)

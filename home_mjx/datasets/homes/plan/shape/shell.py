@@ -4,7 +4,7 @@ Lengths are drawn from the rooms of the ground floor. Coordinates are local: the
 on either side; a wing has a hall along z that begins between two rooms of the row on the side of growing z.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -80,7 +80,7 @@ def deal(rng: np.random.Generator, cells: Sequence[Cell], depths: Sequence[float
 def draw_straight(rng: np.random.Generator, types: Sequence[str], stairs: bool) -> Draft | None:
     """One attempt at a ground floor with one hall; None if it fails."""
     across = snap(rng.uniform(1.3, 1.7) if not stairs else rng.uniform(1.4, 2.0))
-    depths = [snap(rng.uniform(3.4, 4.8)), snap(rng.uniform(3.0, 3.4) if stairs else rng.uniform(2.5, 4.2))]
+    depths = [snap(rng.uniform(3.4, 4.8)), snap(rng.uniform(3.0, 3.8) if stairs else rng.uniform(2.5, 4.2))]
     cells, block = _take_block(rng, [cell_of(rng, kind) for kind in types], across, depths)
     rows = deal(rng, cells, depths)
     if rows is None or not all(rows):
@@ -92,11 +92,9 @@ def draw_straight(rng: np.random.Generator, types: Sequence[str], stairs: bool) 
         rows[i].insert(int(rng.integers(min(2, len(rows[i])) + 1)), Cell(FOYER, rng.uniform(1.6, 2.2) * depths[i]))
     length = _lengths(rows, depths)
     bases, signs = (across, 0.0), (1, -1)
-    laid = [
-        lay_row(Row(0, signs[i], bases[i], 0.0, length[i], depths[i], _step(rng, length[i], depths[i])), rows[i])
-        for i in range(2)
-    ]
-    return closed(rng, laid, across, max(length), block)
+    lines = [Row(0, signs[i], bases[i], 0.0, length[i], depths[i], _step(rng, length[i], depths[i])) for i in range(2)]
+    laid = lay_rows(zip(lines, rows, strict=True))
+    return None if laid is None else closed(rng, laid, across, max(length), block)
 
 
 def _take_block(
@@ -159,6 +157,17 @@ def lay_row(row: Row, cells: Sequence[Cell]) -> Laid | None:
     return row, [*first, *second], row.rect(at, at + STAIRS_WIDTH, 0.0, row.depth)
 
 
+def lay_rows(pairs: Iterable[tuple[Row, Sequence[Cell]]]) -> list[Laid] | None:
+    """Several rows; None at the first that cannot be laid."""
+    found = []
+    for row, cells in pairs:
+        laid = lay_row(row, cells)
+        if laid is None:
+            return None
+        found.append(laid)
+    return found
+
+
 def _with_step(row: Row, rooms: Sequence[Placed] | None) -> Row:
     step = row.step
     if step is None or rooms is None:
@@ -179,23 +188,20 @@ def needed(laid: Laid) -> float:
 
 def closed(
     rng: np.random.Generator,
-    laid: Sequence[Laid | None],
+    known: Sequence[Laid],
     across: float,
     end: float,
     block: tuple[Cell, Rect] | None,
-) -> Draft | None:
+) -> Draft:
     """The storey of rows along one hall, which ends where its last rooms are reached, or goes on to the outer wall.
 
     Args:
         rng: Source of randomness.
-        laid: The rows, as `lay_row` gives them.
+        known: The rows, as `lay_rows` gives them.
         across: Width of the hall [m].
         end: Where the longest row ends [m].
         block: The room before the other end of the hall, and its place.
     """
-    if any(one is None for one in laid):
-        return None
-    known = [one for one in laid if one is not None]
     rows = [row for row, _, _ in known]
     stop = snap(max(needed(one) for one in known))
     takers = [

@@ -197,14 +197,14 @@ def _rooms(
     rects = [place(rect) for rect in hall] + ([well.rect] if well else [])
     rooms = [RoomPlan(hall_kind, tuple(rects))]
     rooms += [RoomPlan(kind, tuple(place(r) for r in rects)) for kind, rects in draft.rooms if kind != FOYER]
-    return tuple(rooms) if all(is_simple(room) for room in rooms) and not _overlapping(rooms) else None
+    return tuple(rooms) if not _overlapping(rooms) and all(is_simple(room) for room in rooms) else None
 
 
 def is_simple(room: RoomPlan) -> bool:
     """Whether the outline of a room is one loop around all of it, without tiny walls."""
     x, z = room.polygon.T
     area = abs((x * np.roll(z, -1) - np.roll(x, -1) * z).sum()) / 2
-    if len(np.unique(room.polygon, axis=0)) < len(x):  # a loop around one of several parts, again and again
+    if len({(a, b) for a, b in room.polygon.tolist()}) < len(x):  # a loop around one of several parts, again and again
         return False
     return bool(abs(area - room.area) < 1e-3 and min(wall.length for wall in room.walls) > TINY)
 

@@ -14,7 +14,7 @@ from home_mjx.datasets.homes.plan.shape.shell import (
     Shell,
     cell_of,
     deal,
-    lay_row,
+    lay_rows,
     needed,
 )
 from home_mjx.datasets.procedural.floor_plan.rooms import Rect
@@ -23,7 +23,7 @@ from home_mjx.datasets.procedural.floor_plan.rooms import Rect
 def draw_winged(rng: np.random.Generator, types: Sequence[str], stairs: bool) -> Draft | None:
     """One attempt at a ground floor in the shape of an L or a T; None if it fails."""
     across, aside = (snap(rng.uniform(1.3, 1.7)) for _ in range(2))
-    depths = [snap(rng.uniform(3.4, 4.6)), snap(rng.uniform(3.0, 3.4) if stairs else rng.uniform(2.6, 4.4))]
+    depths = [snap(rng.uniform(3.4, 4.6)), snap(rng.uniform(3.0, 3.8) if stairs else rng.uniform(2.6, 4.4))]
     wings = [snap(rng.uniform(3.0, 4.4)) for _ in range(2)]
     cells = sorted((cell_of(rng, kind) for kind in types), key=lambda c: WANTS[c.type].zone + rng.uniform(-0.15, 0.15))
     cut = round(len(cells) * rng.uniform(0.5, 0.7))
@@ -53,15 +53,12 @@ def draw_winged(rng: np.random.Generator, types: Sequence[str], stairs: bool) ->
         (Row(1, -1, gap, begins[0], stops[0], wings[0]), wing[0]),
         (Row(1, 1, snap(gap + aside), begins[1], stops[1], wings[1]), wing[1]),
     ]
-    laid = [lay_row(row, cells) for row, cells in rows if cells]
-    return _joined(laid, across, (gap, snap(gap + aside)))
+    laid = lay_rows((row, cells) for row, cells in rows if cells)
+    return None if laid is None else _joined(laid, across, (gap, snap(gap + aside)))
 
 
-def _joined(laid: Sequence[Laid | None], across: float, gap: tuple[float, float]) -> Draft | None:
+def _joined(known: Sequence[Laid], across: float, gap: tuple[float, float]) -> Draft:
     """The storey of the rows along both halls; each hall ends where its last rooms are reached."""
-    known = [one for one in laid if one is not None]
-    if len(known) < len(laid):
-        return None
     ends = [max(needed(one) for one in known if one[0].axis == axis) for axis in (0, 1)]
     right, top = snap(max(ends[0], gap[1])), snap(ends[1])
     hall = (Rect(0.0, 0.0, right, across), Rect(gap[0], across, gap[1], top))

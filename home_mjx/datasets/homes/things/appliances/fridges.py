@@ -5,8 +5,9 @@ from collections.abc import Iterator
 from home_mjx.datasets.homes.shapes.curves import fillet
 from home_mjx.datasets.homes.shapes.soft import rounded
 from home_mjx.datasets.homes.shapes.swept import rod, tube
+from home_mjx.datasets.homes.shapes.turned import turned
 from home_mjx.datasets.homes.things.family import Family, design
-from home_mjx.datasets.homes.things.joinery import corners, disc
+from home_mjx.datasets.homes.things.joinery import corners, disc, front, legs
 from home_mjx.datasets.procedural.primitives.solids import Solid, box, cylinder
 
 
@@ -106,15 +107,74 @@ def wine_cooler() -> Iterator[Solid]:
     yield rod("chrome", (0.22, 0.5, 0.3), (0.22, 0.9, 0.3), 0.009)
 
 
+def integrated(width: float = 0.6, height: float = 1.98) -> Iterator[Solid]:
+    """Behind the fronts of the kitchen, with a grille below."""
+    yield box("black", (width - 0.02, 0.1, 0.5), (0.0, 0.0, -0.03))
+    for i in range(8):
+        yield box("steel", (0.02, 0.06, 0.006), ((i - 3.5) * 0.06, 0.02, 0.222))
+    yield box("paint", (width, height - 0.1, 0.56), (0.0, 0.1, -0.03))
+    for low, high, up in ((0.1, 0.75, 0.85), (0.75, height, 0.15)):
+        corner = (0.003 - width / 2, low + 0.003, 0.25)
+        yield from front("paint", (width - 0.006, high - low), corner, "shaker", ("chrome", "bar", 0.9, up))
+
+
+def display(width: float = 0.7, height: float = 1.95) -> Iterator[Solid]:
+    """A door of glass before lit shelves with food."""
+    for s in (-1, 1):
+        yield box("black", (0.04, height, 0.58), (s * (width - 0.04) / 2, 0.0, 0.0))
+    for y, high in ((0.0, 0.12), (height - 0.16, 0.16)):
+        yield box("black", (width - 0.08, high, 0.58), (0.0, y, 0.0))
+    yield box("white", (width - 0.08, height - 0.28, 0.02), (0.0, 0.12, -0.28))
+    for k in range(4):
+        y = 0.3 + 0.38 * k
+        yield box("glass", (width - 0.09, 0.01, 0.46), (0.0, y, -0.02))
+        for i in range(4):
+            slot = ("green", "red", "yellow", "orange", "cream")[(i + k) % 5]
+            tall = [(0.05, 0.0), (0.055, 0.02), (0.05, 0.14), (0.02, 0.18), (0.02, 0.22)]
+            yield turned(slot, tall, ((i - 1.5) * 0.13, y + 0.01, 0.02), 12, 1)
+    yield box("glass", (width - 0.12, height - 0.34, 0.01), (0.0, 0.15, 0.285))
+    for s in (-1, 1):
+        yield box("steel", (0.04, height - 0.2, 0.03), (s * (width - 0.1) / 2, 0.1, 0.3))
+    yield rod("chrome", (width / 2 - 0.05, 0.7, 0.35), (width / 2 - 0.05, 1.4, 0.35), 0.012)
+    for y in (0.76, 1.34):
+        yield rod("chrome", (width / 2 - 0.05, y, 0.3), (width / 2 - 0.05, y, 0.35), 0.008, sides=6)
+
+
+def ice_box(width: float = 0.66, height: float = 1.4) -> Iterator[Solid]:
+    """Of wood, with small doors, brass hinges and latches."""
+    yield from legs("wood", width, 0.5, 0.14, "taper", 0.06)
+    yield rounded("wood", (width, height - 0.16, 0.5), (0.0, 0.12, 0.0), 0.012, 1)
+    yield rounded("wood", (width + 0.04, 0.03, 0.54), (0.0, height - 0.05, 0.0), 0.01, 2)
+    for x, y, w, h in ((-0.16, 0.16, 0.3, 1.15), (0.16, 0.16, 0.3, 0.62), (0.16, 0.82, 0.3, 0.49)):
+        yield from front("wood_1", (w, h), (x - w / 2, y, 0.25), "raised")
+        for up in (0.15, 0.85):
+            yield rounded("brass", (0.07, 0.03, 0.008), (x - 0.12, y + up * h - 0.015, 0.273), 0.003, 1)
+        yield rounded("brass", (0.05, 0.08, 0.02), (x + 0.13, y + h / 2 - 0.04, 0.275), 0.008, 1)
+
+
+def twin(width: float = 0.96, height: float = 1.86) -> Iterator[Solid]:
+    """A column to cool and one to freeze, with long handles side by side and a screen."""
+    yield box("black", (width - 0.04, 0.08, 0.54), (0.0, 0.0, -0.02))
+    for s in (-1, 1):
+        yield rounded("steel", (width / 2 - 0.008, height - 0.08, 0.6), (s * width / 4, 0.08, -0.02), 0.012, 2)
+        yield rounded("steel", (width / 2 - 0.014, height - 0.1, 0.05), (s * width / 4, 0.09, 0.295), 0.02, 3)
+        yield rounded("chrome", (0.03, 1.2, 0.025), (s * 0.05, 0.35, 0.345), 0.012, 3)
+        for y in (0.42, 1.46):
+            yield rod("chrome", (s * 0.05, y, 0.31), (s * 0.05, y, 0.345), 0.008)
+    yield rounded("screen", (0.22, 0.32, 0.01), (width / 4, 1.2, 0.322), 0.004, 1)
+    for k in range(4):
+        yield box(
+            ("blue", "green", "orange", "gray")[k],
+            (0.07, 0.05, 0.002),
+            (width / 4 + 0.045 * (-1) ** k, 1.27 + 0.09 * (k // 2), 0.3275),
+        )
+
+
 FRIDGES = (
-    design(fridge),
-    design(side_by_side),
-    design(retro),
-    design(french),
-    design(mini),
-    design(wine_cooler),
-    design(fridge, slot="white", split=1.3, height=1.7),
-)
+    design(fridge), design(side_by_side), design(retro), design(french), design(mini), design(wine_cooler),
+    design(fridge, slot="white", split=1.3, height=1.7), design(integrated), design(display), design(ice_box),
+    design(twin),
+)  # fmt: skip
 
 
 FAMILIES = (Family("refrigerator", "refrigerator", FRIDGES),)

@@ -4,14 +4,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from home_mjx.datasets.homes.shapes.curves import loop
+from home_mjx.datasets.homes.shapes.curves import fillet, loop
 from home_mjx.datasets.homes.shapes.soft import between_loops, rounded
-from home_mjx.datasets.homes.shapes.swept import prism, rod
+from home_mjx.datasets.homes.shapes.swept import prism, rod, tube
 from home_mjx.datasets.homes.shapes.turned import turned
 from home_mjx.datasets.homes.things.bath.bowls import tub
 from home_mjx.datasets.homes.things.family import Family, design
 from home_mjx.datasets.homes.things.kitchen.taps import tap
-from home_mjx.datasets.procedural.primitives.solids import Solid, box, move, rotate
+from home_mjx.datasets.procedural.primitives.solids import Solid, box, cylinder, move, rotate
 
 
 def _seat(y: float, z: float, lid: str = "up") -> Iterator[Solid]:
@@ -58,13 +58,69 @@ def toilet(kind: str = "tank") -> Iterator[Solid]:
         yield turned("chrome", [(0.03, 0.0), (0.03, 0.008), (0.02, 0.012)], (0.0, 0.412 + high, -0.28), 18, 1)
 
 
+def skirted(smart: bool = False) -> Iterator[Solid]:
+    """A straight skirt down to the floor; with a panel of buttons beside the seat, or a slim tank."""
+    sides = [(0.0, 0.34, 0.52, 0.0), (0.3, 0.35, 0.54, 0.0), (0.4, 0.37, 0.56, 0.0)]
+    yield tub("ceramic", sides, 0.045, 3.2)
+    yield from _seat(0.4, 0.03, "down")
+    if smart:
+        yield rounded("ceramic", (0.38, 0.14, 0.17), (0.0, 0.39, -0.22), 0.05, 3)
+        yield rounded("gray", (0.05, 0.03, 0.26), (0.205, 0.42, -0.02), 0.01, 2)
+        for i in range(4):
+            yield cylinder("white", 0.012, 0.006, (0.205, 0.448, 0.07 - 0.045 * i), sides=12)
+        return
+    yield rounded("ceramic", (0.37, 0.42, 0.13), (0.0, 0.36, -0.25), 0.015, 2)
+    for s in (-1, 1):
+        yield rounded("chrome", (0.05, 0.008, 0.05), (s * 0.028, 0.778, -0.25), 0.003, 1)
+
+
+def low_tank() -> Iterator[Solid]:
+    """A tank on the wall, joined to the bowl by a bent pipe; a wooden seat."""
+    foot = [(0.0, 0.22, 0.38, 0.0), (0.12, 0.19, 0.32, 0.0), (0.26, 0.28, 0.4, 0.0), (0.4, 0.36, 0.46, 0.0)]
+    yield tub("ceramic", foot, 0.035, 2.4)
+    rims = ((0.37, 0.43, 0.4), (0.37, 0.43, 0.422), (0.24, 0.29, 0.422), (0.24, 0.29, 0.4))
+    seat = [np.insert(loop(wide, deep, 28, 2.3), 1, y, axis=1) for wide, deep, y in rims]
+    yield between_loops("wood", seat, closed=True)
+    yield rounded("ceramic", (0.46, 0.34, 0.16), (0.0, 0.62, -0.33), 0.02, 2)
+    yield rounded("ceramic", (0.48, 0.03, 0.18), (0.0, 0.95, -0.33), 0.012, 2)
+    yield tube("chrome", fillet([(0.0, 0.64, -0.33), (0.0, 0.4, -0.33), (0.0, 0.34, -0.16)], 0.08, 5), 0.022)
+    yield tube("chrome", fillet([(0.2, 0.9, -0.25), (0.2, 0.9, -0.22), (0.13, 0.89, -0.21)], 0.02), 0.007)
+    yield rounded("ceramic", (0.2, 0.3, 0.14), (0.0, 0.0, -0.18), 0.02, 2)
+
+
+def cornered() -> Iterator[Solid]:
+    """With a three-sided tank that fits a corner."""
+    sides = [(0.0, 0.2, 0.34, 0.0), (0.14, 0.2, 0.34, 0.0), (0.28, 0.3, 0.42, 0.0), (0.4, 0.36, 0.46, 0.0)]
+    yield tub("ceramic", sides, 0.035, 2.6)
+    yield from _seat(0.4, 0.0, "down")
+    tank = fillet([(-0.26, -0.22), (0.26, -0.22), (0.26, -0.26), (0.0, -0.48), (-0.26, -0.26)], 0.05, 3, True)
+    yield prism("ceramic", tank, 0.36, (0.0, 0.38, 0.0), "top")
+    yield prism("ceramic", [(1.05 * x, 1.02 * z + 0.005) for x, z in tank], 0.03, (0.0, 0.73, 0.0), "top")
+    yield turned("chrome", [(0.025, 0.0), (0.025, 0.008), (0.016, 0.012)], (0.0, 0.758, -0.3), 18, 1)
+    yield rounded("ceramic", (0.22, 0.38, 0.16), (0.0, 0.0, -0.2), 0.03, 2)
+
+
+def with_rails() -> Iterator[Solid]:
+    """A toilet between two rails to lean on."""
+    yield from toilet("one")
+    for s in (-1, 1):
+        path = [(s * 0.25, 0.02, -0.28), (s * 0.25, 0.7, -0.28), (s * 0.25, 0.7, 0.2), (s * 0.25, 0.02, 0.2)]
+        yield tube("chrome", fillet(path, 0.07, 4), 0.014)
+        yield rounded("black", (0.05, 0.03, 0.28), (s * 0.25, 0.705, -0.04), 0.014, 2)
+        for z in (-0.28, 0.2):
+            yield cylinder("black", 0.022, 0.03, (s * 0.25, 0.0, z), sides=12)
+
+
 def bidet() -> Iterator[Solid]:
     """A low bowl with a tap."""
     yield tub("ceramic", [(0.0, 0.2, 0.34, 0.0), (0.16, 0.22, 0.36, 0.0), (0.38, 0.37, 0.54, 0.0)], 0.05, 2.4)
     yield from (move(p, (0.0, 0.0, 0.0)) for p in tap(0.0, 0.385, -0.22, "lever"))
 
 
-TOILETS = (*(design(toilet, kind=kind) for kind in ("tank", "hung", "high", "one")), design(bidet))
+TOILETS = (
+    *(design(toilet, kind=kind) for kind in ("tank", "hung", "high", "one")), design(bidet), design(skirted),
+    design(skirted, smart=True), design(low_tank), design(cornered), design(with_rails),
+)  # fmt: skip
 
 
 FAMILIES = (Family("toilet", "toilet", TOILETS),)

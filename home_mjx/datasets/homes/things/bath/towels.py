@@ -7,10 +7,12 @@ import numpy as np
 
 from home_mjx.datasets.homes.shapes.curves import fillet
 from home_mjx.datasets.homes.shapes.sheets import sheet
-from home_mjx.datasets.homes.shapes.soft import rounded
+from home_mjx.datasets.homes.shapes.soft import ball, rounded, soft
 from home_mjx.datasets.homes.shapes.swept import prism, ring, rod, tube
+from home_mjx.datasets.homes.shapes.turned import turned
 from home_mjx.datasets.homes.things.family import Family, kinds_of
-from home_mjx.datasets.procedural.primitives.solids import Solid
+from home_mjx.datasets.homes.things.joinery import disc
+from home_mjx.datasets.procedural.primitives.solids import Solid, move, rotate
 
 
 def draped(slot: str, width: float, x: float, y: float, z: float, front: float, back: float) -> Solid:
@@ -82,12 +84,101 @@ def _stand() -> Iterator[Solid]:
             yield rod("brass", (s * 0.3, y, 0.0), (s * 0.3, y, z), 0.008)
 
 
+def _shelved() -> Iterator[Solid]:
+    """A shelf of rods with folded towels, a bar below."""
+    for s in (-1, 1):
+        yield rounded("chrome", (0.014, 0.12, 0.22), (s * 0.3, 0.42, 0.0), 0.005, 1)
+    for k in range(5):
+        yield rod("chrome", (-0.3, 0.53, 0.09 - 0.045 * k), (0.3, 0.53, 0.09 - 0.045 * k), 0.006)
+    for i in range(3):
+        yield soft(f"towel_{i}", (0.3 - 0.02 * i, 0.06, 0.2), (-0.1, 0.536 + 0.055 * i, 0.0), 5.0, 5)
+    yield move(
+        rotate(
+            turned("towel", [(0.05, 0.0), (0.055, 0.02), (0.055, 0.17), (0.05, 0.19)], sides=16, steps=1), 0, np.pi / 2
+        ),
+        (0.17, 0.59, -0.095),
+    )
+    yield rod("chrome", (-0.3, 0.45, 0.08), (0.3, 0.45, 0.08), 0.008)
+    yield draped("towel_1", 0.36, 0.05, 0.45, 0.08, 0.4, 0.34)
+
+
+def _swinging() -> Iterator[Solid]:
+    """Three arms on a hinge at the wall."""
+    yield rounded("chrome", (0.04, 0.22, 0.014), (0.0, 0.4, -0.2), 0.005, 1)
+    yield rod("chrome", (0.0, 0.4, -0.18), (0.0, 0.6, -0.18), 0.009)
+    for k, turn in enumerate((-0.55, 0.0, 0.55)):
+        y = 0.43 + 0.07 * k
+        end = (0.4 * np.sin(turn), y, -0.18 + 0.4 * np.cos(turn))
+        yield rod("chrome", (0.0, y, -0.18), end, 0.008)
+        towel = (rotate(draped(f"towel_{k}", 0.24, 0.0, 0.0, 0.0, 0.3, 0.26), 1, turn - np.pi / 2),)
+        yield from (move(p, (0.24 * np.sin(turn), y, -0.18 + 0.24 * np.cos(turn))) for p in towel)
+
+
+def _rolls() -> Iterator[Solid]:
+    """A column of rings with rolled towels."""
+    for s in (-1, 1):
+        yield rod("brass", (s * 0.09, 0.0, -0.09), (s * 0.09, 0.8, -0.09), 0.007)
+    for k in range(4):
+        y = 0.09 + 0.2 * k
+        yield ring("brass", 0.08, 0.01, (0.0, y, -0.06), 2, 24)
+        yield ring("brass", 0.08, 0.01, (0.0, y, 0.06), 2, 24)
+        yield rod("brass", (0.0, y - 0.08, -0.06), (0.0, y - 0.08, 0.06), 0.004, sides=6)
+        yield move(
+            rotate(
+                turned(f"towel_{k % 3}", [(0.06, 0.0), (0.066, 0.02), (0.066, 0.24), (0.06, 0.26)], sides=18, steps=1),
+                0,
+                np.pi / 2,
+            ),
+            (0.0, y, -0.09),
+        )
+
+
+def _pole() -> Iterator[Solid]:
+    """A pole with bent arms around it on a round foot."""
+    yield turned("iron", [(0.16, 0.0), (0.155, 0.018), (0.02, 0.03)], sides=24, steps=1)
+    yield rod("iron", (0.0, 0.02, 0.0), (0.0, 1.05, 0.0), 0.012, sides=10)
+    yield ball("iron", 0.022, (0.0, 1.06, 0.0), 12, 8)
+    for k in range(3):
+        y, s = 0.6 + 0.2 * k, (-1) ** k
+        yield tube(
+            "iron",
+            fillet(
+                [
+                    (0.0, y, 0.0),
+                    (s * 0.05, y, 0.0),
+                    (s * 0.05, y + 0.0, 0.0),
+                    (s * 0.3, y, 0.0),
+                    (s * 0.3, y + 0.04, 0.0),
+                ],
+                0.015,
+            ),
+            0.008,
+        )
+        yield draped(f"towel_{k}", 0.2, s * 0.17, y, 0.0, 0.34, 0.28)
+
+
+def _warmer() -> Iterator[Solid]:
+    """A flat heated plate of glass with a bar before it."""
+    yield rounded("black", (0.5, 0.95, 0.02), (0.0, 0.0, -0.06), 0.008, 2)
+    for y in (0.3, 0.75):
+        for s in (-1, 1):
+            yield rod("chrome", (s * 0.22, y, -0.05), (s * 0.22, y, 0.02), 0.008)
+        yield tube("chrome", [(-0.25, y, 0.02), (0.25, y, 0.02)], 0.01, 10)
+    yield draped("towel", 0.4, 0.0, 0.75, 0.02, 0.38, 0.3)
+    yield disc("blue", 0.008, 0.004, (0.2, 0.05, -0.05), 12)
+
+
 _TOWEL_RACK_KINDS = {
     "bar": partial(_towel_bar, "bar"),
     "double": partial(_towel_bar, "double"),
     "heated": _heated,
     "ladder": _ladder,
     "stand": _stand,
+    "shelf": _shelved,
+    "swing": _swinging,
+    "rolls": _rolls,
+    "pole": _pole,
+    "plate": _warmer,
 }
 
 
@@ -121,7 +212,9 @@ def towel_hook(kind: str = "ring") -> Iterator[Solid]:
             yield prism(f"towel_{i}", [(0.7 * x + (i - 1) * 0.13, y) for x, y in folds], 0.05, (0.0, 0.0, -0.012))
 
 
+RACKS = ("bar", "heated", "ladder", "stand", "double", "shelf", "swing", "rolls", "pole", "plate")
+
 FAMILIES = (
-    Family("towel_rack", "towel_rack", kinds_of(towel_rack, "bar", "heated", "ladder", "stand", "double")),
+    Family("towel_rack", "towel_rack", kinds_of(towel_rack, *RACKS)),
     Family("towel_hanger", "towel_hanger", kinds_of(towel_hook, "ring", "hooks", "robe")),
 )

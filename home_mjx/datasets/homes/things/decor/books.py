@@ -66,10 +66,20 @@ def books(kind: str = "row", seed: int = 1) -> Iterator[Solid]:
 
 
 def _book(width: float, thick: float, depth: float, slot: str) -> Iterator[Solid]:
-    yield box(slot, (width, 0.003, depth), (0.0, 0.0, 0.0))
-    yield box(slot, (width, 0.003, depth), (0.0, thick - 0.003, 0.0))
-    yield box(slot, (width, thick - 0.006, 0.004), (0.0, 0.003, depth / 2 - 0.002))
-    yield box("paper", (width - 0.012, thick - 0.006, depth - 0.012), (0.0, 0.003, -0.002))
+    """A closed book that lies, its round back towards +z."""
+    turn = np.linspace(-np.pi / 2, np.pi / 2, 7)
+    back = [(depth / 2 - 0.006 + 0.006 * np.cos(a), thick / 2 + thick / 2 * np.sin(a)) for a in turn]
+    inner = [(z - 0.003, thick / 2 + (y - thick / 2) * (1 - 0.006 / thick)) for z, y in back[::-1]]
+    cover = [(-depth / 2, 0.0), *back, (-depth / 2, thick), (-depth / 2, thick - 0.003), *inner, (-depth / 2, 0.003)]
+    yield prism(slot, cover, width, (0.0, 0.0, 0.0), "side")
+    pages = [
+        (-depth / 2 + 0.006, 0.003),
+        *[(z - 0.0005, y) for z, y in inner[::-1]],
+        (-depth / 2 + 0.006, thick - 0.003),
+    ]
+    yield prism("paper", pages, width - 0.012, (0.0, 0.0, 0.0), "side")
+    for k in (-0.3, 0.3):
+        yield box(slot, (0.006, 0.6 * thick, 0.003), (k * width, 0.2 * thick, depth / 2 - 0.001))
 
 
 def magazines(kind: str = "fan") -> Iterator[Solid]:

@@ -1,4 +1,4 @@
-"""Clocks for walls, tables and floors."""
+"""Clocks for walls, and what all clocks share."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -14,7 +14,8 @@ from home_mjx.datasets.homes.things.joinery import disc
 from home_mjx.datasets.procedural.primitives.solids import Solid, box, move, rotate
 
 
-def _face(radius: float, y: float, z: float, numbers: int = 12) -> Iterator[Solid]:
+def face(radius: float, y: float, z: float, numbers: int = 12) -> Iterator[Solid]:
+    """A dial with marks and hands, its middle at (y, z) [m]."""
     yield disc("face", radius, 0.008, (0.0, y, z), 30)
     for i in range(numbers):
         a = 2 * np.pi * i / numbers
@@ -32,7 +33,7 @@ def _face(radius: float, y: float, z: float, numbers: int = 12) -> Iterator[Soli
 
 
 def _rim_clock(kind: str) -> Iterator[Solid]:
-    yield from _face(0.14, 0.16, -0.01)
+    yield from face(0.14, 0.16, -0.01)
     yield ring("brass" if kind == "sun" else "black", 0.15, 0.024, (0.0, 0.16, -0.004), 2, 36)
     if kind == "sun":
         for i in range(16):
@@ -49,10 +50,11 @@ def _rim_clock(kind: str) -> Iterator[Solid]:
 
 def _square_clock() -> Iterator[Solid]:
     yield rounded("wood", (0.3, 0.3, 0.035), (0.0, 0.0, -0.02), 0.03, 3)
-    yield from _face(0.12, 0.15, -0.004, 4)
+    yield from face(0.12, 0.15, -0.004, 4)
 
 
-def _pendulum_clock(kind: str) -> Iterator[Solid]:
+def pendulum_clock(kind: str) -> Iterator[Solid]:
+    """A clock in a wooden case with a pendulum: tall, or for a wall."""
     base = 1.45 if kind == "tall" else 0.42
     if kind == "tall":
         yield rounded("wood", (0.42, 0.3, 0.28), (0.0, 0.0, 0.0), 0.015, 2)
@@ -63,41 +65,12 @@ def _pendulum_clock(kind: str) -> Iterator[Solid]:
         yield rounded("wood", (0.26, 0.62, 0.12), (0.0, 0.0, -0.02), 0.012, 1)
         yield prism("wood", fillet([(-0.16, 0.0), (0.16, 0.0), (0.0, 0.12)], 0.08, 4, True), 0.12, (0.0, 0.62, -0.02))
     z = 0.131 if kind == "tall" else 0.041
-    yield from _face(0.15 if kind == "tall" else 0.1, base, z)
+    yield from face(0.15 if kind == "tall" else 0.1, base, z)
     low = 0.45 if kind == "tall" else 0.1
     zz = 0.1 if kind == "tall" else 0.046
     yield box("black", (0.2 if kind == "tall" else 0.16, base - low - 0.22, 0.006), (0.0, low - 0.03, zz - 0.006))
     yield rod("brass", (0.0, low + 0.06, zz), (0.0, base - 0.24, zz), 0.004, sides=6)
     yield disc("brass", 0.05 if kind == "tall" else 0.035, 0.01, (0.0, low + 0.05, zz), 20)
-
-
-def _alarm() -> Iterator[Solid]:
-    yield disc("bright", 0.065, 0.05, (0.0, 0.085, -0.03), 28)
-    yield from _face(0.055, 0.085, 0.02)
-    for s in (-1, 1):
-        yield rod("chrome", (s * 0.035, 0.03, -0.005), (s * 0.05, 0.0, 0.0), 0.006)
-        yield ball("brass", (0.03, 0.022, 0.03), (s * 0.038, 0.15, -0.005), 12, 6)
-    yield tube("chrome", fillet([(-0.03, 0.155, -0.005), (0.0, 0.19, -0.005), (0.03, 0.155, -0.005)], 0.03), 0.004, 6)
-
-
-def _mantel() -> Iterator[Solid]:
-    shape = fillet(
-        [(-0.2, 0.0), (0.2, 0.0), (0.19, 0.06), (0.1, 0.1), (0.0, 0.28), (-0.1, 0.1), (-0.19, 0.06)], 0.07, 4, True
-    )
-    yield prism("wood", shape, 0.11)
-    yield rounded("wood", (0.44, 0.03, 0.14), (0.0, 0.0, 0.0), 0.008, 1)
-    yield from _face(0.075, 0.13, 0.056)
-
-
-def _digital() -> Iterator[Solid]:
-    yield rounded("black", (0.2, 0.08, 0.06), (0.0, 0.0, 0.0), 0.012, 2)
-    yield box("screen", (0.17, 0.055, 0.004), (0.0, 0.012, 0.03))
-    for k, x in enumerate((-0.06, -0.025, 0.02, 0.055)):
-        for dy, w, h in ((0.0, 0.02, 0.004), (0.018, 0.02, 0.004), (0.036, 0.02, 0.004)):
-            yield box("red", (w, h, 0.002), (x, 0.02 + dy, 0.032))
-        for s in (-1, 1):
-            if (k + s) % 3:
-                yield box("red", (0.004, 0.04, 0.002), (x + s * 0.009, 0.02, 0.032))
 
 
 def _cuckoo() -> Iterator[Solid]:
@@ -107,38 +80,50 @@ def _cuckoo() -> Iterator[Solid]:
         yield rod("brass", (s * 0.04, -0.22, 0.02), (s * 0.04, 0.06, 0.02), 0.002, sides=4)
         yield turned("bark", [(0.012, -0.3), (0.02, -0.26), (0.01, -0.21)], (s * 0.04, 0.0, 0.02), 10, 2)
     yield prism("wood", [(-0.11, 0.28), (0.11, 0.28), (0.0, 0.38)], 0.11, (0.0, 0.0, -0.02))
-    yield from _face(0.07, 0.16, 0.041)
+    yield from face(0.07, 0.16, 0.041)
     yield box("black", (0.04, 0.05, 0.006), (0.0, 0.285, 0.036))
     yield ball("yellow", 0.016, (0.0, 0.31, 0.055), 10, 6)
     yield disc("brass", 0.025, 0.008, (0.0, -0.02, 0.02), 16)
     yield rod("brass", (0.0, -0.02, 0.022), (0.0, 0.07, 0.022), 0.003, sides=5)
 
 
+def _ball_clock() -> Iterator[Solid]:
+    """Twelve balls on rods around a hub."""
+    yield disc("brass", 0.05, 0.03, (0.0, 0.2, -0.02), 24)
+    for i in range(12):
+        c, s = np.cos(np.pi * i / 6), np.sin(np.pi * i / 6)
+        yield rod("brass", (0.04 * c, 0.2 + 0.04 * s, -0.006), (0.17 * c, 0.2 + 0.17 * s, -0.006), 0.0035, sides=6)
+        yield ball("bright", 0.02, (0.18 * c, 0.2 + 0.18 * s, -0.006), 10, 6)
+    for turn, long in ((-0.9, 0.07), (0.9, 0.11)):
+        yield move(rotate(box("black", (0.01, long, 0.004), (0.0, 0.0, 0.0)), 2, turn), (0.0, 0.2, 0.013))
+    yield disc("black", 0.012, 0.012, (0.0, 0.2, 0.009), 12)
+
+
+def _hexagon() -> Iterator[Solid]:
+    """A hexagonal case with a rim, as in kitchens."""
+    way = np.pi * (np.arange(6) + 0.5) / 3
+    outline = np.stack([0.17 * np.cos(way), 0.16 + 0.17 * np.sin(way)], -1)
+    yield prism("bright", outline, 0.04, (0.0, 0.0, -0.02))
+    yield tube("white", np.insert(outline, 2, 0.002, axis=1), 0.011, 8, closed=True)
+    yield from face(0.125, 0.16, 0.0)
+
+
 _CLOCK_KINDS = {
     "round": partial(_rim_clock, "round"),
     "sun": partial(_rim_clock, "sun"),
     "square": _square_clock,
-    "pendulum": partial(_pendulum_clock, "pendulum"),
-    "tall": partial(_pendulum_clock, "tall"),
-    "alarm": _alarm,
-    "mantel": _mantel,
-    "digital": _digital,
+    "pendulum": partial(pendulum_clock, "pendulum"),
     "cuckoo": _cuckoo,
+    "balls": _ball_clock,
+    "hexagon": _hexagon,
 }
 
 
 def clock(kind: str = "round") -> Iterator[Solid]:
-    """On a wall: round, sun, pendulum, square, cuckoo; on a table: alarm, mantel, digital; on the floor: tall."""
+    """A clock on a wall."""
     yield from _CLOCK_KINDS[kind]()
 
 
-WALL_CLOCKS = kinds_of(clock, "round", "sun", "square", "pendulum", "cuckoo")
-
-TABLE_CLOCKS = kinds_of(clock, "alarm", "mantel", "digital")
-
-
 FAMILIES = (
-    Family("wall_clock", "clock", WALL_CLOCKS),
-    Family("table_clock", "clock", TABLE_CLOCKS),
-    Family("tall_clock", "clock", kinds_of(clock, "tall")),
+    Family("wall_clock", "clock", kinds_of(clock, "round", "sun", "square", "pendulum", "cuckoo", "balls", "hexagon")),
 )

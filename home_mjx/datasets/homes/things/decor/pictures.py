@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from home_mjx.datasets.homes.shapes.curves import loop
-from home_mjx.datasets.homes.shapes.soft import ball, rounded
+from home_mjx.datasets.homes.shapes.soft import ball, between_loops, rounded
 from home_mjx.datasets.homes.shapes.swept import beam, prism, rod, tube
 from home_mjx.datasets.homes.things.family import Family, design
 from home_mjx.datasets.procedural.primitives.solids import Solid, box, move, picture_uv, rotate
@@ -19,18 +19,24 @@ def picture(
     inner = rim + mount
     if mount:
         yield box("paper", (width - rim, height - rim, 0.01), (0.0, rim / 2, -0.008))
+        yield move(moulding("paper", width - 2 * rim, height - 2 * rim, mount), (0.0, rim, -0.006))
     yield picture_uv(
         box("picture", (width - 2 * inner + 0.002, height - 2 * inner + 0.002, 0.006), (0.0, inner - 0.001, 0.0))
     )
-    corners = [(-1, -1), (1, -1), (1, 1), (-1, 1)]
-    path = [(x * (width - rim) / 2, height / 2 + y * (height - rim) / 2, 0.0) for x, y in corners]
-    for a, b in zip(path, path[1:] + path[:1], strict=True):
-        grow = np.sign(np.subtract(b, a)) * rim / 2
-        yield (
-            beam(slot, tuple(np.subtract(a, grow).tolist()), tuple(np.add(b, grow).tolist()), 0.026, rim)
-            if a[1] == b[1]
-            else beam(slot, tuple(np.add(a, grow).tolist()), tuple(np.subtract(b, grow).tolist()), rim, 0.026)
-        )
+    yield moulding(slot, width, height, rim)
+
+
+def moulding(slot: str, width: float, height: float, rim: float) -> Solid:
+    """A frame with mitred corners and a profile: a step at the picture, a hollow, a rounded rim [m]."""
+    profile = [(0.0, -0.013), (0.0, 0.004), (0.12, 0.011), (0.3, 0.013), (0.45, 0.009), (0.6, 0.004), (0.75, 0.003)]
+    profile += [(0.8, 0.006), (0.94, 0.006), (1.0, 0.002), (1.0, -0.013)]
+    corner = np.array([(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)])
+    loops = [
+        np.insert(corner * (width / 2 - share * rim, height / 2 - share * rim), 1, front, axis=1)
+        for share, front in profile
+    ]
+    flat = between_loops(slot, loops, closed=True)
+    return move(rotate(flat, 0, np.pi / 2), (0.0, height / 2, 0.0))
 
 
 def gallery(count: int = 3) -> Iterator[Solid]:

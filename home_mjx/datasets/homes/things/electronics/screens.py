@@ -1,39 +1,12 @@
-"""Televisions and computers."""
+"""Computers."""
 
 from collections.abc import Iterator
 
 from home_mjx.datasets.homes.shapes.soft import rounded, soft
-from home_mjx.datasets.homes.shapes.swept import beam, prism, ring, rod
+from home_mjx.datasets.homes.shapes.swept import beam, ring
 from home_mjx.datasets.homes.things.family import Family, design, kinds_of
 from home_mjx.datasets.homes.things.joinery import disc
 from home_mjx.datasets.procedural.primitives.solids import Solid, box, rotate
-
-
-def television(width: float = 1.1, kind: str = "feet") -> Iterator[Solid]:
-    """A flat screen on two feet, on a plate, for a wall, curved, or an old tube set."""
-    if kind == "tube":
-        yield rounded("black", (0.6, 0.48, 0.16), (0.0, 0.02, 0.14), 0.03, 2)
-        yield prism("black", [(0.08, 0.04), (0.08, 0.48), (-0.22, 0.4), (-0.22, 0.08)], 0.5, (0.0, 0.0, 0.0), "side")
-        yield soft("screen", (0.48, 0.36, 0.03), (0.0, 0.1, 0.205), 8.0, 5)
-        for i in range(4):
-            yield disc("gray", 0.012, 0.01, (0.12 + 0.035 * i, 0.055, 0.219), 12)
-        for s in (-1, 1):
-            yield rod("chrome", (0.0, 0.48, 0.0), (s * 0.22, 0.85, -0.05), 0.003, sides=5)
-        yield rounded("black", (0.1, 0.03, 0.08), (0.0, 0.49, 0.0), 0.012, 1)
-        return
-    high, low = width * 9 / 16, 0.0 if kind == "wall" else 0.08
-    yield rounded("black", (width, high, 0.03), (0.0, low, 0.0), 0.008, 2)
-    yield box("screen", (width - 0.02, high - 0.02, 0.004), (0.0, low + 0.01, 0.014))
-    yield rounded("black", (0.6 * width, 0.5 * high, 0.04), (0.0, low + 0.1 * high, -0.025), 0.012, 1)
-    if kind == "feet":
-        for s in (-1, 1):
-            yield beam("black", (s * 0.34 * width, 0.012, -0.11), (s * 0.34 * width, 0.012, 0.11), 0.022, 0.02)
-            yield beam("black", (s * 0.34 * width, 0.015, 0.0), (s * 0.34 * width, low + 0.02, 0.0), 0.022)
-    elif kind == "plate":
-        yield rounded("chrome", (0.42 * width, 0.014, 0.24), (0.0, 0.0, 0.0), 0.005, 1)
-        yield rounded("chrome", (0.07, 0.1, 0.03), (0.0, 0.01, -0.015), 0.008, 1)
-    else:
-        yield box("iron", (0.3, 0.3, 0.02), (0.0, low + 0.3 * high, -0.055))
 
 
 def laptop(open_: float = 1.85, width: float = 0.34) -> Iterator[Solid]:
@@ -76,14 +49,6 @@ def computer(kind: str = "desk") -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family(
-        "television",
-        "television",
-        (design(television), design(television, kind="plate", width=0.95), design(television, kind="tube")),
-    ),
-    Family(
-        "wall_television", "television", (design(television, kind="wall"), design(television, kind="wall", width=1.4))
-    ),
     Family("laptop", "laptop", (design(laptop), design(laptop, open_=2.1, width=0.3))),
     Family("computer", "computer", kinds_of(computer, "desk", "all")),
     Family("computer_tower", "computer", kinds_of(computer, "tower")),

@@ -3,12 +3,15 @@
 from collections.abc import Iterator
 from functools import partial
 
+import numpy as np
+
+from home_mjx.datasets.homes.shapes.curves import fillet
 from home_mjx.datasets.homes.shapes.soft import ball, rounded, soft
 from home_mjx.datasets.homes.shapes.swept import ring, rod, tube
-from home_mjx.datasets.homes.shapes.turned import turned
+from home_mjx.datasets.homes.shapes.turned import shade, turned
 from home_mjx.datasets.homes.things.family import Family, kinds_of
 from home_mjx.datasets.homes.things.joinery import bow, disc
-from home_mjx.datasets.procedural.primitives.solids import Solid, box, cylinder
+from home_mjx.datasets.procedural.primitives.solids import Solid, box, cylinder, move, rotate
 
 
 def _cone(r: float, x: float, y: float, z: float) -> Iterator[Solid]:
@@ -58,6 +61,46 @@ def _smart_speaker() -> Iterator[Solid]:
         yield ring("black", 0.0505, 0.003, (0.0, 0.025 + 0.015 * k, 0.0), 1, 24)
 
 
+def _flat_tower() -> Iterator[Solid]:
+    """A tall panel of cloth in a frame on a broad foot."""
+    yield rounded("black", (0.34, 0.03, 0.3), (0.0, 0.0, 0.0), 0.008, 1)
+    yield rounded("wood", (0.32, 1.2, 0.04), (0.0, 0.03, -0.02), 0.012, 2)
+    yield soft("textile", (0.27, 1.12, 0.02), (0.0, 0.07, 0.004), 9.0, 6)
+    yield rounded("chrome", (0.05, 0.014, 0.004), (0.0, 0.08, 0.016), 0.002, 1)
+
+
+def _pillar() -> Iterator[Solid]:
+    yield turned("black", [(0.13, 0.0), (0.13, 0.02), (0.07, 0.035)], sides=28, steps=1)
+    yield turned("textile", [(0.085, 0.03), (0.085, 0.86)], sides=28, steps=1)
+    yield turned("black", [(0.087, 0.86), (0.08, 0.9), (0.03, 0.91)], sides=28, steps=1)
+    for y in (0.03, 0.45, 0.86):
+        yield ring("black", 0.086, 0.01, (0.0, y, 0.0), 1, 28)
+
+
+def _boom_box() -> Iterator[Solid]:
+    """Two cones, a cassette deck between them, a handle."""
+    yield rounded("plastic", (0.5, 0.2, 0.12), (0.0, 0.01, 0.0), 0.02, 3)
+    for s in (-1, 1):
+        yield from _cone(0.07, s * 0.16, 0.1, 0.062)
+    yield box("screen", (0.12, 0.06, 0.004), (0.0, 0.05, 0.061))
+    for k in range(6):
+        yield rounded("gray", (0.016, 0.014, 0.02), (-0.05 + 0.02 * k, 0.21, 0.03), 0.003, 1)
+    yield box("cream", (0.16, 0.02, 0.004), (0.0, 0.16, 0.06))
+    yield bow("chrome", 0.2, (0.18, 0.28), 0.0, 0.04, 0.009)
+
+
+def _horn() -> Iterator[Solid]:
+    """A gramophone: a wooden box, a turning plate, a horn of brass."""
+    yield rounded("wood", (0.34, 0.14, 0.34), (0.0, 0.0, 0.0), 0.01, 1)
+    yield rounded("wood", (0.37, 0.02, 0.37), (0.0, 0.0, 0.0), 0.006, 1)
+    yield cylinder("black", 0.14, 0.01, (0.0, 0.145, 0.02), sides=28)
+    yield cylinder("red", 0.04, 0.012, (0.0, 0.145, 0.02), sides=20)
+    neck = fillet([(0.1, 0.15, 0.02), (0.0, 0.22, -0.1), (0.0, 0.34, -0.16), (0.0, 0.42, -0.1)], 0.06, 4)
+    yield tube("brass", neck, np.linspace(0.01, 0.03, len(neck)), 10)
+    bell = shade("brass", [(0.03, 0.0), (0.05, 0.12), (0.1, 0.22), (0.19, 0.28)], (0.0, 0.0, 0.0), 0.004, 24, 3)
+    yield move(rotate(bell, 0, 0.9), (0.0, 0.41, -0.12))
+
+
 _SPEAKER_KINDS = {
     "tower": partial(_box_speaker, "tower"),
     "small": partial(_box_speaker, "small"),
@@ -65,11 +108,15 @@ _SPEAKER_KINDS = {
     "ball": _ball_speaker,
     "radio": _radio,
     "smart": _smart_speaker,
+    "flat": _flat_tower,
+    "pillar": _pillar,
+    "boom": _boom_box,
+    "horn": _horn,
 }
 
 
 def speaker(kind: str = "tower") -> Iterator[Solid]:
-    """A loudspeaker: tall, small, a bar, a ball, a radio, a smart one."""
+    """A loudspeaker: tall, flat, small, a bar, a ball, a radio, a smart one, one with a cassette deck, with a horn."""
     yield from _SPEAKER_KINDS[kind]()
 
 
@@ -112,8 +159,8 @@ def console(kind: str = "upright") -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family("floor_speaker", "loudspeaker", kinds_of(speaker, "tower")),
-    Family("speaker", "loudspeaker", kinds_of(speaker, "small", "bar", "ball", "radio", "smart")),
+    Family("floor_speaker", "loudspeaker", kinds_of(speaker, "tower", "flat", "pillar")),
+    Family("speaker", "loudspeaker", kinds_of(speaker, "small", "bar", "ball", "radio", "smart", "boom", "horn")),
     Family("stereo_set", "stereo_set", kinds_of(stereo, "rack", "turntable")),
     Family("playstation", "playstation", kinds_of(console, "upright")),
     Family("xbox", "xbox", kinds_of(console, "flat")),

@@ -11,7 +11,7 @@ from home_mjx.datasets.homes.shapes.turned import turned
 from home_mjx.datasets.homes.things.family import Family, design
 from home_mjx.datasets.homes.things.joinery import disc, doors
 from home_mjx.datasets.homes.things.kitchen.cases import DEPTH, FACE, WORKTOP
-from home_mjx.datasets.procedural.primitives.solids import Solid, box
+from home_mjx.datasets.procedural.primitives.solids import Solid, box, cylinder
 
 
 def _burner(x: float, z: float, radius: float, gas: bool) -> Iterator[Solid]:
@@ -117,14 +117,101 @@ def range_stove(width: float = 1.0) -> Iterator[Solid]:
     yield rod("chrome", (-width / 2, 0.82, DEPTH / 2 + 0.06), (width / 2, 0.82, DEPTH / 2 + 0.06), 0.011)
 
 
+def backed_range(width: float = 0.76) -> Iterator[Solid]:
+    """A hob above an oven and a drawer, its knobs and clock on a panel at the wall."""
+    yield from cooker(width, True, 1, "white")
+    yield rounded("white", (width, 0.2, 0.07), (0.0, WORKTOP, -DEPTH / 2 + 0.035), 0.02, 2)
+    yield box("screen", (0.18, 0.06, 0.006), (0.0, WORKTOP + 0.09, 0.072 - DEPTH / 2))
+    for x in (-0.3, -0.2, 0.2, 0.3):
+        yield disc("chrome", 0.024, 0.03, (x, WORKTOP + 0.12, 0.07 - DEPTH / 2), 16)
+
+
+def lidded(width: float = 0.6) -> Iterator[Solid]:
+    """An enamelled stove of the fifties on legs, its lid folded up."""
+    for x in (-0.24, 0.24):
+        for z in (-0.2, 0.2):
+            yield turned("chrome", [(0.014, 0.0), (0.02, 0.06), (0.026, 0.14)], (x, 0.0, z), 12, 1)
+    yield rounded("glaze", (width, WORKTOP - 0.14, DEPTH - 0.04), (0.0, 0.14, -0.02), 0.05, 4)
+    yield rounded("glaze", (width - 0.12, 0.34, 0.04), (0.0, 0.24, DEPTH / 2 - 0.04), 0.02, 3)
+    yield tube(
+        "chrome",
+        fillet([(-0.2, 0.56, 0.28), (-0.2, 0.56, 0.33), (0.2, 0.56, 0.33), (0.2, 0.56, 0.28)], 0.03),
+        0.011,
+    )
+    for i in range(4):
+        yield disc("black", 0.026, 0.03, ((i - 1.5) * 0.12, 0.72, DEPTH / 2 - 0.045), 16)
+    yield rounded("glaze", (width - 0.01, 0.5, 0.02), (0.0, WORKTOP, 0.02 - DEPTH / 2), 0.008, 2)
+    for x in (-0.14, 0.14):
+        for z in (-0.12, 0.13):
+            yield from _burner(x, z, 0.08, True)
+
+
+def wood_stove(width: float = 0.7) -> Iterator[Solid]:
+    """Of cast iron, fired with wood: a fire door, rings, a pot rail, curved feet."""
+    for x in (-0.28, 0.28):
+        for z in (-0.2, 0.2):
+            yield tube("iron", fillet([(x, 0.16, z), (1.1 * x, 0.1, 1.1 * z), (1.16 * x, 0.01, 1.2 * z)], 0.05), 0.022)
+    yield rounded("iron", (width, WORKTOP - 0.18, DEPTH - 0.08), (0.0, 0.14, -0.02), 0.02, 2)
+    yield rounded("iron", (width + 0.06, 0.04, DEPTH - 0.02), (0.0, WORKTOP - 0.04, 0.0), 0.012, 2)
+    for x, w in ((-0.18, 0.26), (0.15, 0.34)):
+        yield rounded("iron", (w, 0.32, 0.03), (x, 0.42, DEPTH / 2 - 0.06), 0.02, 2)
+        yield ring("brass", min(w, 0.32) / 2 - 0.06, 0.012, (x, 0.58, DEPTH / 2 - 0.043), 2, 24)
+        yield rod(
+            "brass", (x + w / 2 - 0.03, 0.54, DEPTH / 2 - 0.03), (x + w / 2 - 0.03, 0.62, DEPTH / 2 - 0.03), 0.008
+        )
+    yield rounded("iron", (0.5, 0.16, 0.03), (0.0, 0.2, DEPTH / 2 - 0.06), 0.01, 1)
+    for x in (-0.18, 0.16):
+        for r in (0.12, 0.08, 0.04):
+            yield ring("gray", r, 0.006, (x, WORKTOP + 0.001, 0.0), 1, 24)
+    yield rod("brass", (-0.36, 0.78, DEPTH / 2 + 0.03), (0.36, 0.78, DEPTH / 2 + 0.03), 0.01)
+    for s in (-1, 1):
+        yield rod("brass", (s * 0.33, 0.78, DEPTH / 2 - 0.06), (s * 0.33, 0.78, DEPTH / 2 + 0.03), 0.008)
+
+
+def built_under(width: float = 0.6) -> Iterator[Solid]:
+    """A hob of glass in a worktop over an oven with a drawer, all behind one panel with a display."""
+    yield box("black", (width, 0.1, DEPTH - 0.12), (0.0, 0.0, -0.05))
+    yield box("paint", (width, WORKTOP - 0.14, DEPTH - 0.04), (0.0, 0.1, -0.02))
+    yield rounded("stone", (width, 0.04, DEPTH), (0.0, WORKTOP - 0.04, 0.0), 0.008, 2)
+    yield rounded("screen", (0.56, 0.008, 0.5), (0.0, WORKTOP - 0.002, 0.0), 0.003, 1)
+    for x, z, r in ((-0.14, -0.11, 0.09), (0.14, -0.11, 0.07), (-0.14, 0.11, 0.07), (0.14, 0.11, 0.1)):
+        yield ring("gray", r, 0.003, (x, WORKTOP + 0.0065, z), 1, 24)
+    yield rounded("steel", (width - 0.01, 0.59, 0.03), (0.0, 0.24, FACE + 0.012), 0.006, 1)
+    yield box("screen", (width - 0.06, 0.4, 0.006), (0.0, 0.27, FACE + 0.027))
+    yield rod("chrome", (-0.24, 0.71, FACE + 0.06), (0.24, 0.71, FACE + 0.06), 0.011)
+    for s in (-1, 1):
+        yield rod("chrome", (s * 0.2, 0.71, FACE + 0.02), (s * 0.2, 0.71, FACE + 0.06), 0.007, sides=6)
+    yield box("screen", (0.2, 0.04, 0.004), (0.0, 0.77, FACE + 0.027))
+    yield from doors("paint", width - 0.006, 0.125, (0.003 - width / 2, 0.105, FACE), 1, "flat", ("chrome", "bar"), 0.5)
+
+
+def big_range(width: float = 0.9) -> Iterator[Solid]:
+    """As in restaurants: a wide oven and a narrow one, a plate between the burners, red knobs, a rail."""
+    for x in (-0.4, 0.4):
+        for z in (-0.22, 0.2):
+            yield cylinder("steel", 0.025, 0.12, (x, 0.0, z), sides=14)
+    yield rounded("steel", (width, WORKTOP - 0.12, DEPTH - 0.03), (0.0, 0.12, -0.015), 0.008, 2)
+    yield rounded("steel", (width, 0.07, 0.03), (0.0, WORKTOP, 0.015 - DEPTH / 2), 0.008, 2)
+    for x, wide in ((-0.14, 0.56), (0.3, 0.26)):
+        yield rounded("steel", (wide, 0.5, 0.03), (x, 0.18, DEPTH / 2 - 0.02), 0.01, 2)
+        yield rounded("screen", (wide - 0.1, 0.26, 0.01), (x, 0.27, DEPTH / 2 - 0.006), 0.004, 1)
+        ends = [(x + s * (wide / 2 - 0.04), 0.63, DEPTH / 2 + 0.04) for s in (-1, 1)]
+        yield rod("chrome", ends[0], ends[1], 0.012, sides=10)
+        for px, py, pz in ends:
+            yield rod("chrome", (px, py, pz - 0.045), (px, py, pz), 0.008, sides=6)
+    for i in range(6):
+        yield disc("red", 0.024, 0.035, ((i - 2.5) * 0.14, 0.77, DEPTH / 2 - 0.035), 16)
+    yield rounded("iron", (0.22, 0.012, 0.44), (0.0, WORKTOP, 0.02), 0.004, 1)
+    for x in (-0.3, 0.3):
+        for z in (-0.1, 0.15):
+            yield from _burner(x, z, 0.08, True)
+
+
 COOKERS = (
-    design(cooker),
-    design(cooker, gas=True),
-    design(oven_column),
-    design(range_stove),
-    design(cooker, gas=True, width=0.9, doors_=2),
-    design(cooker, slot="white"),
-)
+    design(cooker), design(cooker, gas=True), design(oven_column), design(range_stove),
+    design(cooker, gas=True, width=0.9, doors_=2), design(cooker, slot="white"), design(backed_range),
+    design(lidded), design(wood_stove), design(built_under), design(big_range),
+)  # fmt: skip
 
 
 FAMILIES = (Family("cooker", "range_oven", COOKERS),)

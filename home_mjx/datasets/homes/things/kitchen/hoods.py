@@ -42,7 +42,7 @@ def _slanted(width: float) -> Iterator[Solid]:
 def _box(width: float) -> Iterator[Solid]:
     yield rounded("steel", (width, 0.13, 0.46), (0.0, 0.0, 0.0), 0.012, 1)
     yield box("black", (width - 0.06, 0.006, 0.3), (0.0, -0.004, 0.02))
-    yield box("chrome", (0.3, 0.03, 0.02), (0.0, 0.05, 0.235))
+    yield rounded("chrome", (0.3, 0.03, 0.02), (0.0, 0.05, 0.235), 0.008, 2)
     yield from _switches(0.0, 0.065, 0.242)
 
 

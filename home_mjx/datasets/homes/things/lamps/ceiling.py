@@ -21,8 +21,8 @@ def _bowl() -> Iterator[Piece]:
 
 
 def _square() -> Iterator[Piece]:
-    yield rounded("opal", (0.4, 0.06, 0.4), (0.0, 0.0, 0.0), 0.02, 2)
-    yield rounded("wood", (0.44, 0.04, 0.44), (0.0, 0.05, 0.0), 0.008, 1)
+    yield rounded("opal", (0.4, 0.06, 0.4), (0.0, 0.0, 0.0), 0.02, 3)
+    yield rounded("wood", (0.44, 0.04, 0.44), (0.0, 0.05, 0.0), 0.008, 2)
     yield Bulb((0.0, -0.03, 0.0), 60.0)
 
 

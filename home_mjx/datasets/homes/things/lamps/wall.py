@@ -104,7 +104,8 @@ def _tube() -> Iterator[Piece]:
 
 
 def _block() -> Iterator[Piece]:
-    yield rounded("paint", (0.1, 0.2, 0.1), (0.0, 0.0, -0.04), 0.008, 1)
+    yield rounded("paint", (0.1, 0.2, 0.1), (0.0, 0.0, -0.04), 0.012, 3)
+    yield rounded("paint", (0.13, 0.06, 0.012), (0.0, 0.07, -0.09), 0.005, 2)
     for y in (-0.004, 0.196):
         yield box("bulb", (0.07, 0.008, 0.07), (0.0, y, -0.04))
     for y in (-0.05, 0.25):

@@ -84,6 +84,8 @@ DOORS = (
     design(door), design(door, style="flat", height=2.12), design(door, style="glazed", width=0.86, height=2.08),
     design(door, style="four", grip="knob"), design(door, style="boards", grip="bar"), design(door, style="lattice"),
     design(door, style="arch", grip="knob"), design(door, style="lines", grip="bar"), design(door, style="port"),
+    design(door, style="louvres", grip="knob"), design(door, style="ladder"), design(door, style="oval", grip="knob"),
+    design(door, style="chevron", grip="bar"),
 )  # fmt: skip
 
 ENTRIES = (

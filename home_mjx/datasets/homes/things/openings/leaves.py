@@ -3,11 +3,13 @@
 from collections.abc import Callable, Iterator
 from functools import partial
 
-from home_mjx.datasets.homes.shapes.curves import fillet
+import numpy as np
+
+from home_mjx.datasets.homes.shapes.curves import fillet, loop
 from home_mjx.datasets.homes.shapes.soft import rounded
-from home_mjx.datasets.homes.shapes.swept import beam, prism, ring
+from home_mjx.datasets.homes.shapes.swept import beam, prism, ring, tube
 from home_mjx.datasets.homes.things.joinery import disc
-from home_mjx.datasets.procedural.primitives.solids import Solid, box
+from home_mjx.datasets.procedural.primitives.solids import Solid, box, rotate
 
 LEAF = 0.04  # [m], thickness of a door's leaf
 
@@ -88,6 +90,50 @@ def _porthole(width: float, height: float) -> Iterator[Solid]:
         yield disc("glass", 0.165, 0.006, (0.0, 1.55, s * (LEAF / 2 + 0.002) - 0.003), 24)
 
 
+def _louvred(width: float, height: float) -> Iterator[Solid]:
+    for s in (-1, 1):
+        yield box("wood_1", (RAIL, height, LEAF), (s * (width - RAIL) / 2, 0.0, 0.0))
+    for y, high in ((0.0, 0.2), (0.95, RAIL), (height - RAIL, RAIL)):
+        yield box("wood_1", (width - 2 * RAIL, high, LEAF), (0.0, y, 0.0))
+    for low, top in ((0.2, 0.95), (0.95 + RAIL, height - RAIL)):
+        for k in range(int((top - low) / 0.045)):
+            y = low + 0.008 + 0.045 * k
+            yield rotate(box("wood_1", (width - 2 * RAIL, 0.04, 0.008), (0.0, y, 0.0)), 0, 0.5, (0.0, y + 0.02, 0.0))
+
+
+def _ladder(width: float, height: float) -> Iterator[Solid]:
+    """Five panels above one another."""
+    yield box("wood_1", (width, height, LEAF))
+    high = (height - 0.2 - 0.09 * 5) / 5
+    for k in range(5):
+        yield rounded("wood_1", (width - 0.2, high, LEAF + 0.014), (0.0, 0.16 + k * (high + 0.09), 0.0), 0.012, 2)
+
+
+def _oval(width: float, height: float) -> Iterator[Solid]:
+    """An oval pane with a moulded rim above a panel."""
+    yield box("wood_1", (width, height, LEAF))
+    yield rounded("wood_1", (width - 0.24, 0.5, LEAF + 0.014), (0.0, 0.14, 0.0), 0.012, 2)
+    outline = loop(0.36, 0.9, 28)
+    for s in (-1, 1):
+        z = s * (LEAF / 2 + 0.002)
+        path = np.insert(outline + np.array([0.0, 1.35]), 2, z, axis=1)
+        yield tube("wood_1", path, 0.016, 8, closed=True)
+        yield prism("glass", outline, 0.004, (0.0, 1.35, z))
+
+
+def _chevron(width: float, height: float) -> Iterator[Solid]:
+    """Boards that meet at an angle along the middle."""
+    yield box("wood_1", (width, height, LEAF - 0.012))
+    count = int(height / 0.16)
+    for side in (-1, 1):
+        for s in (-1, 1):
+            z = s * (LEAF / 2 - 0.006)
+            for k in range(count - 1):
+                y = 0.1 + 0.16 * k
+                a, b = (side * 0.012, y, z), (side * (width / 2 - 0.05), y + 0.2, z)
+                yield beam("wood_1", a, b, 0.008, 0.13)
+
+
 _LEAVES: dict[str, Callable[[float, float], Iterator[Solid]]] = {
     "panels": partial(_panelled, 1, 2),
     "four": partial(_panelled, 2, 2),
@@ -99,6 +145,10 @@ _LEAVES: dict[str, Callable[[float, float], Iterator[Solid]]] = {
     "flat": _flat,
     "lines": _lined,
     "port": _porthole,
+    "louvres": _louvred,
+    "ladder": _ladder,
+    "oval": _oval,
+    "chevron": _chevron,
 }
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from home_mjx.datasets.homes.shapes.soft import rounded
 from home_mjx.datasets.homes.shapes.swept import beam, prism
 from home_mjx.datasets.homes.things.family import Family, design
-from home_mjx.datasets.procedural.primitives.solids import Solid, box
+from home_mjx.datasets.procedural.primitives.solids import Solid, box, rotate
 
 
 def window(
@@ -26,7 +26,7 @@ def window(
     if style == "sash":
         yield from _sliding(width - 2 * rim, height - 2 * rim, rim, slot)
     else:
-        pitch = (width - 2 * rim) / sashes
+        pitch = (width - 2 * rim) / max(sashes, 1)
         for i in range(sashes):
             yield from _sash(pitch, top - rim, ((i + 0.5) * pitch - (width - 2 * rim) / 2, rim, 0.0), style, slot)
     yield box(slot, (width, 0.025, 0.03), (0.0, 0.02, deep / 2 + 0.008))
@@ -103,11 +103,23 @@ def arched_window(width: float = 1.0, height: float = 1.5) -> Iterator[Solid]:
     yield box("color", (inner, 0.022, 0.03), (0.0, spring, 0.0))
 
 
+def louvred_window(width: float = 0.9, height: float = 1.3) -> Iterator[Solid]:
+    """Strips of glass one above the other that tilt together."""
+    yield from window(width, height, 0, "plain")
+    inner, count = width - 0.16, int((height - 0.16) / 0.11)
+    for s in (-1, 1):
+        yield rounded("chrome", (0.02, height - 0.14, 0.06), (s * (width / 2 - 0.07), 0.07, 0.0), 0.005, 1)
+    for k in range(count):
+        y = 0.09 + 0.11 * k
+        yield rotate(box("color_1", (inner, 0.12, 0.006), (0.0, y, 0.0)), 0, 0.35, (0.0, y + 0.06, 0.0))
+    yield rounded("chrome", (0.014, 0.12, 0.04), (width / 2 - 0.1, 0.4 * height, 0.04), 0.005, 1)
+
+
 WINDOWS = (
     design(window, width=0.7, height=0.8, sashes=1), design(window, width=1.0, height=1.4, sashes=1, style="bars"),
     design(window), design(window, width=2.0, sashes=3), design(window, width=1.0, height=1.5, style="sash"),
     design(window, style="transom"), design(window, width=1.0, sashes=1, style="diamond", height=1.2),
-    design(arched_window), design(window, style="bars", width=1.6),
+    design(arched_window), design(window, style="bars", width=1.6), design(louvred_window),
 )  # fmt: skip
 
 _GLASS = {"color": "color", "color_1": "glass"}

@@ -120,9 +120,58 @@ def stool_on_wheels() -> Iterator[Solid]:
     yield turned("upholstery", [(0.15, 0.0), (0.18, 0.02), (0.18, 0.07), (0.15, 0.09)], (0.0, 0.44, 0.0), 20, 2)
 
 
+def shell_on_wheels() -> Iterator[Solid]:
+    """A moulded shell with arms on a star of wood."""
+    yield from _star("wood", 0.28)
+    yield cylinder("chrome", 0.024, 0.34, (0.0, 0.08, 0.0), sides=12)
+
+    def place(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, ...]:
+        s = 2 * u - 1
+        back = np.clip((v - 0.45) / 0.55, 0.0, 1.0)
+        x = s * (0.27 + 0.03 * np.sin(np.pi * v) - 0.05 * back**3)
+        y = 0.43 + 0.42 * back**1.3 + 0.16 * s**4 * (1 - back) + 0.02 * s**2
+        return x, y, 0.24 - 0.46 * np.minimum(v / 0.5, 1.0) - 0.1 * back + 0.09 * s**2 * back
+
+    yield surface("bright", place, 12, 14, 0.012)
+    yield soft("upholstery", (0.4, 0.04, 0.36), (0.0, 0.44, 0.03), 4.0, 5)
+
+
+def saddle() -> Iterator[Solid]:
+    """A high stool with a seat like a saddle and a low back."""
+    yield from _star("chrome", 0.26)
+    yield cylinder("chrome", 0.026, 0.44, (0.0, 0.08, 0.0), sides=12)
+
+    def place(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, ...]:
+        s, t = 2 * u - 1, 2 * v - 1
+        return 0.21 * s, 0.56 - 0.07 * s**2 + 0.06 * t**2, 0.19 * t * (1 - 0.15 * s**2)
+
+    yield surface("leather", place, 10, 10, 0.05)
+    yield beam("chrome", (0.0, 0.5, -0.1), (0.0, 0.74, -0.24), 0.03, 0.012)
+    yield soft("leather", (0.3, 0.16, 0.06), (0.0, 0.68, -0.25), 3.0, 6)
+
+
+def ribbed() -> Iterator[Solid]:
+    """Thin cushions with ribs in an aluminium frame, of the fifties."""
+    yield from _star("chrome", 0.3)
+    yield cylinder("chrome", 0.024, 0.34, (0.0, 0.08, 0.0), sides=12)
+    yield beam("chrome", (-0.2, 0.42, 0.0), (0.2, 0.42, 0.0), 0.05, 0.025)
+    for i in range(9):
+        z = 0.23 - 0.055 * i
+        yield rounded("leather", (0.46, 0.035, 0.05), (0.0, 0.44 + 0.01 * (i < 2), z), 0.016, 2)
+    for i in range(10):
+        y = 0.5 + 0.052 * i
+        yield rounded("leather", (0.46, 0.047, 0.03), (0.0, y, -0.25 - 0.012 * i), 0.014, 2)
+    for s in (-1, 1):
+        side = [(s * 0.24, 0.45, 0.26), (s * 0.24, 0.45, -0.24), (s * 0.24, 1.03, -0.38)]
+        yield tube("chrome", fillet(side, 0.06, 4), 0.013)
+        arm = [(s * 0.24, 0.44, 0.14), (s * 0.28, 0.64, 0.12), (s * 0.28, 0.65, -0.16), (s * 0.24, 0.6, -0.28)]
+        yield tube("chrome", fillet(arm, 0.05, 4), 0.011)
+
+
 OFFICE = (
     design(task), design(task, mesh_back=True), design(executive), design(gamer), design(banker),
     design(stool_on_wheels), design(task, arms=False, width=0.46), design(task, mesh_back=True, high=True),
+    design(shell_on_wheels), design(saddle), design(ribbed),
 )  # fmt: skip
 
 

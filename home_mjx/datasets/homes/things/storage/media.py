@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from home_mjx.datasets.homes.shapes.curves import fillet
 from home_mjx.datasets.homes.shapes.soft import rounded
 from home_mjx.datasets.homes.shapes.swept import prism, rod
 from home_mjx.datasets.homes.shapes.turned import turned
@@ -116,12 +117,42 @@ def pipe_media(width: float = 1.4) -> Iterator[Solid]:
     yield from book_row(-0.5, 0.18, 0.4, 0.24, 0.0, 12)
 
 
+def shuttered(width: float = 1.7, height: float = 0.52) -> Iterator[Solid]:
+    """A board with round ends and sliding shutters of slats on slim legs."""
+    foot, deep = 0.18, 0.42
+    yield from legs("wood", width - 0.3, deep - 0.08, foot, "taper", 0.04)
+    for y in (foot, height - 0.024):
+        ends = fillet([(x * width / 2, z * deep / 2) for x, z in ((-1, -1), (1, -1), (1, 1), (-1, 1))], 0.15, 5, True)
+        yield prism("wood", ends, 0.024, (0.0, y, 0.0), "top")
+    yield box("wood", (width - 0.3, height - foot - 0.04, deep - 0.06), (0.0, foot + 0.02, -0.02))
+    count = int((width - 0.3) / 0.036)
+    for i in range(count):
+        x = (i + 0.5 - count / 2) * 0.036
+        yield rod("wood_1", (x, foot + 0.024, 0.2), (x, height - 0.024, 0.2), 0.014, sides=6)
+    for x in (-0.06, 0.06):
+        yield rounded("brass", (0.02, 0.1, 0.016), (x, foot + 0.12, 0.212), 0.006, 1)
+
+
+def cubes(width: float = 1.2) -> Iterator[Solid]:
+    """Crates of different heights side by side, one with books, one with a basket."""
+    third = width / 3
+    for i, high in enumerate((0.38, 0.5, 0.38)):
+        x = (i - 1) * third
+        yield from case("wood" if i != 1 else "paint", third - 0.004, high, 0.4, (), (x, 0.03, 0.0), (), "wood_1")
+        for s in (-1, 1):
+            yield cylinder("black", 0.02, 0.03, (x + s * (third / 2 - 0.05), 0.0, 0.14), sides=12)
+            yield cylinder("black", 0.02, 0.03, (x + s * (third / 2 - 0.05), 0.0, -0.14), sides=12)
+    yield from book_row(-third * 1.5 + 0.04, 0.052, third - 0.09, 0.26, 0.02, 5)
+    yield rounded("cane", (third - 0.08, 0.22, 0.32), (third, 0.052, 0.02), 0.03, 2)
+    yield rounded("black", (third - 0.06, 0.07, 0.28), (0.0, 0.052, 0.02), 0.008, 1)
+
+
 MEDIA = (
     design(tv_low), design(tv_low, layout="niches", kind="plinth", width=1.4), design(media_wall),
     design(glass_media), design(corner_tv), design(pipe_media),
     design(tv_low, layout="slats", kind="sled", width=1.8), design(tv_low, layout="cane", kind="splay", width=1.5),
     design(tv_low, layout="shaker", kind="block", height=0.6),
-    design(tv_low, layout="niches", kind="hairpin", width=1.3),
+    design(tv_low, layout="niches", kind="hairpin", width=1.3), design(shuttered), design(cubes),
 )  # fmt: skip
 
 

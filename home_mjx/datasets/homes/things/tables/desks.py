@@ -99,16 +99,10 @@ def secretary(width: float = 0.9, depth: float = 0.45) -> Iterator[Solid]:
 def corner_desk(size: float = 1.5, depth: float = 0.6) -> Iterator[Solid]:
     """An L around a corner."""
     half = size / 2
-    outline = [
-        (-half, -half),
-        (half, -half),
-        (half, depth - half),
-        (depth - half + 0.2, depth - half),
-        (depth - half, depth - half + 0.2),
-        (depth - half, half),
-        (-half, half),
-    ]
-    yield prism("wood_1", outline, 0.03, (0.0, HEIGHT - 0.03, 0.0), "top")
+    inner, y = depth - half, HEIGHT - 0.03
+    yield rounded("wood_1", (size, 0.03, depth), (0.0, y, depth / 2 - half), 0.006, 2)
+    yield rounded("wood_1", (depth, 0.03, size - depth), (depth / 2 - half, y, depth / 2), 0.006, 2)
+    yield prism("wood_1", [(inner, inner), (inner + 0.2, inner), (inner, inner + 0.2)], 0.03, (0.0, y, 0.0), "top")
     for x, z in (
         (0.05 - half, 0.05 - half),
         (half - 0.05, 0.05 - half),

@@ -59,7 +59,9 @@ def _bread_box() -> Iterator[Solid]:
         *[(0.12 * np.cos(a), 0.03 + 0.16 * np.sin(a)) for a in np.linspace(0, np.pi, 11)],
     ]
     yield prism("bright", half, 0.36, (0.0, 0.0, 0.0), "side")
-    yield rounded("chrome", (0.1, 0.014, 0.02), (0.0, 0.05, 0.125), 0.005, 1)
+    yield rounded("chrome", (0.1, 0.014, 0.02), (0.0, 0.05, 0.125), 0.005, 2)
+    for x in (-0.175, 0.175):
+        yield prism("wood", [(1.05 * z, 1.03 * y) for z, y in half], 0.014, (x, 0.0, 0.0), "side")
 
 
 _CONTAINERS_KINDS = {

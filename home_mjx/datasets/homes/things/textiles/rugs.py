@@ -78,6 +78,20 @@ def hide(length: float = 1.9) -> Iterator[Solid]:
     )
 
 
+def tasselled(width: float = 1.9, depth: float = 1.3) -> Iterator[Solid]:
+    """A rug whose corners are cut off, with a border and a tassel at each corner."""
+    cut, corner = 0.22, np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)])
+    outline = [
+        (float(x * (width / 2 - a)), float(z * (depth / 2 - b)))
+        for k, (x, z) in enumerate(corner)
+        for a, b in (((0.0, cut), (cut, 0.0)) if k % 2 == 0 else ((cut, 0.0), (0.0, cut)))
+    ]
+    yield prism("textile", outline, 0.008, plane="top")
+    yield _once(prism("carpet", [(0.9 * x, 0.88 * z) for x, z in outline], 0.004, (0.0, 0.008, 0.0), "top"))
+    for x, z in outline:
+        yield rod("cream", (0.99 * x, 0.006, 0.99 * z), (1.06 * x, 0.006, 1.07 * z), 0.005, 0.002, 6)
+
+
 def mat(kind: str = "bath") -> Iterator[Solid]:
     """A bath mat, a doormat, or a half-round one."""
     if kind == "bath":
@@ -100,7 +114,7 @@ def mat(kind: str = "bath") -> Iterator[Solid]:
 RUGS = (
     design(rug), design(rug, width=2.4, depth=1.7, fringe=True), design(round_rug), design(round_rug, braided=True),
     design(hide), design(rug, width=1.4, depth=0.8), design(rug, width=2.8, depth=0.75, fringe=True),
-    design(round_rug, radius=0.6),
+    design(round_rug, radius=0.6), design(tasselled),
 )  # fmt: skip
 
 MATS = tuple(design(mat, kind=kind) for kind in ("bath", "door", "half"))

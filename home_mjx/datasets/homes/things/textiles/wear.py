@@ -4,29 +4,15 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from home_mjx.datasets.homes.shapes.curves import fillet, spline
+from home_mjx.datasets.homes.shapes.curves import fillet
 from home_mjx.datasets.homes.shapes.groups import moved, turned_about
 from home_mjx.datasets.homes.shapes.sheets import surface
 from home_mjx.datasets.homes.shapes.soft import soft
 from home_mjx.datasets.homes.shapes.swept import prism, rod, sweep, tube
 from home_mjx.datasets.homes.things.family import Family, design
+from home_mjx.datasets.homes.things.textiles.footwear import ballerinas, clogs, high_tops, rain_boots, sandals
+from home_mjx.datasets.homes.things.textiles.soles import SOLE
 from home_mjx.datasets.procedural.primitives.solids import Solid
-
-SOLE = spline(
-    [
-        (0.0, 0.14),
-        (0.038, 0.1),
-        (0.042, 0.04),
-        (0.03, -0.04),
-        (0.034, -0.1),
-        (0.0, -0.13),
-        (-0.03, -0.1),
-        (-0.028, -0.04),
-        (-0.038, 0.05),
-        (-0.034, 0.11),
-    ],
-    2,
-)
 
 
 def shoe(slot: str = "leather", kind: str = "low") -> Iterator[Solid]:
@@ -126,6 +112,7 @@ SHOES = (
     design(pair), design(pair, kind="boot"), design(pair, kind="trainer", slot="textile"), design(slippers),
     design(flip_flops), design(pair, kind="heel", slot="bright"),
     design(pair, kind="trainer", slot="bright", astray=0.7), design(pair, astray=-0.5),
+    design(rain_boots), design(clogs), design(ballerinas), design(high_tops), design(sandals),
 )  # fmt: skip
 
 

@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 
 from home_mjx.datasets.homes.shapes.soft import ball, rounded
-from home_mjx.datasets.homes.shapes.swept import rod, tube
+from home_mjx.datasets.homes.shapes.swept import prism, ring, rod, tube
 from home_mjx.datasets.homes.things.family import Family, design, kinds_of
 from home_mjx.datasets.homes.things.joinery import disc
 from home_mjx.datasets.procedural.primitives.solids import Solid, box, cylinder, rotate
@@ -50,19 +50,80 @@ def _oil(width: float, height: float) -> Iterator[Solid]:
         yield box("gray", (0.04, 0.03, 0.22), (x, 0.05, 0.0))
 
 
+def _smooth(width: float, height: float) -> Iterator[Solid]:
+    """A plain plate before ribs, a grille above."""
+    yield rounded("white", (width, height - 0.1, 0.014), (0.0, 0.1, 0.045), 0.004, 1)
+    yield rounded("white", (width, height - 0.1, 0.014), (0.0, 0.1, -0.045), 0.004, 1)
+    for i in range(int(width / 0.06)):
+        yield box("white", (0.004, height - 0.16, 0.076), ((i + 0.5) * 0.06 - width / 2, 0.12, 0.0))
+    for i in range(int(width / 0.03)):
+        yield box("white", (0.014, 0.008, 0.1), ((i + 0.5) * 0.03 - width / 2, height - 0.012, 0.0))
+
+
+def _tubes(width: float, height: float) -> Iterator[Solid]:
+    """Flat tubes lying above one another before two posts."""
+    for i in range(int((height - 0.12) / 0.07)):
+        yield rounded("white", (width, 0.055, 0.03), (0.0, 0.12 + 0.07 * i, 0.02), 0.014, 3)
+    for s in (-1, 1):
+        yield rounded("white", (0.04, height - 0.12, 0.04), (s * (width / 2 - 0.1), 0.12, -0.02), 0.012, 2)
+
+
+def _baseboard(width: float, height: float) -> Iterator[Solid]:
+    """A long low case with fins inside, open below."""
+    low = 0.2
+    over = [(-0.04, low), (0.02, low), (0.04, low - 0.03), (0.04, 0.05), (0.03, 0.05), (0.03, low - 0.03)]
+    case = [*over, (0.016, low - 0.01), (-0.03, low - 0.01), (-0.03, 0.0), (-0.04, 0.0)]
+    yield prism("white", case, width, (0.0, 0.0, 0.0), "side")
+    yield rod("brass", (-width / 2 + 0.02, 0.09, 0.0), (width / 2 - 0.02, 0.09, 0.0), 0.01)
+    for i in range(int(width / 0.03)):
+        yield box("gray", (0.002, 0.06, 0.05), ((i + 0.5) * 0.03 - width / 2, 0.06, 0.0))
+    for s in (-1, 1):
+        yield rounded("white", (0.02, low + 0.004, 0.09), (s * (width / 2 - 0.004), 0.0, 0.0), 0.006, 1)
+
+
+def _electric(width: float, height: float) -> Iterator[Solid]:
+    """A slim case with outlets for warm air, a dial and a lamp."""
+    yield rounded("white", (width, height - 0.12, 0.08), (0.0, 0.12, 0.0), 0.02, 3)
+    for i in range(5):
+        yield box("black", (width - 0.16, 0.008, 0.004), (0.0, height - 0.12 + 0.018 * i, 0.039))
+        yield box("black", (width - 0.16, 0.008, 0.004), (0.0, 0.15 + 0.018 * i, 0.039))
+    yield disc("gray", 0.022, 0.02, (width / 2 - 0.06, height - 0.18, 0.038), 18)
+    yield disc("red", 0.005, 0.006, (width / 2 - 0.06, height - 0.24, 0.038), 10)
+    for s in (-1, 1):
+        yield rounded("white", (0.05, 0.12, 0.16), (s * (width / 2 - 0.14), 0.0, 0.0), 0.012, 2)
+
+
+def _fan_heater(width: float, height: float) -> Iterator[Solid]:
+    """A small heater with a fan behind a grille."""
+    yield rounded("white", (0.26, 0.26, 0.16), (0.0, 0.02, 0.0), 0.05, 4)
+    for r in (0.03, 0.055, 0.08, 0.105):
+        yield ring("gray", r, 0.006, (0.0, 0.15, 0.081), 2, 26)
+    for k in range(6):
+        c, s = np.cos(np.pi * k / 6), np.sin(np.pi * k / 6)
+        yield rod("gray", (-0.105 * c, 0.15 - 0.105 * s, 0.08), (0.105 * c, 0.15 + 0.105 * s, 0.08), 0.002, sides=5)
+    yield disc("black", 0.018, 0.02, (0.09, 0.045, 0.074), 14)
+    yield rounded("gray", (0.2, 0.03, 0.18), (0.0, 0.0, 0.0), 0.01, 1)
+
+
 _RADIATOR_KINDS = {
     "panel": partial(_panels, "panel"),
     "double": partial(_panels, "double"),
     "columns": _columns,
     "convector": _convector,
     "oil": _oil,
+    "smooth": _smooth,
+    "tubes": _tubes,
+    "baseboard": _baseboard,
+    "electric": _electric,
+    "fan": _fan_heater,
 }
+PIPED = ("panel", "double", "columns", "smooth", "tubes")
 
 
 def radiator(kind: str = "panel", width: float = 1.0, height: float = 0.6) -> Iterator[Solid]:
-    """A ribbed panel, cast columns, a towel-like ladder, a convector, a portable oil heater."""
+    """A heater for a wall, with or without pipes, or one that is carried about."""
     yield from _RADIATOR_KINDS[kind](width, height)
-    if kind not in ("convector", "oil"):
+    if kind in PIPED:
         for s in (-1, 1):
             yield rod("chrome", (s * (width / 2 - 0.06), 0.0, 0.0), (s * (width / 2 - 0.06), 0.16, 0.0), 0.01)
         yield cylinder("white", 0.022, 0.07, (width / 2 - 0.06, 0.03, 0.0), sides=14)
@@ -76,7 +137,8 @@ FAMILIES = (
             *kinds_of(radiator, "panel", "columns", "double", "convector"),
             design(radiator, width=0.6),
             design(radiator, kind="columns", width=0.6, height=0.8),
+            *kinds_of(radiator, "smooth", "tubes", "baseboard", "electric"),
         ),
     ),
-    Family("oil_heater", "heater", kinds_of(radiator, "oil")),
+    Family("oil_heater", "heater", kinds_of(radiator, "oil", "fan")),
 )
