@@ -86,10 +86,12 @@ def plan_of(design: HomeDesign) -> Image.Image:
     for item, _ in design.objects[0]:
         if item.box[0, 1] < 1.0 and item.model.fine not in ("rug", "switch"):
             (x0, y0), (x1, y1) = on_page(item.box[:, [0, 2]])
-            draw.rectangle((x0, y0, x1, y1), "white" if item.model.fine == "window" else "#b9a58c", "#6b5b48")
+            fill = {"window": "white", "door": None}.get(item.model.fine, "#c9b89f")
+            draw.rectangle((x0, y0, x1, y1), fill, "#c07830" if fill is None else "#8a7a64")
     for room in level.rooms:
-        ((x, y),) = on_page(room.polygon.mean(axis=0)[None])
-        draw.text((x, y), room.type.replace("_", "\n"), "#202020", font_size=15, anchor="mm", align="center")
+        x0, z0, x1, z1 = max(room.rects, key=lambda rect: rect.sides[0] * rect.sides[1])
+        (place,) = on_page(np.array([[(x0 + x1) / 2, (z0 + z1) / 2]]))
+        draw.text(place, room.type.replace("_", "\n"), "#202020", font_size=13, anchor="mm", align="center")
     return image.resize((PLAN, PLAN), Image.Resampling.LANCZOS)
 
 
@@ -108,7 +110,7 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0, help="seed of the first home")
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
-    sheet_of_things().save(args.out / "home_things.jpg", quality=60, optimize=True)
+    sheet_of_things().save(args.out / "home_things.jpg", quality=50, optimize=True)
     sheet_of_plans(args.first).quantize(48).save(args.out / "home_plans.png", optimize=True)
 
 
