@@ -7,7 +7,7 @@ import pytest
 from scipy.signal import fftconvolve
 
 from home_mjx.audio_jax import AudioConfig, Paths, early_response
-from home_mjx.audio_jax.auralization.hrtf import sphere_spectrum
+from home_mjx.audio_jax.auralization.hrtf import near_sphere_spectrum
 from home_mjx.audio_jax.motion.frame import moving_frame
 from home_mjx.audio_jax.motion.reception import as_many, silence
 
@@ -15,6 +15,7 @@ OMNI = AudioConfig(receiver="omni", response_seconds=0.1, motion=True, tail_seco
 EARS = AudioConfig(response_seconds=0.1, motion=True, tail_seconds=0.0)
 RATE, SPEED, FRAME = OMNI.sample_rate, OMNI.speed_of_sound, OMNI.frame
 AHEAD = jnp.float32([1, 0, 0, 0])
+NEAR = np.linspace(1.19, 1.3, 6)  # [m]
 
 
 def received(vectors, config=OMNI, quat=AHEAD, gain=None, name=None):
@@ -101,7 +102,9 @@ def test_ears_of_a_head_that_walks_and_turns(frequency):
     for ear, side in enumerate((-1, 1)):
         axis = side * np.stack([np.cos(yaw), 0 * yaw, -np.sin(yaw)], 1)
         angle = np.arccos(np.sum(place * axis, axis=1) / distance)
-        sphere = sphere_spectrum(np.array([frequency]), angle, EARS.head_radius, SPEED)[:, 0]
+        near = [near_sphere_spectrum(np.array([frequency]), angle, d, EARS.head_radius, SPEED) for d in NEAR]
+        grid = np.stack(near)[:, :, 0]
+        sphere = np.array([np.interp(d, NEAR, row) for d, row in zip(distance, grid.T, strict=True)])
         exact = np.imag(sphere * np.exp(2j * np.pi * frequency * (time - distance / SPEED))) / distance
         error = np.mean((heard[ear, ::7] - exact) ** 2) / np.mean(exact**2)
         assert 10 * np.log10(error) < -30
