@@ -19,7 +19,7 @@ from home_mjx.audio_jax.measures.octaves import octave_responses
 from home_mjx.audio_jax.measures.spatial import iacc, lateral_fraction
 from home_mjx.audio_jax.measures.survey import Survey, survey_room
 from home_mjx.audio_jax.measures.table import RoomMeasures, measure_energy, measure_response
-from home_mjx.audio_jax.motion.frame import moving_frame
+from home_mjx.audio_jax.motion.frame import moving_frame, moving_frames
 from home_mjx.audio_jax.motion.reception import Reception, received, reception
 from home_mjx.audio_jax.propagation.diffraction import bent_paths
 from home_mjx.audio_jax.propagation.early import early_paths
@@ -78,6 +78,7 @@ __all__ = [
     "measure_response",
     "mirrored_paths",
     "moving_frame",
+    "moving_frames",
     "octave_responses",
     "received",
     "reception",

@@ -25,15 +25,23 @@ SLOWEST_SOUND = 250.0  # [m/s], of all airs that can be chosen
 MARGIN = HALF_WIDTH + READ  # samples that are read beyond a delay
 
 
-class Delays(Pytree):
-    """How much earlier what is heard left its source, at each sample, both ears."""
+class Ways(Pytree):
+    """Paths in one frame: lengths at its start and end, and how late ears hear what they bring.
 
-    whole: Int[Array, "p k"]  # [samples], to the middle of the head
-    rest: Float[Array, "p 2 k"]  # [samples], beyond that
+    A path comes from an image of its source, which moves evenly relative to the head, as source and head do: then its
+    length is right at every moment, not only at the frame's ends.
+    """
+
+    old: Float[Array, " p"]  # [m]
+    new: Float[Array, " p"]  # [m]
+    bend: Float[Array, " p"]  # [m²]: the square of the way of its image across it
+    ears: Float[Array, "p three 2"]  # [samples] later than the middle of the head: at the start, the middle and the end
 
 
-def early_frame(source: Float[Array, " n"], past: int, pairs: Pairs, config: AudioConfig) -> Float[Array, "2 m"]:
-    """What both ears hear through paths that move during one frame.
+def early_sums(source: Float[Array, " n"], past: int, pairs: Pairs, config: AudioConfig) -> Float[Array, "2 s k"]:
+    """What both ears hear through paths that move during one frame: one sum per ear and shape, see `filtered`.
+
+    Sums of several sources add up.
 
     Args:
         source: What leaves the source at 1 m, from `past` samples before the frame on and for as long as is known.
@@ -42,48 +50,42 @@ def early_frame(source: Float[Array, " n"], past: int, pairs: Pairs, config: Aud
         config: Options.
     """
     angles, distances = _to_ears(pairs, config)
-    times = _times(config)
-    delays = path_delays(pairs, ear_delays(angles, distances[:, :, None], config), times, config)
-    front = _before(config) + MARGIN
-    padded = jnp.pad(source, (front, MARGIN))
-    start = front + past - _before(config)
-    first, last, sample = _direct(padded, start, pairs, delays, config)
-    heard = jnp.stack([_read(x, start - sample, delays, slice(0, 1)) for x in (first, last)])
-    others = _read(at_twice_the_rate(padded), start, delays, slice(1, None))
-    fade = jnp.clip(times, 0.0, 1.0)
-    share = jnp.stack([1 - fade, fade])[:, None]  # (ends, 1, k)
-    sounds = jnp.concatenate([heard, jnp.broadcast_to(others, (2, *others.shape))], axis=1) * share[:, :, None]
+    ways = _ways(pairs, ear_delays(angles, distances[:, :, None], config))
+    earlier = min(past, config.response_length) + _before(config)  # no path is longer than a response
+    padded = jnp.pad(source, (_before(config), MARGIN))[past + _before(config) - earlier :]
+    sound = _sound(jnp.pad(padded, (MARGIN, 0)), earlier - _before(config) + MARGIN, pairs, ways, config)
     ends = ((pairs.old, angles[0], distances[0]), (pairs.new, angles[2], distances[2]))
-    weights = jnp.stack([path_weights(paths.gain, angle, at, config) for paths, angle, at in ends])
-    sums = jnp.einsum("xpes,xpek->esk", weights, sounds, precision="highest")
-    return _filtered(sums, config)
+    old, new = (path_weights(paths.gain, angle, at, config) for paths, angle, at in ends)
+    rows = jax.tree.map(lambda x: jnp.concatenate([x[:1], x]), ways)  # the first is heard through two filters
+    return _sums(_heard(sound, rows, config), old, new, jnp.clip(_times(config), 0.0, 1.0))
 
 
-def path_delays(pairs: Pairs, ears: Float[Array, "three p 2"], time: Float[Array, " k"], config: AudioConfig) -> Delays:
-    """Delays of all paths at both ears, at times in frames.
-
-    A path comes from an image of its source, which moves evenly relative to the head, as source and head do: then its
-    length is right at every moment, not only at the frame's ends.
+def way_delays(
+    way: Ways, time: Float[Array, " k"], config: AudioConfig
+) -> tuple[Int[Array, " k"], Float[Array, "2 k"]]:
+    """How much earlier left its source what a path brings: whole samples to the middle of the head, and beyond that.
 
     Args:
-        pairs: Paths at the frame's start and end.
-        ears: By how much ears hear later than the middle of the head at its start, middle and end [samples]; a
-            parabola runs through these.
-        time: From 0 to 1, and before and after.
+        way: One path.
+        time: In frames: from 0 to 1, and before and after.
         config: Options.
     """
-    old, new, time = pairs.old.distance[:, None], pairs.new.distance[:, None], time[None]
-    step = pairs.new.direction * new - pairs.old.direction * old
-    bend = jnp.maximum(jnp.sum(step**2, axis=1, keepdims=True) - (new - old) ** 2, 0.0)
-    line = old + time * (new - old)  # apart, so that still paths are exact
-    curve = time * (1 - time) * bend
-    length = line - curve / jnp.maximum(line + jnp.sqrt(jnp.maximum(line**2 - curve, 0.0)), 1e-6)
+    curve = time * (1 - time)
+    line = way.old + time * (way.new - way.old)  # apart, so that still paths are exact
+    across = curve * way.bend
+    length = line - across / jnp.maximum(line + jnp.sqrt(jnp.maximum(line**2 - across, 0.0)), 1e-6)
     samples = length * jnp.float32(config.sample_rate / config.speed_of_sound)
     whole = jnp.floor(samples)
-    start, middle, end = (x[..., None] for x in ears)
-    time = time[None]
-    late = start + time * (end - start) + 4 * time * (1 - time) * (middle - (start + end) / 2)
-    return Delays(whole.astype(jnp.int32), (samples - whole)[:, None] + late)
+    start, middle, end = (x[:, None] for x in way.ears)
+    late = start + time[None] * (end - start) + 4 * curve[None] * (middle - (start + end) / 2)
+    return whole.astype(jnp.int32), (samples - whole)[None] + late
+
+
+def _ways(pairs: Pairs, ears: Float[Array, "three p 2"]) -> Ways:
+    old, new = pairs.old.distance, pairs.new.distance
+    step = pairs.new.direction * new[:, None] - pairs.old.direction * old[:, None]
+    bend = jnp.maximum(jnp.sum(step**2, axis=1) - (new - old) ** 2, 0.0)
+    return Ways(old, new, bend, jnp.swapaxes(ears, 0, 1))
 
 
 def longest_step(config: AudioConfig) -> float:
@@ -97,9 +99,9 @@ def _before(config: AudioConfig) -> int:
 
 
 def _times(config: AudioConfig) -> Float[Array, " k"]:
-    """Of samples that are read, in frames."""
-    number = np.arange(-_before(config), config.frame + HALF_WIDTH)
-    return jnp.asarray(number / config.frame, jnp.float32)
+    """Of samples that are read, in frames: as many as a transform takes."""
+    count = int(next_fast_len(_before(config) + config.frame + HALF_WIDTH, real=True) or 0)
+    return jnp.asarray((np.arange(count) - _before(config)) / config.frame, jnp.float32)
 
 
 def _to_ears(pairs: Pairs, config: AudioConfig) -> tuple[Float[Array, "three p 2"], Float[Array, "three p"]]:
@@ -116,48 +118,69 @@ def _to_ears(pairs: Pairs, config: AudioConfig) -> tuple[Float[Array, "three p 2
     return angles, jnp.stack([old.distance, jnp.maximum(between, 1e-2), new.distance])
 
 
-def _direct(
-    padded: Float[Array, " n"], start: int, pairs: Pairs, delays: Delays, config: AudioConfig
-) -> tuple[Float[Array, " m"], Float[Array, " m"], Int[Array, ""]]:
-    """The source through the filters that the first path has at both ends, at twice its rate, and from which sample on.
+class Sound(Pytree):
+    """All that is read, at twice the sample rate: what the first path's filters make, twice, and the source."""
 
-    Args:
-        padded: The source.
-        start: What is read first if there is no delay.
-        pairs: Paths.
-        delays: Of all of them.
-        config: Options.
-    """
-    taps, count = int(np.ceil(CAUSAL_SECONDS * config.sample_rate)), delays.whole.shape[1]
+    double: Float[Array, " n"]
+    start: Int[Array, "three"]  # half sample of each that is heard first where there is no delay
+    first: Int[Array, "three"]  # half sample with which each begins
+    last: Int[Array, "three"]  # and ends
+
+
+def _sound(padded: Float[Array, " n"], start: int, pairs: Pairs, ways: Ways, config: AudioConfig) -> Sound:
+    """From the source, of which sample `start` is heard first where there is no delay."""
+    taps, count = int(np.ceil(CAUSAL_SECONDS * config.sample_rate)), _times(config).shape[0]
     slack = int(np.ceil((count / config.frame * longest_step(config) / SLOWEST_SOUND + SPREAD) * config.sample_rate))
     length = count + 2 * slack + 2 * MARGIN
     size = int(next_fast_len(length + taps, real=True) or 0)
-    earliest = start - delays.whole[0, -1] - slack - MARGIN
-    begin = jnp.clip(earliest, -slack, padded.shape[0])
+    way = (ways.new[0] * jnp.float32(config.sample_rate / config.speed_of_sound)).astype(jnp.int32)
+    begin = jnp.clip(start - way - slack - MARGIN, -slack, padded.shape[0])
     window = jax.lax.dynamic_slice_in_dim(jnp.pad(padded, (taps + slack, size)), begin + slack, size)
-    gains = jnp.stack([pairs.old.gain[0], pairs.new.gain[0]])
-    filters = octave_spectra(gains, size, config)
+    filters = octave_spectra(jnp.stack([pairs.old.gain[0], pairs.new.gain[0]]), size, config)
     both = jnp.fft.irfft(jnp.fft.rfft(window, size)[None] * filters, size)[:, taps : taps + length]
-    return at_twice_the_rate(both[0]), at_twice_the_rate(both[1]), begin
+    parts = [at_twice_the_rate(x) for x in (both[0], both[1], padded)]
+    ends = np.cumsum([0, *(x.shape[0] for x in parts)]).astype(np.int32)
+    starts = jnp.stack([start - begin, start - begin, jnp.int32(start)])
+    # Compilers would make it anew for every path that is read from it.
+    double = jax.lax.optimization_barrier(jnp.concatenate(parts))
+    return Sound(double, 2 * starts + ends[:-1], jnp.asarray(ends[:-1]), jnp.asarray(ends[1:]))
 
 
-def _read(
-    double: Float[Array, " n"], start: Int[Array, ""] | int, delays: Delays, paths: slice
-) -> Float[Array, "p 2 k"]:
-    """A sound at twice its rate as some paths bring it; from its sample `start` on if they had no delays."""
-    whole, rest = delays.whole[paths, None], -2 * delays.rest[paths]
-    low = jnp.floor(rest)
-    number = start + jnp.arange(whole.shape[-1], dtype=jnp.int32)[None, None] - whole
-    at = jnp.clip(2 * number + low.astype(jnp.int32), -FIRST, double.shape[0] - READ - FIRST)
-    heard = jnp.zeros(rest.shape, jnp.float32)
-    for i, weight in enumerate(read_weights(rest - low)):
-        heard = heard + weight * double.at[at + (FIRST + i)].get(mode="promise_in_bounds")
-    return heard
+def _heard(sound: Sound, rows: Ways, config: AudioConfig) -> Float[Array, "q 2 k"]:
+    """The first two rows read from what filters made, the others from the source."""
+    time = _times(config)
+    number = jnp.arange(time.shape[0], dtype=jnp.int32)
+    part = jnp.asarray([0, 1, *[2] * (rows.old.shape[0] - 2)], jnp.int32)
+
+    def one(_: None, row: tuple[Ways, Array, Array, Array]) -> tuple[None, Float[Array, "2 k"]]:
+        way, start, first, last = row
+        whole, rest = way_delays(way, time, config)
+        low = jnp.floor(-2 * rest)
+        at = (start + 2 * (number - whole))[None] + low.astype(jnp.int32)
+        at = jnp.clip(at, first - FIRST, last - READ - FIRST)
+        heard = jnp.zeros(rest.shape, jnp.float32)
+        for i, weight in enumerate(read_weights(-2 * rest - low)):
+            heard = heard + weight * sound.double.at[at + (FIRST + i)].get(mode="promise_in_bounds")
+        return None, heard
+
+    # One path after the other: all at once, compilers keep an index for each of the values that are read.
+    return jax.lax.scan(one, None, (rows, sound.start[part], sound.first[part], sound.last[part]))[1]
 
 
-def _filtered(sums: Float[Array, "2 s k"], config: AudioConfig) -> Float[Array, "2 m"]:
-    """All of `shapes`, each of its sum."""
-    size = int(next_fast_len(sums.shape[-1], real=True) or 0)
+def _sums(
+    heard: Float[Array, "q 2 k"], old: Float[Array, "p 2 s"], new: Float[Array, "p 2 s"], fade: Float[Array, " k"]
+) -> Float[Array, "2 s k"]:
+    """All paths with weights that run from the old to the new ones; of the first what each end's filter leaves."""
+    nothing = jnp.zeros_like(old[:1])
+    first, last = (jnp.concatenate(x) for x in ((old[:1], nothing, old[1:]), (nothing, new[:1], new[1:])))
+    weights = jnp.swapaxes(jnp.concatenate([first, last - first]), 0, 1)
+    sounds = jnp.swapaxes(jnp.concatenate([heard, heard * fade[None, None]]), 0, 1)
+    return jnp.einsum("eqs,eqk->esk", weights, sounds, precision="highest")
+
+
+def filtered(sums: Float[Array, "2 s k"], config: AudioConfig) -> Float[Array, "2 m"]:
+    """All of `shapes`, each of its sum, in the frame."""
+    size = sums.shape[-1]
     spectra = jnp.asarray(np.fft.rfft(shapes(config.sample_rate).kernel, size).astype(np.complex64))
     whole = jnp.sum(jnp.fft.rfft(sums, size) * spectra[None], axis=1)
     begin = _before(config) + HALF_WIDTH
