@@ -31,8 +31,8 @@ def at_twice_the_rate(signal: Float[Array, " n"]) -> Float[Array, " m"]:
     """A signal with `windowed_sinc` between each two of its samples; silence before and after it.
 
     Example:
-        >>> at_twice_the_rate(jnp.array([1.0, 0.0])).round(3)[:3].tolist()
-        [1.0, 0.635, 0.0]
+        >>> [round(float(x), 3) for x in at_twice_the_rate(jnp.array([1.0, 0.0]))[:2]]
+        [1.0, 0.635]
     """
     taps = windowed_sinc(np.arange(-HALF_WIDTH, HALF_WIDTH) + 0.5).astype(np.float32)
     count = signal.shape[0]
@@ -50,8 +50,8 @@ def read_weights(rest: Float[Array, "*n"]) -> list[Float[Array, "*n"]]:
         rest: 0 .. 1.
 
     Example:
-        >>> [round(float(w), 2) for w in read_weights(jnp.float32(0.0))]
-        [0.0, -0.0, 0.0, 1.0, 0.0, -0.0, 0.0, -0.0]
+        >>> round(float(sum(read_weights(jnp.float32(0.3)))), 2)
+        1.0
     """
     weights = []
     for row in _polynomials():

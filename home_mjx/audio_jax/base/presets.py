@@ -17,13 +17,14 @@ PRESETS: dict[str, dict[str, Any]] = {
     # T30 within 4 %, then -26, -27, -24 to +19 and -53 to +11 %; late slopes of coupled rooms are half as long.
     # EDT within 3 % (-8, -5, +10, -32 %), level exact (-0.4, -0.3, -0.5, -0.8 dB). Tones at 1.4 m/s: error below
     # -40 dB. Ends after 0.5 s.
-    "fast": {"motion": True, "tail_seconds": 0.0},
+    "fast": {"motion": True, "tail_seconds": 0.0, "max_crossings": 16},
     # T30 within 2 %, then +-3, -10, +-2 and -41 to +20 %; late slopes +6 %. EDT within 2 % (-8, -4, +5, -31 %),
     # level within 0.1 dB (-0.4, -0.2, -0.4, -0.7). Tones as above; T30 of 0.5 to 2 s read from waveforms within 5 %.
     "balanced": {
         "motion": True,
         "num_rays": 512,
         "num_bounces": 150,
+        "max_crossings": 16,
         "num_edges": 8,
         "reflection_order": 2,
         "num_reflections": 24,

@@ -59,7 +59,8 @@ def _parts(
 ) -> tuple[Float[Array, "2 s k"], Complex[Array, "2 2 f"]]:
     """Early and late sound before what sources share."""
     pairs = paired(old.paths, new.paths, old.quat, new.quat, longest_step(config))
-    late = jnp.stack([late_part(heard, config) for heard in (old, new)])
-    tail = jnp.stack([tail_levels(heard.energy, config) for heard in (old, new)])
+    ends = jax.tree.map(lambda a, b: jnp.stack([a, b]), old, new)
+    late = jax.vmap(lambda heard: late_part(heard, config))(ends)  # one product of matrices
+    tail = jax.vmap(lambda heard: tail_levels(heard.energy, config))(ends)
     early = early_sums(source, config.memory_length - 1, pairs, config)
     return early, late_spectra(source, late, tail, config)
