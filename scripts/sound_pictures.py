@@ -230,7 +230,7 @@ def draw_walk(sound, room, distance, config, args):
 
 def way_to(house, goal, step=0.1):
     """Places of ears every `step` [m] on the shortest way to a goal from the place that is farthest from it."""
-    free = (house.navigation.region[0] >= 0) & (clearance(house) > 2)
+    free = house.navigation.region[0] >= 0
     rows, columns = np.nonzero(free)
     number = -np.ones(free.shape, int)
     number[rows, columns] = np.arange(rows.size)
