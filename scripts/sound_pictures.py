@@ -13,6 +13,9 @@ import jax
 import jax.numpy as jnp
 import matplotlib
 import numpy as np
+from scipy.ndimage import distance_transform_edt, gaussian_filter1d
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import dijkstra
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "benchmarks"))
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "helpers"))
@@ -26,15 +29,21 @@ from home_mjx.audio_jax import (
     BakeOptions,
     Listener,
     Source,
+    audio_preset,
     baked_sound,
+    clip_samples,
     early_paths,
+    moving_frame,
+    reception,
+    stft_magnitude,
     with_late_sound,
 )
 from home_mjx.bank.bank import HouseBank
 from home_mjx.cli.floors import storey_pictures
+from home_mjx.core.transforms import camera_quat
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.scene_compile.cache.house_set import HouseSet
-from home_mjx.viz.media import write_png
+from home_mjx.viz.media import write_png, write_wav
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
@@ -161,18 +170,114 @@ def plan(args):
     print(args.out / "sound_map.png", flush=True)
 
 
+def walk(args):
+    """A walk through all rooms at 1 m/s, to where the radio plays: heard, as a spectrogram, and as level over time."""
+    config = audio_preset("fast", late="baked", num_edges=8, tail_seconds=1.0)
+    house, scene = args.house, scene_of(args.baked)
+    goal = max(range(len(house.rooms.floor)), key=lambda room: clearance(house, room).max())
+    way = way_to(house, middle(house, goal))
+    source = Source(jnp.asarray(way[-1] + [0.6, 0.0, -0.3], jnp.float32))
+    clip = jnp.asarray(clip_samples(args.clip, config))
+    ahead = np.gradient(gaussian_filter1d(way, 8, axis=0, mode="nearest"), axis=0)
+    yaws = np.unwrap(np.arctan2(ahead[:, 1], ahead[:, 0]))
+    ears = [
+        Listener(jnp.asarray(p, jnp.float32), camera_quat(jnp.float32(y), jnp.float32(0)))
+        for p, y in zip(way, yaws, strict=True)
+    ]
+    key, span = jax.random.key(0), np.arange(1 - config.memory_length, config.frame + config.ahead)
+    hear = jax.jit(lambda listener: reception(scene, source, listener, key, config))
+    between = jax.jit(lambda sound, old, new: moving_frame(sound, old, new, config))
+    old, sound = hear(ears[0]), []
+    for number, listener in enumerate(ears[1:]):
+        new = hear(listener)
+        sound.append(np.asarray(between(clip[(span + number * config.frame) % clip.size], old, new)))
+        old = new
+    sound = np.concatenate(sound, axis=1)
+    room = [int(house.navigation.room[cell_of(house, place)]) for place in way]
+    draw_walk(sound, np.array(room), np.linalg.norm(way - np.asarray(source.pos), axis=1), config, args)
+    loudest = np.max(np.abs(sound))
+    write_wav(args.wav or args.out / "sound_walk.wav", sound, config.sample_rate)
+    print(
+        f"{sound.shape[1] / config.sample_rate:.1f} s, largest {loudest:.3f}, nan {np.isnan(sound).sum()}", flush=True
+    )
+
+
+def draw_walk(sound, room, distance, config, args):
+    """Spectrogram of the left ear, levels of both in 50 ms, and where it is."""
+    rate = config.sample_rate
+    magnitude = np.asarray(stft_magnitude(jnp.asarray(sound[0]), rate))
+    figure, axes = plt.subplots(3, 1, figsize=(10, 7), sharex=True, height_ratios=(3, 2, 1))
+    seconds = sound.shape[1] / rate
+    level = 20 * np.log10(np.maximum(magnitude.T, 1e-7))
+    axes[0].imshow(
+        level, origin="lower", aspect="auto", extent=(0, seconds, 0, rate / 2000), vmin=level.max() - 80, cmap="magma"
+    )
+    axes[0].set(ylabel="frequency [kHz]", title="A walk to a radio: left ear")
+    size = rate // 20
+    power = np.mean(sound[:, : sound.shape[1] // size * size].reshape(2, -1, size) ** 2, axis=2)
+    for ear, row in zip(("left", "right"), power, strict=True):
+        axes[1].plot((np.arange(len(row)) + 0.5) / 20, 10 * np.log10(np.maximum(row, 1e-12)), label=ear)
+    axes[1].set(ylabel="level in 50 ms [dB]")
+    axes[1].legend()
+    time = np.arange(len(room)) * config.frame / rate
+    axes[2].plot(time, distance, color="black")
+    for change in np.flatnonzero(np.diff(room)):
+        for axis in axes:
+            axis.axvline(time[change + 1], color="grey", lw=0.6)
+    axes[2].set(ylabel="distance [m]", xlabel="time [s]; grey: into another room")
+    saved(figure, args.out, "walk")
+
+
+def way_to(house, goal, step=0.1):
+    """Places of ears every `step` [m] on the shortest way to a goal from the place that is farthest from it."""
+    free = house.navigation.region[0] >= 0
+    rows, columns = np.nonzero(free)
+    number = -np.ones(free.shape, int)
+    number[rows, columns] = np.arange(rows.size)
+    edges = []
+    for down, right in ((0, 1), (1, 0), (1, 1), (1, -1)):
+        there = (np.clip(rows + down, 0, free.shape[0] - 1), np.clip(columns + right, 0, free.shape[1] - 1))
+        joined = free[there]
+        edges.append(
+            (number[rows, columns][joined], number[there][joined], np.full(joined.sum(), np.hypot(down, right)))
+        )
+    first, second, length = (np.concatenate(x) for x in zip(*edges, strict=True))
+    graph = coo_array((length, (first, second)), (rows.size, rows.size)).tocsr()
+    end = number[cell_of(house, goal)[1:]]
+    far, before = dijkstra(graph, directed=False, indices=end, return_predecessors=True)
+    cells = [int(np.argmax(np.where(np.isfinite(far), far, -1)))]
+    while cells[-1] != end:
+        cells.append(int(before[cells[-1]]))
+    plan = house.navigation.origin + (np.stack([columns[cells], rows[cells]], 1) + 0.5) * house.navigation.cell
+    plan = gaussian_filter1d(plan, 3, axis=0, mode="nearest")
+    along = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(plan, axis=0), axis=1))])
+    at = np.arange(0, along[-1], step)
+    return np.stack([*(np.interp(at, along, plan[:, i]) for i in (0, 1)), np.full(at.size, goal[2])], axis=1)
+
+
+def cell_of(house, place):
+    """Index of a place of the lowest storey in maps of the house."""
+    column, row = ((place[:2] - house.navigation.origin) / house.navigation.cell).astype(int)
+    return 0, row, column
+
+
+def clearance(house, room=None):
+    """Cells from each free cell to the next one that is not, or is not in the room."""
+    navigation = house.navigation
+    free = navigation.region[0] >= 0
+    return distance_transform_edt(free if room is None else free & (navigation.room[0] == room))
+
+
 def middle(house, room):
     """Ears at the place of a room that is farthest from what stands there."""
-    from scipy.ndimage import distance_transform_edt
-
     navigation = house.navigation
-    free = (navigation.room[0] == room) & (navigation.region[0] >= 0)
-    row, column = np.unravel_index(np.argmax(distance_transform_edt(free)), free.shape)
+    away = clearance(house, room)
+    row, column = np.unravel_index(np.argmax(away), away.shape)
     plan = navigation.origin + (np.array([column, row]) + 0.5) * navigation.cell
     return np.append(plan, house.rooms.floor[room]) + EARS
 
 
-PICTURES = {"decays": decays, "doors": doors, "doorway": doorway, "map": plan}
+PICTURES = {"decays": decays, "doors": doors, "doorway": doorway, "map": plan, "walk": walk}
 
 
 def main():
@@ -181,10 +286,12 @@ def main():
     parser.add_argument("pictures", nargs="*", choices=[*PICTURES, []], help="only these (default: all)")
     parser.add_argument("--dataset", default=GENERATED)
     parser.add_argument("--out", type=Path, default=ROOT / "docs" / "images")
+    parser.add_argument("--clip", default="radio", help="what is heard on the walk")
+    parser.add_argument("--wav", type=Path, help="where the walk goes (default: sound_walk.wav beside the pictures)")
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
     chosen = args.pictures or list(PICTURES)
-    if {"doors", "map"} & set(chosen):
+    if {"doors", "map", "walk"} & set(chosen):
         args.house = HouseSet(args.dataset, num_houses=1).load()[0]
         args.baked = with_late_sound(HouseBank.from_compiled([args.house]), [args.house], BakeOptions())
     for name in chosen:

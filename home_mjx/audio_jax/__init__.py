@@ -4,7 +4,7 @@ from home_mjx.audio_jax.auralization.envelope import Envelope, band_level, clip_
 from home_mjx.audio_jax.auralization.recordings import recorded_clip
 from home_mjx.audio_jax.auralization.response import ear_gains, early_response, impulse_response, late_response
 from home_mjx.audio_jax.auralization.sources import CLIPS, clip_samples
-from home_mjx.audio_jax.auralization.spectra import log_mel, stft_magnitude
+from home_mjx.audio_jax.auralization.spectra import gcc_leads, gcc_phat, log_mel, stft_magnitude
 from home_mjx.audio_jax.auralization.stream import faded_frame, given_off, loudness, sound_frame
 from home_mjx.audio_jax.baked.reading import baked_sound
 from home_mjx.audio_jax.baking.bake import BakeOptions
@@ -19,7 +19,7 @@ from home_mjx.audio_jax.measures.octaves import octave_responses
 from home_mjx.audio_jax.measures.spatial import iacc, lateral_fraction
 from home_mjx.audio_jax.measures.survey import Survey, survey_room
 from home_mjx.audio_jax.measures.table import RoomMeasures, measure_energy, measure_response
-from home_mjx.audio_jax.motion.frame import moving_frame
+from home_mjx.audio_jax.motion.frame import moving_frame, moving_frames
 from home_mjx.audio_jax.motion.reception import Reception, received, reception
 from home_mjx.audio_jax.propagation.diffraction import bent_paths
 from home_mjx.audio_jax.propagation.early import early_paths
@@ -66,6 +66,8 @@ __all__ = [
     "energy_response",
     "faded_frame",
     "floor_sound",
+    "gcc_leads",
+    "gcc_phat",
     "given_off",
     "iacc",
     "impulse_response",
@@ -78,6 +80,7 @@ __all__ = [
     "measure_response",
     "mirrored_paths",
     "moving_frame",
+    "moving_frames",
     "octave_responses",
     "received",
     "reception",

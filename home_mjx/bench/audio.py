@@ -17,8 +17,11 @@ from home_mjx.audio_jax.baking.bake import BakeOptions, bake_house
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.base.presets import audio_preset
-from home_mjx.audio_jax.motion.frame import moving_frame
-from home_mjx.audio_jax.motion.reception import reception
+from home_mjx.audio_jax.motion.early import early_sums, filtered, longest_step
+from home_mjx.audio_jax.motion.frame import moving_frame, moving_frames
+from home_mjx.audio_jax.motion.pairs import paired
+from home_mjx.audio_jax.motion.reception import late_part, reception
+from home_mjx.audio_jax.motion.tail import late_frame, late_spectra, tail_levels
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bench import timing
 from home_mjx.bench.batch import eye_at, houses_and_starts, own_body, rate_per_environment, scene_at
@@ -26,6 +29,7 @@ from home_mjx.bench.record import Record, Settings, make_record
 
 CONFIG = AudioConfig()
 SOURCES = 4  # heard at once
+BAKED: dict[str, Any] = {"late": "baked", "num_edges": 8}  # as the presets are recommended
 STEP = 0.1  # [m] in a frame, by which source and listener each move
 
 
@@ -55,19 +59,19 @@ def frame_balanced(settings: Settings) -> Record:
 
 def frame_synthesis(settings: Settings) -> Record:
     """Frames alone, as `fast` makes them of what has been received before."""
-    config = audio_preset("fast")
-    ends = [_before(settings, config, step) for step in (-STEP, STEP)]
-    program, seconds = timing.compiled(jax.vmap(partial(_frame, config)), houses_and_starts(settings)[0], *ends)
-    rate = timing.calls_per_second(program, houses_and_starts(settings)[0], *ends, seconds=settings.seconds)
-    note = f"no rays; {settings.houses}"
-    return make_record(
-        "audio/frame-synthesis",
-        rate * settings.num_envs,
-        "frames/s",
-        note,
-        num_envs=settings.num_envs,
-        compile_seconds=seconds,
+    return _stage("audio/frame-synthesis", settings, moving_frame)
+
+
+def frame_early(settings: Settings) -> Record:
+    """Of these the early part: all that moves, without the late part."""
+    return _stage(
+        "audio/frame-early", settings, lambda s, old, new, config: filtered(_sums(s, old, new, config), config)
     )
+
+
+def frame_late(settings: Settings) -> Record:
+    """And the late part alone."""
+    return _stage("audio/frame-late", settings, _late_alone)
 
 
 def frame_baked(settings: Settings) -> Record:
@@ -75,9 +79,24 @@ def frame_baked(settings: Settings) -> Record:
     return _frames("audio/frame-baked", AudioConfig(late="baked"), settings)
 
 
-def frame_moving_baked(settings: Settings) -> Record:
-    """The same of sound that moves within the frame."""
-    return _frames("audio/frame-moving-baked", audio_preset("fast", late="baked"), settings)
+def frame_fast_baked(settings: Settings) -> Record:
+    """Sound that moves within the frame, late sound baked, and edges: the preset `fast` as it is recommended."""
+    return _frames("audio/frame-fast-baked", audio_preset("fast", **BAKED), settings)
+
+
+def frame_balanced_baked(settings: Settings) -> Record:
+    """The same of the preset `balanced`, which has a tail."""
+    return _frames("audio/frame-balanced-baked", audio_preset("balanced", **BAKED), settings)
+
+
+def reception_fast_baked(settings: Settings) -> Record:
+    """Of `frame-fast-baked` what is received alone: paths and baked energies, no waveform."""
+    config = audio_preset("fast", **BAKED)
+    value, seconds = rate_per_environment(settings, partial(_heard, reception, config, 0.0), settings.late_bank)
+    note = f"paths and baked energies, {config.num_paths} paths; {settings.houses}"
+    return make_record(
+        "audio/reception-fast-baked", value, "receptions/s", note, num_envs=settings.num_envs, compile_seconds=seconds
+    )
 
 
 def frame_four(settings: Settings) -> Record:
@@ -87,7 +106,7 @@ def frame_four(settings: Settings) -> Record:
 
 def frame_four_baked(settings: Settings) -> Record:
     """The same with late sound that has been baked."""
-    return _frames("audio/frame-four-baked", audio_preset("fast", late="baked"), settings, SOURCES)
+    return _frames("audio/frame-four-baked", audio_preset("fast", **BAKED), settings, SOURCES)
 
 
 def features(settings: Settings) -> Record:
@@ -110,6 +129,31 @@ def bake(settings: Settings) -> Record:
     options = BakeOptions()
     note = f"{options.rays} rays per cell and octave, {size / 1e6:.2f} MB; the first house of {settings.houses}"
     return make_record("audio/bake", seconds[1], "s/house", note, compile_seconds=max(seconds[0] - seconds[1], 0.0))
+
+
+def _stage(case: str, settings: Settings, make: Callable[..., jax.Array]) -> Record:
+    """Part of a frame of the preset `fast`, of what has been received before."""
+    config = audio_preset("fast")
+    ends = [_before(settings, config, step) for step in (-STEP, STEP)]
+    houses = houses_and_starts(settings)[0]
+    step = jax.vmap(lambda house, old, new: make(_clip(config, house), old, new, config))
+    program, seconds = timing.compiled(step, houses, *ends)
+    rate = timing.calls_per_second(program, houses, *ends, seconds=settings.seconds)
+    note = f"no rays; {settings.houses}"
+    return make_record(
+        case, rate * settings.num_envs, "frames/s", note, num_envs=settings.num_envs, compile_seconds=seconds
+    )
+
+
+def _sums(source: jax.Array, old: Any, new: Any, config: AudioConfig) -> jax.Array:
+    pairs = paired(old.paths, new.paths, old.quat, new.quat, longest_step(config))
+    return early_sums(source, config.memory_length - 1, pairs, config)
+
+
+def _late_alone(source: jax.Array, old: Any, new: Any, config: AudioConfig) -> jax.Array:
+    late = jnp.stack([late_part(heard, config) for heard in (old, new)])
+    tail = jnp.stack([tail_levels(heard.energy, config) for heard in (old, new)])
+    return late_frame(late_spectra(source, late, tail, config), config)
 
 
 def _features(case: str, config: AudioConfig, settings: Settings) -> Record:
@@ -137,9 +181,7 @@ def _frames(case: str, config: AudioConfig, settings: Settings, sources: int = 1
 
     def step(bank: HouseBank, house: jax.Array, start: jax.Array, old: Any) -> tuple[jax.Array, Any]:
         new = _all_heard(hear, config, STEP, sources, bank, house, start)
-        if sources == 1:
-            return _frame(config, house, old, new), new
-        return jnp.sum(jax.vmap(partial(_frame, config, house))(old, new), axis=0), new
+        return _frame(config, house, old, new, sources), new
 
     houses, starts = houses_and_starts(settings)
     bank = _bank(settings, config)
@@ -191,12 +233,18 @@ def _all_heard(
     return jax.vmap(lambda goal: _heard(hear, config, step, bank, house, start, goal))(goals)
 
 
-def _frame(config: AudioConfig, house: jax.Array, old: Any, new: Any) -> jax.Array:
+def _frame(config: AudioConfig, house: jax.Array, old: Any, new: Any, sources: int = 1) -> jax.Array:
     """A frame of a clip, at a place of its own in each house."""
+    source = _clip(config, house)
+    if sources > 1:
+        return moving_frames(jnp.broadcast_to(source, (sources, *source.shape)), old, new, config)
+    return (moving_frame if config.motion else faded_frame)(source, old, new, config)
+
+
+def _clip(config: AudioConfig, house: jax.Array) -> jax.Array:
     clip = jnp.asarray(clip_samples("radio", config))
     span = np.arange(1 - config.memory_length, config.frame + config.ahead)
-    source = clip[(977 * house + jnp.asarray(span, jnp.int32)) % clip.size]
-    return (moving_frame if config.motion else faded_frame)(source, old, new, config)
+    return clip[(977 * house + jnp.asarray(span, jnp.int32)) % clip.size]
 
 
 def _heard(
@@ -221,8 +269,12 @@ CASES: dict[str, Callable[[Settings], Record]] = {
     "frame-fast": frame_fast,
     "frame-balanced": frame_balanced,
     "frame-synthesis": frame_synthesis,
+    "frame-early": frame_early,
+    "frame-late": frame_late,
     "frame-baked": frame_baked,
-    "frame-moving-baked": frame_moving_baked,
+    "frame-fast-baked": frame_fast_baked,
+    "frame-balanced-baked": frame_balanced_baked,
+    "reception-fast-baked": reception_fast_baked,
     "frame-four": frame_four,
     "frame-four-baked": frame_four_baked,
     "features": features,

@@ -30,15 +30,23 @@ def scene_at(bank: HouseBank, house: jax.Array, start: jax.Array) -> Scene:
     return make_scene(bank, house, physics.body_pos[house], physics.body_quat[house], centre[None], upright)
 
 
-def rate_per_environment(settings: Settings, function: Callable[..., Any]) -> tuple[float, float]:
+def rate_per_environment(
+    settings: Settings, function: Callable[..., Any], bank: HouseBank | None = None
+) -> tuple[float, float]:
     """How often `function(bank, house, start)` runs per second, counting each environment of the batch.
+
+    Args:
+        settings: What to measure on.
+        function: Of a bank, a house and where an agent starts.
+        bank: None: that of the settings.
 
     Returns:
         That rate, and the seconds that compiling the batch took.
     """
     houses, starts = houses_and_starts(settings)
-    program, seconds = timing.compiled(jax.vmap(function, (None, 0, 0)), settings.bank, houses, starts)
-    rate = timing.calls_per_second(program, settings.bank, houses, starts, seconds=settings.seconds)
+    bank = settings.bank if bank is None else bank
+    program, seconds = timing.compiled(jax.vmap(function, (None, 0, 0)), bank, houses, starts)
+    rate = timing.calls_per_second(program, bank, houses, starts, seconds=settings.seconds)
     return rate * settings.num_envs, seconds
 
 

@@ -9,22 +9,19 @@ import functools
 import math
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Complex, Float
 from scipy.special import eval_legendre, spherical_jn, spherical_yn
 
-from home_mjx.audio_jax.base.delays import HALF_WIDTH, WIDTH, windowed_sinc
+from home_mjx.audio_jax.base.delays import HALF_WIDTH
 from home_mjx.audio_jax.base.filters import octave_gains
+from home_mjx.audio_jax.base.shapes import shapes
 from home_mjx.core.transforms import quat_matrix
 
 NUM_ANGLES = 181  # every degree
-FINER = 4  # times the sample rate, at which the head's response has next to nothing left to ring with
-EAR_SECONDS = 0.007  # after which a sphere no longer answers at all
-EAR_WIDTH = WIDTH + 24  # of an ear's kernel [samples]: within 0.2 % of the series up to 7 kHz
-ENDING = 21  # [samples], in which kernels fade out
-PHASES = 16  # per sample, between which kernels are interpolated: within 2e-3 of each other
-KERNEL_ANGLES = 369  # about every half degree; few round angles lie in the middle between two
+NEARNESS = tuple(i * 0.1 for i in range(8))  # radius of the head by distance, of which filters are kept
 
 
 class EarTable(NamedTuple):
@@ -62,9 +59,53 @@ def sphere_spectrum(
     return np.conj(1j / mu**2 * (legendre.T @ terms))
 
 
-def sphere_delay(angle: Float[np.ndarray, " a"], radius: float, speed: float) -> Float[np.ndarray, " a"]:
+def near_sphere_spectrum(
+    frequency: Float[np.ndarray, " f"], angle: Float[np.ndarray, " a"], distance: float, radius: float, speed: float
+) -> Complex[np.ndarray, "a f"]:
+    """The same for a source at a distance, re what it would be at the centre without the sphere.
+
+    H = -(ρ / μ) exp(-i μ ρ) Σ (2m + 1) P_m(cos θ) h_m(μ ρ) / h'_m(μ) with ρ = distance / radius, as in Duda and
+    Martens, conjugated like `sphere_spectrum`, which is its limit.
+
+    Args:
+        frequency: [Hz].
+        angle: Between the direction of the source and the point on the sphere [rad].
+        distance: Of the source from the centre [m]; more than `radius`.
+        radius: [m].
+        speed: Speed of sound [m/s].
+
+    Returns:
+        Complex gains.
+
+    Example:
+        >>> near, far = near_sphere_spectrum(np.array([500.0]), np.array([0.0, np.pi]), 0.25, 0.0875, 343.2)
+        >>> round(float(20 * np.log10(abs(near / far))[0]), 1)  # [dB]
+        10.2
+    """
+    if np.isinf(distance):
+        return sphere_spectrum(frequency, angle, radius, speed)
+    mu, rho = np.maximum(2 * np.pi * frequency * radius / speed, 1e-3), distance / radius
+    total = np.zeros((angle.size, frequency.size), complex)
+    # From the highest order down: h_m(μ ρ) / h'_m(μ) falls like ρ^-m, while each of the two overflows.
+    for m in range(int(mu.max() * 1.2) + 60):
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            far = spherical_jn(m, mu * rho) + 1j * spherical_yn(m, mu * rho)
+            ratio = far / (spherical_jn(m, mu, True) + 1j * spherical_yn(m, mu, True))
+        last = np.where(np.isfinite(ratio), ratio, 0.0)
+        total += (2 * m + 1) * np.outer(eval_legendre(m, np.cos(angle)), last)
+    return np.conj(-rho / mu * np.exp(-1j * mu * rho) * total)
+
+
+def sphere_delay(
+    angle: Float[np.ndarray, " a"], radius: float, speed: float, distance: float = np.inf
+) -> Float[np.ndarray, " a"]:
     """Arrival time at a point on a sphere re its centre [s], by Woodworth: straight, then along the surface."""
-    return radius / speed * np.where(angle < np.pi / 2, -np.cos(angle), angle - np.pi / 2)
+    if np.isinf(distance):
+        return radius / speed * np.where(angle < np.pi / 2, -np.cos(angle), angle - np.pi / 2)
+    straight = np.sqrt(distance**2 + radius**2 - 2 * distance * radius * np.cos(angle))
+    edge = np.arccos(radius / distance)
+    around = np.sqrt(distance**2 - radius**2) + radius * (angle - edge)
+    return (np.where(angle < edge, straight, around) - distance) / speed
 
 
 def diffuse_coherence(
@@ -114,53 +155,68 @@ def ear_table(taps: int, sample_rate: int, radius: float, speed: float) -> EarTa
     return EarTable(aligned.astype(np.complex64), delay.astype(np.float32), energy.astype(np.float32))
 
 
-def ear_kernel(
-    table: Float[np.ndarray, "a d two t"], angle: Float[Array, "*n"], delay: Float[Array, "*n"]
-) -> Float[Array, "*n t"]:
-    """Response of an ear to a pulse that comes a fraction of a sample late, in its delay of 0 .. 2 samples.
+class EarShapes(NamedTuple):
+    """What one ear does to sound, without its delay: values of causal filters at the frequencies of `shapes`."""
 
-    Args:
-        table: From `ear_kernels`; of its angles the nearest one is taken.
-        angle: Between the source and the ear's axis [rad].
-        delay: [samples].
-
-    Returns:
-        Taps from -HALF_WIDTH + 1 samples on.
-    """
-    angles, delays = table.shape[:2]
-    nearest = jnp.clip(jnp.round(angle * jnp.float32((angles - 1) / math.pi)).astype(jnp.int32), 0, angles - 1)
-    position = delay * PHASES
-    low = jnp.clip(jnp.floor(position), 0, delays - 1)
-    rows = jnp.asarray(table).reshape(angles * delays, *table.shape[2:])[nearest * delays + low.astype(jnp.int32)]
-    return rows[..., 0, :] + (position - low)[..., None] * rows[..., 1, :]
+    real: Float[np.ndarray, "d a s"]  # by nearness of the source, and angle between it and the ear's axis
+    imag: Float[np.ndarray, "d a s"]
 
 
 @functools.cache
-def ear_kernels(sample_rate: int, radius: float, speed: float) -> Float[np.ndarray, "a d two t"]:
-    """Impulse responses of one ear for each angle and each delay of 0 .. 2 samples, and what leads to the next delay.
-
-    The series is summed up to `FINER` times the sample rate and then limited in band by a short filter, so that nothing
-    rings for longer than that before the sound comes.
+def ear_shapes(sample_rate: int, radius: float, speed: float) -> EarShapes:
+    """Sums of `shapes` that are nearest to a rigid sphere's response up to 0.45 of the sample rate.
 
     Args:
         sample_rate: [Hz].
         radius: [m].
         speed: Speed of sound [m/s].
     """
-    last = round(EAR_SECONDS * sample_rate)
-    size = 4 * FINER * (HALF_WIDTH + last)
-    angle = np.linspace(0, np.pi, KERNEL_ANGLES)
-    frequency = np.fft.rfftfreq(size, 1 / (FINER * sample_rate))
-    ahead = sphere_delay(angle, radius, speed)[:, None]
-    aligned = sphere_spectrum(frequency, angle, radius, speed) * np.exp(2j * np.pi * ahead * frequency)
-    place = np.arange(size) / FINER
-    low_pass = np.fft.rfft(windowed_sinc(np.minimum(place, size / FINER - place)))
-    finer = PHASES // FINER
-    fine = np.fft.irfft(aligned * low_pass, size * finer) * finer
-    tap, delay = np.arange(EAR_WIDTH) - HALF_WIDTH + 1, np.arange(2 * PHASES + 1)[:, None]
-    left = EAR_WIDTH - HALF_WIDTH - (tap - delay / PHASES)  # samples until it ends
-    kernel = fine[:, (PHASES * tap - delay) % fine.shape[1]] * np.sin(np.pi / 2 * np.clip(left / ENDING, 0, 1)) ** 2
-    return np.stack([kernel[:, :-1], np.diff(kernel, axis=1)], axis=2).astype(np.float32)
+    table = shapes(sample_rate)
+    frequency = np.concatenate([np.geomspace(60, 1000, 30), np.arange(1100.0, 0.45 * sample_rate, 100)])
+    angle = np.linspace(0, np.pi, NUM_ANGLES)
+    time = (np.arange(table.kernel.shape[1]) - HALF_WIDTH) / sample_rate
+    response = table.kernel @ np.exp(-2j * np.pi * time[:, None] * frequency)
+    response = (response / response.sum(axis=0)).T
+    weights = []
+    for nearness in NEARNESS:
+        distance = radius / nearness if nearness else np.inf
+        ear = near_sphere_spectrum(frequency, angle, distance, radius, speed)
+        ahead = sphere_delay(angle, radius, speed, distance)[:, None]
+        weights.append(_least_squares(response, ear * np.exp(2j * np.pi * ahead * frequency)))
+    value = np.stack(weights) @ table.value
+    return EarShapes(value.real.astype(np.float32), value.imag.astype(np.float32))
+
+
+def _least_squares(
+    response: Complex[np.ndarray, "f s"], wanted: Complex[np.ndarray, "a f"]
+) -> Float[np.ndarray, "a s"]:
+    """Real weights of responses whose sums are nearest to what is wanted, relative to its size."""
+    share = 1 / np.maximum(np.abs(wanted), 0.1) ** 2
+    square = np.einsum("fs,af,ft->ast", response.conj(), share, response, optimize=True).real
+    right = np.einsum("fs,af,af->as", response.conj(), share, wanted, optimize=True).real
+    return np.linalg.solve(square, right[..., None])[..., 0]
+
+
+def ear_values(table: EarShapes, angle: Float[Array, "*n"], nearness: Float[Array, "*n"]) -> Complex[Array, "*n s"]:
+    """Between the nearest entries of a table.
+
+    Args:
+        table: From `ear_shapes`.
+        angle: Between the source and the ear's axis [rad].
+        nearness: Radius of the head by distance of the source.
+    """
+    position = angle * jnp.float32((NUM_ANGLES - 1) / math.pi)
+    low = jnp.clip(position.astype(jnp.int32), 0, NUM_ANGLES - 2)
+    row = jnp.clip(nearness / NEARNESS[1], 0.0, len(NEARNESS) - 1.0)
+    near = jnp.clip(row.astype(jnp.int32), 0, len(NEARNESS) - 2)
+    along, across = (x[..., None] for x in (position - low.astype(jnp.float32), row - near.astype(jnp.float32)))
+    parts = []
+    for part in table:
+        rows = jnp.asarray(part).reshape(-1, part.shape[-1])
+        corners = [rows[(near + i) * NUM_ANGLES + low + j] for i in (0, 1) for j in (0, 1)]
+        first, second = (corners[2 * i] * (1 - along) + corners[2 * i + 1] * along for i in (0, 1))
+        parts.append(first * (1 - across) + second * across)
+    return jax.lax.complex(*parts)
 
 
 def to_head(direction: Float[Array, "n 3"], quat: Float[Array, "4"]) -> Float[Array, "n 3"]:

@@ -9,12 +9,12 @@ from jaxtyping import Array, Complex, Float, Int
 
 from home_mjx.audio_jax.auralization.diffuse import KNOTS, Draw, drawn, ear_mix, noise_bins
 from home_mjx.audio_jax.auralization.hrtf import (
-    EAR_WIDTH,
+    NEARNESS,
     ear_angles,
     ear_energy,
-    ear_kernel,
-    ear_kernels,
+    ear_shapes,
     ear_table,
+    ear_values,
     to_head,
 )
 from home_mjx.audio_jax.baked.reading import baked_sound
@@ -22,6 +22,7 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.delays import HALF_WIDTH, WIDTH, delay_kernel
 from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.base.filters import CAUSAL_SECONDS, causal_octaves
+from home_mjx.audio_jax.base.shapes import QUIETEST, SOFTEST, num_taps, octave_shapes, shapes
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.paths import Paths
@@ -31,10 +32,9 @@ from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS
 
 EVERYWHERE = 64  # directions whose mean stands for all
-QUIETEST = 1e-3  # gain of an octave re the loudest of a path, below which it is taken as this
-SOFTEST = 1e-30  # gain of a path below which it is silent
 EAR_SIZE = 1024  # samples, whose frequencies the energies of ears are means of
 TINY = 1e-36  # power of nothing
+BEFORE = 2 * HALF_WIDTH + 3  # samples by which kernels of paths begin before their sound
 LEAD = 0.001  # [s]: no ear hears sound by more earlier or later than the middle of the head
 
 
@@ -142,28 +142,60 @@ def ear_gains(
 
 def early_response(paths: Paths, head_quat: Float[Array, "4"], config: AudioConfig) -> Float[Array, "2 l"]:
     """Paths as pulses with fractional delays, causal octave filters and the filters of both ears."""
-    taps, length, reach = _taps(config), config.response_length, _reach(config)
+    length, reach = config.response_length, _reach(config)
     samples = paths.distance * jnp.float32(config.sample_rate / config.speed_of_sound)
     whole = jnp.floor(samples)
     angle = head_angles(paths.direction, head_quat, config)
-    late = (samples - whole)[:, None] + ear_delays(angle, config)
+    late = (samples - whole)[:, None] + ear_delays(angle, paths.distance[:, None], config)
     more = jnp.floor(late)
-    pulse = jnp.fft.rfft(pulses(angle, late - more, config), taps)
-    kernels = jnp.fft.irfft(octave_spectra(paths.gain, taps, config)[:, None] * pulse, taps)
-    start = jnp.clip((whole[:, None] + more).astype(jnp.int32) + (reach - HALF_WIDTH + 1), 0, length + reach)
+    weight = path_weights(paths.gain, angle, paths.distance, config)
+    kernels = _kernels(weight, late - more, config)
+    begin = jnp.clip((whole[:, None] + more).astype(jnp.int32) + (reach - BEFORE), 0, length + reach)
     kernels = jnp.where((whole < length)[:, None, None], kernels, 0.0)
+    own = octave_spectra(paths.gain[:1], _long(config), config)
+    direct = jnp.fft.rfft(kernels[0], _long(config)) * own
+    blank = jnp.zeros(length + reach + _long(config), jnp.float32)
 
     def add(response: Array, path: tuple[Array, Array]) -> tuple[Array, None]:
         begin, kernel = path
-        there = jax.lax.dynamic_slice_in_dim(response, begin, taps)
+        there = jax.lax.dynamic_slice_in_dim(response, begin, kernel.size)
         return jax.lax.dynamic_update_slice_in_dim(response, there + kernel, begin, 0), None
 
-    def ear(start: Int[Array, " p"], kernels: Float[Array, "p t"]) -> Float[Array, " l"]:
+    def ear(begin: Int[Array, " p"], kernels: Float[Array, "p t"], direct: Float[Array, " u"]) -> Float[Array, " l"]:
         # One path after the other: a scatter would add overlapping kernels in no fixed order on a GPU.
-        response, _ = jax.lax.scan(add, jnp.zeros(length + reach + taps, jnp.float32), (start, kernels))
+        response = jax.lax.dynamic_update_slice_in_dim(blank, direct, begin[0], 0)
+        response, _ = jax.lax.scan(add, response, (begin[1:], kernels[1:]))
         return response[reach : reach + length]
 
-    return jax.vmap(ear, (1, 1))(start, kernels)
+    return jax.vmap(ear, (1, 1, 0))(begin, kernels, jnp.fft.irfft(direct, _long(config)))
+
+
+def path_weights(
+    gain: Float[Array, "p bands"], angle: Float[Array, "p 2"], distance: Float[Array, " p"], config: AudioConfig
+) -> Float[Array, "p 2 s"]:
+    """How much of each of `shapes` both ears hear of paths. Octaves of the first path, the direct one, are left out.
+
+    That one may go through walls, which a few shapes do not follow well, and has filters of its own.
+    """
+    octaves = octave_shapes(gain.at[0].set(1.0), config.sample_rate)
+    return jnp.real(octaves[:, None] * _ears(angle, distance, config))
+
+
+def _ears(angle: Float[Array, "p 2"], distance: Float[Array, " p"], config: AudioConfig) -> Complex[Array, "p 2 s"]:
+    if config.receiver == "omni":
+        return jnp.ones((*angle.shape, shapes(config.sample_rate).frequency.size), jnp.complex64)
+    table = ear_shapes(config.sample_rate, config.head_radius, config.speed_of_sound)
+    nearness = jnp.broadcast_to((config.head_radius / distance)[:, None], angle.shape)
+    return ear_values(table, angle, nearness)
+
+
+def _kernels(weight: Float[Array, "p 2 s"], delay: Float[Array, "p 2"], config: AudioConfig) -> Float[Array, "p 2 t"]:
+    """Responses to pulses, from `BEFORE` samples before them on."""
+    size = _taps(config)
+    spectra = np.fft.rfft(shapes(config.sample_rate).kernel, size)
+    parts = (jnp.asarray(x, jnp.float32) for x in (spectra.real, spectra.imag))
+    shaped = jax.lax.complex(*(jnp.einsum("pes,sf->pef", weight, x, precision="highest") for x in parts))
+    return jnp.fft.irfft(shaped * jnp.fft.rfft(delay_kernel(delay), size), size)
 
 
 def late_response(
@@ -224,31 +256,35 @@ def head_angles(
     return ear_angles(to_head(direction, head_quat), config.ear_angle)
 
 
-def ear_delays(angle: Float[Array, "*p"], config: AudioConfig) -> Float[Array, "*p"]:
-    """By how much ears hear sound from an angle to their axes later than the middle of the head would [samples]."""
+def ear_delays(
+    angle: Float[Array, "*p two"], distance: Float[Array, "*p one"], config: AudioConfig
+) -> Float[Array, "*p two"]:
+    """By how much ears hear sound from an angle to their axes later than the middle of the head would [samples].
+
+    The way to the ear is straight, or leads along the sphere from where it is touched, as Woodworth has it from afar.
+    """
     if config.receiver == "omni":
         return jnp.zeros_like(angle)
-    around = jnp.where(angle < jnp.pi / 2, -jnp.cos(angle), angle - jnp.pi / 2)  # Woodworth's
-    return around * jnp.float32(config.head_radius / config.speed_of_sound * config.sample_rate)
-
-
-def pulses(angle: Float[Array, "*p"], delay: Float[Array, "*p"], config: AudioConfig) -> Float[Array, "*p t"]:
-    """What ears hear of pulses from angles to their axes, delayed by 0 .. 2 samples, from -HALF_WIDTH + 1 on."""
-    if config.receiver == "omni":
-        return delay_kernel(delay)
-    table = ear_kernels(config.sample_rate, config.head_radius, config.speed_of_sound)
-    return ear_kernel(table, angle, delay)
-
-
-def pulse_width(config: AudioConfig) -> int:
-    """Samples of these."""
-    return WIDTH if config.receiver == "omni" else EAR_WIDTH
+    near = jnp.minimum(config.head_radius / distance, NEARNESS[-1])  # the table of ears has no nearer ones
+    touched = jnp.arccos(near)
+    half = jnp.sin(angle / 2)
+    # sqrt(1 + near² - 2 near cos) - 1 over near, without a difference of large numbers
+    longer = near - 2 * (1 - 2 * half * half)
+    straight = longer / (jnp.sqrt(jnp.maximum(1 + near * longer, 0.0)) + 1)
+    around = angle - touched - near / (jnp.sqrt(1 - near * near) + 1)
+    to_samples = jnp.float32(config.head_radius / config.speed_of_sound * config.sample_rate)
+    return jnp.where(angle < touched, straight, around) * to_samples
 
 
 def _reach(config: AudioConfig) -> int:
     """Samples by which a kernel begins before the sound reaches the middle of the head."""
-    return HALF_WIDTH + math.ceil(LEAD * config.sample_rate)
+    return BEFORE + math.ceil(LEAD * config.sample_rate)
 
 
 def _taps(config: AudioConfig) -> int:
-    return 2 ** math.ceil(math.log2(CAUSAL_SECONDS * config.sample_rate + pulse_width(config)))
+    """Samples of the transforms for paths, and of those for the direct one."""
+    return 2 ** math.ceil(math.log2(num_taps(config.sample_rate) + 2 * HALF_WIDTH + WIDTH))
+
+
+def _long(config: AudioConfig) -> int:
+    return 2 ** math.ceil(math.log2(CAUSAL_SECONDS * config.sample_rate + _taps(config)))

@@ -1,4 +1,4 @@
-"""Spectrograms of sound frames: how much of each frequency is heard when."""
+"""What is read from sound frames: how much of each frequency is heard when, and which ear leads."""
 
 import functools
 import math
@@ -11,6 +11,7 @@ from home_mjx.errors import ConfigError
 
 WINDOW_SECONDS, HOP_SECONDS = 0.025, 0.010
 NUM_MELS = 40
+MOST_LEAD, FINER = 0.001, 8  # [s], and steps per sample, of correlations of both ears
 LEAST, MOST = -100.0, 100.0  # [dB]
 
 
@@ -77,6 +78,42 @@ def log_mel(magnitude: Float[Array, "*c windows bins"], sample_rate: int) -> Flo
     filters = jnp.asarray(mel_filters(sample_rate, magnitude.shape[-1]), jnp.float32)
     power = jnp.einsum("...k,mk->...m", magnitude**2, filters, precision="highest")
     return jnp.clip(10 * jnp.log10(jnp.maximum(power, 10 ** (LEAST / 10))), LEAST, MOST)
+
+
+def gcc_phat(sound: Float[Array, "*c 2 m"], sample_rate: int) -> Float[Array, "*c lags"]:
+    """Generalised cross-correlation of both ears with phase transform: largest where one ear hears the other's sound.
+
+    Knapp and Carter, The generalized correlation method for estimation of time delay, IEEE Trans. ASSP 24 (1976). Every
+    frequency counts the same, however loud.
+
+    Args:
+        sound: Left and right.
+        sample_rate: [Hz].
+
+    Returns:
+        For leads of the left ear of `gcc_leads`: from -1 to 1.
+
+    Example:
+        >>> left = jnp.zeros(400).at[100].set(1.0)
+        >>> found = gcc_phat(jnp.stack([left, jnp.roll(left, 4)]), 16000)
+        >>> round(float(gcc_leads(16000)[found.argmax()]) * 1e6)  # [µs]
+        250
+    """
+    size = 2 ** math.ceil(math.log2(2 * sound.shape[-1]))
+    spectra = jnp.fft.rfft(sound, size)
+    cross = jnp.conj(spectra[..., 0, :]) * spectra[..., 1, :]
+    level = jnp.abs(cross)
+    least = 1e-6 * jnp.max(level, axis=-1, keepdims=True) + 1e-30
+    fine = jnp.fft.irfft(cross / jnp.maximum(level, least), FINER * size) * FINER
+    most = len(gcc_leads(sample_rate)) // 2
+    return jnp.concatenate([fine[..., -most:], fine[..., : most + 1]], axis=-1)
+
+
+@functools.cache
+def gcc_leads(sample_rate: int) -> Float[np.ndarray, " lags"]:
+    """Leads [s] at which `gcc_phat` is given: up to `MOST_LEAD`, in steps of a fraction of a sample."""
+    most = round(MOST_LEAD * FINER * sample_rate)
+    return np.arange(-most, most + 1) / (FINER * sample_rate)
 
 
 def mel_of(frequency: float) -> float:

@@ -1,13 +1,14 @@
 """One frame of sound while sources and heads move."""
 
+import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Complex, Float
 
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.motion.early import early_frame, longest_step
+from home_mjx.audio_jax.motion.early import early_sums, filtered, longest_step
 from home_mjx.audio_jax.motion.pairs import paired
 from home_mjx.audio_jax.motion.reception import Reception, late_part
-from home_mjx.audio_jax.motion.tail import late_frame, tail_levels
+from home_mjx.audio_jax.motion.tail import late_frame, late_spectra, tail_levels
 
 
 def moving_frame(
@@ -25,7 +26,41 @@ def moving_frame(
         new: At its end, which is the next frame's `old`.
         config: Options.
     """
+    early, late = _parts(source, old, new, config)
+    return filtered(early, config) + late_frame(late, config)
+
+
+def moving_frames(
+    sources: Float[Array, "n w"], old: Reception, new: Reception, config: AudioConfig
+) -> Float[Array, "2 m"]:
+    """The same of several sources together, which share the last filters and transforms.
+
+    Args:
+        sources: What leaves each source.
+        old: At the frame's start, with a leading axis of sources.
+        new: At its end.
+        config: Options.
+
+    Example:
+        >>> from home_mjx.audio_jax import AudioConfig
+        >>> from home_mjx.audio_jax.motion.reception import silence
+        >>> config = AudioConfig(motion=True, tail_seconds=0.0, response_seconds=0.1)
+        >>> none = jax.tree.map(lambda x: jnp.stack([x, x]), silence(config))
+        >>> width = config.memory_length - 1 + config.frame + config.ahead
+        >>> moving_frames(jnp.zeros((2, width)), none, none, config).shape
+        (2, 1600)
+    """
+    early, late = jax.vmap(lambda s, a, b: _parts(s, a, b, config))(sources, old, new)
+    return filtered(jnp.sum(early, axis=0), config) + late_frame(jnp.sum(late, axis=0), config)
+
+
+def _parts(
+    source: Float[Array, " w"], old: Reception, new: Reception, config: AudioConfig
+) -> tuple[Float[Array, "2 s k"], Complex[Array, "2 2 f"]]:
+    """Early and late sound before what sources share."""
     pairs = paired(old.paths, new.paths, old.quat, new.quat, longest_step(config))
-    late = jnp.stack([late_part(heard, config) for heard in (old, new)])
-    tail = jnp.stack([tail_levels(heard.energy, config) for heard in (old, new)])
-    return early_frame(source, config.memory_length - 1, pairs, config) + late_frame(source, late, tail, config)
+    ends = jax.tree.map(lambda a, b: jnp.stack([a, b]), old, new)
+    late = jax.vmap(lambda heard: late_part(heard, config))(ends)  # one product of matrices
+    tail = jax.vmap(lambda heard: tail_levels(heard.energy, config))(ends)
+    early = early_sums(source, config.memory_length - 1, pairs, config)
+    return early, late_spectra(source, late, tail, config)

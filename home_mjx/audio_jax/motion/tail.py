@@ -46,10 +46,12 @@ def tail_levels(energy: Float[Array, "k 2 bands"], config: AudioConfig) -> Float
     return jnp.exp(-0.5 * count * times[:, None] * decay[None])
 
 
-def late_frame(
+def late_spectra(
     source: Float[Array, " n"], late: Float[Array, "2 2 l"], tail: Float[Array, "2 m bands"], config: AudioConfig
-) -> Float[Array, "2 s"]:
-    """What both ears hear in a frame of late responses and their tails, fading from the first of each to the second.
+) -> Complex[Array, "2 2 f"]:
+    """Spectra of what both ears hear in a frame of late responses and their tails; those of several sources add up.
+
+    First with the first of each, then what the second ones have more. `late_frame` lets them be heard.
 
     Args:
         source: What leaves the source at 1 m, as `moving_frame` takes it.
@@ -65,8 +67,13 @@ def late_frame(
         levels = jnp.einsum("imb,bf->imf", tail, jnp.asarray(_octaves(config)), precision="highest")
         both = both + sum(levels[:, i] * x[None] for i, x in enumerate(again))
     old, new = parts[0] * now[None, None] + parts[1] * both[:, None]
-    begin = first - 1 + config.tail_ringing
-    sound = jnp.fft.irfft(jnp.stack([old, new - old]), size)[..., begin : begin + config.frame]
+    return jnp.stack([old, new - old])
+
+
+def late_frame(spectra: Complex[Array, "2 2 f"], config: AudioConfig) -> Float[Array, "2 s"]:
+    """A frame of them, which fades from the first to the second."""
+    begin = config.response_length - config.half_length - 1 + config.tail_ringing
+    sound = jnp.fft.irfft(spectra, _size(config))[..., begin : begin + config.frame]
     fade = jnp.arange(1, config.frame + 1, dtype=jnp.float32)[None] / config.frame
     return sound[0] + fade * sound[1]
 

@@ -14,7 +14,7 @@ from home_mjx.audio_jax.auralization.spectra import LEAST, MOST, NUM_MELS, log_m
 from home_mjx.audio_jax.auralization.stream import faded_frame, given_off
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Sounds, Source
-from home_mjx.audio_jax.motion.frame import moving_frame
+from home_mjx.audio_jax.motion.frame import moving_frames
 from home_mjx.audio_jax.motion.reception import FALL, Reception, ends_early, reception, silence
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import camera_quat
@@ -80,8 +80,9 @@ class Hearing(Sensor):
             left = left + sounds.gain[:, None] * voices(spoken(snapshot, said), config.audio)
 
         def of_all(old: Any, new: Any) -> Float[Array, "2 m"]:
-            between = moving_frame if config.audio.motion else faded_frame
-            return jnp.sum(jax.vmap(lambda s, a, b: between(s, a, b, config.audio))(left, old, new), axis=0)
+            if config.audio.motion:
+                return moving_frames(left, old, new, config.audio)
+            return jnp.sum(jax.vmap(lambda s, a, b: faded_frame(s, a, b, config.audio))(left, old, new), axis=0)
 
         return Heard(phase=phase, time=time, response=response, frame=jax.vmap(of_all)(before, response), said=said)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy_measures import octave_energies
 
-from home_mjx.audio_jax.auralization.hrtf import diffuse_coherence, sphere_spectrum
+from home_mjx.audio_jax.auralization.hrtf import diffuse_coherence, near_sphere_spectrum
 from home_mjx.audio_jax.auralization.response import early_response, late_response
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.filters import octave_gains
@@ -110,7 +110,7 @@ def test_ears_hear_what_a_rigid_sphere_would(azimuth, side):
     left, right = spectrum(response, frequency)
     near, far = (right, left) if side > 0 else (left, right)
     ears = np.array([np.pi / 2 - angle, np.pi / 2 + angle])
-    expected = sphere_spectrum(frequency, ears, BINAURAL.head_radius, SPEED)
+    expected = near_sphere_spectrum(frequency, ears, 4.0, BINAURAL.head_radius, SPEED)
     np.testing.assert_allclose(near / far, expected[0] / expected[1], rtol=0.02)
     np.testing.assert_allclose(np.abs(near), 0.25 * np.abs(expected[0]), rtol=0.02)
     onset = np.argmax(np.abs(response), axis=1)

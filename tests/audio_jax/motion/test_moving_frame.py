@@ -7,14 +7,15 @@ import pytest
 from scipy.signal import fftconvolve
 
 from home_mjx.audio_jax import AudioConfig, Paths, early_response
-from home_mjx.audio_jax.auralization.hrtf import sphere_spectrum
-from home_mjx.audio_jax.motion.frame import moving_frame
+from home_mjx.audio_jax.auralization.hrtf import near_sphere_spectrum
+from home_mjx.audio_jax.motion.frame import moving_frame, moving_frames
 from home_mjx.audio_jax.motion.reception import as_many, silence
 
 OMNI = AudioConfig(receiver="omni", response_seconds=0.1, motion=True, tail_seconds=0.0)
 EARS = AudioConfig(response_seconds=0.1, motion=True, tail_seconds=0.0)
 RATE, SPEED, FRAME = OMNI.sample_rate, OMNI.speed_of_sound, OMNI.frame
 AHEAD = jnp.float32([1, 0, 0, 0])
+NEAR = np.linspace(1.19, 1.3, 6)  # [m]
 
 
 def received(vectors, config=OMNI, quat=AHEAD, gain=None, name=None):
@@ -101,7 +102,9 @@ def test_ears_of_a_head_that_walks_and_turns(frequency):
     for ear, side in enumerate((-1, 1)):
         axis = side * np.stack([np.cos(yaw), 0 * yaw, -np.sin(yaw)], 1)
         angle = np.arccos(np.sum(place * axis, axis=1) / distance)
-        sphere = sphere_spectrum(np.array([frequency]), angle, EARS.head_radius, SPEED)[:, 0]
+        near = [near_sphere_spectrum(np.array([frequency]), angle, d, EARS.head_radius, SPEED) for d in NEAR]
+        grid = np.stack(near)[:, :, 0]
+        sphere = np.array([np.interp(d, NEAR, row) for d, row in zip(distance, grid.T, strict=True)])
         exact = np.imag(sphere * np.exp(2j * np.pi * frequency * (time - distance / SPEED))) / distance
         error = np.mean((heard[ear, ::7] - exact) ** 2) / np.mean(exact**2)
         assert 10 * np.log10(error) < -30
@@ -150,3 +153,16 @@ def test_environments_in_one_batch_hear_what_each_hears_alone(rng):
     batch = jax.jit(jax.vmap(lambda a, b: moving_frame(noise, a, b, EARS)))(*both)
     for i in range(2):
         np.testing.assert_allclose(batch[i], _run[EARS](noise, old[i], new[i]), atol=1e-5)
+
+
+def test_several_sources_are_heard_as_the_sum_of_each(rng):
+    """Early and late sound, three sources, one of them moving."""
+    old = [received([[1.0, 0.4, -1.5]], EARS), received([[-3.0, 1, 0]], EARS), received([[2.0, -4, 1]], EARS)]
+    energy = jnp.asarray(1e-4 * rng.uniform(0, 1, old[0].energy.shape), jnp.float32)
+    old = [heard.replace(energy=energy * n) for n, heard in enumerate(old)]
+    new = [old[0], received([[-3.1, 1, 0.05]], EARS).replace(energy=energy), old[2]]
+    noise = jnp.asarray(rng.normal(size=(3, EARS.memory_length - 1 + FRAME + EARS.ahead)), jnp.float32)
+    stacked = [jax.tree.map(lambda *x: jnp.stack(x), *part) for part in (old, new)]
+    together = jax.jit(lambda s, a, b: moving_frames(s, a, b, EARS))(noise, *stacked)
+    alone = sum(_run[EARS](*each) for each in zip(noise, old, new, strict=True))
+    np.testing.assert_allclose(together, alone, atol=2e-5 * float(jnp.max(jnp.abs(alone))))
