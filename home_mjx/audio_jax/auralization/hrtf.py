@@ -184,7 +184,7 @@ def ear_shapes(sample_rate: int, radius: float, speed: float) -> EarShapes:
         ahead = sphere_delay(angle, radius, speed, distance)[:, None]
         weights.append(_least_squares(response, ear * np.exp(2j * np.pi * ahead * frequency)))
     value = np.stack(weights) @ table.value
-    return EarShapes(value.real.astype(np.float32), value.imag.astype(np.float32))
+    return EarShapes(np.real(value).astype(np.float32), np.imag(value).astype(np.float32))
 
 
 def _least_squares(

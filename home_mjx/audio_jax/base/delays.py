@@ -92,5 +92,5 @@ def _polynomials() -> Float[np.ndarray, "read degree"]:
     wave = np.exp(1j * angle[:, None] * (FIRST + np.arange(READ)))
     rows = np.einsum("am,rd->armd", wave, power).reshape(angle.size * rest.size, -1)
     wanted = np.exp(1j * angle[:, None] * rest).ravel()
-    joined = np.concatenate([rows.real, rows.imag]), np.concatenate([wanted.real, wanted.imag])
+    joined = (np.concatenate([np.real(x), np.imag(x)]) for x in (rows, wanted))
     return np.linalg.lstsq(*joined, rcond=None)[0].reshape(READ, DEGREE + 1).astype(np.float32)

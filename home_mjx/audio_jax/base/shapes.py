@@ -105,7 +105,7 @@ def _filter(level: Float[Array, "*p bands"], table: Shapes) -> Complex[Array, "*
 
 def _product(left: Float[Array, "*p n"], right: Complex[np.ndarray, "n m"]) -> Complex[Array, "*p m"]:
     """Of a real and a complex matrix."""
-    parts = [jnp.asarray(x, jnp.float32) for x in (right.real, right.imag)]
+    parts = [jnp.asarray(x, jnp.float32) for x in (np.real(right), np.imag(right))]
     return jax.lax.complex(*(jnp.matmul(left, x, precision="highest") for x in parts))
 
 
