@@ -14,11 +14,15 @@ from processes import processes_of, wait_for
 from tiny_dataset import edit_house, write_tiny_dataset
 
 from home_mjx.cli import main
+from home_mjx.datasets.suncg.dataset import open_dataset
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.scene_compile.cache import executors
 from home_mjx.scene_compile.cache.entry import read_entry
+from home_mjx.scene_compile.cache.house_cache import HouseCache
 from home_mjx.scene_compile.cache.job import compile_dataset
 from home_mjx.scene_compile.cache.report import Outcome, read_report
+from home_mjx.scene_compile.collision.movables import MovableOptions
+from home_mjx.scene_compile.pipeline.compile import CompileOptions
 
 NUM_HOUSES = 12
 
@@ -70,6 +74,24 @@ def test_all_houses_come_into_the_cache(houses):
     assert {line["status"] for line in lines} == {"cached"}
     third = compile_dataset(root, resume=True)
     assert (third.skipped, third.compiled + third.cached) == (NUM_HOUSES, 0)
+
+
+def test_objects_beyond_the_most_bodies_are_counted(houses, capsys):
+    root, ids = houses
+    none = CompileOptions(movables=MovableOptions(max_bodies=0))
+    (first, again), free = (
+        (compile_dataset(root, ids[:2], options=none) for _ in range(2)),
+        compile_dataset(root, ids[:2]),
+    )
+    assert first.fixed == again.fixed == 2 * compiled_bodies(root, ids[0]) > 0
+    assert free.fixed == 0
+    assert sum(line["fixed"] for line in read_report(again.report)[-2:]) == again.fixed  # two runs add to it
+    assert main(["compile", str(root), "--workers", "1", "--max-bodies", "0"]) == 0
+    assert f"{NUM_HOUSES * first.fixed // 2} objects that could move are fixed" in capsys.readouterr().out
+
+
+def compiled_bodies(root: Path, house_id: str) -> int:
+    return HouseCache(open_dataset(root)).load(house_id).report["bodies"]
 
 
 def test_a_bad_house_is_reported_and_stops_nothing(houses, tmp_path, capsys):

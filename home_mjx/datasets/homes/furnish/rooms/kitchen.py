@@ -70,7 +70,12 @@ def kitchen(room: Room) -> None:
     for kind, probability in (("wine_rack", 0.1), ("trolley", 0.1), ("water_dispenser", 0.08), ("slim_plant", 0.3)):
         add(room, kind, 0.2, probability)
     windows(room, ("short_curtain", "short_curtain", ""), 0.2)
-    for kind, y, probability in (("wall_clock", 1.7, 0.4), ("wall_shelf", 1.45, 0.3), ("wall_lamp", 1.7, 0.2)):
+    for kind, y, probability in (
+        ("wall_clock", 1.7, 0.4),
+        ("wall_shelf", 1.45, 0.3),
+        ("end_shelf", 1.45, 0.1),
+        ("wall_lamp", 1.7, 0.2),
+    ):
         hang_kind(room, kind, y, probability)
     pictures(room, 1)
 
@@ -107,7 +112,8 @@ def _lined(items: Sequence[PlacedFurniture], wall: Wall, along: float) -> Iterat
 def _above(room: Room, row: Sequence[PlacedFurniture]) -> None:
     """A hood over the stove and cabinets over the rest, where no window is."""
     shelf = room.chance(0.2)
-    cabinets = [room.object("wall_shelf" if shelf else "wall_cabinet") for _ in range(2)]
+    kinds = ("wall_shelf", "wall_shelf") if shelf else ("door_cabinet", "wall_cabinet")
+    cabinets = [room.object(kind) for kind in kinds]
     narrow = [room.style.instance(model, room.look) for model in models_of("wall_cabinet")[:2]]
     if not shelf:
         _corner_cabinet(room, row)

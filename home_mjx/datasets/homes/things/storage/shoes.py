@@ -6,6 +6,7 @@ from home_mjx.datasets.homes.shapes.soft import rounded, soft
 from home_mjx.datasets.homes.shapes.swept import beam, rod
 from home_mjx.datasets.homes.things.family import Family, design
 from home_mjx.datasets.homes.things.joinery import (
+    HandleKind,
     case,
     doors,
     drawers,
@@ -15,7 +16,7 @@ from home_mjx.datasets.homes.things.textiles.wear import shoe
 from home_mjx.datasets.procedural.primitives.solids import Solid, box, move, rotate
 
 
-def shoe_flaps(width: float = 0.75, count: int = 3, grip: str = "slot") -> Iterator[Solid]:
+def shoe_flaps(width: float = 0.75, count: int = 3, grip: HandleKind = "slot") -> Iterator[Solid]:
     """A narrow cabinet whose fronts tip out."""
     height = 0.1 + 0.36 * count
     yield from carcass(width, height, 0.24, 0.06)

@@ -126,8 +126,8 @@ def corner_wardrobe(size: float = 1.0, height: float = 2.0) -> Iterator[Solid]:
     yield beam("wood_1", p, q, 0.022, height - 0.2)
     for low, high in ((0.14, 0.9), (1.14, height - 0.2)):
         ends = [(x + 0.009, (low + high) / 2, z + 0.009) for x, _, z in (p, q)]
-        inward = [tuple((0.82 * np.array(a) + 0.18 * np.array(b)).tolist()) for a, b in (ends, ends[::-1])]
-        yield beam("wood_1", *inward, 0.016, high - low)
+        left, right = ((0.82 * np.array(a) + 0.18 * np.array(b)).tolist() for a, b in (ends, ends[::-1]))
+        yield beam("wood_1", tuple(left), tuple(right), 0.016, high - low)
     for t in (0.47, 0.53):
         x, z = p[0] + t * (q[0] - p[0]) + 0.02, p[2] + t * (q[2] - p[2]) + 0.02
         yield rod("chrome", (x, 0.9, z), (x, 1.1, z), 0.008)
