@@ -10,6 +10,7 @@ from home_mjx.datasets.generators.names import ProceduralHouses
 from home_mjx.datasets.homes.plan.home import HomePlan, draw_home
 from home_mjx.datasets.homes.plan.needs.program import MOST, Program, draw_program, ground_rooms
 from home_mjx.datasets.homes.plan.needs.wants import LINKS, OUTDOORS, WANTS
+from home_mjx.datasets.homes.plan.openings.bounds import column
 from home_mjx.datasets.homes.plan.openings.passage import is_passable
 from home_mjx.datasets.homes.plan.shape.parted import draw_parted
 from home_mjx.datasets.homes.plan.shape.storeys import is_simple
@@ -189,6 +190,18 @@ def test_doors_leave_a_way_through_every_room():
             for index in range(len(level.rooms)):
                 stairs = plan.stairwell(number) if index == 0 else None
                 assert is_passable(level.rooms[index], level.openings_of(index), stairs)
+
+
+def test_doors_keep_clear_of_stairs():
+    """Their stringers stand out by up to 0.13 m before their place."""
+    for plan in (plan for plan in plans() if len(plan.levels) > 1):
+        for number, level in enumerate(plan.levels):
+            stairs = plan.stairwell(number)
+            assert stairs is not None
+            before = column(stairs, 0.13, 2.5)
+            for opening in (opening for opening in level.openings if opening.is_door):
+                depth = np.minimum(opening.placed.box[1], before[1]) - np.maximum(opening.placed.box[0], before[0])
+                assert depth.min() < 0.013
 
 
 def test_the_same_generator_gives_the_same_plan():

@@ -7,10 +7,11 @@ from typing import NamedTuple
 import numpy as np
 
 from home_mjx.datasets.homes.plan.needs.wants import LINKS, OUTDOORS, TO_PRIVATE
-from home_mjx.datasets.homes.plan.openings.passage import is_passable
+from home_mjx.datasets.homes.plan.openings.bounds import column
+from home_mjx.datasets.homes.plan.openings.passage import HEIGHT, is_passable
 from home_mjx.datasets.homes.plan.openings.sites import inner_sites, outer_sites
 from home_mjx.datasets.homes.plan.shape.cut_rooms import beside_cut
-from home_mjx.datasets.homes.plan.shape.storeys import Storey
+from home_mjx.datasets.homes.plan.shape.storeys import Stairwell, Storey
 from home_mjx.datasets.procedural.floor_plan.openings import DOOR_Y, MARGIN, Opening, Site
 from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture, overlaps, quarter_towards, stack
 from home_mjx.datasets.procedural.floor_plan.rooms import RoomPlan, Wall
@@ -21,6 +22,7 @@ ENTRANCE = ("Entryway", "Hall", "Lobby", "Hallway", "Living_Room")
 PRIVATE = 10
 GRAND = ("Hallway", "Hall", "Lobby", "Living_Room", "Dining_Room")
 DOUBLE = 0.4  # chance of a double door between two of them
+STRINGERS = 0.2  # [m], by which stairs may stand out before their place
 
 
 class Models(NamedTuple):
@@ -54,6 +56,7 @@ class DoorPlan:
     rooms: Sequence[RoomPlan]
     models: Models
     doors: list[Opening]
+    stairs: Stairwell | None
 
     def kind(self, room: int) -> str:
         """Type of a room."""
@@ -107,6 +110,8 @@ class DoorPlan:
         passages = stack([other.passage for other in self.doors])
         if overlaps(door.placed.box, passages).any() or overlaps(door.passage, boxes).any():
             return False
+        if self.stairs and overlaps(door.placed.box, stack([column(self.stairs, STRINGERS, HEIGHT)])).any():
+            return False
         inside = door.rooms[0]
         others = [other for other in self.doors if inside in other.rooms]
         return is_passable(self.rooms[inside], [*others, door])
@@ -132,7 +137,8 @@ def _hands(placed: PlacedFurniture, wall: Wall, span: tuple[float, float]) -> tu
 def draw_doors(rng: np.random.Generator, storey: Storey, models: Models) -> list[Opening] | None:
     """Doors of a storey, without the entrance; None if a room cannot be reached as it should be."""
     rooms = walked(storey)
-    plan, sites = DoorPlan(rng, rooms, models, []), inner_sites(rooms)
+    plan = DoorPlan(rng, rooms, models, [], storey.stairs or storey.well)
+    sites = inner_sites(rooms)
     common = [i for i, room in enumerate(rooms) if room.type in LINKS]
     if not _join_common(plan, sites, common):
         return None
@@ -175,7 +181,7 @@ def _join_common(plan: DoorPlan, sites: Sequence[Site], common: Sequence[int]) -
 def draw_entrance(rng: np.random.Generator, storey: Storey, models: Models, doors: Sequence[Opening]) -> Opening | None:
     """A shut door from outside into the entryway, the hall, or the living room; None if there is no place."""
     rooms = walked(storey)
-    plan = DoorPlan(rng, rooms, models, list(doors))
+    plan = DoorPlan(rng, rooms, models, list(doors), storey.stairs or storey.well)
     able = [i for i, room in enumerate(rooms) if room.type in ENTRANCE]
     for room in sorted(able, key=lambda i: ENTRANCE.index(rooms[i].type)):
         sites = [s for s in outer_sites(storey.rooms, room) if _of(s.wall, rooms[room])]
