@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+import time
 from pathlib import Path
 
 from home_mjx.cli.houses import add_dataset_option
@@ -59,9 +60,11 @@ def run(args: argparse.Namespace) -> int:
     env = spec.make()
     env = with_expert(env) if args.agent == EXPERT else env
     policy = None if args.agent == EXPERT else policy_of(env, args.agent, path, args.greedy)
+    begun = time.perf_counter()
     steps = record(
         env, out, policy, frames=args.frames, num_envs=args.num_envs, seed=args.seed, agent=args.agent,
         only_success=args.only_success, resume=args.resume,
     )  # fmt: skip
-    sys.stdout.write(f"{steps} steps of {len(Trajectories(out))} episodes in {out / 'data'}\n")
+    took = f"{time.perf_counter() - begun:.0f} s, compiling included"
+    sys.stdout.write(f"{steps} steps of {len(Trajectories(out))} episodes in {out / 'data'}; {took}\n")
     return 0
