@@ -14,16 +14,20 @@ from collections.abc import Callable
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
 
 import home_mjx
 from home_mjx.datasets import generate_dataset
+from home_mjx.navigation.grid import cell_of, row_of_cell
 from home_mjx.tasks import HouseholdEnv, Snapshot, State
 from home_mjx.tasks.base.pose import AgentPose
 from home_mjx.tasks.environment.bound import BoundEnv
+from home_mjx.tasks.experts.explore import ways_to
 from home_mjx.tasks.experts.teacher import EXPERT, WithExpert
-from home_mjx.tasks.guided.pied_piper import follow, nearest_other
+from home_mjx.tasks.experts.walk import to_actions
+from home_mjx.tasks.guided.pied_piper import APART, FOLLOWER
 from home_mjx.training import evaluate, expert_policy
 from home_mjx.training.rollout import Policy
 
@@ -46,6 +50,25 @@ class Advised(WithExpert):
         """Observations and advice."""
         obs = HouseholdEnv.sense(self, snapshot, state, costly)
         return obs if costly else obs | {EXPERT: self._squeeze(self._act(snapshot, state))}
+
+
+def follow(snapshot: Snapshot, whom: Array) -> Array:
+    """The action that takes the first agent along the shortest way to where another one is now."""
+    bank, house, pose = snapshot.bank, snapshot.house, snapshot.pose
+    numbers, rooms = bank.navigation.cell[house], bank.navigation.room[house]
+    at = cell_of(bank, house, pose.pos[whom])
+    cell = bank.navigation.place[row_of_cell(numbers[at[0], at[1], at[2]])].astype(jnp.int32)
+    wanted = jnp.zeros(numbers.shape, bool).at[cell[0], cell[1], cell[2]].set(True)
+    error, _ = ways_to(snapshot, wanted, rooms == rooms[cell[0], cell[1], cell[2]], num=1)
+    waits = jnp.linalg.norm(pose.pos[whom] - pose.pos[FOLLOWER])[None] < APART
+    error = jnp.where(waits, 1.0, error)
+    return to_actions(snapshot.config, error, -pose.pitch[:1], waits, jnp.zeros_like(waits))
+
+
+def nearest_other(snapshot: Snapshot) -> Array:
+    """Number of the agent that is nearest to the first one now, in a straight line; of two it is the earlier."""
+    away = jnp.linalg.norm(snapshot.pose.pos - snapshot.pose.pos[FOLLOWER], axis=-1)
+    return jnp.argmin(away.at[FOLLOWER].set(jnp.inf)).astype(jnp.int32)
 
 
 def nearest(snapshot: Snapshot, state: State) -> Array:

@@ -57,6 +57,12 @@ def descend(
     return jnp.where(settled & straight[-1], aside, aim), settled & ends
 
 
+def is_free(snapshot: Snapshot, agent: Int[Array, ""], place: Float[Array, "3"]) -> Bool[Array, ""]:
+    """Whether an agent can walk straight to a place [m]: the way is looked at in `SAMPLES` places."""
+    free, _, _ = _ways(snapshot, agent, place[None])
+    return free[0]
+
+
 def within_steps(
     snapshot: Snapshot,
     agent: Int[Array, ""],

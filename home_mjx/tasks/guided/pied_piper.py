@@ -9,12 +9,11 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.core.checks import check_known, check_number
-from home_mjx.navigation.grid import cell_of, geodesic_distance, row_of_cell, stored_distance
+from home_mjx.navigation.grid import geodesic_distance, stored_distance
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import Specs
-from home_mjx.tasks.experts.descent import descend
-from home_mjx.tasks.experts.explore import ways_to
-from home_mjx.tasks.experts.walk import to_actions, turn_towards
+from home_mjx.tasks.experts.descent import descend, is_free
+from home_mjx.tasks.experts.walk import ON_THE_SPOT, to_actions, turn_towards
 from home_mjx.tasks.language.vocabulary import tokenize
 from home_mjx.tasks.rows.build import Row
 from home_mjx.tasks.rows.house_view import HouseView
@@ -31,6 +30,8 @@ THERE = 0.5  # [m]: then they turn round
 PACE = 3  # every so many steps who is led rests
 PATIENCE = 30  # steps in touch with something, after which the first of them turns round as well; the next later
 APART = 0.9  # [m]: the expert comes no nearer
+LOOKS = 0.15  # [rad]: who waits looks at the piper so nearly
+CLOSE = 3.0  # [m]: if the piper is so near, the expert walks straight to it where the way is free
 
 
 class PiedPiperState(RowState):
@@ -42,41 +43,13 @@ class PiedPiperState(RowState):
     near: Int[Array, ""]  # steps in which the follower was near
 
     def expert(self, snapshot: Snapshot) -> Array:
-        """The follower's, along the shortest way to where the piper is now; beside it, it turns on the spot."""
-        return follow(snapshot, jnp.int32(PIPER))
-
-
-def follow(snapshot: Snapshot, whom: Int[Array, ""]) -> Array:
-    """The action that takes the first agent along the shortest way to where another one is now.
-
-    Beside it, the follower turns on the spot. `nearest_other` is whom somebody follows who does not listen.
-
-    Args:
-        snapshot: The environment.
-        whom: Number of the other agent.
-
-    Returns:
-        The action of the first agent, with a leading agent axis.
-
-    Example:
-        >>> action = follow(snapshot, nearest_other(snapshot))  # doctest: +SKIP
-    """
-    bank, house, pose = snapshot.bank, snapshot.house, snapshot.pose
-    numbers, rooms = bank.navigation.cell[house], bank.navigation.room[house]
-    at = cell_of(bank, house, pose.pos[whom])
-    cell = bank.navigation.place[row_of_cell(numbers[at[0], at[1], at[2]])].astype(jnp.int32)
-    wanted = jnp.zeros(numbers.shape, bool).at[cell[0], cell[1], cell[2]].set(True)
-    error, _ = ways_to(snapshot, wanted, rooms == rooms[cell[0], cell[1], cell[2]], num=1)
-    away = jnp.linalg.norm(pose.pos[whom] - pose.pos[FOLLOWER])
-    waits = jnp.broadcast_to(away < APART, pose.yaw.shape)
-    error = jnp.where(waits, 1.0, error[FOLLOWER])
-    return to_actions(snapshot.config, error, -pose.pitch, waits, jnp.zeros_like(waits))[: FOLLOWER + 1]
-
-
-def nearest_other(snapshot: Snapshot) -> Int[Array, ""]:
-    """Number of the agent that is nearest to the first one now, in a straight line; of two it is the earlier."""
-    away = jnp.linalg.norm(snapshot.pose.pos - snapshot.pose.pos[FOLLOWER], axis=-1)
-    return jnp.argmin(away.at[FOLLOWER].set(jnp.inf)).astype(jnp.int32)
+        """The follower's: towards the piper, see `_chase`; beside it, it keeps an eye on the piper."""
+        pos, own = snapshot.pose.pos, jnp.array([FOLLOWER])
+        waits = (jnp.linalg.norm(pos[PIPER] - pos[FOLLOWER]) < APART)[None]
+        error = turn_towards(snapshot, _chase(snapshot, self)[None], own)
+        # No action does nothing: who waits looks to and fro.
+        error = jnp.where(waits & (jnp.abs(error) < LOOKS), ON_THE_SPOT, error)
+        return to_actions(snapshot.config, error, -snapshot.pose.pitch[own], waits, jnp.zeros_like(waits))
 
 
 @dataclass(frozen=True)
@@ -228,6 +201,24 @@ def _columns(state: PiedPiperState) -> tuple[Int[Array, " a"], Int[Array, " a"]]
     """Where each agent is heading to: column of the task bank's fields for the piper, of the house's for the others."""
     ends = jnp.maximum(state.program.field[ROUTE : ROUTE + 2], 0).astype(jnp.int32)
     return ends[state.heading], state.stray[state.heading]
+
+
+def _chase(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, "2"]:
+    """Where the follower walks straight on its way to the piper [m].
+
+    That is the piper, if it is close and the way is free. Else it is the way to one end of the piper's route: to that
+    which the piper walks to, if the follower has farther to go there, and so gets behind it; or else to the other one,
+    from which the piper comes to meet it. So no field of distances to where the piper is need be made.
+    """
+    pos, field = snapshot.pose.pos, snapshot.tasks.field
+    ends = jnp.maximum(state.program.field[ROUTE : ROUTE + 2], 0).astype(jnp.int32)
+    to, come = ends[state.heading[PIPER]], ends[1 - state.heading[PIPER]]
+    left = [geodesic_distance(snapshot.bank, snapshot.house, to, pos[who], field) for who in (FOLLOWER, PIPER)]
+    column = jnp.where(left[0] > left[1], to, come)
+    aim, _ = descend(snapshot, jnp.int32(FOLLOWER), lambda _, cell: stored_distance(field, cell, column))
+    is_close = jnp.linalg.norm(pos[PIPER] - pos[FOLLOWER]) < CLOSE
+    straight = is_close & is_free(snapshot, jnp.int32(FOLLOWER), pos[PIPER])
+    return jnp.where(straight, pos[PIPER, :2], aim)
 
 
 def _left(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, " a"]:

@@ -11,7 +11,6 @@ from home_mjx.errors import ConfigError
 from home_mjx.physics import PhysicsConfig
 from home_mjx.registry import as_bank
 from home_mjx.tasks import EnvConfig, HouseholdEnv, PiedPiper, expert_action
-from home_mjx.tasks.guided.pied_piper import nearest_other
 from home_mjx.tasks.suite.audio_nav import DISTRACTING, SPLITS
 
 PHYSICS = PhysicsConfig(impl="kinematic", num_agents=3)
@@ -79,14 +78,6 @@ def test_near_is_counted_by_hand(env, stands):
     kept = ~over.any(axis=0)
     expected = (away <= env.task.follow_distance).mean(axis=0)
     np.testing.assert_allclose(np.asarray(stands[-1].metrics["near"])[kept], expected[kept], atol=1e-6)
-
-
-def test_the_nearest_other_is_the_one_that_a_ruler_says(env, stands):
-    for states in stands[::20]:
-        pos = places(env, states)
-        away = np.linalg.norm(pos[:, 1:] - pos[:, :1], axis=-1)
-        nearest = jax.vmap(lambda s: nearest_other(env.core.snapshot(env.params, s)))(states)
-        np.testing.assert_array_equal(nearest, 1 + away.argmin(axis=1))
 
 
 @pytest.mark.parametrize("number", [2, 4])
