@@ -10,6 +10,7 @@ from home_mjx.datasets.procedural.floor_plan.rooms import Wall
 from home_mjx.datasets.procedural.floor_plan.walls import CEILING_LOW, FLOOR_TOP, HALF
 
 BESIDE_DOOR = 0.12  # [m], from the frame to a switch
+SWITCH = 1.05  # [m], above the floor
 ROD = 0.12  # [m], from the top of a window to that of its curtain
 NEAR = 0.003  # [m]: what is farther from a wall does not hang on it
 OVERHANG = 0.3  # [m], of curtains beyond a window, both sides together
@@ -60,18 +61,23 @@ def wall_behind(room: Room, opening: PlacedFurniture) -> Wall | None:
 
 
 def switches(room: Room) -> None:
-    """A switch beside each door, on the side of its handle if that is free."""
-    for door in room.doors:
-        wall = wall_behind(room, door)
-        if wall is None:
-            continue
-        item = room.object("switch")
-        latch = float(FACING[door.quarter][1 - wall.axis]) * (-1 if door.mirrored else 1)
-        away = float(door.model.size[0]) / 2 + BESIDE_DOOR + float(item.size[0]) / 2
-        low, high = wall.span[0] + HALF + float(item.size[0]), wall.span[1] - HALF - float(item.size[0])
-        places = [door.position[2 * wall.axis] + side * away for side in (latch, -latch)]
-        spots = at_wall(item, wall, [at for at in places if low < at < high], FLOOR_TOP + 1.05, HUNG)
-        first(room, item, spots)  # not before a window
+    """A switch beside each door, on the side of its handle if that is free; at least one in the room."""
+    hung = [_switch(room, door) for door in room.doors]
+    if not any(hung):
+        hang_kind(room, "switch", SWITCH)
+
+
+def _switch(room: Room, door: PlacedFurniture) -> PlacedFurniture | None:
+    wall = wall_behind(room, door)
+    if wall is None:
+        return None
+    item = room.object("switch")
+    latch = float(FACING[door.quarter][1 - wall.axis]) * (-1 if door.mirrored else 1)
+    away = float(door.model.size[0]) / 2 + BESIDE_DOOR + float(item.size[0]) / 2
+    low, high = wall.span[0] + HALF + float(item.size[0]), wall.span[1] - HALF - float(item.size[0])
+    places = [door.position[2 * wall.axis] + side * away for side in (latch, -latch)]
+    spots = at_wall(item, wall, [at for at in places if low < at < high], FLOOR_TOP + SWITCH, HUNG)
+    return first(room, item, spots)  # not before a window
 
 
 def sockets(room: Room) -> None:
