@@ -17,11 +17,10 @@ from home_mjx.audio_jax.baking.bake import BakeOptions, bake_house
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.base.presets import audio_preset
-from home_mjx.audio_jax.motion.early import early_sums, filtered, longest_step
-from home_mjx.audio_jax.motion.frame import moving_frame, moving_frames
-from home_mjx.audio_jax.motion.pairs import paired
-from home_mjx.audio_jax.motion.reception import late_part, reception
-from home_mjx.audio_jax.motion.tail import late_frame, late_spectra, tail_levels
+from home_mjx.audio_jax.motion.early import filtered
+from home_mjx.audio_jax.motion.frame import moving_early, moving_frame, moving_frames, moving_late
+from home_mjx.audio_jax.motion.reception import reception
+from home_mjx.audio_jax.motion.tail import late_frame
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bench import timing
 from home_mjx.bench.batch import eye_at, houses_and_starts, own_body, rate_per_environment, scene_at
@@ -64,14 +63,12 @@ def frame_synthesis(settings: Settings) -> Record:
 
 def frame_early(settings: Settings) -> Record:
     """Of these the early part: all that moves, without the late part."""
-    return _stage(
-        "audio/frame-early", settings, lambda s, old, new, config: filtered(_sums(s, old, new, config), config)
-    )
+    return _stage("audio/frame-early", settings, lambda *given: filtered(moving_early(*given), given[-1]))
 
 
 def frame_late(settings: Settings) -> Record:
     """And the late part alone."""
-    return _stage("audio/frame-late", settings, _late_alone)
+    return _stage("audio/frame-late", settings, lambda *given: late_frame(moving_late(*given), given[-1]))
 
 
 def frame_baked(settings: Settings) -> Record:
@@ -143,17 +140,6 @@ def _stage(case: str, settings: Settings, make: Callable[..., jax.Array]) -> Rec
     return make_record(
         case, rate * settings.num_envs, "frames/s", note, num_envs=settings.num_envs, compile_seconds=seconds
     )
-
-
-def _sums(source: jax.Array, old: Any, new: Any, config: AudioConfig) -> jax.Array:
-    pairs = paired(old.paths, new.paths, old.quat, new.quat, longest_step(config))
-    return early_sums(source, config.memory_length - 1, pairs, config)
-
-
-def _late_alone(source: jax.Array, old: Any, new: Any, config: AudioConfig) -> jax.Array:
-    late = jnp.stack([late_part(heard, config) for heard in (old, new)])
-    tail = jnp.stack([tail_levels(heard.energy, config) for heard in (old, new)])
-    return late_frame(late_spectra(source, late, tail, config), config)
 
 
 def _features(case: str, config: AudioConfig, settings: Settings) -> Record:

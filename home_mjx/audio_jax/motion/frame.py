@@ -54,13 +54,25 @@ def moving_frames(
     return filtered(jnp.sum(early, axis=0), config) + late_frame(jnp.sum(late, axis=0), config)
 
 
-def _parts(
+def moving_early(
     source: Float[Array, " w"], old: Reception, new: Reception, config: AudioConfig
-) -> tuple[Float[Array, "2 s k"], Complex[Array, "2 2 f"]]:
-    """Early and late sound before what sources share."""
+) -> Float[Array, "2 s k"]:
+    """Early sound of a frame before what sources share: see `filtered`. Arguments as of `moving_frame`."""
     pairs = paired(old.paths, new.paths, old.quat, new.quat, longest_step(config))
+    return early_sums(source, config.memory_length - 1, pairs, config)
+
+
+def moving_late(
+    source: Float[Array, " w"], old: Reception, new: Reception, config: AudioConfig
+) -> Complex[Array, "2 2 f"]:
+    """Late sound of a frame before what sources share: see `late_frame`. Arguments as of `moving_frame`."""
     ends = jax.tree.map(lambda a, b: jnp.stack([a, b]), old, new)
     late = jax.vmap(lambda heard: late_part(heard, config))(ends)  # one product of matrices
     tail = jax.vmap(lambda heard: tail_levels(heard.energy, config))(ends)
-    early = early_sums(source, config.memory_length - 1, pairs, config)
-    return early, late_spectra(source, late, tail, config)
+    return late_spectra(source, late, tail, config)
+
+
+def _parts(
+    source: Float[Array, " w"], old: Reception, new: Reception, config: AudioConfig
+) -> tuple[Float[Array, "2 s k"], Complex[Array, "2 2 f"]]:
+    return moving_early(source, old, new, config), moving_late(source, old, new, config)

@@ -197,10 +197,14 @@ def _far_goals(snapshot: Snapshot, route: Float[Array, "2 3"]) -> Int[Array, "2"
     return jnp.stack([first, jnp.argmax(jnp.minimum(jnp.min(to_goals, axis=0), from_first))]).astype(jnp.int32)
 
 
+def _ends(state: PiedPiperState) -> Int[Array, "2"]:
+    """Columns of the task bank's fields: distances to both ends of the piper's route."""
+    return jnp.maximum(state.program.field[ROUTE : ROUTE + 2], 0).astype(jnp.int32)
+
+
 def _columns(state: PiedPiperState) -> tuple[Int[Array, " a"], Int[Array, " a"]]:
     """Where each agent is heading to: column of the task bank's fields for the piper, of the house's for the others."""
-    ends = jnp.maximum(state.program.field[ROUTE : ROUTE + 2], 0).astype(jnp.int32)
-    return ends[state.heading], state.stray[state.heading]
+    return _ends(state)[state.heading], state.stray[state.heading]
 
 
 def _chase(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, "2"]:
@@ -211,7 +215,7 @@ def _chase(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, "2"]:
     from which the piper comes to meet it. So no field of distances to where the piper is need be made.
     """
     pos, field = snapshot.pose.pos, snapshot.tasks.field
-    ends = jnp.maximum(state.program.field[ROUTE : ROUTE + 2], 0).astype(jnp.int32)
+    ends = _ends(state)
     to, come = ends[state.heading[PIPER]], ends[1 - state.heading[PIPER]]
     left = [geodesic_distance(snapshot.bank, snapshot.house, to, pos[who], field) for who in (FOLLOWER, PIPER)]
     column = jnp.where(left[0] > left[1], to, come)

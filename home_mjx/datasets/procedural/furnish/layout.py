@@ -3,8 +3,8 @@
 from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
-from jaxtyping import Float
 
+from home_mjx.datasets.procedural.floor_plan.bounds import sight, wall_box
 from home_mjx.datasets.procedural.floor_plan.openings import HousePlan
 from home_mjx.datasets.procedural.floor_plan.placed import (
     FACING,
@@ -20,7 +20,6 @@ from home_mjx.datasets.procedural.floor_plan.walls import CEILING_LOW, FLOOR_TOP
 from home_mjx.datasets.procedural.furnish.style import Style
 
 GAP = 0.01  # [m], between furniture and a wall
-SIGHT = 0.35  # [m], depth in front of a window that tall things keep clear
 
 Companions = Callable[[PlacedFurniture], Iterable[PlacedFurniture]]
 
@@ -48,10 +47,10 @@ class RoomLayout:
         self.rng = style.rng
         self.items: list[PlacedFurniture] = []
         openings = plan.openings_of(index)
-        walls = [_wall_box(wall, plan.height) for wall in self.room.walls]
+        walls = [wall_box(wall, plan.height) for wall in self.room.walls]
         self._flat = [_upright(box) for box in walls]
         self._solid = walls + [part for opening in openings for part in opening.placed.parts]
-        self._clear = [o.passage if o.is_door else _sight(o.placed.box) for o in openings]
+        self._clear = [o.passage if o.is_door else sight(o.placed.box) for o in openings]
         before = [o.placed.beside(0.0, side * 0.5) for o in openings if o.is_door for side in (-1, 1)]
         self._grid = WalkingGrid(self.room, self._solid, before)
 
@@ -197,17 +196,3 @@ def zone_before(item: PlacedFurniture, depth: float) -> Box:
     x, z = item.beside(0.0, float(item.size[2]) / 2 + depth / 2)
     half = np.array([item.size[0] / 2 - 0.02, depth / 2 - 0.02])[:: 1 if item.quarter % 2 == 0 else -1]
     return np.array([[x - half[0], FLOOR_TOP + 0.03, z - half[1]], [x + half[0], 1.2, z + half[1]]])
-
-
-def _wall_box(wall: Wall, height: float) -> Box:
-    ends: Float[np.ndarray, "2 2"] = np.sort([wall.start, wall.end], axis=0)
-    (x0, z0), (x1, z1) = ends + np.array([[-HALF], [HALF]])
-    return np.array([[x0, 0.0, z0], [x1, height, z1]])
-
-
-def _sight(window: Box) -> Box:
-    """The space before and behind a window, from a little above its sill, that tall things must not fill."""
-    grown = window + np.array([[0.0, 0.12, 0.0], [0.0, 0.0, 0.0]])
-    across = 0 if np.ptp(window[:, 0]) < np.ptp(window[:, 2]) else 2
-    grown[:, across] += (-SIGHT, SIGHT)
-    return grown

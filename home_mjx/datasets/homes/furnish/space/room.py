@@ -5,11 +5,12 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 import numpy as np
 
 from home_mjx.datasets.homes.furnish.space.occupied import Boxes, Store, hull, is_flat, meet, upright
-from home_mjx.datasets.homes.plan.openings.bounds import column, sight
+from home_mjx.datasets.homes.plan.openings.bounds import column
 from home_mjx.datasets.homes.plan.openings.passage import bounds, floor_grid
 from home_mjx.datasets.homes.plan.openings.turned import TurnedWindow
 from home_mjx.datasets.homes.plan.shape.storeys import Stairwell
 from home_mjx.datasets.homes.taste import Style
+from home_mjx.datasets.procedural.floor_plan.bounds import sight
 from home_mjx.datasets.procedural.floor_plan.openings import HousePlan
 from home_mjx.datasets.procedural.floor_plan.placed import Box, PlacedFurniture
 from home_mjx.datasets.procedural.floor_plan.walking import FLAT, HEAD

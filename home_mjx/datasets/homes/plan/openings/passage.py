@@ -3,8 +3,9 @@
 from collections.abc import Sequence
 from functools import lru_cache
 
-from home_mjx.datasets.homes.plan.openings.bounds import column, cut_off, landings, wall_box
+from home_mjx.datasets.homes.plan.openings.bounds import column, cut_off, landings
 from home_mjx.datasets.homes.plan.shape.storeys import Stairwell
+from home_mjx.datasets.procedural.floor_plan.bounds import wall_box
 from home_mjx.datasets.procedural.floor_plan.openings import Opening
 from home_mjx.datasets.procedural.floor_plan.placed import Box
 from home_mjx.datasets.procedural.floor_plan.rooms import RoomPlan
