@@ -25,9 +25,11 @@ import numpy as np
 from views import cameras, every_object_movable, load_bank, on_device
 
 from home_mjx.bench.record import make_record
+from home_mjx.core.native import nvrtc
+from home_mjx.core.native.platforms import devices_of
 from home_mjx.raycast_render.cameras.camera import Camera, Lens, camera_rays
 from home_mjx.raycast_render.casting.cast import cast, occluded
-from home_mjx.raycast_render.executors import cuda, nvrtc
+from home_mjx.raycast_render.executors import cuda
 from home_mjx.raycast_render.images.render import render
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.surface import unit_normals
@@ -189,7 +191,7 @@ def scattered(bench, size, any_hit):
 
 def kernel_compilation():
     """Seconds of compiling the kernels anew, and of reading them from the cache."""
-    device = cuda.cuda_devices()[0]
+    device = devices_of("cuda")[0]
     capability = int(device.compute_capability.replace(".", ""))
     kept = os.environ.get("HOME_MJX_CACHE")
     with tempfile.TemporaryDirectory() as folder:

@@ -1,0 +1,46 @@
+"""Scripts beside the package use nothing of it that has moved away; most of them are run by hand and seldom."""
+
+import ast
+import importlib
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+SCRIPTS = [path for folder in ("benchmarks", "scripts", "examples") for path in sorted((ROOT / folder).glob("*.py"))]
+FRAMEWORKS = {"cleanrl_ppo": "torch"}  # what adapters that a script imports need in their turn
+
+
+@pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: f"{path.parent.name}/{path.stem}")
+def test_a_script_uses_what_is_there(path: Path):
+    if path.stem in FRAMEWORKS:
+        pytest.importorskip(FRAMEWORKS[path.stem])
+    tree = ast.parse(path.read_text())
+    known = dict(_imported(tree))
+    used = (node for node in ast.walk(tree) if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name))
+    for node in used:
+        module = known.get(node.value.id)
+        if isinstance(module, ModuleType) and node.value.id not in _assigned(tree):
+            assert hasattr(module, node.attr), f"line {node.lineno}: {module.__name__} has no {node.attr}"
+
+
+def _imported(tree: ast.Module) -> Iterator[tuple[str, object]]:
+    """What a script imports from the package, by the name that it has there."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").partition(".")[0] == "home_mjx":
+            module = importlib.import_module(node.module)
+            for name in node.names:
+                yield name.asname or name.name, _member(module, name.name)
+
+
+def _member(module: ModuleType, name: str) -> object:
+    """A module's attribute or submodule; fails where there is neither."""
+    return getattr(module, name) if hasattr(module, name) else importlib.import_module(f"{module.__name__}.{name}")
+
+
+def _assigned(tree: ast.Module) -> set[str]:
+    """Names that stand for something else as well."""
+    arguments = {node.arg for node in ast.walk(tree) if isinstance(node, ast.arg)}
+    return arguments | {n.id for n in ast.walk(tree) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
