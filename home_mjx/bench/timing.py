@@ -87,8 +87,11 @@ def versions() -> dict[str, str]:
     import importlib.metadata as metadata
     import platform
 
-    names = ("home-mjx", "jax", "jaxlib", "mujoco", "mujoco-mjx", "numba", "numpy")
-    return {"python": platform.python_version(), **{name: metadata.version(name) for name in names}}
+    from home_mjx import __version__  # not from its metadata, which a checkout on the path lacks
+
+    names = ("jax", "jaxlib", "mujoco", "mujoco-mjx", "numba", "numpy")
+    own = {"python": platform.python_version(), "home-mjx": __version__}
+    return own | {name: metadata.version(name) for name in names}
 
 
 def device_name() -> str:
