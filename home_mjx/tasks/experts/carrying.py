@@ -29,6 +29,24 @@ def carried_radius(snapshot: Snapshot, agent: Int[Array, ""]) -> Float[Array, ""
     return jnp.where(snapshot.held[agent] >= 0, radius + jnp.float32(AROUND), 0.0)
 
 
+def carried_discs(snapshot: Snapshot, yaw: Float[Array, " a"]) -> tuple[Float[Array, "a 2"], Float[Array, " a"]]:
+    """Where what agents carry would be in the plan if they looked there, and how far it reaches [m].
+
+    Args:
+        snapshot: The environment; agents have hands.
+        yaw: Where each agent looks [rad].
+
+    Returns:
+        Middles and radii; the agents' own where they carry nothing.
+    """
+    radius = jax.vmap(lambda agent: carried_radius(snapshot, agent))(jnp.arange(snapshot.config.num_agents))
+    own = jnp.array([body.radius for body in snapshot.config.physics.agents], jnp.float32)
+    holds = snapshot.held >= 0
+    ahead = jnp.where(holds, own + jnp.float32(CARRY) + radius, 0.0)
+    way = jnp.stack([jnp.cos(yaw), jnp.sin(yaw)], axis=-1)
+    return snapshot.pose.pos[:, :2] + way * ahead[:, None], jnp.where(holds, radius, own)
+
+
 def meets(snapshot: Snapshot, agent: Int[Array, ""], place: Float[Array, "n 3"]) -> Bool[Array, " n"]:
     """Whether what an agent carries before it, as high as now, would come near anything on its way through some places.
 

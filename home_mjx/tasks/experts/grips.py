@@ -62,7 +62,7 @@ def find_grip(
 def elsewhere(snapshot: Snapshot, state: RowState) -> tuple[Bool[Array, ""], Float[Array, ""]]:
     """Whether it is time to go elsewhere, as nothing has come of the present stage for long, and in which direction."""
     time = snapshot.step - state.since
-    return time % ROUND >= ROUND - PATIENCE, (time // ROUND).astype(jnp.float32) * jnp.float32(GOLDEN)
+    return time % ROUND >= ROUND - PATIENCE, (time // ROUND + 1).astype(jnp.float32) * jnp.float32(GOLDEN)
 
 
 def use_hands(config: EnvConfig, actions: Array, grip: Grip, aims: Bool[Array, " a"]) -> Array:

@@ -4,13 +4,16 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
+from home_mjx.core.transforms import wrap_angle
 from home_mjx.physics.base.doors import Leaf
 from home_mjx.tasks.base.snapshot import Snapshot
-from home_mjx.tasks.experts.carrying import has_hands, meets
+from home_mjx.tasks.experts.carrying import carried_discs, has_hands, meets
 from home_mjx.tasks.rows.fields import BRUSHES, MARGIN, PUSHES, STOREY
 
 MEETS = 1.5  # where what is carried meets something: little, as fields of rows do not know of it
 AHEAD = 0.4  # [m]: who meets a leaf that is shut so far ahead opens it, if it has hands
+NEAR = 0.95  # [m]: who carries something opens it from so far away, to be out of its way
+ASIDE = 0.35  # [rad], from where a leaf is now: there one is out of its way and reaches it
 
 
 def leaf_gaps(
@@ -23,18 +26,27 @@ def leaf_gaps(
         place: The places [m].
         which: Leaves that count; None: all.
     """
-    leaves = jax.tree.map(lambda x: x[snapshot.house], Leaf.of(snapshot.bank.physics))
+    away, _ = _from_leaves(snapshot, place, which)
+    return jnp.min(away, axis=1, initial=jnp.inf)
+
+
+def _from_leaves(
+    snapshot: Snapshot, place: Float[Array, "n 3"], which: Bool[Array, " h"] | None
+) -> tuple[Float[Array, "n h"], Float[Array, "n h 2"]]:
+    """How far places are from leaves of their storey [m], inf: of those that do not count; and the way there."""
+    leaves = _leaves(snapshot)
     pos, quat = leaves.moved(snapshot.door_angle)
     yaw = 2 * jnp.arctan2(quat[:, 3], quat[:, 0])
     away = place[:, None] - pos[None]
     cos, sin = jnp.cos(yaw)[None], jnp.sin(yaw)[None]
     along, across = away[..., 0] * cos + away[..., 1] * sin, away[..., 1] * cos - away[..., 0] * sin
     half = leaves.size[None]
-    gap = jnp.hypot(jnp.maximum(jnp.abs(along) - half[..., 0], 0.0), jnp.maximum(jnp.abs(across) - half[..., 1], 0.0))
+    u, v = along - jnp.clip(along, -half[..., 0], half[..., 0]), across - jnp.clip(across, -half[..., 1], half[..., 1])
     counts = (leaves.valid if which is None else leaves.valid & which)[None] & (
         jnp.abs(away[..., 2]) < jnp.float32(STOREY)
     )
-    return jnp.min(jnp.where(counts, gap, jnp.inf), axis=1, initial=jnp.inf)
+    way = -jnp.stack([u * cos - v * sin, u * sin + v * cos], axis=-1)
+    return jnp.where(counts, jnp.hypot(u, v), jnp.inf), way
 
 
 def at_leaves(snapshot: Snapshot, place: Float[Array, "n 3"]) -> Bool[Array, " n"]:
@@ -64,6 +76,13 @@ def slowness(snapshot: Snapshot, place: Float[Array, "n 3"], agent: Int[Array, "
     return jnp.maximum(slow, jnp.where(meets(snapshot, agent, place), MEETS, 1.0))
 
 
+def shut_leaves(snapshot: Snapshot) -> Bool[Array, " h"]:
+    """Which leaves of the house are less than half open."""
+    physics, house = snapshot.bank.physics, snapshot.house
+    wide, closed = physics.door_wide[house], physics.door_closed[house]
+    return physics.door_valid[house] & (jnp.abs(snapshot.door_angle - wide) > jnp.abs(closed - wide) / 2)
+
+
 def faces_shut_leaf(snapshot: Snapshot, way: Float[Array, " a"]) -> Bool[Array, " a"]:
     """Whether a leaf that is less than half open is before each agent on its way.
 
@@ -71,11 +90,81 @@ def faces_shut_leaf(snapshot: Snapshot, way: Float[Array, " a"]) -> Bool[Array, 
         snapshot: The environment.
         way: Heading of the way [rad].
     """
-    physics, house = snapshot.bank.physics, snapshot.house
-    wide, closed = physics.door_wide[house], physics.door_closed[house]
-    shut = jnp.abs(snapshot.door_angle - wide) > jnp.abs(closed - wide) / 2
     ahead = jnp.stack([jnp.cos(way), jnp.sin(way), jnp.zeros_like(way)], axis=-1) * jnp.float32(AHEAD)
-    return leaf_gaps(snapshot, snapshot.pose.pos + ahead, shut) < jnp.float32(AHEAD / 2)
+    return leaf_gaps(snapshot, snapshot.pose.pos + ahead, shut_leaves(snapshot)) < jnp.float32(AHEAD / 2)
+
+
+def sweeps(snapshot: Snapshot, place: Float[Array, "n 3"], radius: Float[Array, " n"]) -> Bool[Array, "n h"]:
+    """Which hinged leaves that are less than half open would sweep over discs if they were opened wide.
+
+    Args:
+        snapshot: The environment.
+        place: Middles of the discs [m].
+        radius: Of the discs [m].
+    """
+    away, turn, arc = _about_hinges(snapshot, place)
+    wide = jnp.arcsin(jnp.clip(radius[:, None] / away, 0.0, 1.0))  # the angle under which a disc's half is seen
+    leaves = _leaves(snapshot)
+    swept = (turn > -wide) & (turn < arc + wide) & (away < 2 * jnp.sqrt(leaves.far) + radius[:, None])
+    swept |= away < radius[:, None]  # the hinge itself
+    here = jnp.abs(place[:, None, 2] - leaves.height) < STOREY
+    return swept & here & shut_leaves(snapshot) & (leaves.turns > 0)
+
+
+def opening(snapshot: Snapshot) -> tuple[Bool[Array, " a"], Bool[Array, " a"], Float[Array, " a"]]:
+    """How agents that carry something deal with a leaf that opens towards them and would knock it out of their hands.
+
+    They go where it can be reached and does not get to, beyond its free edge, turn to it and open it.
+
+    Args:
+        snapshot: The environment; agents have hands.
+
+    Returns:
+        Whether each agent is busy with that; whether it stands right for opening; where it should face [rad].
+    """
+    pos, holds = snapshot.pose.pos, snapshot.held >= 0
+    if not snapshot.door_angle.shape[0]:
+        return jnp.zeros_like(holds), jnp.zeros_like(holds), snapshot.pose.yaw
+    away, way = _from_leaves(snapshot, pos, shut_leaves(snapshot))
+    leaf, agents = jnp.argmin(away, axis=1), jnp.arange(pos.shape[0])
+    _, turn, arc = _about_hinges(snapshot, pos)
+    before = ((turn > 0) & (turn < arc + ASIDE))[agents, leaf]  # not behind it, nor behind a wall
+    near, towards = (away[agents, leaf] < jnp.float32(NEAR)) & before, way[agents, leaf]
+    face = jnp.arctan2(towards[:, 1], towards[:, 0])
+    place, radius = carried_discs(snapshot, face)
+    own = jnp.full_like(radius, snapshot.bank.spec.agent_radius)
+    discs = (pos, own), (jnp.concatenate([place, pos[:, 2:]], axis=1), radius)
+    swept = jnp.any(jnp.stack([sweeps(snapshot, *disc)[agents, leaf] for disc in discs]), axis=0)
+    reach = jnp.linalg.norm(place - pos[:, :2], axis=-1) + radius
+    beyond = _beyond_edge(snapshot, leaf, reach) - pos[:, :2]
+    face = jnp.where(swept, jnp.arctan2(beyond[:, 1], beyond[:, 0]), face)
+    return holds & (swept | near), holds & near & ~swept, face
+
+
+def _leaves(snapshot: Snapshot) -> Leaf:
+    return jax.tree.map(lambda x: x[snapshot.house], Leaf.of(snapshot.bank.physics))
+
+
+def _about_hinges(
+    snapshot: Snapshot, place: Float[Array, "n 3"]
+) -> tuple[Float[Array, "n h"], Float[Array, "n h"], Float[Array, " h"]]:
+    """How far places are from hinges [m]; by which angle each leaf opens until it points there, by which until wide."""
+    leaves = _leaves(snapshot)
+    offset = place[:, None, :2] - leaves.pivot[None]
+    now = jnp.arctan2(leaves.arm[:, 1], leaves.arm[:, 0]) + snapshot.door_angle
+    opens = snapshot.bank.physics.door_wide[snapshot.house] - snapshot.door_angle
+    turn = wrap_angle(jnp.arctan2(offset[..., 1], offset[..., 0]) - now) * jnp.sign(opens)
+    return jnp.maximum(jnp.linalg.norm(offset, axis=-1), 1e-3), turn, jnp.abs(opens)
+
+
+def _beyond_edge(snapshot: Snapshot, leaf: Int[Array, " a"], spare: Float[Array, " a"]) -> Float[Array, "a 2"]:
+    """Places so far beyond the free edges of leaves, a little to the side to which they open [m]."""
+    leaves = _leaves(snapshot)
+    opens = snapshot.bank.physics.door_wide[snapshot.house] - snapshot.door_angle
+    angle = jnp.arctan2(leaves.arm[:, 1], leaves.arm[:, 0]) + snapshot.door_angle + jnp.sign(opens) * ASIDE
+    far = 2 * jnp.sqrt(leaves.far)[leaf] + spare
+    way = jnp.stack([jnp.cos(angle), jnp.sin(angle)], axis=-1)[leaf]
+    return leaves.pivot[leaf] + way * far[:, None]
 
 
 def slow_cells(snapshot: Snapshot) -> Float[Array, "levels rows columns"]:

@@ -15,7 +15,7 @@ from home_mjx.tasks.environment.moves import action_names
 from home_mjx.tasks.experts.carrying import clear_turns, has_hands
 from home_mjx.tasks.experts.descent import descend
 from home_mjx.tasks.experts.grips import elsewhere, find_grip, is_aimed, open_doors, use_hands
-from home_mjx.tasks.experts.leaves import faces_shut_leaf
+from home_mjx.tasks.experts.leaves import faces_shut_leaf, opening
 from home_mjx.tasks.experts.speaking import or_words
 from home_mjx.tasks.rows.features import Looked, inside, look
 from home_mjx.tasks.rows.machine import advance, conditions
@@ -29,6 +29,7 @@ MARGIN = 0.1  # [m]: with something in its hand an agent goes so much nearer tha
 TOUCHING = 0.05  # [m]: who cannot get that near, for what it carries, is content with this
 OPENS = 6  # steps between two tries to open a door; in between an agent gets out of its way, or through
 ON_THE_SPOT = 1.0  # [rad], by which who waits turns: there is no action that does nothing
+FACING = 0.1  # [rad]: who opens a door looks at it so exactly
 ALIGNED = 0.8  # [rad]: an agent that looks farther away from its way turns first
 
 
@@ -73,17 +74,22 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
     grip = find_grip(snapshot, state, values, box[:, guide])
     works = (grip.take | grip.put) & ~stop
     goes, where = elsewhere(snapshot, state)
+    busy, right, face = opening(snapshot)
+    busy = busy & ~goes
     stands = works & (grip.ready | there) & ~goes
     error, tilt, near = facing(snapshot, state, looked.replace(values=farther), way, there & ~works)
-    walks = wrap_angle(jnp.where(goes & (there | snapshot.contact), where, way) - snapshot.pose.yaw)
+    heading = jnp.where(goes & (there | snapshot.contact), where, way)
+    walks = wrap_angle(heading - snapshot.pose.yaw)
     error = jnp.where(stands, grip.turn, jnp.where(works, walks, error))
     tilt, near = jnp.where(stands, grip.tilt, tilt), jnp.where(works, stands, near)
+    busy &= ~stands & ~stop
+    error, near = jnp.where(busy, wrap_angle(face - snapshot.pose.yaw), error), jnp.where(busy, right, near)
     waits = should_wait(state, values)
     error, near = jnp.where(waits, ON_THE_SPOT, error), near | waits
     actions = to_actions(config, clear_turns(snapshot, error), tilt, near, stop)
     actions = use_hands(config, actions, grip, stands & is_aimed(config, grip))
-    opens = ~stands & ~stop & faces_shut_leaf(snapshot, snapshot.pose.yaw) & (snapshot.step % OPENS == 0)
-    actions = open_doors(config, actions, opens)
+    faces = jnp.where(busy, right & (jnp.abs(error) < FACING), faces_shut_leaf(snapshot, snapshot.pose.yaw))
+    actions = open_doors(config, actions, faces & ~stands & ~stop & (snapshot.step % OPENS == 0))
     return or_words(snapshot, state, values, actions)
 
 
