@@ -21,6 +21,7 @@ from home_mjx.audio_jax.measures.survey import Survey, survey_room
 from home_mjx.audio_jax.measures.table import RoomMeasures, measure_energy, measure_response
 from home_mjx.audio_jax.motion.frame import moving_frame, moving_frames
 from home_mjx.audio_jax.motion.reception import Reception, received, reception
+from home_mjx.audio_jax.noises.options import NoiseConfig
 from home_mjx.audio_jax.propagation.diffraction import bent_paths
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
@@ -36,6 +37,7 @@ __all__ = [
     "Envelope",
     "FloorSound",
     "Listener",
+    "NoiseConfig",
     "PathProducer",
     "Paths",
     "Reception",
