@@ -27,6 +27,7 @@ from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.mirrored import mirrored_paths
 from home_mjx.audio_jax.propagation.paths import PathProducer, Paths, direct_path, reflected_paths
+from home_mjx.audio_jax.propagation.surfaces import sound_materials
 from home_mjx.audio_jax.propagation.tracing import Trace, trace
 
 __all__ = [
@@ -89,6 +90,7 @@ __all__ = [
     "recorded_clip",
     "reflected_paths",
     "sound_frame",
+    "sound_materials",
     "stft_magnitude",
     "strength",
     "survey_room",

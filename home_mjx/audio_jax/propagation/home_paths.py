@@ -17,7 +17,7 @@ from home_mjx.audio_jax.geometry.images import Images, find_images, nearest_mirr
 from home_mjx.audio_jax.propagation.home_boxes import NEAR_ENDS, ModelBoxes, box_mirrors, hidden_by_boxes, model_boxes
 from home_mjx.audio_jax.propagation.mirrored import DEPTH, SHORTEST, house_mirrors, names_of, repeated
 from home_mjx.audio_jax.propagation.paths import NEAREST, SKIN, Paths
-from home_mjx.audio_jax.propagation.surfaces import surface_at
+from home_mjx.audio_jax.propagation.surfaces import sound_materials, surface_at
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.scene.types import Scene
@@ -144,7 +144,7 @@ def _met(scene: Scene, legs: _Legs, config: AudioConfig) -> tuple[Bool[Array, "p
     t, absorption = _shell(scene, *rays, config)
     t, absorption = t.reshape(length.shape), absorption.reshape(*length.shape, -1)
     free = jnp.where(legs.to_shell, jnp.abs(t - length) < DEPTH, ~jnp.isfinite(t))
-    own = scene.bank.materials.absorption[jnp.maximum(legs.material, 0)]
+    own = sound_materials(scene).absorption[jnp.maximum(legs.material, 0)]
     return free, jnp.where((legs.material >= 0)[:, :, None], own, absorption)
 
 
