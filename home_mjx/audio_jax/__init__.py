@@ -21,11 +21,13 @@ from home_mjx.audio_jax.measures.survey import Survey, survey_room
 from home_mjx.audio_jax.measures.table import RoomMeasures, measure_energy, measure_response
 from home_mjx.audio_jax.motion.frame import moving_frame, moving_frames
 from home_mjx.audio_jax.motion.reception import Reception, received, reception
+from home_mjx.audio_jax.noises.options import NoiseConfig
 from home_mjx.audio_jax.propagation.diffraction import bent_paths
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.mirrored import mirrored_paths
 from home_mjx.audio_jax.propagation.paths import PathProducer, Paths, direct_path, reflected_paths
+from home_mjx.audio_jax.propagation.surfaces import sound_materials
 from home_mjx.audio_jax.propagation.tracing import Trace, trace
 
 __all__ = [
@@ -36,6 +38,7 @@ __all__ = [
     "Envelope",
     "FloorSound",
     "Listener",
+    "NoiseConfig",
     "PathProducer",
     "Paths",
     "Reception",
@@ -87,6 +90,7 @@ __all__ = [
     "recorded_clip",
     "reflected_paths",
     "sound_frame",
+    "sound_materials",
     "stft_magnitude",
     "strength",
     "survey_room",

@@ -63,6 +63,9 @@ def _late(
     scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig
 ) -> tuple[Float[Array, "k 2 bands"], Float[Array, "n 3"], Float[Array, "n bands"]]:
     """Late energy at both ears; directions in which it comes, and how much from each. All others cancel out."""
+    if config.late == "none":
+        bands, nowhere = len(BANDS), jnp.zeros((0, 3), jnp.float32)
+        return jnp.zeros((config.num_bins, 2, bands), jnp.float32), nowhere, jnp.zeros((0, bands), jnp.float32)
     if config.late == "baked":
         late, toward = baked_histogram(scene, source, listener, config)
         whole, length = 0.5 * jnp.sum(late, axis=(0, 1)), jnp.linalg.norm(toward)

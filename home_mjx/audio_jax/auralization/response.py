@@ -75,8 +75,10 @@ def late_energy(
         source: Who sounds.
         listener: Who hears.
         key: Of the rays; of no use if late sound is baked.
-        config: `late` says which.
+        config: `late` says which, or that there is none.
     """
+    if config.late == "none":
+        return jnp.zeros((config.num_bins, 2, len(BANDS)), jnp.float32)
     if config.late == "baked":
         energy = baked_histogram(scene, source, listener, config)[0]
     else:
@@ -145,6 +147,7 @@ def early_response(paths: Paths, head_quat: Float[Array, "4"], config: AudioConf
     length, reach = config.response_length, _reach(config)
     samples = paths.distance * jnp.float32(config.sample_rate / config.speed_of_sound)
     whole = jnp.floor(samples)
+    samples = whole if config.early == "home" else samples
     angle = head_angles(paths.direction, head_quat, config)
     late = (samples - whole)[:, None] + ear_delays(angle, paths.distance[:, None], config)
     more = jnp.floor(late)

@@ -11,7 +11,8 @@ from home_mjx.schema.timing import LONGEST, Timing
 
 RECEIVERS = ("binaural", "omni")
 DETECTORS = ("rain", "sphere")
-LATE = ("traced", "baked")
+EARLY = ("physical", "home")
+LATE = ("traced", "baked", "none")
 BAKED = ("bin_seconds", "reflection_order", "temperature", "humidity", "pressure")  # with whose defaults sound is baked
 TAIL_RINGING = 0.016  # [s]
 
@@ -44,7 +45,10 @@ class AudioConfig:
         pressure: [kPa].
         late: Where late sound comes from. "traced": rays, in every step. "baked": what the bank has of it, see
             `with_late_sound`; `num_rays`, `num_bounces` and the detector then play no part, and the bins, the order of
-            reflections and the air must be the default's, with which it was baked.
+            reflections and the air must be the default's, with which it was baked. "none": there is none.
+        early: Which rules early paths follow. "physical": those of this engine. "home": those of HoME (2017), to
+            compare with it, see `audio_preset("home")`: specular paths up to `reflection_order`, objects as
+            boxes, delays of whole samples, its table of air; no diffraction, no transmission, and no late sound.
         motion: Whether early paths move within a frame, so that pitch is right at every frequency (Doppler), and rooms
             ring on for `tail_seconds`. False: whole responses fade from the last to the next, see `sound_frame`.
         tail_seconds: With `motion`, how long sound rings on beyond `response_seconds` [s], each octave at its last
@@ -76,6 +80,7 @@ class AudioConfig:
     humidity: float = 50.0
     pressure: float = 101.325
     late: str = "traced"
+    early: str = "physical"
     motion: bool = False
     tail_seconds: float = 1.5
 
@@ -84,6 +89,7 @@ class AudioConfig:
         check_known("receiver", [self.receiver], RECEIVERS)
         check_known("detector", [self.detector], DETECTORS)
         check_known("late", [self.late], LATE)
+        check_known("early", [self.early], EARLY)
         for name in ("num_rays", "num_bounces", "max_crossings"):
             check_number(name, getattr(self, name), 1, whole=True)
         for name in ("num_reflections", "num_edges"):
@@ -112,6 +118,14 @@ class AudioConfig:
             raise ConfigError(f"`bin_seconds` must hold an even number of samples, got {self.bin_samples}")
         if self.late == "baked":
             self._check_baked()
+        if self.early == "home":
+            self._check_home()
+
+    def _check_home(self) -> None:
+        for name, value in {"late": "none", "num_edges": 0, "motion": False}.items():
+            if getattr(self, name) != value:
+                hint = 'audio_preset("home") has the options of that mode.'
+                raise ConfigError(f"early='home' needs {name}={value!r}, got {getattr(self, name)!r}", hint=hint)
 
     def _check_baked(self) -> None:
         for name in BAKED:

@@ -20,6 +20,7 @@ from home_mjx.audio_jax.propagation.paths import Paths
 from home_mjx.audio_jax.propagation.tracing import trace
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.schema.compiled import BANDS
 
 STEP = 0.001  # [s], of the histogram from which the lateral fraction is taken
 SURVEY = AudioConfig(response_seconds=2.0, num_rays=1000, num_bounces=100)
@@ -72,6 +73,9 @@ def _late(
     scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig
 ) -> tuple[Float[Array, "k 2 bands"], Float[Array, "k 2 bands"]]:
     """Late energy over time at both ears; of one microphone and a figure of eight."""
+    if config.late == "none":
+        nothing = jnp.zeros((config.num_bins, 2, len(BANDS)), jnp.float32)
+        return nothing, nothing
     if config.late == "baked":
         ears, _ = baked_histogram(scene, source, listener, config)
         found = baked_sound(scene, source.pos, listener.pos, config)

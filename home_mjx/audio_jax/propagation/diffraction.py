@@ -9,9 +9,9 @@ from jaxtyping import Array, Bool, Complex, Float, Int
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
-from home_mjx.audio_jax.propagation.barriers import Boxes, Strings, nearest_boxes, strings
+from home_mjx.audio_jax.geometry.barriers import Boxes, Strings, nearest_boxes, strings
+from home_mjx.audio_jax.geometry.wedge import diffracted, second_edge
 from home_mjx.audio_jax.propagation.paths import NEAREST, SKIN, Paths, Straight, air_energy, cross, equals_earlier
-from home_mjx.audio_jax.propagation.wedge import diffracted, second_edge
 from home_mjx.core.transforms import quat_matrix
 from home_mjx.raycast_render.casting.cast import occluded
 from home_mjx.raycast_render.scene.types import Scene

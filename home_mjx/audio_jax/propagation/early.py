@@ -8,6 +8,7 @@ import jax.numpy as jnp
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source, check_listener
 from home_mjx.audio_jax.propagation.diffraction import bent_paths
+from home_mjx.audio_jax.propagation.home_paths import home_paths
 from home_mjx.audio_jax.propagation.mirrored import mirrored_paths
 from home_mjx.audio_jax.propagation.paths import MOST_NAMES, PathProducer, Paths, direct_path, reflected_paths
 from home_mjx.core.transforms import is_unit
@@ -21,6 +22,8 @@ def producers_of(config: AudioConfig) -> tuple[PathProducer, ...]:
         >>> [find.__name__ for find in producers_of(AudioConfig(num_edges=8))]
         ['bent_paths', 'reflected_paths']
     """
+    if config.early == "home":
+        return (home_paths,)
     first_order = config.reflection_order == 1
     return bent_paths if config.num_edges else direct_path, reflected_paths if first_order else mirrored_paths
 

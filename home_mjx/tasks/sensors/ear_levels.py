@@ -9,6 +9,7 @@ from home_mjx.audio_jax.auralization.envelope import band_level, clip_power, ene
 from home_mjx.audio_jax.auralization.spectra import LEAST, MOST
 from home_mjx.audio_jax.auralization.stream import loudness
 from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.noises.slots import noises_power
 from home_mjx.core.pytree import Pytree
 from home_mjx.schema.compiled import BANDS
 from home_mjx.tasks.base.config import EnvConfig
@@ -71,6 +72,8 @@ class EarLevels(Sensor):
         if config.speech:
             gain = as_loud_as_drawn(snapshot).gain[:, None, None]
             left = left + gain**2 * voice_power(spoken(snapshot, said), config.audio)
+        if snapshot.noises is not None:
+            left = jnp.concatenate([left, noises_power(snapshot.noises, time, config.audio)])
         envelopes = hear(config, snapshot, energy_response)  # axes (a, e)
         power = jax.vmap(jax.vmap(band_level), (0, None))(envelopes.energy, left)  # (a, e, 2, bands)
         weight = jnp.sum(power, axis=2)

@@ -16,6 +16,7 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Sounds, Source
 from home_mjx.audio_jax.motion.frame import moving_frames
 from home_mjx.audio_jax.motion.reception import FALL, Reception, ends_early, reception, silence
+from home_mjx.audio_jax.noises.slots import are_heard, noise_places, noises_given_off
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import camera_quat
 from home_mjx.tasks.base.config import EnvConfig
@@ -61,7 +62,7 @@ class Hearing(Sensor):
         return Heard(
             phase=jnp.zeros((), jnp.int32),
             time=jnp.zeros((), jnp.int32),
-            response=jax.tree.map(lambda x: jnp.zeros((agents, config.num_sources, *x.shape), x.dtype), nothing),
+            response=jax.tree.map(lambda x: jnp.zeros((agents, config.num_heard, *x.shape), x.dtype), nothing),
             frame=jnp.zeros((agents, 2, audio.frame), jnp.float32),
             said=no_words(config),
         )
@@ -78,6 +79,8 @@ class Hearing(Sensor):
         left = given_off(clips, sounds, row, phase, time, config.audio)
         if config.speech:
             left = left + sounds.gain[:, None] * voices(spoken(snapshot, said), config.audio)
+        if snapshot.noises is not None:
+            left = jnp.concatenate([left, noises_given_off(snapshot.noises, time, config.audio)])
 
         def of_all(old: Any, new: Any) -> Float[Array, "2 m"]:
             if config.audio.motion:
@@ -94,6 +97,8 @@ class Hearing(Sensor):
         """Whether a response to something that plays was cut off."""
         cut = jax.vmap(jax.vmap(lambda r: is_cut(r, config.audio)))(state.response)
         plays = (snapshot.sounds.clip >= 0) | jnp.any(spoken(snapshot, state.said) >= 0, axis=0)
+        if snapshot.noises is not None:
+            plays = jnp.concatenate([plays, are_heard(snapshot.noises)])
         return flags(RESPONSE_CUT=cut & plays[None])
 
 
@@ -190,21 +195,31 @@ def spoken(snapshot: Snapshot, said: Int[Array, "k a"]) -> Int[Array, "k e"]:
 def hear(config: EnvConfig, snapshot: Snapshot, response: Callable[..., Any] | None = None) -> Any:
     """From all sources to every agent, axes (a, e): what `Heard` remembers, or what else is made with the same rays."""
     response = response or (reception if config.audio.motion else impulse_response)
-    pose, num_agents, sounds = snapshot.pose, config.num_agents, snapshot.sounds
+    pose, num_agents = snapshot.pose, config.num_agents
+    pos, body = places(snapshot)
     # One key per episode, not per step: successive responses stay coherent, so the tail does not flutter.
     keys = jax.random.split(fold(snapshot.key, SOUND), num_agents)
 
     def one(ears: Array, quat: Array, key: Array, own: Array) -> Any:
-        listener, number = Listener(ears, quat, body=own), config.num_sources
+        listener, number = Listener(ears, quat, body=own), pos.shape[0]
         each = key[None] if number == 1 else jax.random.split(key, number)
 
         def from_source(pos: Array, body: Array, key: Array) -> Any:
             return response(snapshot.scene, Source(pos, body), listener, key, config.audio)
 
-        return over_agents(from_source, sounds.pos, sounds.body, each)
+        return over_agents(from_source, pos, body, each)
 
     heads = jax.vmap(camera_quat)(pose.yaw, pose.pitch)
     return over_agents(one, eye_position(config, pose), heads, keys, agent_ids(snapshot.bank, num_agents))
+
+
+def places(snapshot: Snapshot) -> tuple[Float[Array, "e 3"], Int[Array, " e"]]:
+    """Where all sources are, those that play clips first, then noises of bodies; and which bodies sound, -1 none."""
+    sounds = snapshot.sounds
+    if snapshot.noises is None:
+        return sounds.pos, sounds.body
+    pos, body = noise_places(snapshot.noises)
+    return jnp.concatenate([sounds.pos, pos]), jnp.concatenate([sounds.body, body])
 
 
 def is_cut(response: Float[Array, "2 l"] | Reception, config: AudioConfig) -> Bool[Array, ""]:
