@@ -10,6 +10,7 @@ from home_mjx.audio_jax.baked.reading import baked_sound
 from home_mjx.audio_jax.baking.bake import BakeOptions
 from home_mjx.audio_jax.baking.store import with_late_sound
 from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.directivity import Directivity, first_order, measured_directivity, talker
 from home_mjx.audio_jax.base.endpoints import Listener, Sounds, Source, is_indoors
 from home_mjx.audio_jax.base.presets import PRESETS, audio_preset
 from home_mjx.audio_jax.measures.clarity import c50, c80, centre_time, d50, drr, strength
@@ -33,6 +34,7 @@ __all__ = [
     "PRESETS",
     "AudioConfig",
     "BakeOptions",
+    "Directivity",
     "Envelope",
     "FloorSound",
     "Listener",
@@ -65,6 +67,7 @@ __all__ = [
     "energy_histogram",
     "energy_response",
     "faded_frame",
+    "first_order",
     "floor_sound",
     "gcc_leads",
     "gcc_phat",
@@ -78,6 +81,7 @@ __all__ = [
     "loudness",
     "measure_energy",
     "measure_response",
+    "measured_directivity",
     "mirrored_paths",
     "moving_frame",
     "moving_frames",
@@ -92,6 +96,7 @@ __all__ = [
     "survey_room",
     "t20",
     "t30",
+    "talker",
     "trace",
     "with_late_sound",
 ]

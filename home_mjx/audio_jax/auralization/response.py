@@ -17,10 +17,11 @@ from home_mjx.audio_jax.auralization.hrtf import (
     ear_values,
     to_head,
 )
-from home_mjx.audio_jax.baked.reading import baked_sound
+from home_mjx.audio_jax.baked.reading import Arrivals, baked_sound
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.delays import HALF_WIDTH, WIDTH, delay_kernel
-from home_mjx.audio_jax.base.endpoints import Listener, Source
+from home_mjx.audio_jax.base.directivity import mean_energy
+from home_mjx.audio_jax.base.endpoints import Listener, Source, given_toward
 from home_mjx.audio_jax.base.filters import CAUSAL_SECONDS, causal_octaves
 from home_mjx.audio_jax.base.shapes import QUIETEST, SOFTEST, num_taps, octave_shapes, shapes
 from home_mjx.audio_jax.propagation.early import early_paths
@@ -97,6 +98,7 @@ def baked_histogram(
     Of each span of time as much as its mean direction is long comes from there, the rest from everywhere.
     """
     late = baked_sound(scene, source.pos, listener.pos, config)
+    late = late.replace(energy=late.energy * late_share(source, late))
     length = jnp.linalg.norm(late.comes_from, axis=1, keepdims=True)  # (spans, 1)
     toward = late.comes_from / jnp.maximum(length, 1e-6)
     upright = jnp.array([1.0, 0.0, 0.0, 0.0], jnp.float32)  # heads hear the same from everywhere, however they turn
@@ -106,6 +108,19 @@ def baked_histogram(
     whole = jnp.einsum("kb,ks->s", late.energy, late.span, precision="highest")
     mean = jnp.sum(whole[:, None] * late.comes_from, axis=0) / jnp.maximum(jnp.sum(late.energy), 1e-30)
     return late.energy[:, None] * gain, mean
+
+
+def late_share(source: Source, late: Arrivals) -> Float[Array, "k bands"] | float:
+    """What a source gives of late sound in each bin, re one that sounds in all directions as it does ahead.
+
+    Of each span as much as its mean direction is long leaves there, the rest everywhere.
+    """
+    if source.directivity is None:
+        return 1.0
+    length = jnp.linalg.norm(late.leaves_to, axis=1, keepdims=True)
+    toward = given_toward(source, late.leaves_to / jnp.maximum(length, 1e-6)) ** 2
+    everywhere = mean_energy(source.directivity)[None]
+    return everywhere + jnp.matmul(late.span, length * (toward - everywhere), precision="highest")
 
 
 def assembled(

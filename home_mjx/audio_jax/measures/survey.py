@@ -7,7 +7,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from home_mjx.audio_jax.auralization.hrtf import to_head
-from home_mjx.audio_jax.auralization.response import baked_histogram, traced_histogram, with_late
+from home_mjx.audio_jax.auralization.response import baked_histogram, late_share, traced_histogram, with_late
 from home_mjx.audio_jax.baked.reading import baked_sound
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
@@ -75,6 +75,7 @@ def _late(
     if config.late == "baked":
         ears, _ = baked_histogram(scene, source, listener, config)
         found = baked_sound(scene, source.pos, listener.pos, config)
+        found = found.replace(energy=found.energy * late_share(source, found))
         length = jnp.linalg.norm(found.comes_from, axis=1)
         toward = found.comes_from / jnp.maximum(length, 1e-6)[:, None]
         sides = (1 - length) / 3 + length * _from_the_sides(toward, listener.quat)  # a third of what is everywhere
