@@ -2,7 +2,7 @@
 
 from home_mjx.audio_jax.auralization.envelope import Envelope, band_level, clip_power, energy_response
 from home_mjx.audio_jax.auralization.recordings import recorded_clip
-from home_mjx.audio_jax.auralization.response import ear_gains, early_response, impulse_response, late_response
+from home_mjx.audio_jax.auralization.response import early_response, impulse_response, late_response
 from home_mjx.audio_jax.auralization.sources import CLIPS, clip_samples
 from home_mjx.audio_jax.auralization.spectra import gcc_leads, gcc_phat, log_mel, stft_magnitude
 from home_mjx.audio_jax.auralization.stream import faded_frame, given_off, loudness, sound_frame
@@ -28,6 +28,7 @@ from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.mirrored import mirrored_paths
 from home_mjx.audio_jax.propagation.paths import PathProducer, Paths, direct_path, reflected_paths
 from home_mjx.audio_jax.propagation.tracing import Trace, trace
+from home_mjx.audio_jax.receivers.channels import ambisonic_gains, ear_gains
 
 __all__ = [
     "CLIPS",
@@ -46,6 +47,7 @@ __all__ = [
     "Source",
     "Survey",
     "Trace",
+    "ambisonic_gains",
     "audio_preset",
     "baked_sound",
     "band_level",

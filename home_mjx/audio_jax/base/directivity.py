@@ -90,7 +90,7 @@ def mean_energy(pattern: Directivity) -> Float[Array, " bands"]:
     """Energy averaged over all directions re that ahead: 1 over the directivity factor Q.
 
     Example:
-        >>> float(mean_energy(first_order(0.5))[0].round(4))  # a cardioid has Q = 3
+        >>> round(float(mean_energy(first_order(0.5))[0]), 4)  # a cardioid has Q = 3
         0.3333
     """
     weight = _solid_angles(pattern.gain.shape[0])
