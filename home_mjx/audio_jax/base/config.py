@@ -47,6 +47,8 @@ class AudioConfig:
         microphones: With the receiver "array", where each is in the frame of the head: +x right, +y up, -z ahead [m].
         head_radius: [m].
         ear_angle: Angle between nose and ears [degrees].
+        pinna: Whether ears have echoes of their own, which tell up from down and front from back, see `pinna_delays`;
+            with the receiver "binaural".
         temperature: [degrees Celsius].
         humidity: Relative humidity [%].
         pressure: [kPa].
@@ -81,6 +83,7 @@ class AudioConfig:
     microphones: Sequence[Any] = ()
     head_radius: float = 0.0875
     ear_angle: float = 90.0
+    pinna: bool = False
     temperature: float = 20.0
     humidity: float = 50.0
     pressure: float = 101.325
@@ -101,6 +104,9 @@ class AudioConfig:
         for name in ("temperature", "humidity", "ear_angle"):
             check_number(name, getattr(self, name))
         check_type("motion", self.motion, bool)
+        check_type("pinna", self.pinna, bool)
+        if self.pinna and self.receiver != "binaural":
+            raise ConfigError(f'`pinna` needs receiver="binaural", got {self.receiver!r}')
         check_number("tail_seconds", self.tail_seconds, 0.0)
         for name in ("response_seconds", "bin_seconds", "detector_radius", "head_radius", "pressure"):
             check_number(name, getattr(self, name))

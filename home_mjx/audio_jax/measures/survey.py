@@ -62,7 +62,7 @@ def survey_room(scene: Scene, source: Source, listener: Listener, key: Array, co
     ears, late = _late(scene, source, listener, trace_key, config)
     response = with_late(paths, ears, listener.quat, noise_key, config)
     both = jnp.broadcast_to(late[:, :1], late.shape)
-    pressure = with_late(paths, both, listener.quat, noise_key, replace(config, receiver="omni"))[0]
+    pressure = with_late(paths, both, listener.quat, noise_key, replace(config, receiver="omni", pinna=False))[0]
     rate = config.sample_rate
     energy = _fine(paths, jnp.ones(paths.distance.shape, jnp.float32), late[:, 0], config)
     lateral = _fine(paths, _from_the_sides(paths.direction, listener.quat), late[:, 1], config)

@@ -18,6 +18,7 @@ from home_mjx.audio_jax.receivers.hrtf import (
     ear_values,
     to_head,
 )
+from home_mjx.audio_jax.receivers.pinna import pinna_energy, pinna_values
 from home_mjx.schema.compiled import BANDS
 
 EAR_SIZE = 1024  # samples, whose frequencies the energies of ears are means of
@@ -42,7 +43,8 @@ def distinct_gains(
     if config.receiver == "ambisonics":
         return jnp.broadcast_to((ambisonic_gains(toward) ** 2)[..., None], (*toward.shape[:1], 4, len(BANDS)))
     table = ear_table(EAR_SIZE, config.sample_rate, config.head_radius, config.speed_of_sound)
-    return ear_energy(table, ear_angles(toward, config.ear_angle))
+    energy = ear_energy(table, ear_angles(toward, config.ear_angle))
+    return energy * pinna_energy(toward, config.sample_rate)[:, None] if config.pinna else energy
 
 
 def channel_delays(
@@ -76,7 +78,8 @@ def channel_values(
         table = ear_shapes(config.sample_rate, config.head_radius, config.speed_of_sound)
         angle = _angles(toward, config)
         nearness = jnp.broadcast_to((config.head_radius / distance)[:, None], angle.shape)
-        return ear_values(table, angle, nearness)
+        values = ear_values(table, angle, nearness)
+        return values * pinna_values(toward, config.sample_rate)[:, None] if config.pinna else values
     if config.receiver == "array":
         gain = distance[:, None] / jnp.maximum(distance[:, None] + _longer(toward, distance, config), NEAREST)
     elif config.receiver == "ambisonics":
