@@ -11,14 +11,16 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.shapes import shapes
 from home_mjx.audio_jax.receivers.hrtf import (
     NEARNESS,
+    between_angles,
     ear_angles,
     ear_energy,
+    ear_lateness,
     ear_shapes,
     ear_table,
     ear_values,
     to_head,
 )
-from home_mjx.audio_jax.receivers.pinna import pinna_energy, pinna_values
+from home_mjx.audio_jax.receivers.pinna import pinna_energy, with_echoes
 from home_mjx.schema.compiled import BANDS
 
 EAR_SIZE = 1024  # samples, whose frequencies the energies of ears are means of
@@ -79,7 +81,10 @@ def channel_values(
         angle = _angles(toward, config)
         nearness = jnp.broadcast_to((config.head_radius / distance)[:, None], angle.shape)
         values = ear_values(table, angle, nearness)
-        return values * pinna_values(toward, config.sample_rate)[:, None] if config.pinna else values
+        if not config.pinna:
+            return values
+        late = ear_lateness(config.sample_rate, config.head_radius, config.speed_of_sound)
+        return with_echoes(values, between_angles(late, angle), toward, config.sample_rate)
     if config.receiver == "array":
         gain = distance[:, None] / jnp.maximum(distance[:, None] + _longer(toward, distance, config), NEAREST)
     elif config.receiver == "ambisonics":

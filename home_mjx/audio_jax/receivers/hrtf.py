@@ -183,6 +183,17 @@ def ear_shapes(sample_rate: int, radius: float, speed: float) -> EarShapes:
     return EarShapes(np.real(value).astype(np.float32), np.imag(value).astype(np.float32))
 
 
+@functools.cache
+def ear_lateness(sample_rate: int, radius: float, speed: float) -> Float[np.ndarray, " a"]:
+    """By how much later than Woodworth's delay each angle's response comes on the whole [s]: the slope of its phase."""
+    frequency, _ = shape_responses(sample_rate)
+    angle = np.linspace(0, np.pi, NUM_ANGLES)
+    ahead = sphere_delay(angle, radius, speed)[:, None]
+    ear = sphere_spectrum(frequency, angle, radius, speed) * np.exp(2j * np.pi * ahead * frequency)
+    phase = np.unwrap(np.angle(ear), axis=1)
+    return (-(phase @ frequency) / (2 * np.pi * frequency @ frequency)).astype(np.float32)
+
+
 def shape_responses(sample_rate: int) -> tuple[Float[np.ndarray, " f"], Complex[np.ndarray, "f s"]]:
     """Frequencies [Hz] up to 0.45 of the sample rate, and what each of `shapes` is there, re all together."""
     kernel = shapes(sample_rate).kernel
@@ -236,15 +247,16 @@ def ear_angles(direction: Float[Array, "n 3"], ear_angle: float) -> Float[Array,
 
 def ear_spectrum(table: EarTable, angle: Float[Array, "*n"]) -> tuple[Complex[Array, "*n f"], Float[Array, "*n"]]:
     """Spectrum without delay, and delay [s], of the ear for each angle, between the two nearest entries."""
-    return _interpolate(table.spectrum, angle), _interpolate(table.delay, angle)
+    return between_angles(table.spectrum, angle), between_angles(table.delay, angle)
 
 
 def ear_energy(table: EarTable, angle: Float[Array, "*n"]) -> Float[Array, "*n bands"]:
     """Energy gain of the ear per octave for each angle."""
-    return _interpolate(table.energy, angle)
+    return between_angles(table.energy, angle)
 
 
-def _interpolate(rows: np.ndarray, angle: Float[Array, "*n"]) -> Array:
+def between_angles(rows: np.ndarray, angle: Float[Array, "*n"]) -> Array:
+    """Of a table by angle between sound and the ear's axis, between the two nearest entries."""
     position = angle * jnp.float32((NUM_ANGLES - 1) / math.pi)
     low = jnp.clip(position.astype(jnp.int32), 0, NUM_ANGLES - 2)
     rest = (position - low.astype(jnp.float32)).reshape(angle.shape + (1,) * (rows.ndim - 1)).astype(rows.dtype)

@@ -20,7 +20,7 @@ SWING = (1.0, 5.0, 5.0, 5.0, 5.0)
 MIDDLE = (2.0, 4.0, 7.0, 11.0, 13.0)
 PACE = (1.0, 0.5, 0.5, 0.5, 0.5)
 PARTS = 8  # frequencies per octave, of which energies are means
-LONGEST, STEPS = 18.0, 72  # delay [samples of 1 / RATE], and steps up to it of which filters are kept
+LONGEST, STEPS = 36.0, 144  # delay [samples of 1 / RATE], and steps up to it of which filters are kept
 
 
 def pinna_delays(toward: Float[Array, "*p 3"]) -> Float[Array, "*p echoes"]:
@@ -48,20 +48,29 @@ def pinna_delays(toward: Float[Array, "*p 3"]) -> Float[Array, "*p echoes"]:
     return jnp.maximum(samples, 0.0) / jnp.float32(RATE)
 
 
-def pinna_values(toward: Float[Array, "p 3"], sample_rate: int) -> Complex[Array, "p s"]:
-    """What sound and echoes together make of sound alone: values of causal filters at the frequencies of `shapes`.
+def with_echoes(
+    ears: Complex[Array, "p 2 s"], late: Float[Array, "p 2"], toward: Float[Array, "p 3"], sample_rate: int
+) -> Complex[Array, "p 2 s"]:
+    """Sound at ears together with its echoes, whose delays are the same at both.
 
-    The same at both ears.
+    Args:
+        ears: Values of causal filters at the frequencies of `shapes`.
+        late: Delay that these have on the whole [s]. Filters for it and that of an echo together are looked up, since
+            products of delays would be told too coarsely by so few frequencies.
+        toward: Unit vectors to where sound comes from, in the frame of the head.
+        sample_rate: [Hz].
     """
-    place = pinna_delays(toward) * jnp.float32(RATE * STEPS / LONGEST)
+    whole = jnp.maximum(pinna_delays(toward)[:, None] + late[..., None], 0.0)
+    place = whole * jnp.float32(RATE * STEPS / LONGEST)
     low = jnp.clip(place.astype(jnp.int32), 0, STEPS - 1)
-    rest = (place - low.astype(jnp.float32))[..., None]
-    strength = jnp.asarray(STRENGTH, jnp.float32)[None, :, None]
+    rest = jnp.clip(place - low.astype(jnp.float32), 0.0, 1.0)[..., None]
+    strength = jnp.asarray(STRENGTH, jnp.float32)[None, None, :, None]
     real, imag = (
-        jnp.sum(strength * (rows[low] * (1 - rest) + rows[low + 1] * rest), axis=1)
+        jnp.sum(strength * (rows[low] * (1 - rest) + rows[low + 1] * rest), axis=2)
         for rows in (jnp.asarray(part) for part in _delayed(sample_rate))
     )
-    return jax.lax.complex(1 + real, imag)
+    angle = late[..., None] * jnp.asarray(2 * math.pi * shapes(sample_rate).frequency, jnp.float32)[None, None]
+    return ears + ears * jax.lax.complex(jnp.cos(angle), jnp.sin(angle)) * jax.lax.complex(real, imag)
 
 
 @functools.cache
@@ -74,7 +83,7 @@ def _delayed(sample_rate: int) -> tuple[Float[np.ndarray, "d s"], Float[np.ndarr
 
 
 def echo_response(toward: Float[Array, "p 3"], frequency: Float[np.ndarray, " f"]) -> Complex[Array, "p f"]:
-    """The same as the formula has it, at any frequencies [Hz]."""
+    """What sound and echoes together make of sound alone, at any frequencies [Hz]."""
     angle = -2 * math.pi * pinna_delays(toward)[..., None] * jnp.asarray(frequency, jnp.float32)[None, None]
     strength = jnp.asarray(STRENGTH, jnp.float32)[None, :, None]
     real, imag = (jnp.sum(strength * part, axis=1) for part in (jnp.cos(angle), jnp.sin(angle)))

@@ -53,8 +53,8 @@ def test_delays_are_the_published_ones(side, around):
 def test_notches_of_a_response_are_where_the_delays_put_them(side, around):
     """Level re the bare sphere at the nearer ear, 1 to 14 kHz, where the model has above -12 dB: rms error below 1 dB.
 
-    To the sides from above or below 2.5 dB. Notches of at least 6 dB within 5 %.
-    In the head's shadow 1.5 dB up to 6.5 kHz.
+    To the sides from above or below 1.6 dB. Notches of at least 6 dB within 5 %. In the head's shadow, up to 6.5 kHz,
+    1.5 and 3 dB.
     """
     frequency = np.arange(1000.0, 14000.0, 50)
     ours = spectrum(EARED, unit(side, around), frequency) / spectrum(BARE, unit(side, around), frequency)
@@ -63,8 +63,8 @@ def test_notches_of_a_response_are_where_the_delays_put_them(side, around):
     levels = [20 * np.log10(np.abs(x)) for x in (*ours, model)]
     loud = levels[2] > -12
     near, far = levels[side > 0], levels[side <= 0]
-    assert np.sqrt(np.mean((near - levels[2])[loud] ** 2)) < (1.0 if side * around == 0 else 2.5)
-    assert np.sqrt(np.mean((far - levels[2])[loud & (frequency < 6500)] ** 2)) < 1.5
+    assert np.sqrt(np.mean((near - levels[2])[loud] ** 2)) < (1.0 if side * around == 0 else 1.6)
+    assert np.sqrt(np.mean((far - levels[2])[loud & (frequency < 6500)] ** 2)) < (1.5 if side * around == 0 else 3.0)
     inner = (levels[2][1:-1] < levels[2][:-2]) & (levels[2][1:-1] < levels[2][2:]) & (levels[2][1:-1] < -6)
     for notch in frequency[1:-1][inner]:
         around_it = np.abs(frequency - notch) < 0.15 * notch
