@@ -34,7 +34,7 @@ def pinna_delays(toward: Float[Array, "*p 3"]) -> Float[Array, "*p echoes"]:
         toward: Unit vectors to where sound comes from, in the frame of the head: +x right, +y up, looking along -z.
 
     Example:
-        >>> (pinna_delays(jnp.array([0.0, 0.0, -1.0]))[:2] * RATE).round(2).tolist()  # ahead
+        >>> [round(float(x) * RATE, 2) for x in pinna_delays(jnp.array([0.0, 0.0, -1.0]))[:2]]  # ahead
         [3.0, 7.54]
     """
     side = jnp.arcsin(jnp.clip(toward[..., 0], -1.0, 1.0))
