@@ -99,9 +99,16 @@ def assembled_paths(
     length = straight.distance + jnp.where(heard, found.detour, 0.0)
     length = jnp.concatenate([straight.distance[None], length])
     gain = jnp.sqrt(energy * jnp.exp(-air_energy(config)[None] * length[:, None])) / straight.distance
-    away = found.last - ears[None]
-    away = away / jnp.maximum(jnp.linalg.norm(away, axis=1), NEAREST)[:, None]
-    return Paths(length, jnp.where(straight.silent, 0.0, gain), jnp.concatenate([straight.direction[None], away]))
+    ahead, mouth = straight.direction[None], ears + straight.distance * straight.direction
+    comes = jnp.concatenate([ahead, _toward(found.last, ears)])
+    leaves = jnp.concatenate([-ahead, _toward(found.first, mouth)])
+    return Paths(length, jnp.where(straight.silent, 0.0, gain), comes, departure=leaves)
+
+
+def _toward(point: Float[Array, "k 3"], start: Float[Array, "3"]) -> Float[Array, "k 3"]:
+    """Unit vectors from one place to others."""
+    away = point - start[None]
+    return away / jnp.maximum(jnp.linalg.norm(away, axis=1), NEAREST)[:, None]
 
 
 def _nearest(scene: Scene, source: Source, listener: Listener, count: int) -> Strings:

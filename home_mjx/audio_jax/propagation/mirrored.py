@@ -76,7 +76,15 @@ def mirrored_paths(scene: Scene, source: Source, listener: Listener, config: Aud
     length = jnp.where(possible, found.length, 1.0)
     energy = energy * jnp.exp(-length[:, None] * air_energy(config)[None])
     gain = jnp.sqrt(jnp.maximum(energy, 0.0)) / jnp.maximum(length, NEAREST)[:, None]
-    return Paths(length, jnp.where(possible[:, None], gain, 0.0), direction, names_of(found))
+    gain = jnp.where(possible[:, None], gain, 0.0)
+    return Paths(length, gain, direction, names_of(found), _departures(found, source.pos))
+
+
+def _departures(found: Images, source: Float[Array, "3"]) -> Float[Array, "p 3"]:
+    """Unit vectors from the source to the reflection that comes first."""
+    last = jnp.take_along_axis(found.point, found.order[:, None, None] - 1, axis=1)[:, 0]
+    way = last - source[None]
+    return way / jnp.maximum(jnp.linalg.norm(way, axis=1), NEAREST)[:, None]
 
 
 def names_of(found: Images) -> Int[Array, " p"]:
