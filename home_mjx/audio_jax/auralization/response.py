@@ -23,6 +23,7 @@ from home_mjx.audio_jax.receivers.diffuse import KNOTS, Draw, drawn, ear_mix, no
 from home_mjx.audio_jax.receivers.hrtf import to_head
 from home_mjx.core.transforms import is_unit
 from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.schema.compiled import BANDS
 
 EVERYWHERE = 64  # directions whose mean stands for all
 TINY = 1e-36  # power of nothing
@@ -69,7 +70,7 @@ def late_energy(
         config: `late` says which, or that there is none.
     """
     if config.late == "none":
-        return jnp.zeros((config.num_bins, 2, len(BANDS)), jnp.float32)
+        return jnp.zeros((config.num_bins, config.num_channels, len(BANDS)), jnp.float32)
     if config.late == "baked":
         energy = baked_histogram(scene, source, listener, config)[0]
     else:
