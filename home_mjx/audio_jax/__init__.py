@@ -2,7 +2,7 @@
 
 from home_mjx.audio_jax.auralization.envelope import Envelope, band_level, clip_power, energy_response
 from home_mjx.audio_jax.auralization.recordings import recorded_clip
-from home_mjx.audio_jax.auralization.response import ear_gains, early_response, impulse_response, late_response
+from home_mjx.audio_jax.auralization.response import early_response, impulse_response, late_response
 from home_mjx.audio_jax.auralization.sources import CLIPS, clip_samples
 from home_mjx.audio_jax.auralization.spectra import gcc_leads, gcc_phat, log_mel, stft_magnitude
 from home_mjx.audio_jax.auralization.stream import faded_frame, given_off, loudness, sound_frame
@@ -10,6 +10,7 @@ from home_mjx.audio_jax.baked.reading import baked_sound
 from home_mjx.audio_jax.baking.bake import BakeOptions
 from home_mjx.audio_jax.baking.store import with_late_sound
 from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.directivity import Directivity, first_order, measured_directivity, talker
 from home_mjx.audio_jax.base.endpoints import Listener, Sounds, Source, is_indoors
 from home_mjx.audio_jax.base.presets import PRESETS, audio_preset
 from home_mjx.audio_jax.measures.clarity import c50, c80, centre_time, d50, drr, strength
@@ -21,21 +22,26 @@ from home_mjx.audio_jax.measures.survey import Survey, survey_room
 from home_mjx.audio_jax.measures.table import RoomMeasures, measure_energy, measure_response
 from home_mjx.audio_jax.motion.frame import moving_frame, moving_frames
 from home_mjx.audio_jax.motion.reception import Reception, received, reception
+from home_mjx.audio_jax.noises.options import NoiseConfig
 from home_mjx.audio_jax.propagation.diffraction import bent_paths
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.mirrored import mirrored_paths
 from home_mjx.audio_jax.propagation.paths import PathProducer, Paths, direct_path, reflected_paths
+from home_mjx.audio_jax.propagation.surfaces import sound_materials
 from home_mjx.audio_jax.propagation.tracing import Trace, trace
+from home_mjx.audio_jax.receivers.channels import ambisonic_gains, ear_gains
 
 __all__ = [
     "CLIPS",
     "PRESETS",
     "AudioConfig",
     "BakeOptions",
+    "Directivity",
     "Envelope",
     "FloorSound",
     "Listener",
+    "NoiseConfig",
     "PathProducer",
     "Paths",
     "Reception",
@@ -44,6 +50,7 @@ __all__ = [
     "Source",
     "Survey",
     "Trace",
+    "ambisonic_gains",
     "audio_preset",
     "baked_sound",
     "band_level",
@@ -65,6 +72,7 @@ __all__ = [
     "energy_histogram",
     "energy_response",
     "faded_frame",
+    "first_order",
     "floor_sound",
     "gcc_leads",
     "gcc_phat",
@@ -78,6 +86,7 @@ __all__ = [
     "loudness",
     "measure_energy",
     "measure_response",
+    "measured_directivity",
     "mirrored_paths",
     "moving_frame",
     "moving_frames",
@@ -87,11 +96,13 @@ __all__ = [
     "recorded_clip",
     "reflected_paths",
     "sound_frame",
+    "sound_materials",
     "stft_magnitude",
     "strength",
     "survey_room",
     "t20",
     "t30",
+    "talker",
     "trace",
     "with_late_sound",
 ]

@@ -64,6 +64,9 @@ def fly(
     radius: float = 0.35,
     seed: int = 0,
     direct: bool = True,
+    axis: np.ndarray | None = None,
+    weight: float = 0.0,
+    exponent: float = 1.0,
 ) -> Heard:
     """Runs the particles of all octaves.
 
@@ -77,7 +80,11 @@ def fly(
         radius: Of the balls [m].
         seed: Of the random numbers.
         direct: Whether the direct sound is added, to receivers that the source sees.
+        axis: (3,), unit vector along which a directional source points.
+        weight: w of its pressure |1 - w + w cos θ|ⁿ.
+        exponent: n.
     """
+    pattern = np.array([1.0, 0, 0] if axis is None else axis, float), float(weight), float(exponent)
     count, bins = blocks.absorption.shape[1], round(seconds / bin_seconds)
     source, receivers = np.asarray(source, float), np.ascontiguousarray(receivers, float)
     box = (np.ascontiguousarray(blocks.low, float), np.ascontiguousarray(blocks.high, float))
@@ -93,11 +100,12 @@ def fly(
             particles,
             radius,
             np.random.default_rng((seed, band)),
+            *pattern,
         )
         found = _fly(*box, *walls, source, receivers, *numbers)
         energy[:, band], way[:, band], left[band], tally[band] = found
     if direct:
-        energy += _direct(blocks, source, receivers, bins, bin_seconds)
+        energy += _direct(blocks, source, receivers, bins, bin_seconds, *pattern)
     return Heard(energy, way, tally[:, 0] / particles, tally[:, 1] / particles, left)
 
 
@@ -111,13 +119,23 @@ def sees(blocks: Blocks, start: np.ndarray, end: np.ndarray) -> bool:
     return met >= length
 
 
-def _direct(blocks: Blocks, source: np.ndarray, receivers: np.ndarray, bins: int, bin_seconds: float) -> np.ndarray:
+def _direct(
+    blocks: Blocks,
+    source: np.ndarray,
+    receivers: np.ndarray,
+    bins: int,
+    bin_seconds: float,
+    axis: np.ndarray,
+    weight: float,
+    exponent: float,
+) -> np.ndarray:
     energy = np.zeros((len(receivers), len(blocks.air), bins))
     for row, point in enumerate(receivers):
         distance = float(np.linalg.norm(point - source))
         at = int(distance / SPEED / bin_seconds)
         if at < bins and sees(blocks, source, point):
-            energy[row, :, at] = np.exp(-blocks.air * distance) / distance**2
+            toward = abs(1 - weight + weight * float((point - source) @ axis) / distance) ** (2 * exponent)
+            energy[row, :, at] = toward * np.exp(-blocks.air * distance) / distance**2
     return energy
 
 
@@ -185,7 +203,9 @@ def _turn(way, face, scatter, rng):
 
 
 @nb.njit(cache=True)
-def _fly(low, high, absorption, scattering, source, receivers, air, per_bin, bins, particles, radius, rng):
+def _fly(
+    low, high, absorption, scattering, source, receivers, air, per_bin, bins, particles, radius, rng, axis, weight, n
+):
     """One octave."""
     energy, remaining, tally = np.zeros((receivers.shape[0], bins)), np.zeros(bins), np.zeros(2)
     flow = np.zeros((receivers.shape[0], bins, 3))
@@ -197,7 +217,8 @@ def _fly(low, high, absorption, scattering, source, receivers, air, per_bin, bin
         way[0], way[1], way[2] = ring * math.cos(angle), ring * math.sin(angle), z
         for a in range(3):
             point[a] = source[a]
-        left, flown, bounces = 1.0, 0.0, 0
+        cosine = way[0] * axis[0] + way[1] * axis[1] + way[2] * axis[2]
+        left, flown, bounces = abs(1 - weight + weight * cosine) ** (2 * n), 0.0, 0
         while flown < bins * per_bin and left > QUIET:
             length, block, face = _meet(low, high, point, way)
             if block < 0:

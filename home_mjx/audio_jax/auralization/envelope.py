@@ -7,14 +7,15 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from home_mjx.audio_jax.auralization.hrtf import ear_angles, ear_spectrum, ear_table, to_head
-from home_mjx.audio_jax.auralization.response import baked_histogram, ear_gains, traced_histogram
+from home_mjx.audio_jax.auralization.response import baked_histogram, traced_histogram
 from home_mjx.audio_jax.auralization.sources import clip_samples
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.base.filters import octave_gains
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.tracing import trace
+from home_mjx.audio_jax.receivers.channels import ear_gains
+from home_mjx.audio_jax.receivers.hrtf import ear_angles, ear_spectrum, ear_table, to_head
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS
@@ -25,8 +26,10 @@ TAPS = 256  # of the head's table, only delays of which are read
 class Envelope(Pytree):
     """A source as two ears hear it, without its phase."""
 
-    energy: Float[Array, "k 2 bands"]  # per time bin, ear and octave, re the free field of the source at 1 m
-    lead: Float[Array, " bands"]  # [s]: the left ear hears it so much earlier; over all directions, by their energy
+    energy: Float[Array, "k e bands"]  # per time bin, ear and octave, re the free field of the source at 1 m
+    lead: Float[
+        Array, " bands"
+    ]  # [s]: the left ear, if there is one, hears it so much earlier; over all directions, by energy
 
 
 def energy_response(scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig) -> Envelope:
@@ -61,18 +64,21 @@ def energy_response(scene: Scene, source: Source, listener: Listener, key: Array
 
 def _late(
     scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig
-) -> tuple[Float[Array, "k 2 bands"], Float[Array, "n 3"], Float[Array, "n bands"]]:
+) -> tuple[Float[Array, "k e bands"], Float[Array, "n 3"], Float[Array, "n bands"]]:
     """Late energy at both ears; directions in which it comes, and how much from each. All others cancel out."""
+    if config.late == "none":
+        bands, nowhere = len(BANDS), jnp.zeros((0, 3), jnp.float32)
+        return jnp.zeros((config.num_bins, 2, bands), jnp.float32), nowhere, jnp.zeros((0, bands), jnp.float32)
     if config.late == "baked":
         late, toward = baked_histogram(scene, source, listener, config)
-        whole, length = 0.5 * jnp.sum(late, axis=(0, 1)), jnp.linalg.norm(toward)
+        whole, length = jnp.mean(jnp.sum(late, axis=0), axis=0), jnp.linalg.norm(toward)
         ends = jnp.stack([toward, -toward]) / jnp.maximum(length, 1e-6)
         return late, ends, 0.5 * jnp.stack([1 + length, 1 - length])[:, None] * whole[None]
     traced = trace(scene, source, listener, key, config)
     return traced_histogram(traced, listener.quat, config), traced.direction, jnp.sum(traced.energy, axis=0)
 
 
-def band_level(envelope: Float[Array, "k 2 bands"], power: Float[Array, "w bands"]) -> Float[Array, "2 bands"]:
+def band_level(envelope: Float[Array, "k e bands"], power: Float[Array, "w bands"]) -> Float[Array, "e bands"]:
     """Mean power at both ears during a frame.
 
     Args:
@@ -111,7 +117,7 @@ def clip_power(name: str, config: AudioConfig) -> Float[np.ndarray, "bins bands"
 
 def _leads(direction: Float[Array, "n 3"], listener: Listener, config: AudioConfig) -> Float[Array, " n"]:
     """By how much the left ear hears sound from each direction earlier [s]."""
-    if config.receiver == "omni":
+    if config.receiver != "binaural":
         return jnp.zeros(direction.shape[0], jnp.float32)
     table = ear_table(TAPS, config.sample_rate, config.head_radius, config.speed_of_sound)
     _, delay = ear_spectrum(table, ear_angles(to_head(direction, listener.quat), config.ear_angle))

@@ -1,4 +1,4 @@
-"""Impulse responses of two ears, from paths and an energy histogram."""
+"""Impulse responses of ears and microphones, from paths and an energy histogram."""
 
 import math
 
@@ -7,41 +7,33 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Complex, Float, Int
 
-from home_mjx.audio_jax.auralization.diffuse import KNOTS, Draw, drawn, ear_mix, noise_bins
-from home_mjx.audio_jax.auralization.hrtf import (
-    NEARNESS,
-    ear_angles,
-    ear_energy,
-    ear_shapes,
-    ear_table,
-    ear_values,
-    to_head,
-)
-from home_mjx.audio_jax.baked.reading import baked_sound
+from home_mjx.audio_jax.baked.reading import Arrivals, baked_sound
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.delays import HALF_WIDTH, WIDTH, delay_kernel
-from home_mjx.audio_jax.base.endpoints import Listener, Source
+from home_mjx.audio_jax.base.directivity import mean_energy
+from home_mjx.audio_jax.base.endpoints import Listener, Source, given_toward
 from home_mjx.audio_jax.base.filters import CAUSAL_SECONDS, causal_octaves
 from home_mjx.audio_jax.base.shapes import QUIETEST, SOFTEST, num_taps, octave_shapes, shapes
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.paths import Paths
 from home_mjx.audio_jax.propagation.tracing import Trace, spread, trace
+from home_mjx.audio_jax.receivers.channels import channel_delays, channel_values, distinct_gains
+from home_mjx.audio_jax.receivers.diffuse import KNOTS, Draw, drawn, ear_mix, noise_bins
+from home_mjx.audio_jax.receivers.hrtf import to_head
 from home_mjx.core.transforms import is_unit
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS
 
 EVERYWHERE = 64  # directions whose mean stands for all
-EAR_SIZE = 1024  # samples, whose frequencies the energies of ears are means of
 TINY = 1e-36  # power of nothing
 BEFORE = 2 * HALF_WIDTH + 3  # samples by which kernels of paths begin before their sound
-LEAD = 0.001  # [s]: no ear hears sound by more earlier or later than the middle of the head
 
 
 def impulse_response(
     scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig
-) -> Float[Array, "2 l"]:
-    """What the left and right ear hear of a pulse from a point source.
+) -> Float[Array, "e l"]:
+    """What the left and right ear, or the channels of another receiver, hear of a pulse from a point source.
 
     Args:
         scene: The environment, whose `executor` casts the rays.
@@ -51,7 +43,7 @@ def impulse_response(
         config: Options.
 
     Returns:
-        Pressure re the source's free field at 1 m, `config.response_length` samples per ear.
+        Pressure re the source's free field at 1 m, `config.response_length` samples per channel.
 
     Example:
         >>> source, listener = Source(radio), Listener(ears, quat, body=agent)  # doctest: +SKIP
@@ -67,7 +59,7 @@ def impulse_response(
 
 def late_energy(
     scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig
-) -> Float[Array, "k 2 bands"]:
+) -> Float[Array, "k e bands"]:
     """Late energy per time bin, ear and octave, re the free field of the source at 1 m: traced or baked.
 
     Args:
@@ -75,8 +67,10 @@ def late_energy(
         source: Who sounds.
         listener: Who hears.
         key: Of the rays; of no use if late sound is baked.
-        config: `late` says which.
+        config: `late` says which, or that there is none.
     """
+    if config.late == "none":
+        return jnp.zeros((config.num_bins, config.num_channels, len(BANDS)), jnp.float32)
     if config.late == "baked":
         energy = baked_histogram(scene, source, listener, config)[0]
     else:
@@ -84,71 +78,83 @@ def late_energy(
     return jnp.where(is_unit(listener.quat), energy, 0.0)  # as of the paths, see `early_paths`
 
 
-def traced_histogram(traced: Trace, head_quat: Float[Array, "4"], config: AudioConfig) -> Float[Array, "k 2 bands"]:
+def traced_histogram(traced: Trace, head_quat: Float[Array, "4"], config: AudioConfig) -> Float[Array, "k e bands"]:
     """The energy of rays per time bin, at both ears of a head."""
-    return energy_histogram(traced, ear_gains(traced.direction, head_quat, config), config)
+    energy = energy_histogram(traced, distinct_gains(traced.direction, head_quat, config), config)
+    return _to_all(energy, config)
+
+
+def _to_all(energy: Float[Array, "k d bands"], config: AudioConfig) -> Float[Array, "k e bands"]:
+    """The energy of each channel from that of those that differ."""
+    return jnp.broadcast_to(energy, (energy.shape[0], config.num_channels, energy.shape[2]))
 
 
 def baked_histogram(
     scene: Scene, source: Source, listener: Listener, config: AudioConfig
-) -> tuple[Float[Array, "k 2 bands"], Float[Array, "3"]]:
+) -> tuple[Float[Array, "k e bands"], Float[Array, "3"]]:
     """Baked late energy per time bin, ear and octave, as `energy_histogram` gives it; and where it comes from.
 
     Of each span of time as much as its mean direction is long comes from there, the rest from everywhere.
     """
     late = baked_sound(scene, source.pos, listener.pos, config)
+    late = late.replace(energy=late.energy * late_share(source, late))
     length = jnp.linalg.norm(late.comes_from, axis=1, keepdims=True)  # (spans, 1)
     toward = late.comes_from / jnp.maximum(length, 1e-6)
     upright = jnp.array([1.0, 0.0, 0.0, 0.0], jnp.float32)  # heads hear the same from everywhere, however they turn
-    around = jnp.mean(ear_gains(jnp.asarray(spread(EVERYWHERE)), upright, config), axis=0)
-    there = ear_gains(toward, listener.quat, config) - around[None]
+    around = jnp.mean(distinct_gains(jnp.asarray(spread(EVERYWHERE)), upright, config), axis=0)
+    there = distinct_gains(toward, listener.quat, config) - around[None]
     gain = around[None] + jnp.einsum("ks,seb->keb", late.span * length.T, there, precision="highest")
     whole = jnp.einsum("kb,ks->s", late.energy, late.span, precision="highest")
     mean = jnp.sum(whole[:, None] * late.comes_from, axis=0) / jnp.maximum(jnp.sum(late.energy), 1e-30)
-    return late.energy[:, None] * gain, mean
+    return _to_all(late.energy[:, None] * gain, config), mean
+
+
+def late_share(source: Source, late: Arrivals) -> Float[Array, "k bands"] | float:
+    """What a source gives of late sound in each bin, re one that sounds in all directions as it does ahead.
+
+    Of each span as much as its mean direction is long leaves there, the rest everywhere.
+    """
+    if source.directivity is None:
+        return 1.0
+    length = jnp.linalg.norm(late.leaves_to, axis=1, keepdims=True)
+    toward = given_toward(source, late.leaves_to / jnp.maximum(length, 1e-6)) ** 2
+    everywhere = mean_energy(source.directivity)[None]
+    return everywhere + jnp.matmul(late.span, length * (toward - everywhere), precision="highest")
 
 
 def assembled(
     paths: Paths, traced: Trace, head_quat: Float[Array, "4"], key: Array, config: AudioConfig
-) -> Float[Array, "2 l"]:
+) -> Float[Array, "e l"]:
     """The response that paths and rays make at a head, see `impulse_response`; `key` chooses the noise."""
     return with_late(paths, traced_histogram(traced, head_quat, config), head_quat, key, config)
 
 
 def with_late(
-    paths: Paths, energy: Float[Array, "k 2 bands"], head_quat: Float[Array, "4"], key: Array, config: AudioConfig
-) -> Float[Array, "2 l"]:
+    paths: Paths, energy: Float[Array, "k e bands"], head_quat: Float[Array, "4"], key: Array, config: AudioConfig
+) -> Float[Array, "e l"]:
     """Paths, and noise that follows a histogram of energy from the direct sound on."""
     late = late_response(energy, key, config, head_quat)
     return early_response(paths, head_quat, config) + after_direct(late, paths, config)
 
 
-def after_direct(late: Float[Array, "2 l"], paths: Paths, config: AudioConfig) -> Float[Array, "2 l"]:
+def after_direct(late: Float[Array, "e l"], paths: Paths, config: AudioConfig) -> Float[Array, "e l"]:
     """A late part without what would overtake the direct sound."""
-    onset = (paths.distance[0] - config.head_radius) * jnp.float32(config.sample_rate / config.speed_of_sound)
+    onset = (paths.distance[0] - config.receiver_radius) * jnp.float32(config.sample_rate / config.speed_of_sound)
     heard = jnp.arange(config.response_length, dtype=jnp.int32) >= onset.astype(jnp.int32)
     return jnp.where(heard[None], late, 0.0)
 
 
-def ear_gains(
-    direction: Float[Array, "n 3"], head_quat: Float[Array, "4"], config: AudioConfig
-) -> Float[Array, "n 2 bands"]:
-    """Energy gain per octave of both ears for sound from each direction in the world."""
-    if config.receiver == "omni":
-        return jnp.ones((direction.shape[0], 2, len(BANDS)), jnp.float32)
-    table = ear_table(EAR_SIZE, config.sample_rate, config.head_radius, config.speed_of_sound)
-    return ear_energy(table, head_angles(direction, head_quat, config))
-
-
-def early_response(paths: Paths, head_quat: Float[Array, "4"], config: AudioConfig) -> Float[Array, "2 l"]:
+def early_response(paths: Paths, head_quat: Float[Array, "4"], config: AudioConfig) -> Float[Array, "e l"]:
     """Paths as pulses with fractional delays, causal octave filters and the filters of both ears."""
     length, reach = config.response_length, _reach(config)
     samples = paths.distance * jnp.float32(config.sample_rate / config.speed_of_sound)
     whole = jnp.floor(samples)
-    angle = head_angles(paths.direction, head_quat, config)
-    late = (samples - whole)[:, None] + ear_delays(angle, paths.distance[:, None], config)
+    samples = whole if config.early == "home" else samples
+    toward = to_head(paths.direction, head_quat)
+    late = (samples - whole)[:, None] + channel_delays(toward, paths.distance, config)
+    late = jnp.broadcast_to(late, (late.shape[0], config.num_channels))
     more = jnp.floor(late)
-    weight = path_weights(paths.gain, angle, paths.distance, config)
+    weight = path_weights(paths.gain, toward, paths.distance, config)
     kernels = _kernels(weight, late - more, config)
     begin = jnp.clip((whole[:, None] + more).astype(jnp.int32) + (reach - BEFORE), 0, length + reach)
     kernels = jnp.where((whole < length)[:, None, None], kernels, 0.0)
@@ -171,25 +177,17 @@ def early_response(paths: Paths, head_quat: Float[Array, "4"], config: AudioConf
 
 
 def path_weights(
-    gain: Float[Array, "p bands"], angle: Float[Array, "p 2"], distance: Float[Array, " p"], config: AudioConfig
-) -> Float[Array, "p 2 s"]:
-    """How much of each of `shapes` both ears hear of paths. Octaves of the first path, the direct one, are left out.
+    gain: Float[Array, "p bands"], toward: Float[Array, "p 3"], distance: Float[Array, " p"], config: AudioConfig
+) -> Float[Array, "p e s"]:
+    """How much of each of `shapes` channels hear of paths. Octaves of the first path, the direct one, are left out.
 
     That one may go through walls, which a few shapes do not follow well, and has filters of its own.
     """
     octaves = octave_shapes(gain.at[0].set(1.0), config.sample_rate)
-    return jnp.real(octaves[:, None] * _ears(angle, distance, config))
+    return jnp.real(octaves[:, None] * channel_values(toward, distance, config))
 
 
-def _ears(angle: Float[Array, "p 2"], distance: Float[Array, " p"], config: AudioConfig) -> Complex[Array, "p 2 s"]:
-    if config.receiver == "omni":
-        return jnp.ones((*angle.shape, shapes(config.sample_rate).frequency.size), jnp.complex64)
-    table = ear_shapes(config.sample_rate, config.head_radius, config.speed_of_sound)
-    nearness = jnp.broadcast_to((config.head_radius / distance)[:, None], angle.shape)
-    return ear_values(table, angle, nearness)
-
-
-def _kernels(weight: Float[Array, "p 2 s"], delay: Float[Array, "p 2"], config: AudioConfig) -> Float[Array, "p 2 t"]:
+def _kernels(weight: Float[Array, "p e s"], delay: Float[Array, "p e"], config: AudioConfig) -> Float[Array, "p e t"]:
     """Responses to pulses, from `BEFORE` samples before them on."""
     size = _taps(config)
     spectra = np.fft.rfft(shapes(config.sample_rate).kernel, size)
@@ -199,8 +197,8 @@ def _kernels(weight: Float[Array, "p 2 s"], delay: Float[Array, "p 2"], config: 
 
 
 def late_response(
-    energy: Float[Array, "k 2 bands"], key: Array, config: AudioConfig, head_quat: Float[Array, "4"] | None = None
-) -> Float[Array, "2 l"]:
+    energy: Float[Array, "k e bands"], key: Array, config: AudioConfig, head_quat: Float[Array, "4"] | None = None
+) -> Float[Array, "e l"]:
     """Noise that follows an energy histogram in each octave and ear.
 
     The energy runs linearly from the middle of one bin to that of the next. The noise stays where it is in the world
@@ -211,18 +209,20 @@ def late_response(
 
 
 def diffuse_response(
-    energy: Float[Array, "k 2 bands"], draw: Draw, head_quat: Float[Array, "4"], config: AudioConfig
-) -> Float[Array, "2 l"]:
+    energy: Float[Array, "k e bands"], draw: Draw, head_quat: Float[Array, "4"], config: AudioConfig
+) -> Float[Array, "e l"]:
     """The same with noise that was drawn before."""
     bins = config.num_bins
-    mix = ear_mix(head_quat, config)[:, :, None] * draw.sign[None]  # (ear, channel, octave)
+    mix = ear_mix(head_quat, config)[:, :, None] * draw.sign[None]  # (channel, noise, octave)
     amplitude = _amplitudes(jnp.roll(energy, draw.start, axis=0) / config.bin_samples, draw.start)
-    each = (amplitude[:, :, :, None] * mix[None, :, None]).reshape(bins, 2, -1)
-    sound = jnp.einsum("kem,kms->eks", each, jnp.asarray(noise_bins(config)), precision="highest")
-    return jnp.roll(sound, -draw.start, axis=1).reshape(2, -1)
+    each = (amplitude[:, :, :, None] * mix[None, :, None]).reshape(bins, config.num_channels, -1)
+    table = jnp.asarray(noise_bins(config))
+    own = table.ndim == 4  # each channel hears noises of its own
+    sound = jnp.einsum("kem,ekms->eks" if own else "kem,kms->eks", each, table, precision="highest")
+    return jnp.roll(sound, -draw.start, axis=1).reshape(config.num_channels, -1)
 
 
-def _amplitudes(power: Float[Array, "k 2 bands"], first: Int[Array, ""]) -> Float[Array, "k 2 knots bands"]:
+def _amplitudes(power: Float[Array, "k e bands"], first: Int[Array, ""]) -> Float[Array, "k e knots bands"]:
     """Amplitudes at the start, the middle and the end of bins, of which `first` is where a response begins.
 
     Between knots they run linearly, which is less than the root of a power that does; each bin is made up for it.
@@ -249,36 +249,9 @@ def octave_spectra(gain: Float[Array, "p bands"], size: int, config: AudioConfig
     return jax.lax.complex(amplitude * jnp.cos(phase), amplitude * jnp.sin(phase))
 
 
-def head_angles(
-    direction: Float[Array, "p 3"], head_quat: Float[Array, "4"], config: AudioConfig
-) -> Float[Array, "p 2"]:
-    """Angles between directions in the world and the axes of both ears [rad]."""
-    return ear_angles(to_head(direction, head_quat), config.ear_angle)
-
-
-def ear_delays(
-    angle: Float[Array, "*p two"], distance: Float[Array, "*p one"], config: AudioConfig
-) -> Float[Array, "*p two"]:
-    """By how much ears hear sound from an angle to their axes later than the middle of the head would [samples].
-
-    The way to the ear is straight, or leads along the sphere from where it is touched, as Woodworth has it from afar.
-    """
-    if config.receiver == "omni":
-        return jnp.zeros_like(angle)
-    near = jnp.minimum(config.head_radius / distance, NEARNESS[-1])  # the table of ears has no nearer ones
-    touched = jnp.arccos(near)
-    half = jnp.sin(angle / 2)
-    # sqrt(1 + near² - 2 near cos) - 1 over near, without a difference of large numbers
-    longer = near - 2 * (1 - 2 * half * half)
-    straight = longer / (jnp.sqrt(jnp.maximum(1 + near * longer, 0.0)) + 1)
-    around = angle - touched - near / (jnp.sqrt(1 - near * near) + 1)
-    to_samples = jnp.float32(config.head_radius / config.speed_of_sound * config.sample_rate)
-    return jnp.where(angle < touched, straight, around) * to_samples
-
-
 def _reach(config: AudioConfig) -> int:
     """Samples by which a kernel begins before the sound reaches the middle of the head."""
-    return BEFORE + math.ceil(LEAD * config.sample_rate)
+    return BEFORE + math.ceil(config.lead_seconds * config.sample_rate)
 
 
 def _taps(config: AudioConfig) -> int:

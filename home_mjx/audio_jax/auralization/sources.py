@@ -29,7 +29,7 @@ def clip_samples(name: str, config: AudioConfig) -> Float[np.ndarray, " n"]:
     Args:
         name: One of `CLIPS`: "radio" (a melody of harmonic notes), "noise" (pink), "speech" (vowels in the rhythm of
             syllables), "tone" (1 kHz), and those of `synthesis`: "ring", "chirp", "knock", "bell", "alarm", "bursts",
-            "whistle", "hum" and "ticking".
+            "whistle", "hum", "ticking", "water" and "static".
         config: For its sample rate.
 
     Raises:

@@ -15,10 +15,10 @@ NEVER = 2**30  # [samples]: 18 hours at 16 kHz
 def sound_frame(
     clip: Float[Array, " n"],
     phase: Int[Array, ""],
-    response_old: Float[Array, "2 l"],
-    response_new: Float[Array, "2 l"],
+    response_old: Float[Array, "e l"],
+    response_new: Float[Array, "e l"],
     config: AudioConfig,
-) -> Float[Array, "2 m"]:
+) -> Float[Array, "e m"]:
     """One frame of what both ears hear of a clip that loops for ever.
 
     The clip is known, so its past is gathered instead of kept: overlap-save convolution with a single FFT, no tail to
@@ -78,8 +78,8 @@ def given_off(
 
 
 def faded_frame(
-    heard: Float[Array, " w"], response_old: Float[Array, "2 l"], response_new: Float[Array, "2 l"], config: AudioConfig
-) -> Float[Array, "2 m"]:
+    heard: Float[Array, " w"], response_old: Float[Array, "e l"], response_new: Float[Array, "e l"], config: AudioConfig
+) -> Float[Array, "e m"]:
     """The same of what leaves the source in the frame and before it, see `given_off`."""
     length, frame = config.response_length, config.frame
     size = next_fast_len(length + frame - 1, real=True)

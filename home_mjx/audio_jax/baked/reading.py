@@ -22,6 +22,9 @@ class Arrivals(Pytree):
 
     energy: Float[Array, "k bands"]  # per time bin, re the free field of the source at 1 m
     comes_from: Float[Array, "spans 3"]  # mean direction to where it comes from, world; 0 everywhere, 1 one side
+    leaves_to: Float[
+        Array, "spans 3"
+    ]  # the same of what a source gives it: as listeners there would hear, turned round
     span: Float[Array, "k spans"]  # share of each bin that is in each span
 
 
@@ -67,13 +70,16 @@ def baked_sound(scene: Scene, source: Float[Array, "3"], listener: Float[Array, 
     level = jnp.einsum("ij,ijsb->sb", both, level, precision="highest")
     way = jnp.sum(both * late.distance[pair].astype(jnp.float32))
     way = jnp.maximum(way, jnp.linalg.norm(source - listener))
-    comes_from = late.comes_from[pair].astype(jnp.float32) / 127
-    comes_from = jnp.einsum("ij,ijsx->sx", both, comes_from, precision="highest")
+    back = house, end.cell[None], start.cell[:, None]
+    comes_from, leaves_to = (
+        jnp.einsum("ij,ijsx->sx", both, late.comes_from[x].astype(jnp.float32) / 127, precision="highest")
+        for x in (pair, back)
+    )
     member = jnp.asarray(np.eye(len(SPANS), dtype=np.float32)[span_of(bins)])
     energy = _shape(late, house, start, end, bins) * jnp.matmul(member, level, precision="highest")
     rooms = balance(late, scene, start.room, end.room, bins, metres)
     heard = _delayed(energy, way / metres) * rooms.kept + rooms.added
-    return Arrivals(heard, comes_from, _delayed(member, way / metres))
+    return Arrivals(heard, comes_from, leaves_to, _delayed(member, way / metres))
 
 
 def _shape(late: LateSound, house: Int[Array, ""], start: _Place, end: _Place, bins: int) -> Float[Array, "k bands"]:

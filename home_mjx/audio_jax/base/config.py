@@ -1,19 +1,26 @@
 """What can be chosen about sound; all of it is fixed when a step is compiled."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from home_mjx.audio_jax.base.air import speed_of_sound
 from home_mjx.audio_jax.base.delays import HALF_WIDTH
-from home_mjx.core.checks import check_known, check_number, check_type
+from home_mjx.core.checks import check_known, check_number, check_type, shown
 from home_mjx.errors import ConfigError
 from home_mjx.schema.timing import LONGEST, Timing
 
-RECEIVERS = ("binaural", "omni")
+RECEIVERS = ("binaural", "omni", "array", "ambisonics")
+EARS = ("binaural", "omni")  # receivers that have a left and a right ear
 DETECTORS = ("rain", "sphere")
-LATE = ("traced", "baked")
+EARLY = ("physical", "home")
+LATE = ("traced", "baked", "none")
 BAKED = ("bin_seconds", "reflection_order", "temperature", "humidity", "pressure")  # with whose defaults sound is baked
 TAIL_RINGING = 0.016  # [s]
+LEAD = 0.001  # [s]: no ear hears sound by more earlier or later than the middle of the head
+MOST_MICROPHONES = 32
+WIDEST = 1.0  # [m], from the middle of the head to a microphone
 
 
 @dataclass(frozen=True)
@@ -36,15 +43,22 @@ class AudioConfig:
             noise with few rays, and decay times right within a few per cent from a scattering of 0.1 on (-6 % at 0).
             "sphere" counts specular rays through a sphere: exact at any scattering, but wants thousands of rays.
         detector_radius: Radius of that sphere, and the shortest distance that rain sees [m].
-        receiver: "binaural" for two ears on a rigid sphere, "omni" for the same free-field pressure in both channels.
+        receiver: "binaural" for two ears on a rigid sphere, "omni" for the same free-field pressure in both channels,
+            "array" for `microphones`, "ambisonics" for four channels of first order, see `ambisonic_gains`.
+        microphones: With the receiver "array", where each is in the frame of the head: +x right, +y up, -z ahead [m].
         head_radius: [m].
         ear_angle: Angle between nose and ears [degrees].
+        pinna: Whether ears have echoes of their own, which tell up from down and front from back, see `pinna_delays`;
+            with the receiver "binaural".
         temperature: [degrees Celsius].
         humidity: Relative humidity [%].
         pressure: [kPa].
         late: Where late sound comes from. "traced": rays, in every step. "baked": what the bank has of it, see
             `with_late_sound`; `num_rays`, `num_bounces` and the detector then play no part, and the bins, the order of
-            reflections and the air must be the default's, with which it was baked.
+            reflections and the air must be the default's, with which it was baked. "none": there is none.
+        early: Which rules early paths follow. "physical": those of this engine. "home": those of HoME (2017), to
+            compare with it, see `audio_preset("home")`: specular paths up to `reflection_order`, objects as
+            boxes, delays of whole samples, its table of air; no diffraction, no transmission, and no late sound.
         motion: Whether early paths move within a frame, so that pitch is right at every frequency (Doppler), and rooms
             ring on for `tail_seconds`. False: whole responses fade from the last to the next, see `sound_frame`.
         tail_seconds: With `motion`, how long sound rings on beyond `response_seconds` [s], each octave at its last
@@ -70,12 +84,15 @@ class AudioConfig:
     detector: str = "rain"
     detector_radius: float = 0.5
     receiver: str = "binaural"
+    microphones: Sequence[Any] = ()
     head_radius: float = 0.0875
     ear_angle: float = 90.0
+    pinna: bool = False
     temperature: float = 20.0
     humidity: float = 50.0
     pressure: float = 101.325
     late: str = "traced"
+    early: str = "physical"
     motion: bool = False
     tail_seconds: float = 1.5
 
@@ -84,6 +101,7 @@ class AudioConfig:
         check_known("receiver", [self.receiver], RECEIVERS)
         check_known("detector", [self.detector], DETECTORS)
         check_known("late", [self.late], LATE)
+        check_known("early", [self.early], EARLY)
         for name in ("num_rays", "num_bounces", "max_crossings"):
             check_number(name, getattr(self, name), 1, whole=True)
         for name in ("num_reflections", "num_edges"):
@@ -92,6 +110,9 @@ class AudioConfig:
         for name in ("temperature", "humidity", "ear_angle"):
             check_number(name, getattr(self, name))
         check_type("motion", self.motion, bool)
+        check_type("pinna", self.pinna, bool)
+        if self.pinna and self.receiver != "binaural":
+            raise ConfigError(f'`pinna` needs receiver="binaural", got {self.receiver!r}')
         check_number("tail_seconds", self.tail_seconds, 0.0)
         for name in ("response_seconds", "bin_seconds", "detector_radius", "head_radius", "pressure"):
             check_number(name, getattr(self, name))
@@ -112,6 +133,32 @@ class AudioConfig:
             raise ConfigError(f"`bin_seconds` must hold an even number of samples, got {self.bin_samples}")
         if self.late == "baked":
             self._check_baked()
+        self._check_microphones()
+        if self.early == "home":
+            self._check_home()
+
+    def _check_home(self) -> None:
+        for name, value in {"late": "none", "num_edges": 0, "motion": False}.items():
+            if getattr(self, name) != value:
+                hint = 'audio_preset("home") has the options of that mode.'
+                raise ConfigError(f"early='home' needs {name}={value!r}, got {getattr(self, name)!r}", hint=hint)
+
+    def _check_microphones(self) -> None:
+        if (self.receiver == "array") != bool(self.microphones):
+            hint = 'Give both, such as receiver="array", microphones=((0, 0, 0),).'
+            raise ConfigError('`microphones` and receiver="array" go together', hint=hint)
+        if len(self.microphones) > MOST_MICROPHONES:
+            raise ConfigError(f"at most {MOST_MICROPHONES} `microphones` are possible, got {len(self.microphones)}")
+        for place in self.microphones:
+            if isinstance(place, str) or not isinstance(place, Sequence) or len(place) != 3:
+                raise ConfigError(f"each of `microphones` needs three numbers, got {shown(place)}")
+            for number in place:
+                check_number("microphones", number)
+        # Lists, as from files of options, as well
+        object.__setattr__(self, "microphones", tuple(tuple(float(x) for x in place) for place in self.microphones))
+        if self.receiver_radius > WIDEST:
+            hint = "What is further apart hears other late sound: give it a `Listener` of its own."
+            raise ConfigError(f"`microphones` must be within {WIDEST} m of the middle of the head", hint=hint)
 
     def _check_baked(self) -> None:
         for name in BAKED:
@@ -127,6 +174,21 @@ class AudioConfig:
     def sample_rate(self) -> int:
         """[Hz]."""
         return self.timing.sample_rate
+
+    @property
+    def num_channels(self) -> int:
+        """Of what is heard: two ears, microphones, or four of ambisonics."""
+        return {"array": len(self.microphones), "ambisonics": 4}.get(self.receiver, 2)
+
+    @property
+    def receiver_radius(self) -> float:
+        """How far ears or microphones are from the middle of the head [m]."""
+        return max((math.hypot(*place) for place in self.microphones), default=self.head_radius)
+
+    @property
+    def lead_seconds(self) -> float:
+        """By how much earlier or later than the middle of the head channels hear sound at most [s]."""
+        return max(LEAD, self.receiver_radius / self.speed_of_sound)
 
     @property
     def frame(self) -> int:
@@ -177,7 +239,7 @@ class AudioConfig:
     @property
     def ahead(self) -> int:
         """Samples of a source's future that band-limited delays look at, with `motion`."""
-        return 2 * HALF_WIDTH + round(0.001 * self.sample_rate) if self.motion else 0
+        return 2 * HALF_WIDTH + math.ceil(self.lead_seconds * self.sample_rate) if self.motion else 0
 
     @property
     def speed_of_sound(self) -> float:

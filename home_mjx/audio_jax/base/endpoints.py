@@ -5,18 +5,21 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
+from home_mjx.audio_jax.base.directivity import Directivity, gains
 from home_mjx.core.pytree import Pytree
-from home_mjx.core.transforms import UNIT_SLACK, quat_matrix
+from home_mjx.core.transforms import UNIT_SLACK, is_unit, quat_matrix
 from home_mjx.errors import ConfigError
 from home_mjx.navigation.grid import room_of
 from home_mjx.raycast_render.scene.types import Scene
 
 
 class Source(Pytree):
-    """A point source."""
+    """A point source; one with a directivity is turned by `quat`, others sound alike in all directions."""
 
     pos: Float[Array, "3"]  # [m], world
     body: Int[Array, ""] | int = -1  # object id of the body that sounds, which does not muffle itself; -1 none
+    quat: Float[Array, "4"] | None = None  # wxyz, in the frame of a listener's head: it points along -z
+    directivity: Directivity | None = None  # its level at 1 m is that ahead
 
 
 class Listener(Pytree):
@@ -37,12 +40,44 @@ def check_listener(listener: Listener) -> None:
         >>> import jax.numpy as jnp
         >>> check_listener(Listener(jnp.zeros(3), jnp.array([1.0, 0.0, 0.0, 0.0])))
     """
-    if isinstance(listener.quat, jax.core.Tracer):  # pyright: ignore[reportAttributeAccessIssue]
+    _check_quat("listener", listener.quat)
+
+
+def check_source(source: Source) -> None:
+    """Refuses a source that has a directivity and points nowhere, or a quaternion that stretches.
+
+    Raises:
+        ConfigError: One of these.
+    """
+    if source.directivity is not None and source.quat is None:
+        hint = "Give its `quat`, as of a listener; (1, 0, 0, 0) points along -z."
+        raise ConfigError("a source with a directivity must be turned somewhere", hint=hint)
+    if source.quat is not None:
+        _check_quat("source", source.quat)
+
+
+def _check_quat(whose: str, quat: Float[Array, "4"]) -> None:
+    if isinstance(quat, jax.core.Tracer):  # pyright: ignore[reportAttributeAccessIssue]
         return
-    norm = float(np.linalg.norm(listener.quat))
+    norm = float(np.linalg.norm(quat))
     if not abs(norm**2 - 1) < UNIT_SLACK:
         hint = "Divide it by its length; (1, 0, 0, 0) turns nothing."
-        raise ConfigError(f"a listener's quaternion must have unit length, got {norm:.4g}", hint=hint)
+        raise ConfigError(f"a {whose}'s quaternion must have unit length, got {norm:.4g}", hint=hint)
+
+
+def given_toward(source: Source, direction: Float[Array, "n 3"]) -> Float[Array, "n bands"] | float:
+    """Pressure per octave that leaves a source in some directions, re that ahead; 1.0 if it is the same everywhere.
+
+    Args:
+        source: Who sounds. Silent if its quaternion is not of unit length.
+        direction: Unit vectors, world.
+    """
+    check_source(source)
+    if source.directivity is None or source.quat is None:
+        return 1.0
+    axis = -quat_matrix(source.quat)[:, 2]
+    toward = gains(source.directivity, jnp.sum(direction * axis[None], axis=1))
+    return jnp.where(is_unit(source.quat), toward, 0.0)
 
 
 def is_indoors(scene: Scene, point: Float[Array, "3"]) -> Bool[Array, ""]:

@@ -42,11 +42,23 @@ PRESETS: dict[str, dict[str, Any]] = {
 }
 
 
+# Not sound as it is, but as HoME (2017) had it, to compare with it: see `propagation/home_paths.py`.
+HOME: dict[str, Any] = {
+    "early": "home",
+    "late": "none",
+    "reflection_order": 3,
+    "num_reflections": 62,
+    "receiver": "omni",
+    "response_seconds": 1.0,
+    "humidity": 65.0,
+}
+
+
 def audio_preset(name: str, **changes: Any) -> AudioConfig:
     """The options of a preset, "fast", "balanced" or "reference"; what each gets wrong stands beside it in `PRESETS`.
 
     Args:
-        name: Of the preset.
+        name: Of the preset; or "home": as HoME (2017) had it.
         **changes: Options that shall differ from it.
 
     Raises:
@@ -56,5 +68,6 @@ def audio_preset(name: str, **changes: Any) -> AudioConfig:
         >>> audio_preset("fast").num_rays, audio_preset("balanced", num_rays=128).num_rays
         (48, 128)
     """
-    check_known("preset", [name], PRESETS)
-    return AudioConfig(**{**PRESETS[name], **changes})
+    known = {**PRESETS, "home": HOME}
+    check_known("preset", [name], known)
+    return AudioConfig(**{**known[name], **changes})

@@ -42,7 +42,7 @@ def floor_sound(
         >>> found.strength.shape  # doctest: +SKIP
         (612, 7)
     """
-    config = replace(config, receiver="omni")
+    config = replace(config, receiver="omni", microphones=(), pinna=False)
     metres = config.bin_seconds * config.speed_of_sound
     level = jnp.array([1.0, 0.0, 0.0, 0.0], jnp.float32)
 

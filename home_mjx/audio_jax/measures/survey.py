@@ -6,10 +6,9 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from home_mjx.audio_jax.auralization.hrtf import to_head
-from home_mjx.audio_jax.auralization.response import baked_histogram, traced_histogram, with_late
+from home_mjx.audio_jax.auralization.response import baked_histogram, late_share, traced_histogram, with_late
 from home_mjx.audio_jax.baked.reading import baked_sound
-from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.config import EARS, AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.measures.octaves import octave_responses
 from home_mjx.audio_jax.measures.spatial import iacc, lateral_fraction
@@ -18,8 +17,11 @@ from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.paths import Paths
 from home_mjx.audio_jax.propagation.tracing import trace
+from home_mjx.audio_jax.receivers.hrtf import to_head
 from home_mjx.core.pytree import Pytree
+from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.schema.compiled import BANDS
 
 STEP = 0.001  # [s], of the histogram from which the lateral fraction is taken
 SURVEY = AudioConfig(response_seconds=2.0, num_rays=1000, num_bounces=100)
@@ -46,17 +48,22 @@ def survey_room(scene: Scene, source: Source, listener: Listener, key: Array, co
         key: Random key.
         config: Options; the default has the rays and the length that measuring wants.
 
+    Raises:
+        ConfigError: The receiver has no two ears.
+
     Example:
         >>> found = survey_room(scene, Source(radio), Listener(ears, quat), jax.random.key(0))  # doctest: +SKIP
         >>> found.measures.t30.shape  # doctest: +SKIP
         (7,)
     """
+    if config.receiver not in EARS:
+        raise ConfigError(f"IACC needs two ears, not receiver={config.receiver!r}", hint='Use "binaural" or "omni".')
     trace_key, noise_key = jax.random.split(key)
     paths = early_paths(scene, source, listener, config)
     ears, late = _late(scene, source, listener, trace_key, config)
     response = with_late(paths, ears, listener.quat, noise_key, config)
     both = jnp.broadcast_to(late[:, :1], late.shape)
-    pressure = with_late(paths, both, listener.quat, noise_key, replace(config, receiver="omni"))[0]
+    pressure = with_late(paths, both, listener.quat, noise_key, replace(config, receiver="omni", pinna=False))[0]
     rate = config.sample_rate
     energy = _fine(paths, jnp.ones(paths.distance.shape, jnp.float32), late[:, 0], config)
     lateral = _fine(paths, _from_the_sides(paths.direction, listener.quat), late[:, 1], config)
@@ -72,9 +79,13 @@ def _late(
     scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig
 ) -> tuple[Float[Array, "k 2 bands"], Float[Array, "k 2 bands"]]:
     """Late energy over time at both ears; of one microphone and a figure of eight."""
+    if config.late == "none":
+        nothing = jnp.zeros((config.num_bins, 2, len(BANDS)), jnp.float32)
+        return nothing, nothing
     if config.late == "baked":
         ears, _ = baked_histogram(scene, source, listener, config)
         found = baked_sound(scene, source.pos, listener.pos, config)
+        found = found.replace(energy=found.energy * late_share(source, found))
         length = jnp.linalg.norm(found.comes_from, axis=1)
         toward = found.comes_from / jnp.maximum(length, 1e-6)[:, None]
         sides = (1 - length) / 3 + length * _from_the_sides(toward, listener.quat)  # a third of what is everywhere

@@ -1,9 +1,11 @@
 """Early sound of one frame, in which every path has its own delay, different in every sample.
 
 Paths are read from the source at times that run on evenly, so pitch is right at every frequency (Doppler), and added up
-with weights of their own in a few sums per ear. Only these sums are filtered, see `base/shapes.py`. A still path is one
-convolution.
+with weights of their own in a few sums per channel. Only these sums are filtered, see `base/shapes.py`. A still path is
+one convolution.
 """
+
+import math
 
 import jax
 import jax.numpy as jnp
@@ -11,18 +13,18 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 from scipy.fft import next_fast_len
 
-from home_mjx.audio_jax.auralization.response import ear_delays, head_angles, octave_spectra, path_weights
+from home_mjx.audio_jax.auralization.response import octave_spectra, path_weights
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.delays import FIRST, HALF_WIDTH, READ, at_twice_the_rate, read_weights
 from home_mjx.audio_jax.base.filters import CAUSAL_SECONDS
 from home_mjx.audio_jax.base.shapes import num_taps, shapes
 from home_mjx.audio_jax.motion.pairs import Pairs
+from home_mjx.audio_jax.receivers.channels import channel_delays
+from home_mjx.audio_jax.receivers.hrtf import to_head
 from home_mjx.core.pytree import Pytree
 
 FASTEST = 10.0  # [m/s], at which paths may grow or shrink; faster ones are faded
-SPREAD = 0.002  # [s], by which delays of two ears differ, and change by turns of the head, in one frame
 SLOWEST_SOUND = 250.0  # [m/s], of all airs that can be chosen
-MARGIN = HALF_WIDTH + READ  # samples that are read beyond a delay
 
 
 class Ways(Pytree):
@@ -35,11 +37,11 @@ class Ways(Pytree):
     old: Float[Array, " p"]  # [m]
     new: Float[Array, " p"]  # [m]
     bend: Float[Array, " p"]  # [m²]: the square of the way of its image across it
-    ears: Float[Array, "p three 2"]  # [samples] later than the middle of the head: at the start, the middle and the end
+    ears: Float[Array, "p three d"]  # [samples] later than the middle of the head: at the start, the middle and the end
 
 
-def early_sums(source: Float[Array, " n"], past: int, pairs: Pairs, config: AudioConfig) -> Float[Array, "2 s k"]:
-    """What both ears hear through paths that move during one frame: one sum per ear and shape, see `filtered`.
+def early_sums(source: Float[Array, " n"], past: int, pairs: Pairs, config: AudioConfig) -> Float[Array, "e s k"]:
+    """What is heard through paths that move during one frame: one sum per channel and shape, see `filtered`.
 
     Sums of several sources add up.
 
@@ -49,20 +51,22 @@ def early_sums(source: Float[Array, " n"], past: int, pairs: Pairs, config: Audi
         pairs: Paths at the frame's start and end.
         config: Options.
     """
-    angles, distances = _to_ears(pairs, config)
-    ways = _ways(pairs, ear_delays(angles, distances[:, :, None], config))
+    toward, distances = _to_head(pairs)
+    ways = _ways(pairs, channel_delays(toward, distances, config))
     earlier = min(past, config.response_length) + _before(config)  # no path is longer than a response
-    padded = jnp.pad(source, (_before(config), MARGIN))[past + _before(config) - earlier :]
-    sound = _sound(jnp.pad(padded, (MARGIN, 0)), earlier - _before(config) + MARGIN, pairs, ways, config)
-    ends = ((pairs.old, angles[0], distances[0]), (pairs.new, angles[2], distances[2]))
-    old, new = (path_weights(paths.gain, angle, at, config) for paths, angle, at in ends)
+    padded = jnp.pad(source, (_before(config), _margin(config)))[past + _before(config) - earlier :]
+    sound = _sound(
+        jnp.pad(padded, (_margin(config), 0)), earlier - _before(config) + _margin(config), pairs, ways, config
+    )
+    ends = ((pairs.old, toward[0], distances[0]), (pairs.new, toward[2], distances[2]))
+    old, new = (path_weights(paths.gain, way, at, config) for paths, way, at in ends)
     rows = jax.tree.map(lambda x: jnp.concatenate([x[:1], x]), ways)  # the first is heard through two filters
     return _sums(_heard(sound, rows, config), old, new, jnp.clip(_times(config), 0.0, 1.0))
 
 
 def way_delays(
     way: Ways, time: Float[Array, " k"], config: AudioConfig
-) -> tuple[Int[Array, " k"], Float[Array, "2 k"]]:
+) -> tuple[Int[Array, " k"], Float[Array, "d k"]]:
     """How much earlier left its source what a path brings: whole samples to the middle of the head, and beyond that.
 
     Args:
@@ -81,7 +85,7 @@ def way_delays(
     return whole.astype(jnp.int32), (samples - whole)[None] + late
 
 
-def _ways(pairs: Pairs, ears: Float[Array, "three p 2"]) -> Ways:
+def _ways(pairs: Pairs, ears: Float[Array, "three p d"]) -> Ways:
     old, new = pairs.old.distance, pairs.new.distance
     step = pairs.new.direction * new[:, None] - pairs.old.direction * old[:, None]
     bend = jnp.maximum(jnp.sum(step**2, axis=1) - (new - old) ** 2, 0.0)
@@ -98,14 +102,19 @@ def _before(config: AudioConfig) -> int:
     return num_taps(config.sample_rate) + HALF_WIDTH - 1
 
 
+def _margin(config: AudioConfig) -> int:
+    """Samples that are read beyond a delay."""
+    return READ + math.ceil(config.lead_seconds * config.sample_rate)
+
+
 def _times(config: AudioConfig) -> Float[Array, " k"]:
     """Of samples that are read, in frames: as many as a transform takes."""
     count = int(next_fast_len(_before(config) + config.frame + HALF_WIDTH, real=True) or 0)
     return jnp.asarray((np.arange(count) - _before(config)) / config.frame, jnp.float32)
 
 
-def _to_ears(pairs: Pairs, config: AudioConfig) -> tuple[Float[Array, "three p 2"], Float[Array, "three p"]]:
-    """Angles between paths and the axes of both ears, and lengths of paths, at the start, in the middle, at the end."""
+def _to_head(pairs: Pairs) -> tuple[Float[Array, "three p 3"], Float[Array, "three p"]]:
+    """Directions of paths in the frame of the head, and their lengths, at the start, in the middle, at the end."""
     old, new = pairs.old, pairs.new
     mid = (old.direction * old.distance[:, None] + new.direction * new.distance[:, None]) / 2
     between = jnp.linalg.norm(mid, axis=1)
@@ -114,8 +123,8 @@ def _to_ears(pairs: Pairs, config: AudioConfig) -> tuple[Float[Array, "three p 2
     quat = pairs.old_quat + turned
     quat = quat / jnp.maximum(jnp.linalg.norm(quat), 1e-6)
     at = [(old.direction, pairs.old_quat), (mid, quat), (new.direction, pairs.new_quat)]
-    angles = jnp.stack([head_angles(direction, quat, config) for direction, quat in at])
-    return angles, jnp.stack([old.distance, jnp.maximum(between, 1e-2), new.distance])
+    toward = jnp.stack([to_head(direction, quat) for direction, quat in at])
+    return toward, jnp.stack([old.distance, jnp.maximum(between, 1e-2), new.distance])
 
 
 class Sound(Pytree):
@@ -130,11 +139,12 @@ class Sound(Pytree):
 def _sound(padded: Float[Array, " n"], start: int, pairs: Pairs, ways: Ways, config: AudioConfig) -> Sound:
     """From the source, of which sample `start` is heard first where there is no delay."""
     taps, count = int(np.ceil(CAUSAL_SECONDS * config.sample_rate)), _times(config).shape[0]
-    slack = int(np.ceil((count / config.frame * longest_step(config) / SLOWEST_SOUND + SPREAD) * config.sample_rate))
-    length = count + 2 * slack + 2 * MARGIN
+    spread = 2 * config.lead_seconds  # by which delays differ, and change by turns of the head, in one frame
+    slack = int(np.ceil((count / config.frame * longest_step(config) / SLOWEST_SOUND + spread) * config.sample_rate))
+    length = count + 2 * slack + 2 * _margin(config)
     size = int(next_fast_len(length + taps, real=True) or 0)
     way = (ways.new[0] * jnp.float32(config.sample_rate / config.speed_of_sound)).astype(jnp.int32)
-    begin = jnp.clip(start - way - slack - MARGIN, -slack, padded.shape[0])
+    begin = jnp.clip(start - way - slack - _margin(config), -slack, padded.shape[0])
     window = jax.lax.dynamic_slice_in_dim(jnp.pad(padded, (taps + slack, size)), begin + slack, size)
     filters = octave_spectra(jnp.stack([pairs.old.gain[0], pairs.new.gain[0]]), size, config)
     both = jnp.fft.irfft(jnp.fft.rfft(window, size)[None] * filters, size)[:, taps : taps + length]
@@ -146,13 +156,13 @@ def _sound(padded: Float[Array, " n"], start: int, pairs: Pairs, ways: Ways, con
     return Sound(double, 2 * starts + ends[:-1], jnp.asarray(ends[:-1]), jnp.asarray(ends[1:]))
 
 
-def _heard(sound: Sound, rows: Ways, config: AudioConfig) -> Float[Array, "q 2 k"]:
+def _heard(sound: Sound, rows: Ways, config: AudioConfig) -> Float[Array, "q d k"]:
     """The first two rows read from what filters made, the others from the source."""
     time = _times(config)
     number = jnp.arange(time.shape[0], dtype=jnp.int32)
     part = jnp.asarray([0, 1, *[2] * (rows.old.shape[0] - 2)], jnp.int32)
 
-    def one(_: None, row: tuple[Ways, Array, Array, Array]) -> tuple[None, Float[Array, "2 k"]]:
+    def one(_: None, row: tuple[Ways, Array, Array, Array]) -> tuple[None, Float[Array, "d k"]]:
         way, start, first, last = row
         whole, rest = way_delays(way, time, config)
         low = jnp.floor(-2 * rest)
@@ -168,17 +178,19 @@ def _heard(sound: Sound, rows: Ways, config: AudioConfig) -> Float[Array, "q 2 k
 
 
 def _sums(
-    heard: Float[Array, "q 2 k"], old: Float[Array, "p 2 s"], new: Float[Array, "p 2 s"], fade: Float[Array, " k"]
-) -> Float[Array, "2 s k"]:
+    heard: Float[Array, "q d k"], old: Float[Array, "p e s"], new: Float[Array, "p e s"], fade: Float[Array, " k"]
+) -> Float[Array, "e s k"]:
     """All paths with weights that run from the old to the new ones; of the first what each end's filter leaves."""
     nothing = jnp.zeros_like(old[:1])
     first, last = (jnp.concatenate(x) for x in ((old[:1], nothing, old[1:]), (nothing, new[:1], new[1:])))
     weights = jnp.swapaxes(jnp.concatenate([first, last - first]), 0, 1)
     sounds = jnp.swapaxes(jnp.concatenate([heard, heard * fade[None, None]]), 0, 1)
+    if sounds.shape[0] == 1:  # all channels hear at once
+        return jnp.einsum("eqs,qk->esk", weights, sounds[0], precision="highest")
     return jnp.einsum("eqs,eqk->esk", weights, sounds, precision="highest")
 
 
-def filtered(sums: Float[Array, "2 s k"], config: AudioConfig) -> Float[Array, "2 m"]:
+def filtered(sums: Float[Array, "e s k"], config: AudioConfig) -> Float[Array, "e m"]:
     """All of `shapes`, each of its sum, in the frame."""
     size = sums.shape[-1]
     spectra = jnp.asarray(np.fft.rfft(shapes(config.sample_rate).kernel, size).astype(np.complex64))

@@ -13,8 +13,8 @@ from home_mjx.audio_jax.motion.tail import late_frame, late_spectra, tail_levels
 
 def moving_frame(
     source: Float[Array, " w"], old: Reception, new: Reception, config: AudioConfig
-) -> Float[Array, "2 m"]:
-    """What both ears hear in one frame of a source that moves relative to them.
+) -> Float[Array, "e m"]:
+    """What both ears, or the channels of another receiver, hear in one frame of a source that moves relative to them.
 
     Early paths keep their pitch: each sample has its own delay. The late part, whose phase says nothing, fades from the
     old response to the new one, and so does its tail.
@@ -32,7 +32,7 @@ def moving_frame(
 
 def moving_frames(
     sources: Float[Array, "n w"], old: Reception, new: Reception, config: AudioConfig
-) -> Float[Array, "2 m"]:
+) -> Float[Array, "e m"]:
     """The same of several sources together, which share the last filters and transforms.
 
     Args:
@@ -56,7 +56,7 @@ def moving_frames(
 
 def moving_early(
     source: Float[Array, " w"], old: Reception, new: Reception, config: AudioConfig
-) -> Float[Array, "2 s k"]:
+) -> Float[Array, "e s k"]:
     """Early sound of a frame before what sources share: see `filtered`. Arguments as of `moving_frame`."""
     pairs = paired(old.paths, new.paths, old.quat, new.quat, longest_step(config))
     return early_sums(source, config.memory_length - 1, pairs, config)
@@ -64,7 +64,7 @@ def moving_early(
 
 def moving_late(
     source: Float[Array, " w"], old: Reception, new: Reception, config: AudioConfig
-) -> Complex[Array, "2 2 f"]:
+) -> Complex[Array, "2 e f"]:
     """Late sound of a frame before what sources share: see `late_frame`. Arguments as of `moving_frame`."""
     ends = jax.tree.map(lambda a, b: jnp.stack([a, b]), old, new)
     late = jax.vmap(lambda heard: late_part(heard, config))(ends)  # one product of matrices
@@ -74,5 +74,5 @@ def moving_late(
 
 def _parts(
     source: Float[Array, " w"], old: Reception, new: Reception, config: AudioConfig
-) -> tuple[Float[Array, "2 s k"], Complex[Array, "2 2 f"]]:
+) -> tuple[Float[Array, "e s k"], Complex[Array, "2 e f"]]:
     return moving_early(source, old, new, config), moving_late(source, old, new, config)

@@ -7,7 +7,6 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float
 
-from home_mjx.audio_jax.auralization.diffuse import Draw, drawn, num_channels
 from home_mjx.audio_jax.auralization.response import after_direct, diffuse_response, late_energy
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
@@ -15,6 +14,7 @@ from home_mjx.audio_jax.base.filters import octave_gains
 from home_mjx.audio_jax.motion.tail import tail_levels
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.paths import Paths
+from home_mjx.audio_jax.receivers.diffuse import Draw, drawn, num_noises
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS
@@ -27,7 +27,7 @@ class Reception(Pytree):
 
     paths: Paths
     quat: Float[Array, "4"]  # of the head, wxyz
-    energy: Float[Array, "k 2 bands"]  # of both ears without the paths, per time bin
+    energy: Float[Array, "k e bands"]  # of each channel without the paths, per time bin
     draw: Draw  # of the noise that carries it
 
 
@@ -53,14 +53,14 @@ def reception(scene: Scene, source: Source, listener: Listener, key: Array, conf
 
 
 def received(
-    paths: Paths, energy: Float[Array, "k 2 bands"], head_quat: Float[Array, "4"], key: Array, config: AudioConfig
+    paths: Paths, energy: Float[Array, "k e bands"], head_quat: Float[Array, "4"], key: Array, config: AudioConfig
 ) -> Reception:
     """The same from paths and an energy histogram; `key` chooses the noise."""
     return Reception(as_many(paths, config.num_paths), head_quat, energy, drawn(key, config))
 
 
-def late_part(heard: Reception, config: AudioConfig) -> Float[Array, "2 l"]:
-    """The response of both ears without the paths."""
+def late_part(heard: Reception, config: AudioConfig) -> Float[Array, "e l"]:
+    """The response of each channel without the paths."""
     late = diffuse_response(heard.energy, heard.draw, heard.quat, config)
     return after_direct(late, heard.paths, config)
 
@@ -73,8 +73,8 @@ def silence(config: AudioConfig) -> Reception:
     return Reception(
         paths=Paths(distance, jnp.zeros((count, bands), jnp.float32), ahead, name),
         quat=jnp.array([1.0, 0.0, 0.0, 0.0], jnp.float32),
-        energy=jnp.zeros((config.num_bins, 2, bands), jnp.float32),
-        draw=Draw(jnp.zeros((), jnp.int32), jnp.ones((num_channels(config), bands), jnp.float32)),
+        energy=jnp.zeros((config.num_bins, config.num_channels, bands), jnp.float32),
+        draw=Draw(jnp.zeros((), jnp.int32), jnp.ones((num_noises(config), bands), jnp.float32)),
     )
 
 
@@ -100,7 +100,8 @@ def ends_early(heard: Reception, config: AudioConfig) -> Bool[Array, ""]:
     """Whether all ends before it has fallen by 30 dB from its loudest bin."""
     share = jnp.asarray(band_shares(config))
     bins = jnp.sum(heard.energy @ share, axis=1)
-    loudest = jnp.maximum(jnp.max(bins), 2 * jnp.max(heard.paths.gain**2 @ share))
+    times = 2 if config.receiver == "ambisonics" else config.num_channels  # that energy of a path is heard in all
+    loudest = jnp.maximum(jnp.max(bins), times * jnp.max(heard.paths.gain**2 @ share))
     if config.num_tail == 0:
         return bins[-1] > FALL * loudest
     last = jnp.sum(heard.energy[-1], axis=0) * tail_levels(heard.energy, config)[-1] ** 2

@@ -18,10 +18,10 @@ STEEPEST, FLATTEST = 0.5, 1e-4  # decay per bin, in natural logarithms of energy
 LEAST = 1e-30
 
 
-def tail_levels(energy: Float[Array, "k 2 bands"], config: AudioConfig) -> Float[Array, "m bands"]:
+def tail_levels(energy: Float[Array, "k e bands"], config: AudioConfig) -> Float[Array, "m bands"]:
     """How loud a histogram's second half is heard again, each time after its own length.
 
-    Octaves fall on as over that half: that of both ears together, by least squares of logarithms.
+    Octaves fall on as over that half: that of all channels together, by least squares of logarithms.
 
     Args:
         energy: From `energy_histogram`.
@@ -47,15 +47,15 @@ def tail_levels(energy: Float[Array, "k 2 bands"], config: AudioConfig) -> Float
 
 
 def late_spectra(
-    source: Float[Array, " n"], late: Float[Array, "2 2 l"], tail: Float[Array, "2 m bands"], config: AudioConfig
-) -> Complex[Array, "2 2 f"]:
-    """Spectra of what both ears hear in a frame of late responses and their tails; those of several sources add up.
+    source: Float[Array, " n"], late: Float[Array, "2 e l"], tail: Float[Array, "2 m bands"], config: AudioConfig
+) -> Complex[Array, "2 e f"]:
+    """Spectra of what is heard in a frame of late responses and their tails; those of several sources add up.
 
     First with the first of each, then what the second ones have more. `late_frame` lets them be heard.
 
     Args:
         source: What leaves the source at 1 m, as `moving_frame` takes it.
-        late: Responses at the frame's start and end, two ears each.
+        late: Responses at the frame's start and end, of each channel.
         tail: From `tail_levels`, at both.
         config: Options.
     """
@@ -70,7 +70,7 @@ def late_spectra(
     return jnp.stack([old, new - old])
 
 
-def late_frame(spectra: Complex[Array, "2 2 f"], config: AudioConfig) -> Float[Array, "2 s"]:
+def late_frame(spectra: Complex[Array, "2 e f"], config: AudioConfig) -> Float[Array, "e s"]:
     """A frame of them, which fades from the first to the second."""
     begin = config.response_length - config.half_length - 1 + config.tail_ringing
     sound = jnp.fft.irfft(spectra, _size(config))[..., begin : begin + config.frame]

@@ -9,9 +9,9 @@ from jaxtyping import Array, Bool, Complex, Float, Int
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
-from home_mjx.audio_jax.propagation.barriers import Boxes, Strings, nearest_boxes, strings
+from home_mjx.audio_jax.geometry.barriers import Boxes, Strings, nearest_boxes, strings
+from home_mjx.audio_jax.geometry.wedge import diffracted, second_edge
 from home_mjx.audio_jax.propagation.paths import NEAREST, SKIN, Paths, Straight, air_energy, cross, equals_earlier
-from home_mjx.audio_jax.propagation.wedge import diffracted, second_edge
 from home_mjx.core.transforms import quat_matrix
 from home_mjx.raycast_render.casting.cast import occluded
 from home_mjx.raycast_render.scene.types import Scene
@@ -99,9 +99,16 @@ def assembled_paths(
     length = straight.distance + jnp.where(heard, found.detour, 0.0)
     length = jnp.concatenate([straight.distance[None], length])
     gain = jnp.sqrt(energy * jnp.exp(-air_energy(config)[None] * length[:, None])) / straight.distance
-    away = found.last - ears[None]
-    away = away / jnp.maximum(jnp.linalg.norm(away, axis=1), NEAREST)[:, None]
-    return Paths(length, jnp.where(straight.silent, 0.0, gain), jnp.concatenate([straight.direction[None], away]))
+    ahead, mouth = straight.direction[None], ears + straight.distance * straight.direction
+    comes = jnp.concatenate([ahead, _toward(found.last, ears)])
+    leaves = jnp.concatenate([-ahead, _toward(found.first, mouth)])
+    return Paths(length, jnp.where(straight.silent, 0.0, gain), comes, departure=leaves)
+
+
+def _toward(point: Float[Array, "k 3"], start: Float[Array, "3"]) -> Float[Array, "k 3"]:
+    """Unit vectors from one place to others."""
+    away = point - start[None]
+    return away / jnp.maximum(jnp.linalg.norm(away, axis=1), NEAREST)[:, None]
 
 
 def _nearest(scene: Scene, source: Source, listener: Listener, count: int) -> Strings:

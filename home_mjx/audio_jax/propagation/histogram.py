@@ -15,9 +15,9 @@ STEEPEST = 50.0  # largest logarithm of a ratio of energies, so that silence sta
 
 
 def energy_histogram(
-    trace: Trace, ear_gain: Float[Array, "n 2 bands"], config: AudioConfig
-) -> Float[Array, "k 2 bands"]:
-    """Energy per time bin, ear and octave, re the free field of the source at 1 m.
+    trace: Trace, ear_gain: Float[Array, "n e bands"], config: AudioConfig
+) -> Float[Array, "k e bands"]:
+    """Energy per time bin, channel and octave, re the free field of the source at 1 m.
 
     The traced bounces fill the bins, the later the more widely: what few rays bring in bursts comes densely in a room.
     A ray's further life is the decay of the rays as a whole: the energy left at its end falls exponentially at the rate
@@ -26,7 +26,7 @@ def energy_histogram(
 
     Args:
         trace: What `trace` gave.
-        ear_gain: Energy gain of both ears for each ray's direction.
+        ear_gain: Energy gain of each channel for each ray's direction.
         config: Options.
 
     Returns:

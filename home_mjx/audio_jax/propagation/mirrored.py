@@ -7,8 +7,8 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
+from home_mjx.audio_jax.geometry.images import Images, Mirrors, find_images, nearest_mirrors
 from home_mjx.audio_jax.propagation.diffraction import house_boxes
-from home_mjx.audio_jax.propagation.images import Images, Mirrors, find_images, nearest_mirrors
 from home_mjx.audio_jax.propagation.paths import MOST_NAMES, NEAREST, SKIN, Paths, air_energy, equals_earlier, no_paths
 from home_mjx.audio_jax.propagation.surfaces import surface_at
 from home_mjx.raycast_render.casting.cast import cast, occluded
@@ -72,11 +72,19 @@ def mirrored_paths(scene: Scene, source: Source, listener: Listener, config: Aud
     away = found.point[:, 0] - listener.pos[None]
     direction = away / jnp.maximum(jnp.linalg.norm(away, axis=1), NEAREST)[:, None]
     energy = _reflected(scene, source, listener, found)
-    possible = jnp.isfinite(found.length) & ~_repeated(found.length, direction)
+    possible = jnp.isfinite(found.length) & ~repeated(found.length, direction)
     length = jnp.where(possible, found.length, 1.0)
     energy = energy * jnp.exp(-length[:, None] * air_energy(config)[None])
     gain = jnp.sqrt(jnp.maximum(energy, 0.0)) / jnp.maximum(length, NEAREST)[:, None]
-    return Paths(length, jnp.where(possible[:, None], gain, 0.0), direction, names_of(found))
+    gain = jnp.where(possible[:, None], gain, 0.0)
+    return Paths(length, gain, direction, names_of(found), _departures(found, source.pos))
+
+
+def _departures(found: Images, source: Float[Array, "3"]) -> Float[Array, "p 3"]:
+    """Unit vectors from the source to the reflection that comes first."""
+    last = jnp.take_along_axis(found.point, found.order[:, None, None] - 1, axis=1)[:, 0]
+    way = last - source[None]
+    return way / jnp.maximum(jnp.linalg.norm(way, axis=1), NEAREST)[:, None]
 
 
 def names_of(found: Images) -> Int[Array, " p"]:
@@ -136,7 +144,7 @@ def _hidden(
     return occluded(scene, source.pos, direction, t_max=reach, exclude=source.body, mask=int(Ray.SOUND))
 
 
-def _repeated(length: Float[Array, " p"], direction: Float[Array, "p 3"]) -> Bool[Array, " p"]:
+def repeated(length: Float[Array, " p"], direction: Float[Array, "p 3"]) -> Bool[Array, " p"]:
     """Paths that an earlier one equals, as where the faces of two boxes lie in one plane."""
     near = jnp.abs(length[:, None] - length[None]) < SAME
     near &= jnp.max(jnp.abs(direction[:, None] - direction[None]), axis=-1) < SAME

@@ -32,6 +32,8 @@ class Paths(Pytree):
     # The same number for the same path from step to step, such as that of its mirror plane, so that its delay can run
     # from the one to the other; unique within what one producer gives, which None numbers in order.
     name: Int[Array, " p"] | None = None
+    # Unit vector from the source to where the path leads first, world: what a source with a directivity needs.
+    departure: Float[Array, "p 3"] | None = None
 
 
 PathProducer = Callable[[Scene, Source, Listener, AudioConfig], Paths]
@@ -44,8 +46,8 @@ def equals_earlier(same: Bool[Array, "p p"]) -> Bool[Array, " p"]:
 
 def no_paths() -> Paths:
     """Paths of shape (0,)."""
-    none = jnp.zeros(0, jnp.float32)
-    return Paths(none, jnp.zeros((0, len(BANDS)), jnp.float32), jnp.zeros((0, 3), jnp.float32), none.astype(jnp.int32))
+    none, nowhere = jnp.zeros(0, jnp.float32), jnp.zeros((0, 3), jnp.float32)
+    return Paths(none, jnp.zeros((0, len(BANDS)), jnp.float32), nowhere, none.astype(jnp.int32), nowhere)
 
 
 def air_energy(config: AudioConfig) -> Float[np.ndarray, " bands"]:
@@ -127,7 +129,8 @@ def direct_path(scene: Scene, source: Source, listener: Listener, config: AudioC
     energy = straight.partitions * straight.objects
     amplitude = jnp.sqrt(energy * jnp.exp(-air_energy(config) * straight.distance)) / straight.distance
     amplitude = jnp.where(straight.silent, 0.0, amplitude)
-    return Paths(straight.distance[None], amplitude[None], straight.direction[None])
+    away = straight.direction[None]
+    return Paths(straight.distance[None], amplitude[None], away, departure=-away)
 
 
 def reflected_paths(scene: Scene, source: Source, listener: Listener, config: AudioConfig) -> Paths:
@@ -152,6 +155,7 @@ def reflected_paths(scene: Scene, source: Source, listener: Listener, config: Au
     to_listener = jnp.linalg.norm(point - end[None], axis=1)
     to_source = jnp.linalg.norm(point - start[None], axis=1)
     direction = (point - end[None]) / jnp.maximum(to_listener, NEAREST)[:, None]
+    departure = (point - start[None]) / jnp.maximum(to_source, NEAREST)[:, None]
     possible = jnp.isfinite(distance)
     hit = cast(
         scene,
@@ -164,7 +168,7 @@ def reflected_paths(scene: Scene, source: Source, listener: Listener, config: Au
     hidden = occluded(
         scene,
         jnp.broadcast_to(start, point.shape),
-        (point - start[None]) / jnp.maximum(to_source, NEAREST)[:, None],
+        departure,
         t_max=jnp.where(possible, to_source - MIRROR_DEPTH, -1.0),
         exclude=source.body,
         mask=int(Ray.SOUND),
@@ -174,7 +178,7 @@ def reflected_paths(scene: Scene, source: Source, listener: Listener, config: Au
     length = jnp.where(possible, distance, 1.0)
     energy = (1 - met.absorption) * (1 - met.scattering) * jnp.exp(-length[:, None] * air_energy(config)[None])
     gain = jnp.sqrt(jnp.maximum(energy, 0.0)) / jnp.maximum(length, NEAREST)[:, None]
-    return Paths(length, jnp.where(heard[:, None], gain, 0.0), direction, plane)
+    return Paths(length, jnp.where(heard[:, None], gain, 0.0), direction, plane, departure)
 
 
 def _nearest_mirrors(

@@ -5,7 +5,7 @@ from jaxtyping import Array, Float, Int
 
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.scene.surface import material_rows, normals, object_ids, semantics
-from home_mjx.raycast_render.scene.types import Hit, Scene
+from home_mjx.raycast_render.scene.types import Hit, Scene, SoundMaterials
 from home_mjx.schema.semantic import Semantic
 
 OBJECT_BARRIER = 1 << 20  # added to object ids, so that they differ from partitions
@@ -22,6 +22,19 @@ class AcousticSurface(Pytree):
     barrier: Int[Array, " n"]  # the same number for all faces of one partition or object; -1 none
 
 
+def sound_materials(scene: Scene) -> SoundMaterials:
+    """How surfaces take sound in an environment: `scene.materials`, or what the bank says.
+
+    Example:
+        >>> now = sound_materials(scene)  # doctest: +SKIP
+        >>> damped = scene.replace(materials=now.replace(absorption=jnp.maximum(now.absorption, 0.5)))  # doctest: +SKIP
+    """
+    if scene.materials is not None:
+        return scene.materials
+    table = scene.bank.materials
+    return SoundMaterials(absorption=table.absorption, scattering=table.scattering, transmission=table.transmission)
+
+
 def surface_at(scene: Scene, direction: Float[Array, "n 3"], hit: Hit) -> AcousticSurface:
     """Looks up the acoustic properties where rays have hit.
 
@@ -30,7 +43,7 @@ def surface_at(scene: Scene, direction: Float[Array, "n 3"], hit: Hit) -> Acoust
         direction: Of the rays.
         hit: What `cast` gave, with leading shape (n,).
     """
-    materials = scene.bank.materials
+    materials = sound_materials(scene)
     row = jnp.maximum(material_rows(scene, hit), 0)
     object_id = object_ids(scene, hit)
     partition = semantics(scene, hit, Semantic.PARTITION)

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.endpoints import Listener, Source
+from home_mjx.audio_jax.base.endpoints import Listener, Source, given_toward
 from home_mjx.audio_jax.propagation.paths import SKIN, air_energy
 from home_mjx.audio_jax.propagation.surfaces import AcousticSurface, surface_at
 from home_mjx.core.pytree import Pytree
@@ -45,7 +45,8 @@ def trace(scene: Scene, source: Source, listener: Listener, key: Array, config: 
     Sound paths being reversible, a ray's energy times what the source would give to its hit is what the listener
     hears. Each hit sends to the source, if that is visible, 4 e (1 - absorption) s cos / d², Schröder's diffuse rain
     with a receiver of unit free-field level at 1 m. The specular rest, (1 - s), is counted as `config.detector` says,
-    but for reflections in walls up to `config.reflection_order`, which early paths render.
+    but for reflections in walls up to `config.reflection_order`, which early paths render. A directional source gives
+    each as much as leaves it in that direction.
 
     Args:
         scene: The environment.
@@ -64,7 +65,7 @@ def trace(scene: Scene, source: Source, listener: Listener, key: Array, config: 
     direction = jnp.matmul(jnp.asarray(spread(config.num_rays)), turn, precision="highest")
     scattered = jax.random.normal(scatter_key, (*shape, 3), jnp.float32)
     draws = (jnp.arange(shape[0], dtype=jnp.int32), jax.random.uniform(choice_key, shape, jnp.float32), scattered)
-    walk = _Walk(scene, source.pos, config, jnp.int32(listener.body), jnp.int32(source.body))
+    walk = _Walk(scene, source, config, jnp.int32(listener.body), jnp.int32(source.body))
     start = _Ray(
         jnp.broadcast_to(listener.pos, direction.shape),
         direction,
@@ -82,7 +83,7 @@ class _Walk(NamedTuple):
     """What all bounces share."""
 
     scene: Scene
-    source: Float[Array, "3"]
+    source: Source
     config: AudioConfig
     exclude: Int[Array, ""]
     emitter: Int[Array, ""]
@@ -124,7 +125,7 @@ class _Walk(NamedTuple):
         self, point: Float[Array, "n 3"], normal: Float[Array, "n 3"], energy: Float[Array, "n bands"]
     ) -> tuple[Float[Array, " n"], Float[Array, "n bands"]]:
         """Distance to the source, and the energy that hits scatter there."""
-        offset = self.source[None] - point
+        offset = self.source.pos[None] - point
         distance = jnp.linalg.norm(offset, axis=1)
         toward = offset / jnp.maximum(distance, SKIN)[:, None]
         cosine = jnp.sum(toward * normal, axis=1)
@@ -139,18 +140,23 @@ class _Walk(NamedTuple):
         )
         share = 4 * cosine / jnp.maximum(distance, self.config.detector_radius) ** 2
         share = jnp.where(asks & ~hidden, share, 0.0)
-        return distance, energy * share[:, None] * jnp.exp(-distance[:, None] * air_energy(self.config)[None])
+        energy = energy * share[:, None] * jnp.exp(-distance[:, None] * air_energy(self.config)[None])
+        return distance, self._leaving(energy, -toward)
 
     def _sphere(self, ray: _Ray, length: Float[Array, " n"]) -> tuple[Float[Array, " n"], Float[Array, "n bands"]]:
         """Distance to, and energy of, specular rays that pass through a sphere around the source."""
-        offset = self.source[None] - ray.origin
+        offset = self.source.pos[None] - ray.origin
         nearest = jnp.sum(offset * ray.direction, axis=1)
         miss = jnp.linalg.norm(offset - nearest[:, None] * ray.direction, axis=1)
         radius = self.config.detector_radius
         inside = (nearest > 0) & (nearest < length) & (miss < radius)
         decay = jnp.exp(-nearest[:, None] * air_energy(self.config)[None])
         energy = 4 / radius**2 * ray.energy * ray.specular * decay
-        return ray.travelled + nearest, jnp.where(inside[:, None], energy, 0.0)
+        return ray.travelled + nearest, self._leaving(jnp.where(inside[:, None], energy, 0.0), -ray.direction)
+
+    def _leaving(self, energy: Float[Array, "n bands"], direction: Float[Array, "n 3"]) -> Float[Array, "n bands"]:
+        """Of energy that an even source would give in some directions, what this one does."""
+        return energy * given_toward(self.source, direction) ** 2
 
 
 def _reflect(

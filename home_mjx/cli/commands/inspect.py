@@ -45,11 +45,13 @@ def run(args: argparse.Namespace) -> int:
     if names_root(args):
         return _dataset(args)
     from home_mjx.bank.usage import bank_usage
+    from home_mjx.scene_compile.materials.unknown import TOLERABLE, unknown_share
 
     house, _ = load_house(args)
     compiled = load_compiled_house(args)
     problems = [f"{problem.element}: {problem.message}" for problem in house.problems]
     taken = bank_usage([compiled])
+    unknown = unknown_share(compiled)
     fields = compiled.navigation.field.nbytes + compiled.navigation.fringe.field.nbytes
     if args.json:
         record = {"id": house.id, "version": house.version, "path": str(house.path), "problems": problems}
@@ -57,6 +59,7 @@ def run(args: argparse.Namespace) -> int:
         sizes["fields"] = fields
         record["stand_ins"] = [asdict(item) for item in house.stand_ins]
         record["stuck"] = compiled.stuck.tolist()
+        record["unknown_material"] = unknown
         sys.stdout.write(json.dumps({**record, "counts": dict(compiled.report), "bytes": sizes}) + "\n")
         return 0
     sys.stdout.write(f"{house.id} (format {house.version})\n{house.path}\n")
@@ -70,6 +73,8 @@ def run(args: argparse.Namespace) -> int:
     _row("bytes of its textures", taken.textures)
     for problem in problems:
         sys.stdout.write(f"tolerated: {problem}\n")
+    if unknown > TOLERABLE:
+        sys.stdout.write(f"warning: {unknown:.0%} of the area has a default material: sound and contact are guessed\n")
     for item in house.stand_ins:
         sys.stdout.write(f"lacking: {item}\n")
     for object_id in compiled.stuck.tolist():

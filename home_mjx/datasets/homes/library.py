@@ -1,5 +1,6 @@
 """The library of a dataset of homes: tables of all models; models and textures as homes come to use them."""
 
+import os
 import re
 from collections.abc import Iterator, Mapping, Set
 from functools import cache, lru_cache
@@ -69,8 +70,14 @@ def _textures_of(mtl: str) -> set[str]:
 
 def _stamp(path: Path) -> tuple[int, ...]:
     """Sizes and times of a file, or of those in a folder: while they are the same, so are the files."""
-    files = sorted(path.iterdir()) if path.is_dir() else [path] if path.exists() else []
-    return tuple(number for file in files for number in (file.stat().st_size, file.stat().st_mtime_ns))
+    try:
+        with os.scandir(path) as entries:
+            found = [entry.stat() for entry in sorted(entries, key=lambda entry: entry.name)]
+    except NotADirectoryError:
+        found = [path.stat()]
+    except FileNotFoundError:
+        found = []
+    return tuple(number for one in found for number in (one.st_size, one.st_mtime_ns))
 
 
 @lru_cache(maxsize=4096)

@@ -7,6 +7,7 @@ the inner one by d/19, so that their faces do not coincide.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -138,7 +139,19 @@ def extrude(
     Returns:
         Points (u, v, w), outward triangles, and which triangles are large faces (else they are cut faces).
     """
-    node = np.arange(len(us) * len(vs)).reshape(len(us), len(vs))
+    used, faces, large = _topology(keep.shape, keep.tobytes())
+    grid = np.stack(np.meshgrid(us, vs, indexing="ij"), -1).reshape(-1, 2)
+    points = np.concatenate([np.c_[grid, np.full(len(grid), w)] for w in depth])
+    return points[used], faces.copy(), large.copy()
+
+
+@lru_cache(maxsize=1024)  # walls with openings are alike: few of them differ in more than lengths
+def _topology(
+    shape: tuple[int, int], kept: bytes
+) -> tuple[Int[np.ndarray, " p"], Int[np.ndarray, "f 3"], Bool[np.ndarray, " f"]]:
+    """Which nodes of the grid are used, of both ends; the triangles of these; and which triangles are large faces."""
+    keep = np.frombuffer(kept, bool).reshape(shape)
+    node = np.arange((shape[0] + 1) * (shape[1] + 1)).reshape(shape[0] + 1, shape[1] + 1)
     corner = np.stack([node[:-1, :-1], node[1:, :-1], node[1:, 1:], node[:-1, 1:]], -1)  # counter-clockwise from +w
     padded = np.pad(keep, 1)
     beside = np.stack([padded[1:-1, :-2], padded[2:, 1:-1], padded[1:-1, 2:], padded[:-2, 1:-1]], -1)
@@ -148,8 +161,6 @@ def extrude(
     sides = np.concatenate([edge, edge[:, ::-1] + node.size], -1)
     quads = np.concatenate([front, back[:, ::-1], sides])
     faces = quads[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
-    grid = np.stack(np.meshgrid(us, vs, indexing="ij"), -1).reshape(-1, 2)
-    points = np.concatenate([np.c_[grid, np.full(len(grid), w)] for w in depth])
     used, faces = np.unique(faces, return_inverse=True)
     large = np.arange(len(quads)) < 2 * len(front)
-    return points[used], faces.reshape(-1, 3), np.repeat(large, 2)
+    return used, faces.reshape(-1, 3), np.repeat(large, 2)

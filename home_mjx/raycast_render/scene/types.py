@@ -25,6 +25,14 @@ class Moving(Pytree):
     semantic: Int[Array, " d"]  # first semantic row
 
 
+class SoundMaterials(Pytree):
+    """How the bank's materials take sound in one environment, instead of as the bank says; energy fractions."""
+
+    absorption: Float[Array, "material bands"]  # what is transmitted counts as absorbed, and is never more
+    scattering: Float[Array, "material bands"]
+    transmission: Float[Array, "material bands"]
+
+
 class Scene(Pytree):
     """One environment as rays see and hear it: the bank, which house it is in, and what moves there.
 
@@ -38,6 +46,7 @@ class Scene(Pytree):
     moving: Moving
     executor: str | None = static(default=None)  # of rays, see `cast`; None: the platform's best
     look: Look | None = None  # what the episode changes of the house's looks; None: nothing
+    materials: SoundMaterials | None = None  # for sound, in this environment alone; None: the bank's
 
     @property
     def geometry(self) -> Geometry:
@@ -55,7 +64,7 @@ class Scene(Pytree):
             >>> moved = jax.vmap(place, out_axes=Scene.axes())(houses)  # doctest: +SKIP
             >>> hits = jax.vmap(cast, in_axes=(Scene.axes(), 0, 0))(moved, origins, directions)  # doctest: +SKIP
         """
-        return cls.unchecked(bank=None, house=0, moving=0, executor=executor, look=0)
+        return cls.unchecked(bank=None, house=0, moving=0, executor=executor, look=0, materials=0)
 
 
 class Rays(Pytree):

@@ -8,6 +8,7 @@ from typing import Any
 
 from home_mjx.audio_jax.auralization.sources import CLIPS
 from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.noises.options import NoiseConfig
 from home_mjx.core.checks import check_flag, check_known, check_names, check_number, check_type
 from home_mjx.errors import ConfigError
 from home_mjx.physics.base.config import PhysicsConfig
@@ -109,6 +110,7 @@ class EnvConfig:
         clip: Name of the sound that the source plays, see `home_mjx.audio_jax.clip_samples`.
         num_sources: How many things may sound at once; each is traced for itself. At least as many as the task needs.
         clips: Further sounds that may be played; those of the task are added.
+        noises: Sounds of bodies: footsteps, impacts, scrapes, doors; see `NoiseConfig`. None: bodies are silent.
         executor: Ray executor, None for the platform's best.
         body: Size, mass and eye height of every agent; physics, cameras and ears take theirs from here.
         timing: The clock; physics and sound take theirs from here.
@@ -140,6 +142,7 @@ class EnvConfig:
     clip: str = "radio"
     num_sources: int = 1
     clips: tuple[str, ...] = ()
+    noises: NoiseConfig | None = None
     executor: str | None = None
     body: Body = field(default_factory=Body)
     timing: Timing = field(default_factory=Timing)
@@ -157,6 +160,8 @@ class EnvConfig:
         check_flag("hands", self.hands)
         find_executor(self.executor)
         resolve(self.rgb_preset)
+        if self.noises is not None:
+            check_type("noises", self.noises, NoiseConfig)
         self._check_numbers()
         self._check_cameras()
         self._check_actions()
@@ -230,6 +235,11 @@ class EnvConfig:
     def num_agents(self) -> int:
         """Agents per environment."""
         return self.physics.num_agents
+
+    @property
+    def num_heard(self) -> int:
+        """Sources that are traced: what plays clips, then noises of bodies."""
+        return self.num_sources + (0 if self.noises is None else self.noises.num_noises)
 
     def of_first(self, num_agents: int) -> "EnvConfig":
         """The options of the first agents alone.

@@ -7,6 +7,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int, UInt32
 
 from home_mjx.audio_jax.base.endpoints import Sounds
+from home_mjx.audio_jax.noises.slots import Noises
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.pytree import Pytree, static
 from home_mjx.navigation import room_of
@@ -48,6 +49,7 @@ class Snapshot(Pytree):
     tasks: Any  # `EnvParams.tasks`
     config: EnvConfig = static()
     drawn: Drawn | None = None  # of what varies from episode to episode
+    noises: Noises | None = None  # of bodies, with `EnvConfig.noises`
 
     @property
     def bank(self) -> HouseBank:

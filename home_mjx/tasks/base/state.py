@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int, UInt32
 
 from home_mjx.audio_jax.base.endpoints import Sounds
+from home_mjx.audio_jax.noises.slots import Noises
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.pytree import Pytree
 from home_mjx.errors import ConfigError, OutOfRangeError
@@ -91,6 +92,7 @@ class World(Pytree):
     sensors: dict[str, Any]  # what sensors remember, by their names
     faults: Int[Array, ""]  # episodes of this environment that ended because a pose was not a number
     drawn: Drawn | None = None  # from `EnvParams.variation`
+    noises: Noises | None = None  # of bodies, with `EnvConfig.noises`
 
     @property
     def source(self) -> Float[Array, "*n 3"]:

@@ -30,6 +30,8 @@ class Status(IntFlag):
 
     WEIGHTS = 128  # no task had a weight that is a number above 0: the reset drew as if all weighed alike
 
+    NOISES = 256  # more noises of bodies than there are slots: one was not heard or cut off, see `NoiseConfig`
+
     @classmethod
     def names(cls, status: int | np.integer | Int[Array, ""]) -> list[str]:
         """Names of the flags that are set.

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from home_mjx import physics
+from home_mjx.audio_jax.noises.slots import silent_noises
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records import BankSpec
 from home_mjx.core.transforms import body_quat
@@ -75,6 +76,7 @@ def first_instant(
         sensors=memory,
         faults=jnp.zeros((), jnp.int32),
         drawn=drawn,
+        noises=None if config.noises is None else silent_noises(config.noises, config.audio, agents),
     )
     angle = door_angles(bank, house, config.doors, fold(to_raw(key), DOORS))
     arrangement = _arrangement(config, bank, house, pos, world.source, fold(to_raw(key), ARRANGEMENT))
@@ -108,6 +110,7 @@ def snapshot_of(config: EnvConfig, params: EnvParams, data: PhysicsState, world:
         config=config,
         scene=make_scene(params.bank, world.house, *bodies, pos, turned, config.executor, angle, sizes, look),
         drawn=drawn,
+        noises=world.noises,
     )
 
 

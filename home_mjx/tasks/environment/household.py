@@ -37,6 +37,7 @@ from home_mjx.tasks.environment.usable import (
     check_task,
     checked_metrics,
 )
+from home_mjx.tasks.noises.happen import after_step
 from home_mjx.tasks.sensors.choose import choose_sensors, keepers, sensor_names
 from home_mjx.tasks.suite.point_nav import PointNav
 
@@ -243,6 +244,7 @@ class HouseholdEnv:
         )
         snapshot = self._snapshot(params, data, world)
         snapshot = snapshot.replace(sounds=self.task.sounds(snapshot, state.task))
+        noises, unheard = self._noises(template, state.physics, data, snapshot)
         task = self.task.update(snapshot, state.task)
         reward, terminated = self.task.reward(snapshot, state.task, task), self.task.terminated(snapshot, task)
         metrics = checked_metrics(self.task, self.task.metrics(snapshot, task))
@@ -250,7 +252,7 @@ class HouseholdEnv:
         reward, terminated = jnp.where(broken, 0.0, reward), terminated | broken
         return state.replace(
             physics=data,
-            world=world.replace(reward=reward, sounds=snapshot.sounds),
+            world=world.replace(reward=reward, sounds=snapshot.sounds, noises=noises),
             task=task,
             reward=self._squeeze(reward),
             terminated=terminated,
@@ -262,6 +264,7 @@ class HouseholdEnv:
                 CONTACT_PAIRS=lost.contact_pairs,
                 CONTACT_POINTS=lost.contact_points,
                 ACTION=moves.unusable,
+                NOISES=unheard,
                 OUTSIDE=physics.is_outside(template, bank, state.world.house, data),
             ),
         )
@@ -296,6 +299,12 @@ class HouseholdEnv:
         if self.config.discrete is None:
             return state
         return state.replace(physics=physics.with_agent_speed(self.template(params.bank), state.physics, moves.drive))
+
+    def _noises(self, template: physics.Template, before: Any, after: Any, snapshot: Snapshot) -> tuple[Any, Any]:
+        """Those of bodies after a step, and whether any found no slot."""
+        if self.config.noises is None:
+            return None, jnp.zeros((), bool)
+        return after_step(self.config, template, before, after, snapshot)
 
     def _use_hands(self, params: EnvParams, state: State, moves: Moves) -> PhysicsState:
         """The physics with hands that have been told what to do."""

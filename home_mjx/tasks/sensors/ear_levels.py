@@ -8,8 +8,10 @@ from jaxtyping import Array, Float, Int
 from home_mjx.audio_jax.auralization.envelope import band_level, clip_power, energy_response
 from home_mjx.audio_jax.auralization.spectra import LEAST, MOST
 from home_mjx.audio_jax.auralization.stream import loudness
-from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.config import EARS, AudioConfig
+from home_mjx.audio_jax.noises.slots import noises_power
 from home_mjx.core.pytree import Pytree
+from home_mjx.errors import ConfigError
 from home_mjx.schema.compiled import BANDS
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.sensor import Sensor
@@ -45,7 +47,14 @@ class EarLevels(Sensor):
     costly = True
 
     def spec(self, config: EnvConfig) -> Specs:
-        """All three."""
+        """All three.
+
+        Raises:
+            ConfigError: The receiver has no two ears.
+        """
+        if config.audio.receiver not in EARS:
+            hint = 'Use receiver="binaural" or "omni", or the sensor `log_mel`.'
+            raise ConfigError(f"ear_levels needs two ears, not receiver={config.audio.receiver!r}", hint=hint)
         bands, span = len(BANDS), MOST - LEAST
         return {
             "ear_levels": ArraySpec((2 * bands,), "float32", LEAST, MOST, "octaves at the left, then right ear [dB]"),
@@ -71,6 +80,8 @@ class EarLevels(Sensor):
         if config.speech:
             gain = as_loud_as_drawn(snapshot).gain[:, None, None]
             left = left + gain**2 * voice_power(spoken(snapshot, said), config.audio)
+        if snapshot.noises is not None:
+            left = jnp.concatenate([left, noises_power(snapshot.noises, time, config.audio)])
         envelopes = hear(config, snapshot, energy_response)  # axes (a, e)
         power = jax.vmap(jax.vmap(band_level), (0, None))(envelopes.energy, left)  # (a, e, 2, bands)
         weight = jnp.sum(power, axis=2)

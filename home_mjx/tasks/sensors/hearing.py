@@ -1,4 +1,4 @@
-"""What both ears of every agent hear, and spectra of it."""
+"""What both ears, or other receivers, of every agent hear, and spectra of it."""
 
 from collections.abc import Callable
 from typing import Any
@@ -16,6 +16,7 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Sounds, Source
 from home_mjx.audio_jax.motion.frame import moving_frames
 from home_mjx.audio_jax.motion.reception import FALL, Reception, ends_early, reception, silence
+from home_mjx.audio_jax.noises.slots import are_heard, noise_places, noises_given_off
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import camera_quat
 from home_mjx.tasks.base.config import EnvConfig
@@ -37,32 +38,34 @@ class Heard(Pytree):
 
     phase: Int[Array, ""]  # [samples], position in the clips at the frame's start
     time: Int[Array, ""]  # [samples], from the episode's start to the frame's
-    # At the frame's end: impulse response per ear, or with `AudioConfig.motion` what is received, axes (a, e).
-    response: Float[Array, "a e 2 l"] | Reception
-    frame: Float[Array, "a 2 m"]  # the last step's sound
+    # At the frame's end: impulse response per channel, or with `AudioConfig.motion` what is received, axes (a, e).
+    response: Float[Array, "a e c l"] | Reception
+    frame: Float[Array, "a c m"]  # the last step's sound
     said: Int[Array, "k a"]  # tokens of the last frames, this one first; -1 none. Nothing where nobody can speak
 
 
 class Hearing(Sensor):
-    """`audio` (2, M) float32: left and right ear, pressure relative to the source's at 1 m."""
+    """`audio` (C, M) float32: left and right ear, or the receiver's channels; pressure re the source's at 1 m."""
 
     name = "audio"
     costly = True
 
     def spec(self, config: EnvConfig) -> Specs:
-        """One frame of stereo sound."""
-        text = "left and right ear, pressure relative to the source's at 1 m"
-        return {"audio": ArraySpec((2, config.audio.frame), "float32", -LOUDEST, LOUDEST, text)}
+        """One frame of sound."""
+        text = f"{heard_by(config)}, pressure relative to the source's at 1 m"
+        return {"audio": ArraySpec((config.audio.num_channels, config.audio.frame), "float32", -LOUDEST, LOUDEST, text)}
 
     def init(self, config: EnvConfig) -> Heard:
         """Silence."""
         agents, audio = config.num_agents, config.audio
-        nothing = silence(audio) if audio.motion else jnp.zeros((2, audio.response_length), jnp.float32)
+        nothing = (
+            silence(audio) if audio.motion else jnp.zeros((audio.num_channels, audio.response_length), jnp.float32)
+        )
         return Heard(
             phase=jnp.zeros((), jnp.int32),
             time=jnp.zeros((), jnp.int32),
-            response=jax.tree.map(lambda x: jnp.zeros((agents, config.num_sources, *x.shape), x.dtype), nothing),
-            frame=jnp.zeros((agents, 2, audio.frame), jnp.float32),
+            response=jax.tree.map(lambda x: jnp.zeros((agents, config.num_heard, *x.shape), x.dtype), nothing),
+            frame=jnp.zeros((agents, audio.num_channels, audio.frame), jnp.float32),
             said=no_words(config),
         )
 
@@ -78,8 +81,10 @@ class Hearing(Sensor):
         left = given_off(clips, sounds, row, phase, time, config.audio)
         if config.speech:
             left = left + sounds.gain[:, None] * voices(spoken(snapshot, said), config.audio)
+        if snapshot.noises is not None:
+            left = jnp.concatenate([left, noises_given_off(snapshot.noises, time, config.audio)])
 
-        def of_all(old: Any, new: Any) -> Float[Array, "2 m"]:
+        def of_all(old: Any, new: Any) -> Float[Array, "c m"]:
             if config.audio.motion:
                 return moving_frames(left, old, new, config.audio)
             return jnp.sum(jax.vmap(lambda s, a, b: faded_frame(s, a, b, config.audio))(left, old, new), axis=0)
@@ -94,11 +99,13 @@ class Hearing(Sensor):
         """Whether a response to something that plays was cut off."""
         cut = jax.vmap(jax.vmap(lambda r: is_cut(r, config.audio)))(state.response)
         plays = (snapshot.sounds.clip >= 0) | jnp.any(spoken(snapshot, state.said) >= 0, axis=0)
+        if snapshot.noises is not None:
+            plays = jnp.concatenate([plays, are_heard(snapshot.noises)])
         return flags(RESPONSE_CUT=cut & plays[None])
 
 
 class Stft(Sensor):
-    """`stft` (2, windows, frequencies): magnitudes of the short-time Fourier transform of both ears' sound.
+    """`stft` (C, windows, frequencies): magnitudes of the short-time Fourier transform of both ears' sound.
 
     Of each frame alone, see `audio_jax.stft_magnitude`: 25 ms every 10 ms, so (2, 8, 257) at the default clock;
     pressure relative to the source's at 1 m.
@@ -109,10 +116,15 @@ class Stft(Sensor):
     keeper = Hearing()
 
     def spec(self, config: EnvConfig) -> Specs:
-        """Of both ears."""
-        shape = spectrum_shape(config.audio.frame, config.audio.sample_rate)
+        """Of both ears, or of each channel."""
+        shape = config.audio.num_channels, *spectrum_shape(config.audio.frame, config.audio.sample_rate)
         return {
-            "stft": ArraySpec((2, *shape), "float32", 0.0, text="ear, window, frequency: magnitude of the pressure")
+            "stft": ArraySpec(
+                shape,
+                "float32",
+                0.0,
+                text="ear, window, frequency: magnitude of the pressure",
+            )
         }
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: Heard) -> dict[str, Array]:
@@ -121,7 +133,7 @@ class Stft(Sensor):
 
 
 class LogMel(Sensor):
-    """`log_mel` (2, windows, 40): power of both ears' sound in bands that are equally wide to the ear [dB].
+    """`log_mel` (C, windows, 40): power of both ears' sound in bands that are equally wide to the ear [dB].
 
     Of each frame alone, see `audio_jax.log_mel`: (2, 8, 40) at the default clock; 0 dB is a pressure of 1 relative to
     the source's at 1 m; clipped to -100 and 100 dB.
@@ -132,16 +144,28 @@ class LogMel(Sensor):
     keeper = Stft.keeper
 
     def spec(self, config: EnvConfig) -> Specs:
-        """Of both ears."""
+        """Of both ears, or of each channel."""
         windows, _ = spectrum_shape(config.audio.frame, config.audio.sample_rate)
         return {
-            "log_mel": ArraySpec((2, windows, NUM_MELS), "float32", LEAST, MOST, "ear, window, mel band: power [dB]")
+            "log_mel": ArraySpec(
+                (config.audio.num_channels, windows, NUM_MELS),
+                "float32",
+                LEAST,
+                MOST,
+                "ear, window, mel band: power [dB]",
+            )
         }
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: Heard) -> dict[str, Array]:
         """Of the last step's frame."""
         rate = config.audio.sample_rate
         return {"log_mel": log_mel(stft_magnitude(state.frame, rate), rate)}
+
+
+def heard_by(config: EnvConfig) -> str:
+    """What the channels of a receiver are."""
+    names = {"array": "microphones", "ambisonics": "W, Y, Z and X"}
+    return names.get(config.audio.receiver, "left and right ear")
 
 
 def as_loud_as_drawn(snapshot: Snapshot) -> Sounds:
@@ -190,26 +214,36 @@ def spoken(snapshot: Snapshot, said: Int[Array, "k a"]) -> Int[Array, "k e"]:
 def hear(config: EnvConfig, snapshot: Snapshot, response: Callable[..., Any] | None = None) -> Any:
     """From all sources to every agent, axes (a, e): what `Heard` remembers, or what else is made with the same rays."""
     response = response or (reception if config.audio.motion else impulse_response)
-    pose, num_agents, sounds = snapshot.pose, config.num_agents, snapshot.sounds
+    pose, num_agents = snapshot.pose, config.num_agents
+    pos, body = places(snapshot)
     # One key per episode, not per step: successive responses stay coherent, so the tail does not flutter.
     keys = jax.random.split(fold(snapshot.key, SOUND), num_agents)
 
     def one(ears: Array, quat: Array, key: Array, own: Array) -> Any:
-        listener, number = Listener(ears, quat, body=own), config.num_sources
+        listener, number = Listener(ears, quat, body=own), pos.shape[0]
         each = key[None] if number == 1 else jax.random.split(key, number)
 
         def from_source(pos: Array, body: Array, key: Array) -> Any:
             return response(snapshot.scene, Source(pos, body), listener, key, config.audio)
 
-        return over_agents(from_source, sounds.pos, sounds.body, each)
+        return over_agents(from_source, pos, body, each)
 
     heads = jax.vmap(camera_quat)(pose.yaw, pose.pitch)
     return over_agents(one, eye_position(config, pose), heads, keys, agent_ids(snapshot.bank, num_agents))
 
 
-def is_cut(response: Float[Array, "2 l"] | Reception, config: AudioConfig) -> Bool[Array, ""]:
+def places(snapshot: Snapshot) -> tuple[Float[Array, "e 3"], Int[Array, " e"]]:
+    """Where all sources are, those that play clips first, then noises of bodies; and which bodies sound, -1 none."""
+    sounds = snapshot.sounds
+    if snapshot.noises is None:
+        return sounds.pos, sounds.body
+    pos, body = noise_places(snapshot.noises)
+    return jnp.concatenate([sounds.pos, pos]), jnp.concatenate([sounds.body, body])
+
+
+def is_cut(response: Float[Array, "c l"] | Reception, config: AudioConfig) -> Bool[Array, ""]:
     """Whether a response ends before it has fallen by 30 dB from its loudest bin."""
     if isinstance(response, Reception):
         return ends_early(response, config)
-    energy = jnp.sum(response.reshape(2, config.num_bins, config.bin_samples) ** 2, axis=(0, 2))
+    energy = jnp.sum(response.reshape(-1, config.num_bins, config.bin_samples) ** 2, axis=(0, 2))
     return energy[-1] > FALL * jnp.max(energy)

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.signal import fftconvolve
 
 from home_mjx.audio_jax import AudioConfig, Paths, early_response, gcc_leads, gcc_phat
-from home_mjx.audio_jax.auralization.hrtf import near_sphere_spectrum
+from home_mjx.audio_jax.receivers.hrtf import near_sphere_spectrum
 
 CONFIG = AudioConfig(response_seconds=0.1)
 RATE, DISTANCE = CONFIG.sample_rate, 3.0

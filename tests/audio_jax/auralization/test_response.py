@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from numpy_measures import octave_energies
 
-from home_mjx.audio_jax.auralization.hrtf import diffuse_coherence, near_sphere_spectrum
 from home_mjx.audio_jax.auralization.response import early_response, late_response
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.filters import octave_gains
 from home_mjx.audio_jax.propagation.paths import Paths
+from home_mjx.audio_jax.receivers.hrtf import diffuse_coherence, near_sphere_spectrum
 from home_mjx.core.transforms import camera_quat
 from home_mjx.schema.compiled import BANDS
 

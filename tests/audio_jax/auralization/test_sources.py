@@ -36,3 +36,19 @@ def test_clips_depend_on_name_and_rate_only():
 def test_unknown_clip_is_refused():
     with pytest.raises(ConfigError, match="Did you mean `radio`"):
         clip_samples("raido", AudioConfig())
+
+
+def test_static_is_white_and_water_is_made_of_bubbles():
+    """Octaves of white noise rise by 3 dB; bubbles of 5 to 0.5 mm ring at 600 to 6000 Hz, and come one by one."""
+    power = {name: np.abs(np.fft.rfft(clip_samples(name, AudioConfig()).astype(float))) ** 2 for name in CLIPS[-2:]}
+    frequency = np.fft.rfftfreq(128000, 1 / 16000)
+
+    def share(name, low, high):
+        return power[name][(frequency >= low) & (frequency < high)].sum() / power[name].sum()
+
+    octaves = [10 * np.log10(share("static", low, 2 * low)) for low in (1000, 2000, 4000)]
+    np.testing.assert_allclose(np.diff(octaves), 3.0, atol=0.5)
+    assert share("static", 0, 100) < 1e-3
+    assert share("water", 500, 7000) > 0.9
+    envelope = {name: clip_samples(name, AudioConfig())[:120000].reshape(-1, 80).std(axis=1) for name in CLIPS[-2:]}
+    assert envelope["water"].std() / envelope["water"].mean() > 3 * envelope["static"].std() / envelope["static"].mean()

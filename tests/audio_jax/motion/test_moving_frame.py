@@ -7,9 +7,9 @@ import pytest
 from scipy.signal import fftconvolve
 
 from home_mjx.audio_jax import AudioConfig, Paths, early_response
-from home_mjx.audio_jax.auralization.hrtf import near_sphere_spectrum
 from home_mjx.audio_jax.motion.frame import moving_frame, moving_frames
 from home_mjx.audio_jax.motion.reception import as_many, silence
+from home_mjx.audio_jax.receivers.hrtf import near_sphere_spectrum
 
 OMNI = AudioConfig(receiver="omni", response_seconds=0.1, motion=True, tail_seconds=0.0)
 EARS = AudioConfig(response_seconds=0.1, motion=True, tail_seconds=0.0)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.propagation.barriers import Boxes, nearest_boxes, strings
+from home_mjx.audio_jax.geometry.barriers import Boxes, nearest_boxes, strings
 from home_mjx.audio_jax.propagation.diffraction import assembled_paths
 from home_mjx.audio_jax.propagation.paths import Straight, air_energy
 from home_mjx.scene_compile.geometry.box_edges import exposed_edges

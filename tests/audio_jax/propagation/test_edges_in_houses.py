@@ -170,7 +170,8 @@ def test_a_closed_door_lets_through_what_its_table_says_and_an_open_one_everythi
 def test_first_reflections_of_homes_house(suncg_root):
     """HoME's own lengths for the real house, in a wall, the ceiling and the floor.
 
-    Its path of 3.516 m is mirrored in the front of the box around a curtain; with objects as meshes it has none either.
+    Its path of 3.516 m is mirrored in the front of the box around a curtain, where there is no cloth; with objects as
+    meshes it has none either. `early="home"` has it.
     """
     house = HouseSet(suncg_root).load()[0]
     shift = np.array([*house.offset[:2], 0.0])

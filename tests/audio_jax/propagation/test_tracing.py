@@ -15,13 +15,13 @@ from handmade import shoebox, two_rooms
 from numpy_measures import t30
 from scenes import HEAD, scene_of
 
-from home_mjx.audio_jax.auralization.response import ear_gains
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.paths import air_energy
 from home_mjx.audio_jax.propagation.tracing import trace
+from home_mjx.audio_jax.receivers.channels import ear_gains
 from home_mjx.bank.bank import HouseBank
 from home_mjx.raycast_render.scene.scene import make_scene
 

@@ -1,5 +1,6 @@
 """What rooms of homes hold and how it stands, before anything is written."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -175,7 +176,38 @@ def test_boxes_meet_where_they_enter_one_another():
     for k in range(300):
         store.add(np.add(box, (2.0 * k, 0.0, 0.0)))
     assert store.boxes.shape == (300, 2, 3)
-    assert meet(np.add(box, (598.5, 0.0, 0.0)), store.boxes)
+    assert store.meets(np.add(box, (598.5, 0.0, 0.0)))
+    assert not store.meets(np.add(box, (600.0, 0.0, 0.0)))
+    assert not store.meets(box[:0])
+
+
+def enters(box: np.ndarray, other: np.ndarray) -> bool:
+    """Whether boxes share more than 2 mm along every axis, axis by axis."""
+    return all(min(box[1, k], other[1, k]) - max(box[0, k], other[0, k]) > 0.002 for k in range(3))
+
+
+def test_stores_find_what_comparing_all_pairs_finds():
+    rng = np.random.default_rng(4)
+    corners = np.round(rng.uniform(0.0, 3.0, (400, 3)), 2)  # many sides in one plane
+    boxes = np.stack([corners, corners + np.round(rng.uniform(0.0, 0.5, (400, 3)), 2)], axis=1)
+    store, found = Store(list(boxes[:150])), []
+    for start in range(150, 400, 2):
+        some = boxes[start : start + 1 + start % 4 // 2]
+        found.append(store.meets(some))
+        assert found[-1] == any(enters(a, b) for a in some for b in boxes[:150]) == meet(some, store.boxes)
+    assert 0.1 < np.mean(found) < 0.9
+
+
+def test_a_thing_that_is_moved_keeps_all_but_its_place():
+    item = PlacedFurniture(model_of("sofa", 1), (0.0, 0.0, 0.0), scale=(1.2, 1.0, 0.9), mirrored=True)
+    moved = item.at(1.0, 0.0, 2.0, 5)
+    assert moved == replace(item, position=(1.0, 0.0, 2.0), quarter=1)
+    for one in (item, moved, item.at(0.0, 0.0, 0.0, 2)):  # boxes of one turn are not those of another
+        points = one.model.mesh.vertices @ one.linear.T + one.position
+        np.testing.assert_allclose(one.box, [points.min(axis=0), points.max(axis=0)], atol=1e-5)
+        np.testing.assert_allclose(one.parts[:, 0].min(axis=0), one.box[0], atol=1e-9)
+    tilted = turned(item, 1.0, 0.0, 2.0, 0.4)
+    assert tilted.at(3.0, 0.0, 2.0) == replace(tilted, position=(3.0, 0.0, 2.0), quarter=0)
 
 
 def test_the_same_seed_gives_the_same_home():

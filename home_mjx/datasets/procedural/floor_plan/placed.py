@@ -1,19 +1,21 @@
 """A model that stands somewhere: the generator's own record of an object."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from jaxtyping import Bool, Float
 
-from home_mjx.datasets.procedural.primitives.family import Furniture
+from home_mjx.datasets.procedural.primitives.family import Furniture, Shape
 from home_mjx.datasets.procedural.primitives.solids import Vector
 from home_mjx.schema.house import Material
 
 Box = Float[np.ndarray, "2 3"]
 Boxes = Float[np.ndarray, "_ 2 3"]
 
+KEPT = 64  # shapes of one model that are kept
+_PICKS, _AXES = np.array([[(i >> k) & 1 for k in range(3)] for i in range(8)]), np.arange(3)  # corners of a box
 FACING = ((0, 1), (1, 0), (0, -1), (-1, 0))  # (x, z) that the front points to after 0..3 quarter turns
 
 
@@ -32,9 +34,7 @@ class PlacedFurniture:
     @cached_property
     def linear(self) -> Float[np.ndarray, "3 3"]:
         """Rotation times scale and mirror."""
-        x, z = FACING[self.quarter]
-        turn = np.array([[z, 0, x], [0, 1, 0], [-x, 0, z]], float)
-        return turn * np.asarray(self.scale) * (-1 if self.mirrored else 1, 1, 1)
+        return self._shape[0]
 
     @cached_property
     def size(self) -> Float[np.ndarray, " 3"]:
@@ -43,7 +43,11 @@ class PlacedFurniture:
 
     def at(self, x: float, y: float, z: float, quarter: int = 0) -> "PlacedFurniture":
         """The same object somewhere else [m]."""
-        return replace(self, position=(round(x, 4), round(y, 4), round(z, 4)), quarter=quarter % 4)
+        # Field by field: `dataclasses.replace` takes ten times as long, and rooms try many places.
+        moved = object.__new__(type(self))
+        kept = {name: self.__dict__[name] for name in self.__dataclass_fields__}
+        moved.__dict__.update(kept, position=(round(x, 4), round(y, 4), round(z, 4)), quarter=quarter % 4)
+        return moved
 
     def beside(self, right: float, front: float) -> tuple[float, float]:
         """(x, z) of the point `right` and `front` metres from the origin, as the object faces."""
@@ -53,15 +57,48 @@ class PlacedFurniture:
     @cached_property
     def parts(self) -> Boxes:
         """Boxes of the model's solids in the scene [m]; exact, since turns are by quarters."""
-        return self._moved(self.model.parts)
+        return self._shape[1] + self.position
 
     @cached_property
     def box(self) -> Box:
         """Bounding box in the scene [m]."""
-        return self._moved(self.model.box)
+        return self._shape[2] + self.position
 
-    def _moved(self, boxes: Float[np.ndarray, "*n 2 3"]) -> Float[np.ndarray, "*n 2 3"]:
-        return np.sort(boxes @ self.linear.T + self.position, axis=-2)
+    @cached_property
+    def _shape(self) -> Shape:
+        """Rotation times scale and mirror; boxes of the parts, and the one around, at the origin."""
+        turn = self.quarter, self.scale, self.mirrored
+        if turn not in self.model.shapes:
+            if len(self.model.shapes) >= KEPT:
+                self.model.shapes.clear()
+            self.model.shapes[turn] = _turned(self.model, *turn)
+        return self.model.shapes[turn]
+
+
+@dataclass(frozen=True)
+class Slanted(PlacedFurniture):
+    """An instance that is turned by any angle: boxes are upright ones around turned ones. Subclasses give `linear`."""
+
+    @cached_property
+    def parts(self) -> Boxes:
+        """Boxes around the model's solids in the scene [m]."""
+        return self._around(self.model.parts)
+
+    @cached_property
+    def box(self) -> Box:
+        """Box around the model's box in the scene [m]."""
+        return self._around(self.model.box)
+
+    def _around(self, boxes: Float[np.ndarray, "*n 2 3"]) -> Float[np.ndarray, "*n 2 3"]:
+        corners = boxes[..., _PICKS, _AXES] @ self.linear.T + self.position
+        return np.stack([corners.min(axis=-2), corners.max(axis=-2)], axis=-2)
+
+
+def _turned(model: Furniture, quarter: int, scale: Vector, mirrored: bool) -> Shape:
+    x, z = FACING[quarter]
+    turn = np.array([[z, 0, x], [0, 1, 0], [-x, 0, z]], float)
+    linear = turn * np.asarray(scale) * (-1 if mirrored else 1, 1, 1)
+    return linear, np.sort(model.parts @ linear.T, axis=-2), np.sort(model.box @ linear.T, axis=-2)
 
 
 def quarter_towards(x: float, z: float) -> int:
@@ -71,7 +108,7 @@ def quarter_towards(x: float, z: float) -> int:
         >>> quarter_towards(1.0, 0.0)
         1
     """
-    return FACING.index((round(x), round(z)))
+    return FACING.index((round(float(x)), round(float(z))))  # NumPy's own rounding is slow
 
 
 def overlaps(

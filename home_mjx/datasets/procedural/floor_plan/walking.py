@@ -1,5 +1,6 @@
 """The floor of one room as a grid: where an agent can still pass."""
 
+from bisect import bisect_left
 from collections.abc import Sequence
 
 import numpy as np
@@ -31,6 +32,7 @@ class WalkingGrid:
         count = np.ceil(np.ptp(room.polygon, axis=0) / CELL).astype(int)
         self.x = self._low[0] + CELL * (np.arange(count[0]) + 0.5)
         self.z = self._low[1] + CELL * (np.arange(count[1]) + 0.5)
+        self._lines = self.x.tolist(), self.z.tolist()
         x, z = self.x[:, None], self.z[None, :]
         inside = [(r.x0 < x) & (x < r.x1) & (r.z0 < z) & (z < r.z1) for r in room.rects]
         self._free = np.logical_or.reduce(inside)
@@ -57,11 +59,10 @@ class WalkingGrid:
 
     def _without(self, boxes: Sequence[Box]) -> Bool[np.ndarray, "nx nz"]:
         free = self._free.copy()
-        for box in boxes:
-            if box[0, 1] < HEAD and box[1, 1] > FLOOR_TOP + FLAT:
-                i, j = (
-                    np.searchsorted(self.x, box[:, 0] + (-REACH, REACH)),
-                    np.searchsorted(self.z, box[:, 2] + (-REACH, REACH)),
-                )
-                free[i[0] : i[1], j[0] : j[1]] = False
+        # Lists and `bisect`: for two numbers at a time NumPy takes ten times as long.
+        xs, zs = self._lines
+        for (x0, low, z0), (x1, high, z1) in np.array(boxes, float).reshape(-1, 2, 3).tolist():
+            if low < HEAD and high > FLOOR_TOP + FLAT:
+                i = slice(bisect_left(xs, x0 - REACH), bisect_left(xs, x1 + REACH))
+                free[i, bisect_left(zs, z0 - REACH) : bisect_left(zs, z1 + REACH)] = False
         return free

@@ -24,6 +24,10 @@ class Bulb:
     power: float  # [W]
 
 
+# Rotation times scale and mirror; boxes of the parts, and the one around them, at the origin [m].
+Shape = tuple[Float[np.ndarray, "3 3"], Float[np.ndarray, "p 2 3"], Float[np.ndarray, "2 3"]]
+
+
 @dataclass(frozen=True)
 class Furniture:
     """A library model: origin at the bottom centre, front towards +z, Y up, metres."""
@@ -46,6 +50,11 @@ class Furniture:
     def size(self) -> Float[np.ndarray, " 3"]:
         """Extents along x, y, z [m]."""
         return self.box[1] - self.box[0]
+
+    @cached_property
+    def shapes(self) -> dict[tuple[int, Vector, bool], Shape]:
+        """By quarter turns, scale and mirror: a cache for what is placed, which tries the same few at many places."""
+        return {}
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int, Real
 
 from home_mjx.schema.house import Material, Mesh
 
@@ -17,62 +17,65 @@ def obj_text(mesh: Mesh, library: str) -> str:
         mesh: What to write; faces of one group and material become one block.
         library: Name of the MTL file.
     """
-    lines = [f"mtllib {library}"]
-    first = np.ones(3, int)  # OBJ indices of v, vt and vn start at 1 and run on over all groups
-    for name, faces in _groups(mesh):
-        lines += [f"o {name}"] if name else []
-        block, count = _block(mesh, faces, first)
-        lines += block
-        first = first + count
-    return "\n".join(lines) + "\n"
+    group = mesh.group[:, None].repeat(3, axis=1).reshape(-1)  # of every corner
+    used, vertex = _unique(group, mesh.faces.reshape(-1, 1))
+    uvs, uv = _unique(group, _rounded(mesh.uv.reshape(-1, 2)))
+    normal = np.repeat(_flat(mesh), 3, axis=0) if mesh.normal is None else mesh.normal.reshape(-1, 3)
+    normals, toward = _unique(group, _rounded(normal))
+    index = np.stack([vertex, uv, toward], axis=-1).reshape(-1, 9) + 1  # OBJ counts from 1, on over all groups
+    lines = [f"mtllib {library}\n"]
+    for number in np.unique(mesh.group).tolist():
+        lines += [f"o {mesh.groups[number]}\n"] if number >= 0 and mesh.groups[number] else []
+        lines.append(_rows("v %r %r %r\n", _rounded(mesh.vertices[_of(number, used)[:, 0]])))
+        lines += [_rows("vt %r %r\n", _of(number, uvs)), _rows("vn %r %r %r\n", _of(number, normals))]
+        lines += _faces(mesh, mesh.group == number, index)
+    return "".join(lines)
 
 
-def _groups(mesh: Mesh) -> Iterator[tuple[str, Int[np.ndarray, " n"]]]:
-    for index in np.unique(mesh.group):
-        yield (mesh.groups[index] if index >= 0 else ""), np.flatnonzero(mesh.group == index)
+def _faces(mesh: Mesh, own: Bool[np.ndarray, " f"], index: Int[np.ndarray, "f 9"]) -> Iterator[str]:
+    """The lines of faces of one group, by material."""
+    for slot in np.unique(mesh.slot[own]).tolist():
+        yield f"usemtl {mesh.materials[slot].name}\n"
+        yield _rows("f %d/%d/%d %d/%d/%d %d/%d/%d\n", index[own & (mesh.slot == slot)])
 
 
-def _block(
-    mesh: Mesh, faces: Int[np.ndarray, " n"], first: Int[np.ndarray, " 3"]
-) -> tuple[list[str], Int[np.ndarray, " 3"]]:
-    """Lines of some faces, and the number of v, vt and vn in them."""
-    used, corner = np.unique(mesh.faces[faces], return_inverse=True)
-    positions = _rounded(mesh.vertices[used])
-    uvs, uv = _unique(mesh.uv[faces].reshape(-1, 2))
-    normals, normal = _unique(_flat(mesh, faces) if mesh.normal is None else mesh.normal[faces].reshape(-1, 3))
-    lines = [f"v {x} {y} {z}" for x, y, z in positions.tolist()]
-    lines += [f"vt {u} {v}" for u, v in uvs.tolist()]
-    lines += [f"vn {x} {y} {z}" for x, y, z in normals.tolist()]
-    index = np.stack([corner.reshape(-1, 3), uv.reshape(-1, 3), normal.reshape(-1, 3)], -1) + first
-    slot = mesh.slot[faces]
-    for number in np.unique(slot):
-        lines.append(f"usemtl {mesh.materials[number].name}")
-        lines += ["f {}/{}/{} {}/{}/{} {}/{}/{}".format(*row) for row in index[slot == number].reshape(-1, 9).tolist()]
-    return lines, np.array([len(positions), len(uvs), len(normals)])
+def _rows(line: str, rows: Real[np.ndarray, "n d"]) -> str:
+    """Each row in a line of its own, formatted all at once."""
+    return (line * len(rows)) % tuple(rows.reshape(-1).tolist())
 
 
-def _flat(mesh: Mesh, faces: Int[np.ndarray, " n"]) -> Float[np.ndarray, "c 3"]:
-    """The normal of each face, for its three corners."""
-    corners = mesh.vertices[mesh.faces[faces]]
+def _flat(mesh: Mesh) -> Float[np.ndarray, "f 3"]:
+    """The normal of each face."""
+    corners = mesh.vertices[mesh.faces]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(normal, axis=-1, keepdims=True)
-    return np.repeat(normal / np.where(length > 0, length, 1), 3, axis=0)
+    return normal / np.where(length > 0, length, 1)
 
 
 def _rounded(rows: Float[np.ndarray, "n d"]) -> Float[np.ndarray, "n d"]:
     return np.round(rows, DECIMALS) + 0.0  # adding 0 turns -0 into 0
 
 
-def _unique(rows: Float[np.ndarray, "n d"]) -> tuple[Float[np.ndarray, "m d"], Int[np.ndarray, " n"]]:
-    """As `np.unique` by rows, whose sorting of whole rows takes five times as long."""
-    rounded = _rounded(rows)
-    order = np.lexsort(rounded.T[::-1])
-    ordered = rounded[order]
+def _unique(
+    group: Int[np.ndarray, " n"], rows: Real[np.ndarray, "n d"]
+) -> tuple[tuple[Int[np.ndarray, " m"], Real[np.ndarray, "m d"]], Int[np.ndarray, " n"]]:
+    """The different rows of each group in order, with their groups, and which of them each row is.
+
+    As `np.unique` by rows, whose sorting of whole rows takes five times as long.
+    """
+    order = np.lexsort((*rows.T[::-1], group))
+    ordered, groups = rows[order], group[order]
     new = np.ones(len(rows), bool)
-    new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1) | (groups[1:] != groups[:-1])
     inverse = np.empty(len(rows), np.int64)
     inverse[order] = np.cumsum(new) - 1
-    return ordered[new], inverse
+    return (groups[new], ordered[new]), inverse
+
+
+def _of(number: int, found: tuple[Int[np.ndarray, " m"], Real[np.ndarray, "m d"]]) -> Real[np.ndarray, "k d"]:
+    """The rows of one group."""
+    groups, rows = found
+    return rows[slice(*np.searchsorted(groups, [number, number + 1]).tolist())]
 
 
 def mtl_text(materials: tuple[Material, ...]) -> str:

@@ -37,8 +37,8 @@ def on_top(
 def _on(
     room: Room, anchor: PlacedFurniture, top: Top, item: PlacedFurniture, straight: bool, middle: bool
 ) -> PlacedFurniture | None:
-    points = top.triangles.reshape(-1, 2) * (np.array(anchor.scale)[[0, 2]])
-    low, high = points.min(axis=0), points.max(axis=0)
+    scale = np.array([anchor.scale[0], anchor.scale[2]])
+    low, high = top.low * scale, top.high * scale
     own = item.size[[0, 2]] / 2
     slack = np.maximum((high - low) / 2 - 0.8 * own, 0.0)
     for k in range(TRIES):

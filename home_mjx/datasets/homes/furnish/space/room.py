@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
 
-from home_mjx.datasets.homes.furnish.space.occupied import Boxes, Store, hull, is_flat, meet, upright
+from home_mjx.datasets.homes.furnish.space.occupied import Boxes, Store, hull, is_flat, upright
 from home_mjx.datasets.homes.plan.openings.bounds import column
 from home_mjx.datasets.homes.plan.openings.passage import bounds, floor_grid
 from home_mjx.datasets.homes.plan.openings.turned import TurnedWindow
@@ -91,11 +91,10 @@ class Room:
             views: Keep windows clear.
         """
         boxes = np.concatenate([hull(item) for item in items])
-        blocked = self.views.boxes if views else self.views.boxes[:0]
         extra = np.array(zones, float).reshape(-1, 2, 3)
-        if meet(np.concatenate([boxes, extra]), self.solid.boxes) or meet(boxes, self.clear.boxes):
+        if self.solid.meets(np.concatenate([boxes, extra])) or self.clear.meets(boxes):
             return False
-        if meet(boxes, blocked) or not all(self._holds(item.box) for item in items):
+        if (views and self.views.meets(boxes)) or not all(self._holds(item.box) for item in items):
             return False
         tall = [i.box for i in items if i.box[0, 1] < HEAD and i.box[1, 1] > FLOOR_TOP + FLAT and self.on_floor(i)]
         if tall and not self.grid.stays_connected(tall):
@@ -119,7 +118,7 @@ class Room:
         """Whether a box is inside the room and, if it is a rug, on no other: rugs are too thin for boxes to meet."""
         x, _, z = box.mean(0)
         rug = is_flat(box) and bool(box[0, 1] < FLOOR_TOP + 0.01)
-        return self.inside(x, z) and not (rug and meet(upright(box)[None], self._flat.boxes))
+        return self.inside(x, z) and not (rug and self._flat.meets(upright(box)[None]))
 
     def reserve(self, zone: Box) -> None:
         """Keeps a space free of what comes later."""

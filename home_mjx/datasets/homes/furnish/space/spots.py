@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 import numpy as np
 from jaxtyping import Bool
 
-from home_mjx.datasets.homes.furnish.space.occupied import TOLERANCE, Boxes, hull, meet
+from home_mjx.datasets.homes.furnish.space.occupied import TOLERANCE, Boxes, apart, hull, meet
 from home_mjx.datasets.homes.furnish.space.room import Companions, Room, alone
 from home_mjx.datasets.homes.furnish.space.turned import askew
 from home_mjx.datasets.procedural.floor_plan.placed import FACING, Box, PlacedFurniture, quarter_towards
@@ -54,11 +54,11 @@ def place(
     zones = [zone_before(item, front)] if front else []
     if companions is alone:
         return item if room.put([item], zones, views) else None
-    if meet(np.concatenate([hull(item), *(zone[None] for zone in zones)]), room.solid.boxes):
+    if room.solid.meets(np.concatenate([hull(item), *(zone[None] for zone in zones)])):
         return None
     group = [item]
     for one in companions(item):  # one by one: making them takes longer than seeing that the first is in the way
-        if meet(hull(one), room.solid.boxes) or meet(hull(one), room.clear.boxes):
+        if room.solid.meets(hull(one)) or room.clear.meets(hull(one)):
             return None
         group.append(one)
     return item if room.put(group, zones, views) else None
@@ -78,7 +78,7 @@ def first(
     turned = {quarter: hull(item.at(0.0, 0.0, 0.0, quarter)) for quarter in {spot[3] for spot in spots}}
     for index in _unblocked(room, spots, turned):
         x, y, z, quarter = spots[index]
-        if meet(turned[quarter] + (x, y, z), room.solid.boxes):
+        if room.solid.meets(turned[quarter] + (x, y, z)):
             continue
         if placed := place(room, item.at(x, y, z, quarter), front, companions, views):
             return placed
@@ -88,18 +88,22 @@ def first(
 def _unblocked(room: Room, spots: Sequence[Spot], turned: Mapping[int, Boxes]) -> list[int]:
     """Indices of spots where the largest parts of a thing touch nothing and nothing that is kept free."""
     taken = room.taken
-    cores = {
-        quarter: boxes[np.argsort(-np.ptp(boxes, axis=1).prod(axis=1))[:CORE]] for quarter, boxes in turned.items()
-    }
+    cores = {quarter: _core(boxes) for quarter, boxes in turned.items()}
     boxes = np.stack([cores[spot[3]] for spot in spots]) + np.array([spot[:3] for spot in spots])[:, None, None]
     low, high = boxes[..., 0, :].min(axis=(0, 1)), boxes[..., 1, :].max(axis=(0, 1))
-    taken = taken[((taken[:, 0] < high) & (taken[:, 1] > low)).all(axis=1)]  # near any of the spots
-    busy = np.ones((*boxes.shape[:2], len(taken)), bool)
-    for axis in range(3):
-        busy &= boxes[..., None, 0, axis] + TOLERANCE < taken[:, 1, axis]
-        busy &= boxes[..., None, 1, axis] - TOLERANCE > taken[:, 0, axis]
-    thick = (np.ptp(taken, axis=1) > TOLERANCE).all(axis=1)
-    return np.flatnonzero(~(busy & thick).any(axis=(1, 2))).tolist()
+    near = (taken[:, 0] < high) & (taken[:, 1] > low) & (taken[:, 1] - taken[:, 0] > TOLERANCE)
+    lows, highs = np.ascontiguousarray(taken[near.all(axis=1)].transpose(1, 2, 0))  # what is near any of the spots
+    inner = np.ascontiguousarray((boxes + np.array([[TOLERANCE], [-TOLERANCE]])).transpose(2, 3, 0, 1))[..., None]
+    busy = np.ones((*boxes.shape[:2], lows.shape[1]), bool)
+    for axis in (0, 2, 1):
+        busy &= inner[0, axis] < highs[axis]
+        busy &= inner[1, axis] > lows[axis]
+    return np.flatnonzero(~busy.any(axis=(1, 2))).tolist()
+
+
+def _core(boxes: Boxes) -> Boxes:
+    """The largest of the boxes of a thing."""
+    return boxes if len(boxes) == 1 else boxes[np.argsort(-(boxes[:, 1] - boxes[:, 0]).prod(axis=1))[:CORE]]
 
 
 def backed(item: PlacedFurniture, wall: Wall, along: float, y: float = FLOOR_TOP, gap: float = GAP) -> PlacedFurniture:
@@ -126,7 +130,8 @@ def along_walls(
         inset = HALF + GAP + float(item.size[0]) / 2
         low, high = wall.span[0] + inset, wall.span[1] - inset
         if high >= low:
-            places = np.linspace(low, high, int((high - low) / step) + 2).tolist()
+            each = (high - low) / (count := int((high - low) / step) + 1)
+            places = [*(low + each * i for i in range(count)), high]
             spots += at_wall(item, wall, places, y, gap)
             corner += [i in (0, len(places) - 1) for i in range(len(places))]
     return spots, np.array(corner, bool)
@@ -224,5 +229,4 @@ def ahead(item: PlacedFurniture) -> tuple[int, int]:
 
 def clear_of(item: PlacedFurniture, others: Iterable[PlacedFurniture]) -> bool:
     """Whether a thing enters none of some others."""
-    boxes = hull(item)
-    return not any(meet(boxes, hull(other)) for other in others)
+    return not any(meet(hull(item), hull(other)) for other in others if not apart(item, other))

@@ -21,6 +21,8 @@ class Top(NamedTuple):
     height: float  # [m] above the model's origin
     triangles: Float[np.ndarray, "t 3 2"]  # (x, z) [m]
     area: float  # [m^2]
+    low: Float[np.ndarray, " 2"]  # least (x, z) [m]
+    high: Float[np.ndarray, " 2"]  # greatest
 
 
 @cache
@@ -33,8 +35,13 @@ def tops_of(model_id: str) -> tuple[Top, ...]:
     twice = (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0]) - (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1])
     kept = (twice > 0) & ~_covered(corners.mean(axis=1), model.parts)
     heights, flat, areas = np.round(corners[kept][:, 0, 1], 4), corners[kept][..., [0, 2]], twice[kept] / 2
-    found = [Top(float(h), flat[heights == h], float(areas[heights == h].sum())) for h in np.unique(heights)]
+    found = [_top(float(h), flat[heights == h], areas[heights == h]) for h in np.unique(heights)]
     return tuple(sorted((top for top in found if top.area > SMALLEST), key=lambda top: -top.area))
+
+
+def _top(height: float, triangles: Float[np.ndarray, "t 3 2"], areas: Float[np.ndarray, " t"]) -> Top:
+    points = triangles.reshape(-1, 2)
+    return Top(height, triangles, float(areas.sum()), points.min(axis=0), points.max(axis=0))
 
 
 def _covered(points: Float[np.ndarray, "p 3"], parts: Float[np.ndarray, "q 2 3"]) -> Bool[np.ndarray, " p"]:
@@ -62,9 +69,7 @@ def carries(anchor: PlacedFurniture, top: Top, item: PlacedFurniture) -> bool:
 
 
 def _inside(points: Float[np.ndarray, "p 2"], triangles: Float[np.ndarray, "t 3 2"]) -> Bool[np.ndarray, "p t"]:
-    found = np.ones((len(points), len(triangles)), bool)
-    for k in range(3):
-        start, end = triangles[:, k], triangles[:, (k + 1) % 3]
-        way, away = end - start, points[:, None] - start
-        found &= way[:, 1] * away[..., 0] - way[:, 0] * away[..., 1] >= -EDGE
-    return found
+    start = triangles.transpose(2, 1, 0)[..., None]  # x and z, corners, triangles, points
+    x, z = points.T[:, None, None] - start
+    way_x, way_z = start[:, [1, 2, 0]] - start
+    return (way_z * x - way_x * z >= -EDGE).all(axis=0).T

@@ -6,13 +6,11 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
-
-_PICKS = np.array([[(i >> k) & 1 for k in range(3)] for i in range(8)])
+from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture, Slanted
 
 
 @dataclass(frozen=True)
-class Turned(PlacedFurniture):
+class Turned(Slanted):
     """A thing that is turned by any angle, besides its quarter turns.
 
     Attributes:
@@ -24,14 +22,8 @@ class Turned(PlacedFurniture):
     @cached_property
     def linear(self) -> Float[np.ndarray, "3 3"]:
         """Rotation times scale and mirror."""
-        straight = PlacedFurniture(self.model, (0.0, 0.0, 0.0), self.quarter, self.scale, self.mirrored).linear
         c, s = np.cos(self.angle), np.sin(self.angle)
-        return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]]) @ straight
-
-    def _moved(self, boxes: Float[np.ndarray, "*n 2 3"]) -> Float[np.ndarray, "*n 2 3"]:
-        """Upright boxes around turned ones."""
-        corners = np.stack([boxes[..., _PICKS[:, k], k] for k in range(3)], axis=-1) @ self.linear.T + self.position
-        return np.stack([corners.min(axis=-2), corners.max(axis=-2)], axis=-2)
+        return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]]) @ self._shape[0]
 
 
 def turned(item: PlacedFurniture, x: float, y: float, z: float, angle: float) -> Turned:

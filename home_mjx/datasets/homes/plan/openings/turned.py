@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from home_mjx.datasets.homes.plan.shape.cut_rooms import slants
 from home_mjx.datasets.procedural.floor_plan.openings import SILL_Y, Opening
-from home_mjx.datasets.procedural.floor_plan.placed import PlacedFurniture
+from home_mjx.datasets.procedural.floor_plan.placed import Slanted
 from home_mjx.datasets.procedural.floor_plan.rooms import RoomPlan
 from home_mjx.datasets.procedural.primitives.family import Furniture
 
@@ -17,7 +17,7 @@ MARGIN = 0.1  # [m], of a window in a slanted wall
 
 
 @dataclass(frozen=True)
-class TurnedWindow(PlacedFurniture):
+class TurnedWindow(Slanted):
     """A window at any angle.
 
     Attributes:
@@ -31,12 +31,6 @@ class TurnedWindow(PlacedFurniture):
         """Rotation."""
         x, z = self.facing
         return np.array([[z, 0, x], [0, 1, 0], [-x, 0, z]])
-
-    def _moved(self, boxes: Float[np.ndarray, "*n 2 3"]) -> Float[np.ndarray, "*n 2 3"]:
-        """Upright boxes around turned ones."""
-        picks = np.array([[(i >> k) & 1 for k in range(3)] for i in range(8)])
-        corners = np.stack([boxes[..., picks[:, k], k] for k in range(3)], axis=-1) @ self.linear.T + self.position
-        return np.stack([corners.min(axis=-2), corners.max(axis=-2)], axis=-2)
 
 
 def slanted_windows(room: int, plan: RoomPlan, model: Furniture) -> Iterator[Opening]:

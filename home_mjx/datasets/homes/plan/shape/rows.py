@@ -1,10 +1,10 @@
 """Rows of rooms along a hall: each has a front on the hall, small ones may stand before a nook of their neighbour."""
 
+import itertools
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
-
-import numpy as np
 
 from home_mjx.datasets.homes.plan.needs.wants import ROOMY, SMALL, WANTS
 from home_mjx.datasets.procedural.floor_plan.rooms import Rect
@@ -36,7 +36,7 @@ Placed = tuple[str, tuple[Rect, ...]]
 
 def snap(value: float) -> float:
     """The nearest point of the grid [m]."""
-    return round(float(round(value / STEP) * STEP), 6)
+    return round(round(value / STEP) * STEP, 6)
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ class Row:
     def _parts(self, a: float, b: float) -> Iterator[tuple[float, float, float]]:
         """The parts of a range with one depth each."""
         start, end, depth = self.step or (self.high, self.high, self.depth)
-        for low, high, deep in ((-np.inf, start, self.depth), (start, end, depth), (end, np.inf, self.depth)):
+        for low, high, deep in ((-math.inf, start, self.depth), (start, end, depth), (end, math.inf, self.depth)):
             if min(b, high) - max(a, low) > STEP / 2:
                 yield max(a, low), min(b, high), deep
 
@@ -116,7 +116,7 @@ def _stacks(cells: Sequence[Cell], depth: float) -> dict[int, Stack]:
     for i, cell in enumerate(cells):
         if cell.type not in SMALL:
             continue
-        width = snap(float(np.clip(np.sqrt(0.75 * cell.area), WANTS[cell.type].side, 2.0)))
+        width = snap(min(max(math.sqrt(0.75 * cell.area), WANTS[cell.type].side), 2.0))
         front = snap(cell.area / width)
         hosts = {stack.host for stack in found.values()}
         beside = [j for j in (i - 1, i + 1) if 0 <= j < len(cells) and cells[j].type in ROOMY and j not in hosts]
@@ -143,7 +143,7 @@ def lay(row: Row, cells: Sequence[Cell]) -> list[Placed] | None:
     if not LEAST_SCALE <= scale <= MOST_SCALE:
         return None
     scaled = [w if i in stacks or cells[i].type == FOYER else w * scale for i, w in enumerate(wide)]
-    edges = [snap(row.low + at) for at in (0.0, *np.cumsum(scaled)[:-1])] + [snap(row.high)]
+    edges = [snap(row.low + at) for at in (0.0, *itertools.accumulate(scaled[:-1]))] + [snap(row.high)]
     return _rooms(row, cells, edges, stacks)
 
 

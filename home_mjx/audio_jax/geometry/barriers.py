@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from home_mjx.audio_jax.propagation.wedge import Bend
+from home_mjx.audio_jax.geometry.wedge import Bend
 from home_mjx.core.pytree import Pytree
 from home_mjx.schema.edges import edge_number
 

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from home_mjx.audio_jax.auralization.hrtf import (
+from home_mjx.audio_jax.receivers.hrtf import (
     ear_angles,
     ear_energy,
     ear_spectrum,

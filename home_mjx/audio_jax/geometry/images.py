@@ -22,6 +22,7 @@ class Mirrors(Pytree):
     u: Float[Array, "m 3"]  # [m], half extent vectors
     v: Float[Array, "m 3"]
     valid: Bool[Array, " m"]
+    material: Int[Array, " m"] | None = None  # row of the material table; -1, or None: what rays meet there says it
 
 
 class Images(Pytree):
@@ -31,6 +32,7 @@ class Images(Pytree):
     point: Float[Array, "i k 3"]  # [m], reflections in the order from the listener; further ones are at the source
     normal: Float[Array, "i k 3"]  # of the mirrors there
     order: Int[Array, " i"]  # number of reflections
+    mirror: Int[Array, "i k"]  # which mirrors these are; -1 none
 
 
 @functools.cache
@@ -94,6 +96,7 @@ def _of_order(
         jnp.concatenate([jnp.stack(points, axis=1), rest], axis=1),
         jnp.concatenate([normals, jnp.zeros_like(rest)], axis=1),
         jnp.full(count, order, jnp.int32),
+        jnp.pad(jnp.asarray(rows[:, ::-1]), [(0, 0), (0, highest - order)], constant_values=-1),
     )
 
 

@@ -6,7 +6,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import hankel1, modfresnelm
 
-from home_mjx.audio_jax.propagation.wedge import Bend, diffracted, second_edge, transition
+from home_mjx.audio_jax.geometry.wedge import Bend, diffracted, second_edge, transition
 
 QUARTER = np.exp(0.25j * np.pi)
 

@@ -5,10 +5,10 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from home_mjx.audio_jax.auralization.hrtf import near_sphere_spectrum, sphere_spectrum
 from home_mjx.audio_jax.auralization.response import early_response
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.propagation.paths import Paths
+from home_mjx.audio_jax.receivers.hrtf import near_sphere_spectrum, sphere_spectrum
 
 CONFIG = AudioConfig()
 RADIUS, SPEED, RATE = CONFIG.head_radius, CONFIG.speed_of_sound, CONFIG.sample_rate

@@ -171,25 +171,39 @@ def ear_shapes(sample_rate: int, radius: float, speed: float) -> EarShapes:
         radius: [m].
         speed: Speed of sound [m/s].
     """
-    table = shapes(sample_rate)
-    frequency = np.concatenate([np.geomspace(60, 1000, 30), np.arange(1100.0, 0.45 * sample_rate, 100)])
+    table, (frequency, response) = shapes(sample_rate), shape_responses(sample_rate)
     angle = np.linspace(0, np.pi, NUM_ANGLES)
-    time = (np.arange(table.kernel.shape[1]) - HALF_WIDTH) / sample_rate
-    response = table.kernel @ np.exp(-2j * np.pi * time[:, None] * frequency)
-    response = (response / response.sum(axis=0)).T
     weights = []
     for nearness in NEARNESS:
         distance = radius / nearness if nearness else np.inf
         ear = near_sphere_spectrum(frequency, angle, distance, radius, speed)
         ahead = sphere_delay(angle, radius, speed, distance)[:, None]
-        weights.append(_least_squares(response, ear * np.exp(2j * np.pi * ahead * frequency)))
+        weights.append(nearest_sums(response, ear * np.exp(2j * np.pi * ahead * frequency)))
     value = np.stack(weights) @ table.value
     return EarShapes(np.real(value).astype(np.float32), np.imag(value).astype(np.float32))
 
 
-def _least_squares(
-    response: Complex[np.ndarray, "f s"], wanted: Complex[np.ndarray, "a f"]
-) -> Float[np.ndarray, "a s"]:
+@functools.cache
+def ear_lateness(sample_rate: int, radius: float, speed: float) -> Float[np.ndarray, " a"]:
+    """By how much later than Woodworth's delay each angle's response comes on the whole [s]: the slope of its phase."""
+    frequency, _ = shape_responses(sample_rate)
+    angle = np.linspace(0, np.pi, NUM_ANGLES)
+    ahead = sphere_delay(angle, radius, speed)[:, None]
+    ear = sphere_spectrum(frequency, angle, radius, speed) * np.exp(2j * np.pi * ahead * frequency)
+    phase = np.unwrap(np.angle(ear), axis=1)
+    return (-(phase @ frequency) / (2 * np.pi * frequency @ frequency)).astype(np.float32)
+
+
+def shape_responses(sample_rate: int) -> tuple[Float[np.ndarray, " f"], Complex[np.ndarray, "f s"]]:
+    """Frequencies [Hz] up to 0.45 of the sample rate, and what each of `shapes` is there, re all together."""
+    kernel = shapes(sample_rate).kernel
+    frequency = np.concatenate([np.geomspace(60, 1000, 30), np.arange(1100.0, 0.45 * sample_rate, 100)])
+    time = (np.arange(kernel.shape[1]) - HALF_WIDTH) / sample_rate
+    response = kernel @ np.exp(-2j * np.pi * time[:, None] * frequency)
+    return frequency, (response / response.sum(axis=0)).T
+
+
+def nearest_sums(response: Complex[np.ndarray, "f s"], wanted: Complex[np.ndarray, "a f"]) -> Float[np.ndarray, "a s"]:
     """Real weights of responses whose sums are nearest to what is wanted, relative to its size."""
     share = 1 / np.maximum(np.abs(wanted), 0.1) ** 2
     square = np.einsum("fs,af,ft->ast", response.conj(), share, response, optimize=True).real
@@ -233,15 +247,16 @@ def ear_angles(direction: Float[Array, "n 3"], ear_angle: float) -> Float[Array,
 
 def ear_spectrum(table: EarTable, angle: Float[Array, "*n"]) -> tuple[Complex[Array, "*n f"], Float[Array, "*n"]]:
     """Spectrum without delay, and delay [s], of the ear for each angle, between the two nearest entries."""
-    return _interpolate(table.spectrum, angle), _interpolate(table.delay, angle)
+    return between_angles(table.spectrum, angle), between_angles(table.delay, angle)
 
 
 def ear_energy(table: EarTable, angle: Float[Array, "*n"]) -> Float[Array, "*n bands"]:
     """Energy gain of the ear per octave for each angle."""
-    return _interpolate(table.energy, angle)
+    return between_angles(table.energy, angle)
 
 
-def _interpolate(rows: np.ndarray, angle: Float[Array, "*n"]) -> Array:
+def between_angles(rows: np.ndarray, angle: Float[Array, "*n"]) -> Array:
+    """Of a table by angle between sound and the ear's axis, between the two nearest entries."""
     position = angle * jnp.float32((NUM_ANGLES - 1) / math.pi)
     low = jnp.clip(position.astype(jnp.int32), 0, NUM_ANGLES - 2)
     rest = (position - low.astype(jnp.float32)).reshape(angle.shape + (1,) * (rows.ndim - 1)).astype(rows.dtype)

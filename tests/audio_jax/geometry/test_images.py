@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from home_mjx.audio_jax.propagation.images import Mirrors, find_images, nearest_mirrors
+from home_mjx.audio_jax.geometry.images import Mirrors, find_images, nearest_mirrors
 from home_mjx.audio_jax.propagation.mirrored import names_of
 
 

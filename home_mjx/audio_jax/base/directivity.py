@@ -1,0 +1,118 @@
+"""How loud a source is in each direction, per octave, around the axis along which it points."""
+
+import math
+from collections.abc import Sequence
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from home_mjx.core.checks import check_number
+from home_mjx.core.pytree import Pytree
+from home_mjx.errors import ConfigError
+from home_mjx.schema.compiled import BANDS
+
+NUM_ANGLES = 181  # every degree
+QUIETER_BEHIND = (2.0, 3.0, 5.0, 7.0, 10.0, 14.0, 18.0)  # [dB] re ahead, of talkers; from 125 to 8000 Hz
+
+
+class Directivity(Pytree):
+    """Pressure in each direction re that ahead; the same all around the axis."""
+
+    gain: Float[Array, "a bands"]  # by angle to the axis, from 0 to pi in even steps
+
+
+def measured_directivity(gain: Float[np.ndarray, "a bands"]) -> Directivity:
+    """A pattern from a table.
+
+    Args:
+        gain: Pressure re that on the axis, by angle from 0 to pi in even steps, and octave from 125 to 8000 Hz.
+
+    Raises:
+        ConfigError: It has another shape, or values that are negative or no numbers.
+    """
+    table = np.asarray(gain, np.float32)
+    if table.ndim != 2 or table.shape[0] < 2 or table.shape[1] != len(BANDS):
+        raise ConfigError(f"a directivity needs (angles, {len(BANDS)}) gains of at least two angles, got {table.shape}")
+    if not np.all(np.isfinite(table)) or np.any(table < 0):
+        hint = "They are pressures re that ahead: what sounds with opposite sign counts as its size."
+        raise ConfigError("gains of a directivity must be finite and not negative", hint=hint)
+    return Directivity(jnp.asarray(table))
+
+
+def first_order(weight: float | Sequence[float] = 0.5, exponent: float | Sequence[float] = 1.0) -> Directivity:
+    """The pattern |1 - w + w cos θ|ⁿ.
+
+    Its mean energy over the sphere is (1 - s |1 - 2w|²ⁿ⁺¹) / (2w (2n + 1)), s being the sign of 1 - 2w.
+
+    Args:
+        weight: w, from 0 (alike everywhere) over 0.5 (cardioid) to 1 (figure of eight); one or one per octave.
+        exponent: n, which makes the pattern narrower; one or one per octave.
+
+    Raises:
+        ConfigError: For other values.
+
+    Example:
+        >>> first_order(0.5).gain[90].tolist()[:2]  # to the side
+        [0.5, 0.5]
+    """
+    w, n = _per_octave("weight", weight, 1.0), _per_octave("exponent", exponent, math.inf)
+    cosine = np.cos(_angles())[:, None]
+    return measured_directivity(np.abs(1 - w + w * cosine) ** n)
+
+
+def talker() -> Directivity:
+    """A person who speaks: levels fall from ahead to behind by `QUIETER_BEHIND`, in decibels as (1 - cos θ) / 2.
+
+    Rounded figures of the order that Chu and Warnock report (Detailed directivity of sound fields around human
+    talkers, NRC Canada IRC-RR-104, 2002), and for 8 kHz Monson, Hunter and Story (JASA 132, 2012); no table of theirs.
+    With k = level · ln(10) / 10 the mean energy over the sphere is (1 - exp(-k)) / k.
+
+    Example:
+        >>> level = 20 * np.log10(talker().gain[180])
+        >>> level.round().tolist()
+        [-2.0, -3.0, -5.0, -7.0, -10.0, -14.0, -18.0]
+    """
+    fall = (1 - np.cos(_angles()))[:, None] / 2 * np.array(QUIETER_BEHIND)
+    return measured_directivity(10 ** (-fall / 20))
+
+
+def gains(pattern: Directivity, cosine: Float[Array, " n"]) -> Float[Array, "n bands"]:
+    """Pressure gain in directions with these cosines to the axis; between angles of the table energy runs straight."""
+    last = pattern.gain.shape[0] - 1
+    place = jnp.arccos(jnp.clip(cosine, -1.0, 1.0)) * jnp.float32(last / math.pi)
+    low = jnp.clip(place.astype(jnp.int32), 0, last - 1)
+    rest = (place - low.astype(jnp.float32))[:, None]
+    return jnp.sqrt(pattern.gain[low] ** 2 * (1 - rest) + pattern.gain[low + 1] ** 2 * rest)
+
+
+def mean_energy(pattern: Directivity) -> Float[Array, " bands"]:
+    """Energy averaged over all directions re that ahead: 1 over the directivity factor Q.
+
+    Example:
+        >>> round(float(mean_energy(first_order(0.5))[0]), 4)  # a cardioid has Q = 3
+        0.3333
+    """
+    weight = _solid_angles(pattern.gain.shape[0])
+    return jnp.sum(jnp.asarray(weight)[:, None] * pattern.gain**2, axis=0)
+
+
+def _solid_angles(count: int) -> Float[np.ndarray, " a"]:
+    """Share of the sphere that each angle stands for: the integral of what runs straight between energies."""
+    step = math.pi / (count - 1)
+    share = np.sin(np.arange(count) * step) * (1 - math.cos(step)) / step
+    share[0] = share[-1] = (1 - math.sin(step) / step) / 2
+    return share.astype(np.float32)
+
+
+def _angles() -> Float[np.ndarray, " a"]:
+    return np.linspace(0, np.pi, NUM_ANGLES)
+
+
+def _per_octave(name: str, value: float | Sequence[float], most: float) -> Float[np.ndarray, " bands"]:
+    values = [value] * len(BANDS) if isinstance(value, int | float) else list(value)
+    if len(values) != len(BANDS):
+        raise ConfigError(f"`{name}` must be one number or {len(BANDS)}, got {len(values)}")
+    for number in values:
+        check_number(name, number, 0.0, most)
+    return np.array(values, float)

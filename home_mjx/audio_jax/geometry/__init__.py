@@ -1,0 +1,1 @@
+"""Lines and planes of sound without a house: image sources, and strings around edges of boxes."""

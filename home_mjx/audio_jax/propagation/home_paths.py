@@ -1,0 +1,185 @@
+"""Paths as HoME (2017) had them, for comparison with it: `AudioConfig(early="home")`.
+
+Specular paths alone. The level of a path of length L over materials with absorption α is, per octave,
+20 lg(1 / L) + 20 lg(1 - m L) + Σ 20 lg(1 - α) dB. That is not physics: α and m are energy fractions, which HoME takes
+for fractions of pressure, and it leaves the material of one reflection out, so that paths of one reflection lose
+nothing. Here that is the one next to the listener. Objects are boxes around their models; doors are not there.
+"""
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.endpoints import Listener, Source
+from home_mjx.audio_jax.base.home_air import home_air_level
+from home_mjx.audio_jax.geometry.images import Images, find_images, nearest_mirrors
+from home_mjx.audio_jax.propagation.home_boxes import NEAR_ENDS, ModelBoxes, box_mirrors, hidden_by_boxes, model_boxes
+from home_mjx.audio_jax.propagation.mirrored import DEPTH, SHORTEST, house_mirrors, names_of, repeated
+from home_mjx.audio_jax.propagation.paths import NEAREST, SKIN, Paths
+from home_mjx.audio_jax.propagation.surfaces import sound_materials, surface_at
+from home_mjx.core.pytree import Pytree
+from home_mjx.raycast_render.casting.cast import cast
+from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.schema.compiled import BANDS, Ray
+
+MOST_MIRRORS = {1: (64, 256), 2: (40, 120), 3: (16, 16)}  # sides of rooms and of boxes, by order
+ALIKE = 4  # times as many sequences are looked at as there shall be paths, as some give the same path
+SOFTEST = 1e-7  # 1 - α at least, as float32 had it
+THRESHOLD = 120.0  # [dB], paths that all octaves lose so much of are none
+
+
+class _Legs(Pytree):
+    """Straight parts of p paths from the listener on, each up to a reflection or the source."""
+
+    start: Float[Array, "p k 3"]
+    end: Float[Array, "p k 3"]
+    normal: Float[Array, "p k 3"]  # of the mirror at its end; 0 at the source
+    material: Int[Array, "p k"]  # row, if that mirror is the face of a box; otherwise -1
+    to_shell: Bool[Array, "p k"]  # it is a wall, floor or ceiling
+    from_shell: Bool[Array, "p k"]  # it begins on a wall, floor or ceiling
+    last: Bool[Array, "p k"]  # it ends at the source
+    used: Bool[Array, "p k"]
+
+
+def home_paths(scene: Scene, source: Source, listener: Listener, config: AudioConfig) -> Paths:
+    """The direct path and image sources up to `config.reflection_order`, at HoME's lengths and levels.
+
+    HoME gives each path a random sign besides, which this does not. Its lists are complete; here sequences are made of
+    the mirrors next to the two, of so many as `MOST_MIRRORS` says.
+
+    Args:
+        scene: The environment.
+        source: Who sounds.
+        listener: Who hears.
+        config: Options: order, number of reflections, temperature and humidity.
+
+    Returns:
+        1 + `config.num_reflections` paths, or fewer if there are not so many sequences; silent ones included.
+
+    Example:
+        >>> home_paths(scene, source, listener, audio_preset("home")).distance.shape  # doctest: +SKIP
+        (63,)
+    """
+    boxes = model_boxes(scene, source, listener)
+    found, material = _images(scene, boxes, source, listener, config)
+    legs = _legs(found, material, source, listener)
+    free, absorption = _met(scene, legs, config)
+    hidden = hidden_by_boxes(boxes, legs.start.reshape(-1, 3), legs.end.reshape(-1, 3)).reshape(legs.used.shape)
+    heard = jnp.isfinite(found.length) & jnp.all((free & ~hidden) | ~legs.used, axis=1)
+    length = jnp.maximum(jnp.where(heard, found.length, 1.0), NEAREST)
+    counts = (legs.used & ~legs.last).at[:, 0].set(False)  # not the reflection next to the listener
+    lost = jnp.where(counts[:, :, None], 20 * jnp.log10(jnp.maximum(1 - absorption, SOFTEST)), 0.0)
+    air = home_air_level(length, config.temperature, config.humidity)
+    level = air + jnp.sum(lost, axis=1) - 20 * jnp.log10(length)[:, None]
+    heard = heard & jnp.any(jnp.abs(level) < THRESHOLD, axis=1)
+    gain = jnp.where(heard[:, None], 10 ** (level / 20), 0.0)
+    return Paths(length, gain, _towards(found.point[:, 0], listener), names_of(found))
+
+
+def _towards(point: Float[Array, "p 3"], listener: Listener) -> Float[Array, "p 3"]:
+    """Directions from the listener to some points."""
+    away = point - listener.pos[None]
+    return away / jnp.maximum(jnp.linalg.norm(away, axis=1), NEAREST)[:, None]
+
+
+def _images(
+    scene: Scene, boxes: ModelBoxes, source: Source, listener: Listener, config: AudioConfig
+) -> tuple[Images, Int[Array, "p k"]]:
+    """The straight way, then the shortest image sources; and material rows of boxes, -1 where there is none."""
+    order, shell = config.reflection_order, house_mirrors(scene)
+    kinds = shell.replace(material=jnp.full(shell.valid.shape, -1, jnp.int32)), box_mirrors(boxes)
+    kept = [nearest_mirrors(m, source.pos, listener.pos, n) for m, n in zip(kinds, MOST_MIRRORS[order], strict=True)]
+    mirrors = jax.tree.map(lambda *x: jnp.concatenate(x), *kept)
+    found = find_images(mirrors, source.pos, listener.pos, order)
+    _, shortest = jax.lax.top_k(-found.length, min(ALIKE * config.num_reflections, found.length.size))
+    found = jax.tree.map(lambda x: x[shortest], found)
+    again = repeated(found.length, _towards(found.point[:, 0], listener))  # paths into corners, and over faces in line
+    first = jnp.argsort(again, stable=True)[: config.num_reflections]
+    found = found.replace(length=jnp.where(again, jnp.inf, found.length))
+    straight = Images(
+        length=jnp.linalg.norm(source.pos - listener.pos)[None],
+        point=jnp.broadcast_to(source.pos, (1, order, 3)),
+        normal=jnp.zeros((1, order, 3), jnp.float32),
+        order=jnp.zeros(1, jnp.int32),
+        mirror=jnp.full((1, order), -1, jnp.int32),
+    )
+    found = jax.tree.map(lambda a, b: jnp.concatenate([a, b[first]]), straight, found)
+    material = jnp.concatenate([kind.material for kind in kept])  # pyright: ignore[reportArgumentType]
+    return found, jnp.where(found.mirror < 0, -1, material[jnp.maximum(found.mirror, 0)])
+
+
+def _legs(found: Images, material: Int[Array, "p k"], source: Source, listener: Listener) -> _Legs:
+    count, order = found.point.shape[:2]
+    first, final = (jnp.broadcast_to(x, (count, 1, 3)) for x in (listener.pos, source.pos))
+    corner = jnp.concatenate([first, found.point, final], axis=1)
+    number = jnp.arange(order + 1, dtype=jnp.int32)[None]
+    shell = (material < 0) & (found.mirror >= 0)
+    none = jnp.zeros((count, 1), bool)
+    return _Legs(
+        start=corner[:, :-1],
+        end=corner[:, 1:],
+        normal=jnp.concatenate([found.normal, jnp.zeros((count, 1, 3), jnp.float32)], axis=1),
+        material=jnp.concatenate([material, jnp.full((count, 1), -1, jnp.int32)], axis=1),
+        to_shell=jnp.concatenate([shell, none], axis=1),
+        from_shell=jnp.concatenate([none, shell], axis=1),
+        last=jnp.broadcast_to(number == found.order[:, None], (count, order + 1)),
+        used=number <= found.order[:, None],
+    )
+
+
+def _met(scene: Scene, legs: _Legs, config: AudioConfig) -> tuple[Bool[Array, "p k"], Float[Array, "p k bands"]]:
+    """Whether the house itself lets each leg pass up to its end, and what absorbs sound there."""
+    way = legs.end - legs.start
+    length = jnp.linalg.norm(way, axis=2)
+    # Two reflections in one corner have no leg between them: the second surface is looked at from the front.
+    none = length < SHORTEST
+    toward = jnp.where(none[:, :, None], -legs.normal, way / jnp.maximum(length, SHORTEST)[:, :, None])
+    origin = legs.start - jnp.where(none, DEPTH, 0.0)[:, :, None] * toward
+    length = jnp.where(none, DEPTH, length)
+    begin = jnp.where(legs.from_shell & ~none, jnp.minimum(DEPTH, length / 2), 0.0)
+    reach = jnp.where(legs.to_shell, length + DEPTH, length - NEAR_ENDS)
+    reach = jnp.where(legs.used & (legs.to_shell | ~none), reach, -1.0)
+    rays = origin.reshape(-1, 3), toward.reshape(-1, 3), begin.ravel(), reach.ravel()
+    t, absorption = _shell(scene, *rays, config)
+    t, absorption = t.reshape(length.shape), absorption.reshape(*length.shape, -1)
+    free = jnp.where(legs.to_shell, jnp.abs(t - length) < DEPTH, ~jnp.isfinite(t))
+    own = sound_materials(scene).absorption[jnp.maximum(legs.material, 0)]
+    return free, jnp.where((legs.material >= 0)[:, :, None], own, absorption)
+
+
+def _shell(
+    scene: Scene,
+    origin: Float[Array, "n 3"],
+    direction: Float[Array, "n 3"],
+    begin: Float[Array, " n"],
+    end: Float[Array, " n"],
+    config: AudioConfig,
+) -> tuple[Float[Array, " n"], Float[Array, "n bands"]]:
+    """Where rays meet the house, through its objects: inf nowhere. Beyond `max_crossings` surfaces they are stopped."""
+    count = origin.shape[0]
+
+    def more(carry: tuple) -> Bool[Array, ""]:
+        number, _, _, t, _ = carry
+        return (number < config.max_crossings) & jnp.any(jnp.isnan(t))
+
+    def march(carry: tuple) -> tuple:
+        number, start, skipped, t, absorption = carry
+        going = jnp.isnan(t)
+        reach = jnp.where(going, end, -1.0)
+        hit = cast(scene, origin, direction, start, reach, exclude=skipped, mask=int(Ray.SOUND))
+        met = surface_at(scene, direction, hit)
+        through = going & (hit.instance >= 0) & (met.object_id >= 0)
+        done = going & ~through
+        return (
+            number + 1,
+            jnp.where(through, hit.t + SKIN, start),
+            jnp.where(through, met.object_id, skipped),
+            jnp.where(done, hit.t, t),
+            jnp.where((done & (hit.instance >= 0))[:, None], met.absorption, absorption),
+        )
+
+    unknown = jnp.full(count, jnp.nan, jnp.float32)
+    first = (jnp.int32(0), begin, jnp.full(count, -1, jnp.int32), unknown)
+    *_, t, absorption = jax.lax.while_loop(more, march, (*first, jnp.zeros((count, len(BANDS)), jnp.float32)))
+    return jnp.where(jnp.isnan(t), 0.0, t), absorption

@@ -1,0 +1,1 @@
+"""Ears, microphones and the diffuse field around them."""

@@ -1,0 +1,161 @@
+"""Noise of a diffuse field that stays where it is while a head turns in it."""
+
+import functools
+import math
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.filters import high_pass, octave_gains
+from home_mjx.audio_jax.receivers.hrtf import diffuse_coherence
+from home_mjx.core.pytree import Pytree
+from home_mjx.core.transforms import quat_matrix
+from home_mjx.schema.compiled import BANDS
+
+NUM_NOISES = 5  # of ears and arrays that turn
+KNOTS = 3  # of amplitude in a bin: its start, middle and end
+
+
+def num_noises(config: AudioConfig) -> int:
+    """Independent noises that make up the field: one where turns change nothing, four of ambisonics."""
+    if config.receiver == "ambisonics":
+        return 4
+    return 1 if _turning_radius(config) == 0 else NUM_NOISES
+
+
+def ear_mix(head_quat: Float[Array, "4"], config: AudioConfig) -> Float[Array, "e c"]:
+    """How much of each noise each channel hears: of ears 1, cos φ, sin φ, cos 2φ, sin 2φ of the azimuth φ of an ear.
+
+    The noises' own levels (`noise_levels`) make two ears of a rigid sphere as coherent as a diffuse field would,
+    and so an ear with itself before and after turns by a right angle and by half a turn. An array turns as a whole, by
+    the azimuth of its right: each microphone hears noises of its own, see `noise`. Ambisonics hears one noise with W,
+    and three in the directions of the world.
+
+    Args:
+        head_quat: Of the head, wxyz.
+        config: Options.
+    """
+    if num_noises(config) == 1:
+        return jnp.ones((config.num_channels, 1), jnp.float32)
+    turn = quat_matrix(head_quat)
+    if config.receiver == "ambisonics":
+        parts = jnp.stack([-turn[:, 0], turn[:, 1], -turn[:, 2]])
+        return jnp.eye(4, dtype=jnp.float32).at[1:, 1:].set(parts)
+    if config.receiver == "array":
+        ears = jnp.array([[1.0, 0.0, 0.0]], jnp.float32)
+    else:
+        side, back = math.sin(math.radians(config.ear_angle)), -math.cos(math.radians(config.ear_angle))
+        ears = jnp.array([[-side, 0.0, back], [side, 0.0, back]], jnp.float32)
+    axes = jnp.matmul(ears, turn.T, precision="highest")
+    flat = jnp.sqrt(axes[:, 0] ** 2 + axes[:, 1] ** 2)
+    known = flat > 1e-3  # an ear that points straight up has no azimuth
+    x, y = (jnp.where(known, axes[:, i] / jnp.maximum(flat, 1e-3), 1.0 - i) for i in (0, 1))
+    mix = jnp.stack([jnp.ones_like(x), x, y, x * x - y * y, 2 * x * y], axis=1)
+    return jnp.broadcast_to(mix, (config.num_channels, NUM_NOISES))
+
+
+def _turning_radius(config: AudioConfig) -> float:
+    """How far from the middle of the head, on average, is what hears, across the axis of its turns [m]."""
+    if config.receiver in ("omni", "ambisonics"):
+        return 0.0
+    if config.receiver == "binaural":
+        return config.head_radius
+    return math.sqrt(sum(x * x + z * z for x, _, z in config.microphones) / len(config.microphones))
+
+
+def free_coherence(frequency: Float[np.ndarray, " f"], distance: float, speed: float) -> Float[np.ndarray, " f"]:
+    """Coherence of the pressures at two free points in a diffuse field: sin(k d) / (k d).
+
+    Cook, Waterhouse, Berendt, Edelman and Thompson, Measurement of correlation coefficients in reverberant sound
+    fields, JASA 27 (1955).
+
+    Args:
+        frequency: [Hz].
+        distance: [m].
+        speed: Speed of sound [m/s].
+    """
+    return np.sinc(2 * frequency * distance / speed)
+
+
+def noise_levels(frequency: Float[np.ndarray, " f"], config: AudioConfig) -> Float[np.ndarray, "c f"]:
+    """Amplitude of each noise over frequency; the squares that an ear hears add up to one."""
+    if num_noises(config) != NUM_NOISES:
+        return np.ones((num_noises(config), frequency.size))
+    if config.receiver == "array":
+        radius = _turning_radius(config)
+        ways = (2 * radius, math.sqrt(2) * radius)
+        opposite, across = (free_coherence(frequency, way, config.speed_of_sound) for way in ways)
+    else:
+        head = config.head_radius, config.speed_of_sound
+        opposite, across = (diffuse_coherence(frequency, angle, *head) for angle in (np.pi, np.pi / 2))
+    even, odd = (1 + opposite) / 2, (1 - opposite) / 2
+    twice = np.clip((even - across) / 2, 0, even)
+    levels = np.sqrt(np.maximum(np.stack([even - twice, odd, odd, twice, twice]), 0))
+    return levels
+
+
+@functools.cache
+def noise(config: AudioConfig) -> Float[np.ndarray, "*own c bands n"]:
+    """White noises of unit variance, split into octaves that are independent of each other.
+
+    As long as a response, and periodic: it goes on at its end as it began. Those of microphones are `own`, a leading
+    axis of them, each as coherent as in a diffuse field with that of the others.
+    """
+    length = config.response_length
+    frequency = np.fft.rfftfreq(length, 1 / config.sample_rate)
+    bands = octave_gains(frequency)
+    rng, shape = np.random.default_rng(0), (num_noises(config), *bands.shape)
+    if config.receiver == "array":
+        phase = rng.uniform(0, 2 * np.pi, (len(config.microphones), *shape))
+        whole = np.einsum("fij,jcbf->icbf", _coherence_root(frequency, config), np.exp(1j * phase), optimize=True)
+    else:
+        whole = np.exp(1j * rng.uniform(0, 2 * np.pi, shape))
+    spectrum = whole * noise_levels(frequency, config)[:, None] * np.sqrt(bands) * high_pass(frequency)
+    return (np.fft.irfft(spectrum, length) * np.sqrt(length)).astype(np.float32)
+
+
+def _coherence_root(frequency: Float[np.ndarray, " f"], config: AudioConfig) -> Float[np.ndarray, "f e e"]:
+    """Symmetric roots of the matrices of `free_coherence` between microphones.
+
+    What sums of independent noises with these weights have in common is the coherence itself, as in Habets, Cohen and
+    Gannot, Generating nonstationary multisensor signals under a spatial coherence constraint, JASA 124 (2008).
+    """
+    place = np.array(config.microphones)
+    apart = np.linalg.norm(place[:, None] - place[None], axis=-1)
+    matrix = np.sinc(2 * frequency[:, None, None] * apart[None] / config.speed_of_sound)
+    value, vector = np.linalg.eigh(matrix)
+    return np.einsum("fij,fj,fkj->fik", vector, np.sqrt(np.maximum(value, 0)), vector, optimize=True)
+
+
+@functools.cache
+def noise_bins(config: AudioConfig) -> Float[np.ndarray, "*own k m s"]:
+    """`noise` in the bins of a histogram, faded: m runs over `KNOTS`, noises and octaves.
+
+    A sum of these with amplitudes at the start, the middle and the end of a bin is noise whose amplitude runs linearly
+    between them; so a response is one product of matrices.
+    """
+    place = (np.arange(config.bin_samples) + 0.5) / config.bin_samples
+    middle = 1 - np.abs(2 * place - 1)
+    knots = np.stack([np.clip(1 - 2 * place, 0, 1), middle, np.clip(2 * place - 1, 0, 1)])
+    whole = noise(config)
+    own = whole.shape[:-3]
+    parts = whole.reshape(*own, -1, config.num_bins, config.bin_samples)
+    table = np.moveaxis(parts, -2, -3)[..., None, :, :] * knots[:, None]
+    return np.ascontiguousarray(table.reshape(*own, config.num_bins, -1, config.bin_samples), np.float32)
+
+
+class Draw(Pytree):
+    """Which noise an environment hears: one table serves all, each begins at its own place with its own signs."""
+
+    start: Int[Array, ""]  # [bins]
+    sign: Float[Array, "c bands"]
+
+
+def drawn(key: Array, config: AudioConfig) -> Draw:
+    """What a key chooses."""
+    place, signs = jax.random.split(key)
+    sign = jax.random.rademacher(signs, (num_noises(config), len(BANDS)), jnp.float32)
+    return Draw(jax.random.randint(place, (), 0, config.num_bins, jnp.int32), sign)

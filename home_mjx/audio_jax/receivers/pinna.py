@@ -1,0 +1,106 @@
+"""Echoes in the outer ear, which tell up from down and front from back."""
+
+import functools
+import math
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Complex, Float
+
+from home_mjx.audio_jax.base.shapes import shapes
+from home_mjx.audio_jax.receivers.hrtf import nearest_sums, shape_responses
+from home_mjx.schema.compiled import BANDS
+
+# Brown and Duda, A structural model for binaural sound synthesis, IEEE Trans. Speech and Audio Processing 6 (1998),
+# pinna coefficients: strength, and A, B (samples of 1 / RATE) and D of delays A cos(θ / 2) sin(D (90° - φ)) + B
+RATE = 44100.0  # [Hz]
+STRENGTH = (0.5, -1.0, 0.5, -0.25, 0.25)
+SWING = (1.0, 5.0, 5.0, 5.0, 5.0)
+MIDDLE = (2.0, 4.0, 7.0, 11.0, 13.0)
+PACE = (1.0, 0.5, 0.5, 0.5, 0.5)
+PARTS = 8  # frequencies per octave, of which energies are means
+LONGEST, STEPS = 36.0, 144  # delay [samples of 1 / RATE], and steps up to it of which filters are kept
+
+
+def pinna_delays(toward: Float[Array, "*p 3"]) -> Float[Array, "*p echoes"]:
+    """How much later than the sound itself each echo comes [s].
+
+    θ is the angle from the middle plane, φ that around the axis of the ears: 0 ahead, 90° above, 180° behind. The
+    published model ends at 90°; here it goes on to 180°, and from there back to where it was below. No echo comes
+    before its sound.
+
+    Args:
+        toward: Unit vectors to where sound comes from, in the frame of the head: +x right, +y up, looking along -z.
+
+    Example:
+        >>> [round(float(x) * RATE, 2) for x in pinna_delays(jnp.array([0.0, 0.0, -1.0]))[:2]]  # ahead
+        [3.0, 7.54]
+    """
+    side = jnp.arcsin(jnp.clip(toward[..., 0], -1.0, 1.0))
+    around = jnp.arctan2(toward[..., 1], -toward[..., 2])
+    around = jnp.where(around < -math.pi / 2, around + 2 * math.pi, around)  # -90° below .. 180° behind .. 270°
+    pace, swing, middle = (jnp.asarray(x, jnp.float32).reshape((1,) * side.ndim + (-1,)) for x in (PACE, SWING, MIDDLE))
+    wave = jnp.sin(pace * (math.pi / 2 - jnp.minimum(around, math.pi))[..., None])
+    back = (jnp.clip(around / math.pi - 1, 0.0, 0.5) * 2)[..., None]  # 0 behind .. 1 below
+    wave = wave + back * (jnp.sin(pace * jnp.float32(math.pi)) - wave)
+    samples = swing * jnp.cos(side / 2)[..., None] * wave + middle
+    return jnp.maximum(samples, 0.0) / jnp.float32(RATE)
+
+
+def with_echoes(
+    ears: Complex[Array, "p 2 s"], late: Float[Array, "p 2"], toward: Float[Array, "p 3"], sample_rate: int
+) -> Complex[Array, "p 2 s"]:
+    """Sound at ears together with its echoes, whose delays are the same at both.
+
+    Args:
+        ears: Values of causal filters at the frequencies of `shapes`.
+        late: Delay that these have on the whole [s]. Filters for it and that of an echo together are looked up, since
+            products of delays would be told too coarsely by so few frequencies.
+        toward: Unit vectors to where sound comes from, in the frame of the head.
+        sample_rate: [Hz].
+    """
+    whole = jnp.maximum(pinna_delays(toward)[:, None] + late[..., None], 0.0)
+    place = whole * jnp.float32(RATE * STEPS / LONGEST)
+    low = jnp.clip(place.astype(jnp.int32), 0, STEPS - 1)
+    rest = jnp.clip(place - low.astype(jnp.float32), 0.0, 1.0)[..., None]
+    strength = jnp.asarray(STRENGTH, jnp.float32)[None, None, :, None]
+    real, imag = (
+        jnp.sum(strength * (rows[low] * (1 - rest) + rows[low + 1] * rest), axis=2)
+        for rows in (jnp.asarray(part) for part in _delayed(sample_rate))
+    )
+    angle = late[..., None] * jnp.asarray(2 * math.pi * shapes(sample_rate).frequency, jnp.float32)[None, None]
+    return ears + ears * jax.lax.complex(jnp.cos(angle), jnp.sin(angle)) * jax.lax.complex(real, imag)
+
+
+@functools.cache
+def _delayed(sample_rate: int) -> tuple[Float[np.ndarray, "d s"], Float[np.ndarray, "d s"]]:
+    """Sums of `shapes` that are nearest to a delay, real and imaginary parts of their values."""
+    table, (frequency, response) = shapes(sample_rate), shape_responses(sample_rate)
+    delay = np.linspace(0, LONGEST / RATE, STEPS + 1)
+    value = nearest_sums(response, np.exp(-2j * np.pi * delay[:, None] * frequency)) @ table.value
+    return np.real(value).astype(np.float32), np.imag(value).astype(np.float32)
+
+
+def echo_response(toward: Float[Array, "p 3"], frequency: Float[np.ndarray, " f"]) -> Complex[Array, "p f"]:
+    """What sound and echoes together make of sound alone, at any frequencies [Hz]."""
+    angle = -2 * math.pi * pinna_delays(toward)[..., None] * jnp.asarray(frequency, jnp.float32)[None, None]
+    strength = jnp.asarray(STRENGTH, jnp.float32)[None, :, None]
+    real, imag = (jnp.sum(strength * part, axis=1) for part in (jnp.cos(angle), jnp.sin(angle)))
+    return jax.lax.complex(1 + real, imag)
+
+
+def pinna_energy(toward: Float[Array, "n 3"], sample_rate: int) -> Float[Array, "n bands"]:
+    """Mean energy per octave of sound and echoes re sound alone."""
+    frequency = _of_octaves(sample_rate)
+    power = jnp.abs(echo_response(toward, frequency.ravel())) ** 2
+    return jnp.mean(power.reshape(-1, *frequency.shape), axis=-1)
+
+
+@functools.cache
+def _of_octaves(sample_rate: int) -> Float[np.ndarray, "bands parts"]:
+    """Evenly spread frequencies of each octave, as far as the sample rate has them."""
+    low = np.minimum(np.array(BANDS) / math.sqrt(2), 0.4 * sample_rate)
+    high = np.minimum(np.array(BANDS) * math.sqrt(2), 0.5 * sample_rate)
+    place = (np.arange(PARTS) + 0.5) / PARTS
+    return low[:, None] + (high - low)[:, None] * place[None]
