@@ -59,10 +59,15 @@ def find_grip(
     return Grip(take=take & ~holds, put=puts, drop=take & holds, ready=ready, turn=turn, tilt=tilt)
 
 
-def elsewhere(snapshot: Snapshot, state: RowState) -> tuple[Bool[Array, ""], Float[Array, ""]]:
-    """Whether it is time to go elsewhere, as nothing has come of the present stage for long, and in which direction."""
+def elsewhere(snapshot: Snapshot, state: RowState) -> tuple[Bool[Array, ""], Int[Array, ""], Float[Array, ""]]:
+    """Whether it is time to go elsewhere, as nothing has come of the present stage for long.
+
+    Returns:
+        Whether it is; how often it has been before; in which direction to go [rad].
+    """
     time = snapshot.step - state.since
-    return time % ROUND >= ROUND - PATIENCE, (time // ROUND + 1).astype(jnp.float32) * jnp.float32(GOLDEN)
+    before = time // ROUND
+    return time % ROUND >= ROUND - PATIENCE, before, (before + 1).astype(jnp.float32) * jnp.float32(GOLDEN)
 
 
 def use_hands(config: EnvConfig, actions: Array, grip: Grip, aims: Bool[Array, " a"]) -> Array:

@@ -73,9 +73,11 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
     stop = stop & (there | should_stop(state, later.at[Feature.DISTANCE].add(spare)))
     grip = find_grip(snapshot, state, values, box[:, guide])
     works = (grip.take | grip.put) & ~stop
-    goes, where = elsewhere(snapshot, state)
+    goes, before, where = elsewhere(snapshot, state)
     busy, right, face = opening(snapshot)
-    busy = busy & ~goes
+    busy = busy & ~goes & (before % 2 == 0)  # what does not help is left alone for a while
+    stuck = goes & ~works & (snapshot.held >= 0) & (snapshot.contact | (before > 0))  # by what it carries
+    way = jnp.where(stuck, where, way)
     stands = works & (grip.ready | there) & ~goes
     error, tilt, near = facing(snapshot, state, looked.replace(values=farther), way, there & ~works)
     heading = jnp.where(goes & (there | snapshot.contact), where, way)
