@@ -34,7 +34,8 @@ class GymnaxEnv:
 
     Args:
         env: The environment, of one agent.
-        vector: Observations are one vector: all that have one axis, one after the other. Otherwise all, by name.
+        vector: Observations are one vector: all of float32 that have one axis, one after the other, so without words.
+            Otherwise all, by name.
         final_obs: Whether `info["final_observation"]` holds the observation before the reset, as in gymnax. Images of
             environments that ended are rendered twice for it.
 

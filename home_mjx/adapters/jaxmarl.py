@@ -45,8 +45,8 @@ class JaxMarlEnv(MultiAgentEnv):
 
     Args:
         env: The environment.
-        vector: Each agent observes one vector: all that have one axis, one after the other. JaxMARL's own networks need
-            that. Otherwise all observations, by name.
+        vector: Each agent observes one vector: all of float32 that have one axis, one after the other, so without
+            words. JaxMARL's own networks need that. Otherwise all observations, by name.
         final_obs: Whether `infos["final_obs"]` holds the observations before the reset. JaxMARL's trainers, which take
             only numbers, need `LogWrapper(env, replace_info=True)` then.
 

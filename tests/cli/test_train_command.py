@@ -192,3 +192,10 @@ def test_a_run_has_all_options():
     more = command(houses, Path("out"), "--clone-steps", "640", "--seconds", "7.5", "--algorithm", "advised")
     config = run_config(parser.parse_args(more[1:]))
     assert (config.clone_timesteps, config.max_seconds, config.algorithm) == (640, 7.5, "advised")
+
+
+def test_houses_of_the_evaluation_are_looked_for_before_training(tmp_path, capsys):
+    out = tmp_path / "run"
+    assert main(["train", "PointNav", "--dataset", "procedural:2?seed=5", "--steps", "1024", "--out", str(out)]) == 2
+    assert "none of its 2 houses are in the split `val`" in capsys.readouterr().err
+    assert not out.exists()

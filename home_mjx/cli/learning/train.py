@@ -72,6 +72,7 @@ def run(args: argparse.Namespace) -> int:
     from home_mjx.training.evaluation import check_episodes
 
     check_episodes(args.episodes)
+    check_held_out(config.env, args.held_out)
     out = make_folder(args.out or Path("runs") / config.env.id)
     train(config, out, args.resume)
     report = evaluate_checkpoint(checkpoint_of(out), num_houses=args.held_out, num_episodes=args.episodes)
@@ -79,6 +80,16 @@ def run(args: argparse.Namespace) -> int:
         file.write(json.dumps(report, indent=1).encode() + b"\n")
     sys.stdout.write(as_table(report) + f"Look at {out / 'curves.png'}\n")
     return 0
+
+
+def check_held_out(spec: "EnvSpec", num_houses: int) -> None:
+    """Raises ConfigError if the dataset has no house for the evaluation, which would else be found after training."""
+    from home_mjx.scene_compile.cache.house_set import HouseSet
+    from home_mjx.training.evaluation import judged
+
+    others = judged(spec, num_houses=num_houses)
+    if others.houses is not None:
+        _ = HouseSet.of(others.houses, split=others.split, num_houses=others.num_houses).house_ids
 
 
 def run_config(args: argparse.Namespace) -> "RunConfig":

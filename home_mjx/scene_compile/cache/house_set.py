@@ -153,8 +153,11 @@ class HouseSet:
 
     def _checked(self, found: tuple[Any, ...]) -> tuple[Any, ...]:
         if not found:
-            hint = "Choose another split or a wider filter." if self.split or self.where else None
-            raise ConfigError("no house of the dataset was chosen", hint=hint)
+            known = self.opened.house_ids if self._named is None else self._named.ids
+            limits = (f"are in the split `{self.split}`" if self.split else "", "fit the filter" if self.where else "")
+            which = f": none of its {len(known)} houses {' and '.join(filter(None, limits))}" if any(limits) else ""
+            hint = "Choose another split, a wider filter or more houses." if which else None
+            raise ConfigError(f"no house of the dataset was chosen{which}", hint=hint)
         return found
 
 

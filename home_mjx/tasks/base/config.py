@@ -173,7 +173,7 @@ class EnvConfig:
 
     def _check_numbers(self) -> None:
         for name in ("width", "height", "samples", "episode_length", "num_sources"):
-            check_number(name, getattr(self, name), 1, whole=True)
+            check_number(name, getattr(self, name), 1, 2**31 - 1, whole=True)  # programs count in 32 bits
         limits = {
             "fovy": (4, 179.9),  # [degrees]; less is an angle in radians
             "source_height": (0, 10),

@@ -151,3 +151,8 @@ def test_without_a_dataset_houses_are_generated(tmp_path, monkeypatch, root):
         default_houses(1, where=HouseFilter())
     monkeypatch.setenv("SUNCG_DATA_DIR", str(root))
     assert default_houses(2).house_ids == HouseSet(root, num_houses=2).house_ids
+
+
+def test_a_split_without_houses_is_named_with_their_number():
+    with pytest.raises(ConfigError, match=r"none of its 2 houses are in the split `val`.*more houses"):
+        HouseSet("procedural:2?seed=5", split="val").load()

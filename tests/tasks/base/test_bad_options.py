@@ -24,9 +24,9 @@ NAN, INF = float("nan"), float("inf")
 
 REFUSED = {
     make_config: [
-        ("width", 0), ("episode_length", 0), ("depth_max", -1.0), ("depth_max", NAN), ("eye_height", NAN),
-        ("source_height", INF), ("pitch_max", 10.0), ("executor", "gpu"), ("fovy", 180.0), ("num_agents", 0),
-        ("agent_mass", NAN), ("num_rays", 0), ("humidity", NAN),
+        ("width", 0), ("episode_length", 0), ("episode_length", 2**31), ("depth_max", -1.0), ("depth_max", NAN),
+        ("eye_height", NAN), ("source_height", INF), ("pitch_max", 10.0), ("executor", "gpu"), ("fovy", 180.0),
+        ("num_agents", 0), ("agent_mass", NAN), ("num_rays", 0), ("humidity", NAN),
         ("response_seconds", 1e308), ("bin_seconds", 1e308), ("ctrl_dt", 1e308),
     ],
     SemanticOptions: [("share", 0.0), ("share", -1.0), ("share", NAN), ("share", 1e308)],
