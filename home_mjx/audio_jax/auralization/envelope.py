@@ -27,9 +27,7 @@ class Envelope(Pytree):
     """A source as two ears hear it, without its phase."""
 
     energy: Float[Array, "k e bands"]  # per time bin, ear and octave, re the free field of the source at 1 m
-    lead: Float[
-        Array, " bands"
-    ]  # [s]: the left ear, if there is one, hears it so much earlier; over all directions, by energy
+    lead: Float[Array, " bands"]  # [s]: so much earlier does the left ear, if any, hear it; by energy of directions
 
 
 def energy_response(scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig) -> Envelope:
@@ -67,8 +65,8 @@ def _late(
 ) -> tuple[Float[Array, "k e bands"], Float[Array, "n 3"], Float[Array, "n bands"]]:
     """Late energy at both ears; directions in which it comes, and how much from each. All others cancel out."""
     if config.late == "none":
-        bands, nowhere = len(BANDS), jnp.zeros((0, 3), jnp.float32)
-        return jnp.zeros((config.num_bins, 2, bands), jnp.float32), nowhere, jnp.zeros((0, bands), jnp.float32)
+        nowhere, nothing = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, len(BANDS)), jnp.float32)
+        return jnp.zeros((config.num_bins, config.num_channels, len(BANDS)), jnp.float32), nowhere, nothing
     if config.late == "baked":
         late, toward = baked_histogram(scene, source, listener, config)
         whole, length = jnp.mean(jnp.sum(late, axis=0), axis=0), jnp.linalg.norm(toward)

@@ -145,14 +145,19 @@ def _leaves(snapshot: Snapshot) -> Leaf:
     return jax.tree.map(lambda x: x[snapshot.house], Leaf.of(snapshot.bank.physics))
 
 
+def _swing(snapshot: Snapshot, leaves: Leaf) -> tuple[Float[Array, " h"], Float[Array, " h"]]:
+    """Where leaves point now, and by which angle they turn until they are wide open [rad]."""
+    now = jnp.arctan2(leaves.arm[:, 1], leaves.arm[:, 0]) + snapshot.door_angle
+    return now, snapshot.bank.physics.door_wide[snapshot.house] - snapshot.door_angle
+
+
 def _about_hinges(
     snapshot: Snapshot, place: Float[Array, "n 3"]
 ) -> tuple[Float[Array, "n h"], Float[Array, "n h"], Float[Array, " h"]]:
     """How far places are from hinges [m]; by which angle each leaf opens until it points there, by which until wide."""
     leaves = _leaves(snapshot)
     offset = place[:, None, :2] - leaves.pivot[None]
-    now = jnp.arctan2(leaves.arm[:, 1], leaves.arm[:, 0]) + snapshot.door_angle
-    opens = snapshot.bank.physics.door_wide[snapshot.house] - snapshot.door_angle
+    now, opens = _swing(snapshot, leaves)
     turn = wrap_angle(jnp.arctan2(offset[..., 1], offset[..., 0]) - now) * jnp.sign(opens)
     return jnp.maximum(jnp.linalg.norm(offset, axis=-1), 1e-3), turn, jnp.abs(opens)
 
@@ -160,8 +165,8 @@ def _about_hinges(
 def _beyond_edge(snapshot: Snapshot, leaf: Int[Array, " a"], spare: Float[Array, " a"]) -> Float[Array, "a 2"]:
     """Places so far beyond the free edges of leaves, a little to the side to which they open [m]."""
     leaves = _leaves(snapshot)
-    opens = snapshot.bank.physics.door_wide[snapshot.house] - snapshot.door_angle
-    angle = jnp.arctan2(leaves.arm[:, 1], leaves.arm[:, 0]) + snapshot.door_angle + jnp.sign(opens) * ASIDE
+    now, opens = _swing(snapshot, leaves)
+    angle = now + jnp.sign(opens) * ASIDE
     far = 2 * jnp.sqrt(leaves.far)[leaf] + spare
     way = jnp.stack([jnp.cos(angle), jnp.sin(angle)], axis=-1)[leaf]
     return leaves.pivot[leaf] + way * far[:, None]

@@ -128,6 +128,13 @@ def test_intensity_of_ambisonics_points_to_the_source(vector, rng):
     np.testing.assert_allclose([y @ y + z @ z + x @ x], [w @ w], rtol=1e-4)
 
 
+def test_without_a_late_part_there_are_as_many_channels():
+    scene, ends = scene_of(shoebox()), (Source(jnp.float32([-1, -1, 1.2])), Listener(jnp.float32([1, 1, 1.6]), HEAD))
+    config = AudioConfig(receiver="ambisonics", late="none")
+    assert energy_response(scene, *ends, jax.random.key(0), config).energy.shape[1] == 4
+    assert impulse_response(scene, *ends, jax.random.key(0), config).shape == (4, config.response_length)
+
+
 def test_w_is_the_omnidirectional_receiver():
     """Early sound to the last digits; late sound but for the signs of its octaves, so in level; also in energies."""
     scene, ends = scene_of(shoebox()), (Source(jnp.float32([-1, -1, 1.2])), Listener(jnp.float32([1, 1, 1.6]), HEAD))
