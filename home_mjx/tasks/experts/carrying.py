@@ -10,16 +10,48 @@ from home_mjx.physics.hands import CARRY
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.environment.handling import carried_ids
 from home_mjx.tasks.environment.moves import action_names
-from home_mjx.tasks.sensors.reaching import footprints, plan_radius
+from home_mjx.tasks.sensors.cameras import eye_position
+from home_mjx.tasks.sensors.reaching import STEEPEST, footprints, plan_gaps, plan_radius
 
 PARTS = 8  # of a turn that are looked at
 BOUND = 0.4  # [rad]: who has turned too far by less than that turns back
+MOVED = 0.5  # [m], from where it stood: there a field still leads to a thing
+NEAREST, FARTHEST = 0.4, 0.9  # [m], at which agents stand from what they take
 AROUND = 0.05  # [m], between what is carried and what stands beside the way
 
 
 def has_hands(snapshot: Snapshot) -> bool:
     """Whether agents have hands and houses have things for them."""
     return snapshot.config.hands and snapshot.bank.spec.num_bodies > 0
+
+
+def was_moved(snapshot: Snapshot, meant: Bool[Array, " i"], middle: Float[Array, "a 3"]) -> Bool[Array, " a"]:
+    """Whether things lie where none of those that are meant stood when the house was made, and so fields end elsewhere.
+
+    Args:
+        snapshot: The environment.
+        meant: Which instances are meant.
+        middle: Of the thing that each agent is after [m].
+    """
+    if not has_hands(snapshot):
+        return jnp.zeros(middle.shape[0], bool)
+    physics, house = snapshot.bank.physics, snapshot.house
+    instance = physics.body_instance[house]
+    counts = (instance >= 0) & meant[jnp.clip(instance, 0, meant.shape[0] - 1)]
+    away = jnp.linalg.norm(middle[:, None] - physics.body_pos[house][None], axis=-1)
+    nearest = jnp.min(jnp.where(counts[None], away, jnp.inf), axis=1)
+    return jnp.isfinite(nearest) & (nearest > jnp.float32(MOVED))
+
+
+def at_hand(snapshot: Snapshot, middle: Float[Array, "a 3"]) -> Float[Array, " a"]:
+    """How far away from a thing agents stand to take it [m]: what is low they look down at from farther away.
+
+    Args:
+        snapshot: The environment.
+        middle: Of the thing that each agent is after [m].
+    """
+    below = eye_position(snapshot.config, snapshot.pose)[:, 2] - middle[:, 2]
+    return jnp.clip(below / jnp.tan(jnp.float32(STEEPEST)) + jnp.float32(AROUND), NEAREST, FARTHEST)
 
 
 def carried_radius(snapshot: Snapshot, agent: Int[Array, ""]) -> Float[Array, ""]:
@@ -59,12 +91,7 @@ def meets(snapshot: Snapshot, agent: Int[Array, ""], place: Float[Array, "n 3"])
     body = jnp.maximum(held, 0)
     boxes = footprints(snapshot.scene, carried_ids(snapshot)[agent])
     low, high = snapshot.scene.moving.box[body, :, 2]
-    boxes = jax.tree.map(lambda x: x[None], boxes)
-    x, y = place[:, :1] - boxes.x, place[:, 1:2] - boxes.y
-    u = jnp.abs(boxes.cos * x + boxes.sin * y) - boxes.half_u
-    v = jnp.abs(boxes.cos * y - boxes.sin * x) - boxes.half_v
-    away = jnp.hypot(jnp.maximum(u, 0.0), jnp.maximum(v, 0.0))
-    met = (away < radius) & (boxes.top > low) & (boxes.bottom < high)
+    met = (plan_gaps(boxes, place[:, :2]) < radius) & (boxes.top > low) & (boxes.bottom < high)
     return (held >= 0) & jnp.any(met, axis=1)
 
 

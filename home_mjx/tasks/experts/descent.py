@@ -57,6 +57,21 @@ def descend(
     return jnp.where(settled & straight[-1], aside, aim), settled & ends
 
 
+def straight_distance(
+    snapshot: Snapshot, places: Int[Array, "n 3"], point: Float[Array, "3"], apart: Float[Array, ""]
+) -> Float[Array, " n"]:
+    """Of cells to a circle around a point in the plan [m]: the field of what lies where no field was made for.
+
+    Args:
+        snapshot: The environment.
+        places: Level, row and column of the cells.
+        point: The point [m].
+        apart: Radius of the circle [m].
+    """
+    place = jax.vmap(lambda p: place_position(snapshot.bank, snapshot.house, p))(places)
+    return jnp.abs(jnp.linalg.norm(place[:, :2] - point[:2], axis=1) - apart)
+
+
 def is_free(snapshot: Snapshot, agent: Int[Array, ""], place: Float[Array, "3"]) -> Bool[Array, ""]:
     """Whether an agent can walk straight to a place [m]: the way is looked at in `SAMPLES` places."""
     free, _, _ = _ways(snapshot, agent, place[None])

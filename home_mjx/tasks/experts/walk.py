@@ -12,8 +12,8 @@ from home_mjx.navigation.grid import stored_distance
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.environment.moves import action_names
-from home_mjx.tasks.experts.carrying import clear_turns, has_hands
-from home_mjx.tasks.experts.descent import descend
+from home_mjx.tasks.experts.carrying import at_hand, clear_turns, has_hands, was_moved
+from home_mjx.tasks.experts.descent import descend, straight_distance
 from home_mjx.tasks.experts.grips import elsewhere, find_grip, is_aimed, open_doors, use_hands
 from home_mjx.tasks.experts.leaves import faces_shut_leaf, opening
 from home_mjx.tasks.experts.speaking import or_words
@@ -62,7 +62,7 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
     values, box = looked.values, looked.box
     guide = jnp.maximum(program.guide[jnp.maximum(state.stage, 0)], 0)
     later = lasting(snapshot, state, looked)
-    stop, (way, there) = should_stop(state, later), downhill(snapshot, state, guide)
+    stop, (way, there) = should_stop(state, later), downhill(snapshot, state, guide, box[:, guide])
     if not has_hands(snapshot):
         error, tilt, near = facing(snapshot, state, looked, way, there)
         waits = should_wait(state, values)
@@ -183,19 +183,33 @@ def should_stop(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[
 
 
 def downhill(
-    snapshot: Snapshot, state: RowState, guide: Int[Array, ""]
+    snapshot: Snapshot, state: RowState, guide: Int[Array, ""], box: Float[Array, "a 2 3"]
 ) -> tuple[Float[Array, " a"], Bool[Array, " a"]]:
     """Heading of the shortest way to what a descriptor means [rad], and whether no place is nearer.
 
     Each agent can walk straight to the place that it heads for, see `descend`; in a room that is meant it goes on.
+    What has been dropped is not where its field leads: agents go towards it as it lies now.
+
+    Args:
+        snapshot: The environment.
+        state: Of its row task.
+        guide: Number of the descriptor.
+        box: Bounds of the nearest thing that it means [m].
     """
     moves, column = snapshot.config.discrete, jnp.maximum(state.program.field[guide], 0).astype(jnp.int32)
     least = moves.forward_step_size / 2 if moves and has_hands(snapshot) else 0.0  # who goes on would pass the end
     is_room = state.program.descriptor[guide, Word.KIND] == Kind.ROOM  # anywhere beyond its threshold will do
     within = jnp.where(is_room, jnp.inf, 0.0)
+    middle = box.mean(axis=1)
+    lies, apart = was_moved(snapshot, state.means.instance[guide], middle), at_hand(snapshot, middle)
 
     def ahead(agent: Int[Array, ""]) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
-        far = lambda _, cell: stored_distance(snapshot.tasks.field, cell, column)  # noqa: E731
+        def far(places: Int[Array, "n 3"], cell: Int[Array, " n"]) -> Float[Array, " n"]:
+            known = stored_distance(snapshot.tasks.field, cell, column)
+            if not has_hands(snapshot):
+                return known
+            return jnp.where(lies[agent], straight_distance(snapshot, places, middle[agent], apart[agent]), known)
+
         return descend(snapshot, agent, far, least, within)
 
     aim, there = jax.vmap(ahead)(jnp.arange(snapshot.config.num_agents))

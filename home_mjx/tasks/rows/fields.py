@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int, UInt16
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra
+from scipy.spatial import KDTree
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.physics.base.doors import Leaf
@@ -20,6 +21,7 @@ STOREY = 2.5  # [m]: what is higher above a floor belongs to another storey
 BRUSHES = 4.0  # who brushes the leaf of an open door may shut it
 PUSHES = BRUSHES**2  # and who walks into it does
 MARGIN = 0.15  # [m], to a leaf
+TURNING = 0.4  # [m]: so near to where it fits what is carried can be turned
 TINY = 1e-6  # [m]: a way of no length would be none in a sparse matrix
 
 # Cells from which a goal is reached, and how far it is from each [m]; as many of both.
@@ -121,6 +123,13 @@ class CellGraph:
         """The cell that is nearest to a point."""
         nearest = np.argmin(np.linalg.norm(self.place - place, axis=1))
         return np.array([nearest]), np.linalg.norm(self.place[[nearest], :2] - place[:2], axis=1)
+
+    def leads_out(self, cells: Int[np.ndarray, " n"], wide: Bool[np.ndarray, " c"]) -> Bool[np.ndarray, " n"]:
+        """Which of some cells are at most `TURNING` from cells that are wide and joined by such to most wide ones."""
+        out = self.place[~_beyond(~wide, *self._edges[:2])]
+        if not len(out):
+            return np.zeros(len(cells), bool)
+        return KDTree(out).query(self.place[cells])[0] <= TURNING
 
     def _between_levels(self) -> list[tuple[np.ndarray, ...]]:
         """Ways from the top of a ramp, which is in the grid of the level below, to the floor that it leads to."""

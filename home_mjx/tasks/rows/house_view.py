@@ -15,11 +15,12 @@ from home_mjx.schema.categories import COARSE
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.rows.fields import CellGraph, Ends
 from home_mjx.tasks.rows.words import Kind, Use
-from home_mjx.tasks.sensors.reaching import plan_radius, put_from, taken_from
+from home_mjx.tasks.sensors.reaching import gaps_carrying, plan_radius, put_from, taken_from
 from home_mjx.tasks.sensors.sight import ids_in_view, seen_from
 
 HAND = 0.93  # [m], how far hands reach: less than `Body.reach`, as agents do not stand in the middle of cells
 CELLS = 64  # that are nearest to a thing are tried
+BLOCK = 1024  # cells that are looked at together
 EVERY = 4  # cell in reach of a hand is tried
 REACH = 0.3  # [m]: besides the nearest cell, those that are farther by so much are ends of ways to a thing
 STOREY = 2.0  # [m] above the highest floor: what is wholly higher is out of reach
@@ -59,6 +60,7 @@ class HouseView:
         self.bank, self.house, self._boxes, self._device = bank, house, boxes, device
         self._beside: dict[int, Ends] = {}
         self._at_hand: dict[tuple[int, float], Ends] = {}
+        self._taken: dict[int, Ends] = {}
 
     @cached_property
     def graph(self) -> CellGraph:
@@ -152,13 +154,29 @@ class HouseView:
         return round(float(plan_radius(size, quat)) + 0.005, 2)
 
     def taken(self, instance: int) -> Ends:
-        """Cells from which a hand can take an instance; none, if there are none."""
+        """Cells from which a hand can take an instance and carry it away; none, if there are none."""
 
         def there(eyes: Array) -> Array:
             box = jnp.asarray(self._boxes[instance], jnp.float32)
             return taken_from(self._device, self._number, eyes, jnp.int32(instance), box, jnp.float32(HAND))
 
-        return self._at_hand_of((instance, -1.0), there)
+        if instance not in self._taken:
+            cells, away = self._at_hand_of((instance, -1.0), there)
+            out = self.graph.leads_out(cells, self._gaps_carrying(instance) > self.radius(instance))
+            self._taken[instance] = cells[out], away[out]
+        return self._taken[instance]
+
+    def _gaps_carrying(self, instance: int) -> Float[np.ndarray, " c"]:
+        """From the middle of each cell to what is as high as agents carry an instance [m]."""
+        half = np.float32(np.diff(self._boxes[instance, :, 2]).item() / 2)
+        own, eyes = jnp.int32(self.bank.geometry.instance_object[self.house, instance]), self._eyes(self.graph.place)
+        blocks = np.full((-len(eyes) % BLOCK + len(eyes), 3), np.inf, np.float32)
+        blocks[: len(eyes)] = eyes
+        parts = [
+            gaps_carrying(self._device, self._number, jnp.asarray(part), half, own)
+            for part in blocks.reshape(-1, BLOCK, 3)
+        ]
+        return np.concatenate([np.zeros(0), *parts])[: len(eyes)]
 
     def put(self, instance: int, radius: float) -> Ends:
         """Cells from which a hand can put something of a radius [m] on an instance; none, if there are none."""

@@ -7,6 +7,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.transforms import quat_matrix
+from home_mjx.physics.hands import LOW
 from home_mjx.physics.kinematic.footprints import Footprints
 from home_mjx.physics.reference.slots import Boxes
 from home_mjx.raycast_render.casting.cast import cast
@@ -103,6 +104,19 @@ def footprints(scene: Scene, carried: Int[Array, ""]) -> Footprints:
     return jax.tree.map(lambda *x: jnp.concatenate(x), Footprints.of(Boxes(*parts)), own)
 
 
+def plan_gaps(boxes: Footprints, plan: Float[Array, "n 2"]) -> Float[Array, "n b"]:
+    """From places to boxes in the plan [m]; 0 inside."""
+    u, v = _beyond_sides(boxes, plan)
+    return jnp.hypot(jnp.maximum(u, 0), jnp.maximum(v, 0))
+
+
+def _beyond_sides(boxes: Footprints, plan: Float[Array, "n 2"]) -> tuple[Float[Array, "n b"], Float[Array, "n b"]]:
+    """How far places are beyond the sides of boxes, along both of their axes [m]; negative inside."""
+    x, y = plan[:, :1] - boxes.x, plan[:, 1:] - boxes.y
+    u = jnp.abs(boxes.cos * x + boxes.sin * y) - boxes.half_u
+    return u, jnp.abs(boxes.cos * y - boxes.sin * x) - boxes.half_v
+
+
 def room_at(
     boxes: Footprints, plan: Float[Array, "n 2"], height: Float[Array, " n"], radius: Float[Array, ""]
 ) -> tuple[Bool[Array, " n"], Bool[Array, " n"]]:
@@ -117,9 +131,7 @@ def room_at(
         height: Of what is beneath [m].
         radius: Of what is put there [m].
     """
-    x, y = plan[:, :1] - boxes.x, plan[:, 1:] - boxes.y
-    u = jnp.abs(boxes.cos * x + boxes.sin * y) - boxes.half_u
-    v = jnp.abs(boxes.cos * y - boxes.sin * x) - boxes.half_v
+    u, v = _beyond_sides(boxes, plan)
     away = jnp.hypot(jnp.maximum(u, 0), jnp.maximum(v, 0))
     inner = (u <= -jnp.minimum(radius, OVER * boxes.half_u)) & (v <= -jnp.minimum(radius, OVER * boxes.half_v))
     bears = inner & (jnp.abs(boxes.top - height[:, None]) < FLAT)
@@ -147,6 +159,25 @@ def taken_from(
         return jnp.sum(own) > SEEN
 
     return jax.vmap(one)(eyes)
+
+
+@jax.jit
+def gaps_carrying(
+    bank: HouseBank, house: Int[Array, ""], eyes: Float[Array, "n 3"], half: Float[Array, ""], carried: Int[Array, ""]
+) -> Float[Array, " n"]:
+    """From below eyes to the nearest box that is as high as agents carry something, as the house begins [m].
+
+    Args:
+        bank: The houses.
+        house: Index of the house.
+        eyes: Of agents [m].
+        half: Height of what is carried, half of it [m].
+        carried: Its object id.
+    """
+    boxes = footprints(as_it_begins(bank, house), carried)
+    middle = eyes[:, 2:] - jnp.float32(LOW)
+    meets = (boxes.top > middle - half) & (boxes.bottom < middle + half)
+    return jnp.min(jnp.where(meets, plan_gaps(boxes, eyes[:, :2]), jnp.inf), axis=1)
 
 
 @jax.jit

@@ -7,7 +7,7 @@ import pytest
 from home_mjx.physics.base.doors import Leaf
 from home_mjx.registry import as_bank
 from home_mjx.schema.compiled import FIELD_FAR, FIELD_UNIT
-from home_mjx.tasks.rows.fields import BRUSHES, MARGIN, STOREY, CellGraph
+from home_mjx.tasks.rows.fields import BRUSHES, MARGIN, STOREY, TURNING, CellGraph
 
 
 @pytest.fixture(scope="module")
@@ -72,3 +72,37 @@ def test_a_way_past_a_leaf_is_no_shorter(bank):
     assert (far >= near - 1e-9).all()
     assert (far[graph.at_leaf] > near[graph.at_leaf] + 0.1).any()
     assert (far <= BRUSHES * near + 1e-9).all()
+
+
+def reached(begin: int, joined: dict[int, list[int]], free: np.ndarray) -> set[int]:
+    """Cells that are joined to one by free ones, by a walk over them."""
+    seen, left = {begin}, [begin]
+    while left:
+        for cell in joined[left.pop()]:
+            if free[cell] and cell not in seen:
+                seen.add(cell)
+                left.append(cell)
+    return seen
+
+
+@pytest.mark.parametrize("share", [0.55, 0.8])
+def test_what_leads_out_is_near_the_largest_part_of_what_is_wide(bank, share):
+    """Against a walk and distances by brute force, with cells that are wide at random, of part of a house."""
+    graph = CellGraph(bank, 1)
+    wide = np.random.default_rng(0).random(len(graph.place)) < share
+    joined = {cell: [] for cell in range(len(wide))}
+    for a, b in zip(*graph._edges[:2], strict=True):
+        joined[a].append(b)
+        joined[b].append(a)
+    left, parts = set(np.flatnonzero(wide).tolist()), []
+    while left:
+        parts.append(reached(next(iter(left)), joined, wide))
+        left -= parts[-1]
+    largest = np.array(sorted(max(parts, key=len)))
+    cells = np.arange(0, len(wide), 7)
+    away = np.linalg.norm(graph.place[cells, None] - graph.place[largest], axis=-1).min(axis=1)
+    expected = away <= TURNING
+    np.testing.assert_array_equal(graph.leads_out(cells, wide), expected)
+    assert len(parts) > 1
+    assert not graph.leads_out(cells, np.zeros(len(wide), bool)).any()
+    assert graph.leads_out(cells, np.ones(len(wide), bool))[~graph.cut_off[cells]].all()

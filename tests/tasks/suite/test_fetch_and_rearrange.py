@@ -6,6 +6,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import KDTree
+from scipy.spatial.transform import Rotation
 from whole_episodes import begun, played
 
 import home_mjx
@@ -32,6 +36,7 @@ from home_mjx.tasks.rows.machine import advance
 from home_mjx.tasks.rows.program import Meant, written
 from home_mjx.tasks.rows.task_bank import program_of
 from home_mjx.tasks.rows.words import NUM_CONDITIONS, Kind, Word
+from home_mjx.tasks.suite.carried import portable_things
 
 HANDS = {"hands": True, "aim_angle": 10.0, "pitch_max": 1.05}
 TASKS = HouseTasks(tasks=(Fetch(stop=True), Rearrange(stop=True, num_things=2)), num_tasks=5)
@@ -162,6 +167,57 @@ def test_a_file_of_them_holds_their_fields(bank, tasks, tmp_path):
                 )
 
 
+def free_at(view, thing, height: float) -> np.ndarray:
+    """Cells above which a disc as large as a thing touches nothing at a height, by boxes of the bank one by one."""
+    physics, place = view.bank.physics, view.graph.place[:, :2]
+    half = (thing.box[1, 2] - thing.box[0, 2]) / 2
+    free = np.ones(len(place), bool)
+    size, quat = np.asarray(physics.body_size[view.house, thing.body]), np.asarray(physics.body_quat[view.house])
+    radius = np.linalg.norm((Rotation.from_quat(quat[thing.body], scalar_first=True).as_matrix() * size)[:2])
+    middle = view.graph.place[:, 2] + height
+    for pos, turn, box in zip(
+        *(np.asarray(getattr(physics, f"collider_{name}")[view.house]) for name in ("pos", "quat", "size")), strict=True
+    ):
+        matrix = Rotation.from_quat(turn, scalar_first=True).as_matrix()
+        rise = np.abs(matrix[2]) @ box
+        local = np.abs((place - pos[:2]) @ matrix[:2, :2])
+        near = np.linalg.norm(np.maximum(local - box[:2], 0), axis=1) < radius
+        free &= ~(near & (np.abs(middle - pos[2]) < rise + half))
+    return free
+
+
+@pytest.mark.parametrize("name", ["Fetch", "Rearrange"])
+def test_what_is_to_be_carried_can_be_carried_away(tasks, views, name):
+    """From where its way ends a free place is near that is joined to most of the house, furniture that moves aside."""
+    checked = 0
+    for row in rows_of(tasks, name):
+        view = views[row["house"]]
+        for d in things_to_take(row):
+            (thing,) = meant_by(view, row["descriptor"][d])
+            first = int(np.asarray(view.bank.navigation.first_cell)[view.house])
+            field = np.asarray(tasks.field)[first : first + len(view.graph.place), row["field"][d]]
+            free = free_at(view, thing, view.bank.spec.agent_height - 0.1 - 0.45)
+            cells = np.flatnonzero(free)
+            pairs = KDTree(view.graph.place[cells]).query_pairs(view.bank.spec.cell * 1.5, output_type="ndarray")
+            graph = csr_matrix((np.ones(len(pairs)), tuple(pairs.T)), shape=(len(cells),) * 2)
+            part = connected_components(graph, directed=False)[1]
+            out = cells[part == np.bincount(part).argmax()]
+            end = view.graph.place[np.argmin(field)]
+            assert np.linalg.norm(view.graph.place[out] - end, axis=1).min() <= 0.4
+            checked += 1
+    assert checked >= len(rows_of(tasks, name))
+
+
+def test_what_lies_in_a_pocket_is_not_to_be_carried():
+    """A chair and a wardrobe leave 37 cm there: an agent fits through, the thing that it holds does not."""
+    (view,) = house_views(as_bank("procedural:1?seed=110022", 1))
+    bodies = [portable.thing.body for portable in portable_things(view, 10.0, 0.5)]
+    assert 0 not in bodies
+    assert len(bodies) >= 2
+    ahead = view.bank.physics.body_pos[0, 0]
+    assert np.linalg.norm(view.graph.place[:, :2] - np.asarray(ahead)[:2], axis=1).min() < 0.93  # within reach
+
+
 def told(program, stage: int, **features: bool) -> tuple[int, float]:
     """Next stage and reward if these features hold; `held0` is `HELD` of descriptor 0."""
     names = [f"{Feature(int(f)).name.lower()}{int(d)}" for f, d in zip(program.feature, program.first, strict=True)]
@@ -255,6 +311,27 @@ def test_experts_bring_things_and_put_them_down(env, reset):
         own = np.asarray(done.task.task) == number
         assert own.sum() >= 12
         assert success[own].mean() >= 0.95, name
+
+
+@pytest.mark.slow
+def test_experts_fetch_what_has_been_dropped_from_where_it_lies(env, reset):
+    """Everyone lets go once, twelve steps after it has taken something; fields lead to where things were before."""
+    names, params = env.core.action_names, env.params
+
+    def act(carry: tuple, _) -> tuple:
+        state, time = carry
+        snapshot = env.core.snapshot(params, state)
+        time = jnp.where(snapshot.held[0] >= 0, time + 1, time)
+        lets_go = time == 12
+        action = jnp.where(lets_go, names.index("drop"), expert_action(snapshot, state.task)[0])
+        after = env.core.step(params, state, action)
+        after = jax.tree.map(lambda old, new: jnp.where(state.done, old, new), state, after)
+        return (after, jnp.where(lets_go, 100, time)), None
+
+    run = jax.jit(jax.vmap(lambda state: jax.lax.scan(act, (state, jnp.int32(0)), None, MOST_STEPS)[0]))
+    done, time = run(reset)
+    assert np.mean(np.asarray(time) >= 100) > 0.9
+    assert np.asarray(done.metrics["success"]).mean() >= 0.9
 
 
 @pytest.mark.slow
