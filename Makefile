@@ -12,7 +12,7 @@ SETUP := pyproject.toml requirements/constraints.txt scripts/setup_venv.sh
 USER_STAMP := $(VENV)/.installed-user
 DEV_STAMP := $(VENV)/.installed-dev
 
-.PHONY: help demo test test-slow test-matrix crash fuzz soak garbage checkers lint types docs bench wheel clean
+.PHONY: help demo test test-slow test-matrix crash fuzz soak memory garbage checkers lint types docs bench wheel clean
 
 help:  ## show this list
 	@grep -E '^[a-z-]+:.*## ' Makefile | sed -E 's/:.*## /\t/' | expand -t 14
@@ -38,6 +38,9 @@ fuzz: $(DEV_STAMP)  ## read changed files for ten minutes; ARGS="--seconds 3600 
 
 soak: $(DEV_STAMP)  ## random houses and policies for ten minutes; ARGS="--mode x64 --envs 8" for others
 	$(BIN)/python tests/soak/invariants.py --seconds 600 $(ARGS)
+
+memory: $(DEV_STAMP)  ## whether memory grows in ten minutes of stepping; ARGS="--envs 512" for others
+	$(BIN)/python tests/soak/memory.py --seconds 600 $(ARGS)
 
 garbage: $(DEV_STAMP)  ## odd numbers in all arrays of rays and physics; ARGS="--backend cuda --scenes 10000"
 	$(BIN)/python tests/soak/garbage.py --seconds 300 $(ARGS)

@@ -35,3 +35,9 @@ inline float fast_reciprocal(float x) { return 1 / x; }
 inline float warp_min(float x) { return x; }
 inline float warp_max(float x) { return x; }
 inline unsigned warp_ballot(bool x) { return x; }
+
+using Place = int2*;
+inline Place place_of(int2* entry) { return entry; }
+inline Place shift(Place place, int entries) { return place + entries; }
+inline void put(Place place, int2 x) { *place = x; }
+inline int2 get(Place place) { return *place; }

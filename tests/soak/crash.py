@@ -4,7 +4,8 @@
 
 Each try begins anew: a forked child writes and dies at one operation, another one looks at what readers meet, writes
 again and looks at the result. One JSON object a line for each writer; the last one has the sums. Exits with 1 if a try
-fails; the same arguments repeat it. Without `--kills`: every operation, in each way to die.
+fails; the same arguments repeat it. Without `--kills`: every operation, in each way to die. A writer whose package is
+not installed is left out and says so.
 """
 
 import argparse
@@ -28,6 +29,7 @@ os.environ.setdefault("JAX_PLATFORMS", "cpu")
 os.environ.setdefault("MPLBACKEND", "agg")
 
 from kill_points import BEFORE, POWER, TORN, Disk, in_child  # noqa: E402
+from left_out import missing_package  # noqa: E402
 from writers import WRITERS, Writer  # noqa: E402
 
 MEMORY = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None  # where a forced write takes no time
@@ -51,14 +53,28 @@ def main(arguments: Sequence[str] | None = None) -> int:
     args = parser.parse_args(arguments)
     logging.disable(logging.WARNING)
     warnings.simplefilter("ignore", DeprecationWarning)  # forks of a process with threads, such as of libraries
-    end, total = time.monotonic() + args.seconds, {"kills": 0, "failures": 0}
+    end, total = time.monotonic() + args.seconds, {"kills": 0, "failures": 0, "left_out": 0}
     for name in args.writers:
-        record = attack(name, WRITERS[name], args.kills, args.seed, end)
+        package = wanted(WRITERS[name])
+        record = {"writer": name, "left_out": 1, "package": package}
+        if not package:
+            record = attack(name, WRITERS[name], args.kills, args.seed, end)
         print(json.dumps(record), flush=True)
         for key in total:
-            total[key] += record[key]
+            total[key] += record.get(key, 0)
     print(json.dumps({"writer": "all", **total}), flush=True)
     return int(total["failures"] > 0)
+
+
+def wanted(writer: Writer) -> str:
+    """A package that the writer needs and that is not installed; else nothing."""
+    try:
+        writer.warm()
+    except Exception as error:
+        if not missing_package(error):
+            raise
+        return missing_package(error)
+    return ""
 
 
 def attack(name: str, writer: Writer, kills: int | None, seed: int, end: float) -> dict[str, Any]:
@@ -67,7 +83,6 @@ def attack(name: str, writer: Writer, kills: int | None, seed: int, end: float) 
     with tempfile.TemporaryDirectory(dir=MEMORY) as work:
         template, folder = Path(work, "before"), Path(work, "now")
         template.mkdir()
-        writer.warm()
         assert in_child(lambda: writer.before(template)) == 0
         points, right = known(writer, template, folder)
         chosen = points if kills is None else spread(points, kills, seed)

@@ -6,7 +6,8 @@ Every input is read or refused by a typed error, within 10 s and 1 GiB, and no i
 this are written to a folder, by target and case; the same seed and case make the same input. Inputs that have failed
 once (`tests/soak/kept`) are read first. Time and number are dealt out evenly: each target gets the same share of
 `--seconds`, which runs while it reads and not while it gets ready, and the same share of `--total`. One JSON object a
-line for each target; the last one has the sums. Exits with 1 if an input has failed.
+line for each target; the last one has the sums. A target whose package is not installed is left out and says so. Exits
+with 1 if an input has failed.
 """
 
 import argparse
@@ -29,6 +30,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "helpers"), str(Path(__file__).parent)]
 os.environ.setdefault("JAX_PLATFORMS", "cpu")
 
+from left_out import missing_package  # noqa: E402
 from mutations import mutated  # noqa: E402
 from readers import TARGETS  # noqa: E402
 
@@ -61,12 +63,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     args = parser.parse_args(arguments)
     names = args.targets or [name for name, target in TARGETS.items() if target.quick or not args.quick]
     cases, seconds = min(args.cases, -(-args.total // len(names))), args.seconds / len(names)
-    total = {"cases": 0, "failed": 0}
+    total = {"cases": 0, "failed": 0, "left_out": 0}
     for name in names:
         record = Hunt(name, args.seed, args.out).run(cases, seconds)
         print(json.dumps(record), flush=True)
         for key in total:
-            total[key] += record[key]
+            total[key] += record.get(key, 0)
     print(json.dumps({"target": "all", **total}), flush=True)
     return int(total["failed"] > 0)
 
@@ -89,6 +91,8 @@ class Hunt:
                 status, stuck = self.process(place, cases, seconds)
                 if status == 0:
                     break
+                if status == MISSING:
+                    return {"target": self.name, "left_out": 1}
                 if status == 1:
                     raise RuntimeError(f"{self.name} cannot be prepared")
                 deaths += 1
@@ -135,7 +139,13 @@ class Hunt:
 
     def hunt(self, folder: Path, cases: int, seconds: float) -> int:
         """In the process that reads."""
-        originals, read = self.target.prepare(folder)
+        try:
+            originals, read = self.target.prepare(folder)
+        except Exception as error:
+            if not missing_package(error):
+                raise
+            print(f"{self.name} is left out without {missing_package(error)}", file=sys.stderr, flush=True)
+            return MISSING
         for original in originals:
             read(original)  # good inputs are read
         warnings.simplefilter("ignore")  # of NumPy, about odd numbers
@@ -236,7 +246,8 @@ class Hunt:
         self.notes[:] = NOTES.pack(*(old if x < 0 else x for x, old in zip(new, self.all(), strict=True)))
 
 
-RESTART = 3
+RESTART = 3  # exit statuses of a process that reads
+MISSING = 4
 
 
 def faults_of(message: str) -> str:

@@ -16,12 +16,10 @@ from fuzz_corpus import (
     JSON_FILES,
     TEXT_FILES,
     Watch,
-    broken_bytes,
-    broken_json,
-    broken_text,
     compile_the_compiler,
     write_fuzz_dataset,
 )
+from fuzz_strategies import broken_bytes, broken_json, broken_text
 from hypothesis import HealthCheck, given, settings
 
 QUICK = settings(max_examples=12, suppress_health_check=list(HealthCheck))

@@ -1,6 +1,7 @@
 """`cast.cu` without a GPU: compiled as C++ for the CPU it casts as `xla` does; NVRTC, if it is here, compiles it."""
 
 import ctypes
+import itertools
 import re
 import shutil
 import subprocess
@@ -82,23 +83,55 @@ def run(library, scene, origin, direction, t_min=0.0, t_max=np.inf, exclude=-1, 
     return outputs[1][0] >= 0 if any_hit else [x[0] for x in outputs]
 
 
-def test_garbage_in_every_array_stays_within_the_arrays(library, tmp_path):
-    """A bank and six scenes in each call; see tests/soak/garbage.py."""
-    source = Path(library._name).with_name("main.cpp").read_text()
-    program = Program(tmp_path, source, "run(p, 16, a, b)")
-    rng = np.random.default_rng(11)
+def checked(library, folder):
+    """The kernels under AddressSanitizer; each call casts 16 rays in each of `a` environments."""
+    return Program(folder, Path(library._name).with_name("main.cpp").read_text(), "run(p, 16, a, b)")
+
+
+def six_scenes(rng):
+    """A bank and six scenes, each with 16 rays; and where results go."""
     scene = random_soup(rng).scene()
     origin, direction = (f32(x.reshape(6, 16, 3)) for x in random_rays(rng, 96))
     values = {"t_min": f32(np.zeros((6, 16))), "t_max": f32(np.full((6, 16), np.inf))}
     values |= {"exclude": i32(np.full((6, 16), -1)), "mask": i32(np.full((6, 16), 7))}
     geometry = scene.geometry.replace(gpu=gpu_geometry(scene.geometry))
     own = jax.tree.map(lambda x: jnp.stack([x] * 6), (scene.house, scene.moving))
-    given, results = (geometry, *own, Rays(origin, direction, **values)), [np.zeros((6, 16), kind) for kind in TYPES]
+    return (geometry, *own, Rays(origin, direction, **values)), [np.zeros((6, 16), kind) for kind in TYPES]
+
+
+def test_garbage_in_every_array_stays_within_the_arrays(library, tmp_path):
+    """A bank and six scenes in each call; see tests/soak/garbage.py."""
+    program, (given, results) = checked(library, tmp_path), six_scenes(np.random.default_rng(11))
     read = jax.jit(cuda.operands)
     for number in range(CALLS):
         inputs = jax.device_get(read(*(garbled(f"cuda:{number}", *given) if number else given)))
         any_hit = number % 2
         program.add([*inputs, *(results[1:2] if any_hit else results)], 6, any_hit)
+    program.run()
+
+
+def test_trees_that_fill_the_stack_stay_within_it(library, tmp_path):
+    """Chains of nodes whose second child waits on the stack, four times as many as it holds; every ray meets all boxes.
+
+    What waits are leaves or empty ones, of houses or of models; at the chain's end lies a leaf, or an empty one.
+    """
+    program, (given, results) = checked(library, tmp_path), six_scenes(np.random.default_rng(12))
+    inputs = [np.array(x) for x in jax.device_get(jax.jit(cuda.operands)(*given))]
+    leaf, num_nodes = ~(0 << 4 | 2), 4 * (2 * bvh.MAX_DEPTH + 4)
+    whole, size = np.float32([0, 0, 0, 1e6, 1e6, 1e6]), inputs[14]
+    size[11] = num_nodes
+    for waits, last, house_root, model_root in itertools.product(
+        (leaf, bvh.EMPTY), (leaf, bvh.EMPTY), (0, leaf, bvh.EMPTY), (0, leaf, bvh.EMPTY, num_nodes - 1)
+    ):
+        code = np.stack([np.arange(num_nodes) + 1, np.full(num_nodes, waits)], axis=1).astype(np.int32)
+        code[-1] = last
+        node = np.hstack([np.tile(whole, (num_nodes, 2)), code.view(np.float32), np.zeros((num_nodes, 2), np.float32)])
+        call = [node, *inputs[1:6], np.full_like(inputs[6], house_root), *inputs[7:]]
+        for number in (3, 4):
+            call[number] = inputs[number].copy()
+            call[number][..., 12] = np.int32(model_root).view(np.float32)
+        program.add([*call, *results], 6, 0)
+        program.add([*call, results[1]], 6, 1)
     program.run()
 
 
