@@ -11,7 +11,7 @@ from home_mjx.audio_jax.baking.bake import BakeOptions
 from home_mjx.audio_jax.baking.store import with_late_sound
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.directivity import Directivity, first_order, measured_directivity, talker
-from home_mjx.audio_jax.base.endpoints import Listener, Sounds, Source, is_indoors
+from home_mjx.audio_jax.base.endpoints import Head, Listener, Sounds, Source, is_indoors
 from home_mjx.audio_jax.base.presets import PRESETS, audio_preset
 from home_mjx.audio_jax.measures.clarity import c50, c80, centre_time, d50, drr, strength
 from home_mjx.audio_jax.measures.decay import decay_curve, decay_time, edt, t20, t30
@@ -31,6 +31,8 @@ from home_mjx.audio_jax.propagation.paths import PathProducer, Paths, direct_pat
 from home_mjx.audio_jax.propagation.surfaces import sound_materials
 from home_mjx.audio_jax.propagation.tracing import Trace, trace
 from home_mjx.audio_jax.receivers.channels import ambisonic_gains, ear_gains
+from home_mjx.audio_jax.receivers.measured import measured_head
+from home_mjx.audio_jax.receivers.sofa import read_head
 
 __all__ = [
     "CLIPS",
@@ -40,6 +42,7 @@ __all__ = [
     "Directivity",
     "Envelope",
     "FloorSound",
+    "Head",
     "Listener",
     "NoiseConfig",
     "PathProducer",
@@ -87,10 +90,12 @@ __all__ = [
     "measure_energy",
     "measure_response",
     "measured_directivity",
+    "measured_head",
     "mirrored_paths",
     "moving_frame",
     "moving_frames",
     "octave_responses",
+    "read_head",
     "received",
     "reception",
     "recorded_clip",

@@ -1,7 +1,10 @@
 """Scenes of the hand-made houses for tests of sound."""
 
+import functools
+
 import jax.numpy as jnp
 import numpy as np
+from handmade import shoebox
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.raycast_render.scene.scene import make_scene
@@ -18,3 +21,12 @@ def scene_of(*houses: CompiledHouse, house: int = 0, agents: tuple = ()) -> Scen
     quat = jnp.tile(jnp.float32([[1, 0, 0, 0]]), (len(agents), 1))
     index = jnp.int32(house)
     return make_scene(bank, index, bank.physics.body_pos[index], bank.physics.body_quat[index], pos, quat)
+
+
+@functools.cache
+def open_air() -> Scene:
+    """A room 20 m high whose walls take everything.
+
+    On the floor of the usual room, so that its arrays have the same shapes and programs are compiled once for both.
+    """
+    return scene_of(shoebox((6.0, 5.0, 20.0), absorption=1.0, scattering=0.0))

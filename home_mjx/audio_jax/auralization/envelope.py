@@ -15,6 +15,7 @@ from home_mjx.audio_jax.base.filters import octave_gains
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.tracing import trace
 from home_mjx.audio_jax.receivers.channels import ear_gains
+from home_mjx.audio_jax.receivers.heads import between_directions
 from home_mjx.audio_jax.receivers.hrtf import ear_angles, ear_spectrum, ear_table, to_head
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.scene.types import Scene
@@ -33,7 +34,8 @@ class Envelope(Pytree):
 def energy_response(scene: Scene, source: Source, listener: Listener, key: Array, config: AudioConfig) -> Envelope:
     """What `impulse_response` would give, as energies: paths and rays are the same, nothing is synthesised.
 
-    Energies of paths are added, whatever their phase. The lead of an ear is that of Woodworth's sphere.
+    Energies of paths are added, whatever their phase. The lead of an ear is that of Woodworth's sphere, or that of the
+    listener's measured head.
 
     Args:
         scene: The environment.
@@ -52,7 +54,7 @@ def energy_response(scene: Scene, source: Source, listener: Listener, key: Array
     power = paths.gain**2
     bins = (paths.distance / (config.bin_seconds * config.speed_of_sound)).astype(jnp.int32)
     member = (bins[None] == jnp.arange(config.num_bins, dtype=jnp.int32)[:, None]).astype(jnp.float32)
-    heard = power[:, None] * ear_gains(paths.direction, listener.quat, config)
+    heard = power[:, None] * ear_gains(paths.direction, listener.quat, config, listener.head)
     early = jnp.einsum("kp,peb->keb", member, heard, precision="highest")
     direction = jnp.concatenate([paths.direction, directions])
     weight = jnp.concatenate([power, weights])
@@ -73,7 +75,8 @@ def _late(
         ends = jnp.stack([toward, -toward]) / jnp.maximum(length, 1e-6)
         return late, ends, 0.5 * jnp.stack([1 + length, 1 - length])[:, None] * whole[None]
     traced = trace(scene, source, listener, key, config)
-    return traced_histogram(traced, listener.quat, config), traced.direction, jnp.sum(traced.energy, axis=0)
+    late = traced_histogram(traced, listener.quat, config, listener.head)
+    return late, traced.direction, jnp.sum(traced.energy, axis=0)
 
 
 def band_level(envelope: Float[Array, "k e bands"], power: Float[Array, "w bands"]) -> Float[Array, "e bands"]:
@@ -117,6 +120,9 @@ def _leads(direction: Float[Array, "n 3"], listener: Listener, config: AudioConf
     """By how much the left ear hears sound from each direction earlier [s]."""
     if config.receiver != "binaural":
         return jnp.zeros(direction.shape[0], jnp.float32)
+    if listener.head is not None:
+        delay = between_directions(listener.head.delay, to_head(direction, listener.quat))
+        return delay[:, 1] - delay[:, 0]
     table = ear_table(TAPS, config.sample_rate, config.head_radius, config.speed_of_sound)
     _, delay = ear_spectrum(table, ear_angles(to_head(direction, listener.quat), config.ear_angle))
     return delay[:, 1] - delay[:, 0]

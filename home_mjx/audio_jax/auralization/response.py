@@ -11,7 +11,7 @@ from home_mjx.audio_jax.baked.reading import Arrivals, baked_sound
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.delays import HALF_WIDTH, WIDTH, delay_kernel
 from home_mjx.audio_jax.base.directivity import mean_energy
-from home_mjx.audio_jax.base.endpoints import Listener, Source, given_toward
+from home_mjx.audio_jax.base.endpoints import Head, Listener, Source, given_toward
 from home_mjx.audio_jax.base.filters import CAUSAL_SECONDS, causal_octaves
 from home_mjx.audio_jax.base.shapes import QUIETEST, SOFTEST, num_taps, octave_shapes, shapes
 from home_mjx.audio_jax.propagation.early import early_paths
@@ -54,7 +54,7 @@ def impulse_response(
     trace_key, noise_key = jax.random.split(key)
     paths = early_paths(scene, source, listener, config)
     energy = late_energy(scene, source, listener, trace_key, config)
-    return with_late(paths, energy, listener.quat, noise_key, config)
+    return with_late(paths, energy, listener.quat, noise_key, config, listener.head)
 
 
 def late_energy(
@@ -74,13 +74,15 @@ def late_energy(
     if config.late == "baked":
         energy = baked_histogram(scene, source, listener, config)[0]
     else:
-        energy = traced_histogram(trace(scene, source, listener, key, config), listener.quat, config)
+        energy = traced_histogram(trace(scene, source, listener, key, config), listener.quat, config, listener.head)
     return jnp.where(is_unit(listener.quat), energy, 0.0)  # as of the paths, see `early_paths`
 
 
-def traced_histogram(traced: Trace, head_quat: Float[Array, "4"], config: AudioConfig) -> Float[Array, "k e bands"]:
+def traced_histogram(
+    traced: Trace, head_quat: Float[Array, "4"], config: AudioConfig, head: Head | None = None
+) -> Float[Array, "k e bands"]:
     """The energy of rays per time bin, at both ears of a head."""
-    energy = energy_histogram(traced, distinct_gains(traced.direction, head_quat, config), config)
+    energy = energy_histogram(traced, distinct_gains(traced.direction, head_quat, config, head), config)
     return _to_all(energy, config)
 
 
@@ -101,8 +103,8 @@ def baked_histogram(
     length = jnp.linalg.norm(late.comes_from, axis=1, keepdims=True)  # (spans, 1)
     toward = late.comes_from / jnp.maximum(length, 1e-6)
     upright = jnp.array([1.0, 0.0, 0.0, 0.0], jnp.float32)  # heads hear the same from everywhere, however they turn
-    around = jnp.mean(distinct_gains(jnp.asarray(spread(EVERYWHERE)), upright, config), axis=0)
-    there = distinct_gains(toward, listener.quat, config) - around[None]
+    around = jnp.mean(distinct_gains(jnp.asarray(spread(EVERYWHERE)), upright, config, listener.head), axis=0)
+    there = distinct_gains(toward, listener.quat, config, listener.head) - around[None]
     gain = around[None] + jnp.einsum("ks,seb->keb", late.span * length.T, there, precision="highest")
     whole = jnp.einsum("kb,ks->s", late.energy, late.span, precision="highest")
     mean = jnp.sum(whole[:, None] * late.comes_from, axis=0) / jnp.maximum(jnp.sum(late.energy), 1e-30)
@@ -122,19 +124,17 @@ def late_share(source: Source, late: Arrivals) -> Float[Array, "k bands"] | floa
     return everywhere + jnp.matmul(late.span, length * (toward - everywhere), precision="highest")
 
 
-def assembled(
-    paths: Paths, traced: Trace, head_quat: Float[Array, "4"], key: Array, config: AudioConfig
-) -> Float[Array, "e l"]:
-    """The response that paths and rays make at a head, see `impulse_response`; `key` chooses the noise."""
-    return with_late(paths, traced_histogram(traced, head_quat, config), head_quat, key, config)
-
-
 def with_late(
-    paths: Paths, energy: Float[Array, "k e bands"], head_quat: Float[Array, "4"], key: Array, config: AudioConfig
+    paths: Paths,
+    energy: Float[Array, "k e bands"],
+    head_quat: Float[Array, "4"],
+    key: Array,
+    config: AudioConfig,
+    head: Head | None = None,
 ) -> Float[Array, "e l"]:
     """Paths, and noise that follows a histogram of energy from the direct sound on."""
     late = late_response(energy, key, config, head_quat)
-    return early_response(paths, head_quat, config) + after_direct(late, paths, config)
+    return early_response(paths, head_quat, config, head) + after_direct(late, paths, config)
 
 
 def after_direct(late: Float[Array, "e l"], paths: Paths, config: AudioConfig) -> Float[Array, "e l"]:
@@ -144,17 +144,19 @@ def after_direct(late: Float[Array, "e l"], paths: Paths, config: AudioConfig) -
     return jnp.where(heard[None], late, 0.0)
 
 
-def early_response(paths: Paths, head_quat: Float[Array, "4"], config: AudioConfig) -> Float[Array, "e l"]:
+def early_response(
+    paths: Paths, head_quat: Float[Array, "4"], config: AudioConfig, head: Head | None = None
+) -> Float[Array, "e l"]:
     """Paths as pulses with fractional delays, causal octave filters and the filters of both ears."""
     length, reach = config.response_length, _reach(config)
     samples = paths.distance * jnp.float32(config.sample_rate / config.speed_of_sound)
     whole = jnp.floor(samples)
     samples = whole if config.early == "home" else samples
     toward = to_head(paths.direction, head_quat)
-    late = (samples - whole)[:, None] + channel_delays(toward, paths.distance, config)
+    late = (samples - whole)[:, None] + channel_delays(toward, paths.distance, config, head)
     late = jnp.broadcast_to(late, (late.shape[0], config.num_channels))
     more = jnp.floor(late)
-    weight = path_weights(paths.gain, toward, paths.distance, config)
+    weight = path_weights(paths.gain, toward, paths.distance, config, head)
     kernels = _kernels(weight, late - more, config)
     begin = jnp.clip((whole[:, None] + more).astype(jnp.int32) + (reach - BEFORE), 0, length + reach)
     kernels = jnp.where((whole < length)[:, None, None], kernels, 0.0)
@@ -177,14 +179,18 @@ def early_response(paths: Paths, head_quat: Float[Array, "4"], config: AudioConf
 
 
 def path_weights(
-    gain: Float[Array, "p bands"], toward: Float[Array, "p 3"], distance: Float[Array, " p"], config: AudioConfig
+    gain: Float[Array, "p bands"],
+    toward: Float[Array, "p 3"],
+    distance: Float[Array, " p"],
+    config: AudioConfig,
+    head: Head | None = None,
 ) -> Float[Array, "p e s"]:
     """How much of each of `shapes` channels hear of paths. Octaves of the first path, the direct one, are left out.
 
     That one may go through walls, which a few shapes do not follow well, and has filters of its own.
     """
     octaves = octave_shapes(gain.at[0].set(1.0), config.sample_rate)
-    return jnp.real(octaves[:, None] * channel_values(toward, distance, config))
+    return jnp.real(octaves[:, None] * channel_values(toward, distance, config, head))
 
 
 def _kernels(weight: Float[Array, "p e s"], delay: Float[Array, "p e"], config: AudioConfig) -> Float[Array, "p e t"]:

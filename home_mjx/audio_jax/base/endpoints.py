@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.audio_jax.base.directivity import Directivity, gains
-from home_mjx.core.pytree import Pytree
+from home_mjx.core.pytree import Pytree, static
 from home_mjx.core.transforms import UNIT_SLACK, is_unit, quat_matrix
 from home_mjx.errors import ConfigError
 from home_mjx.navigation.grid import room_of
@@ -22,12 +22,26 @@ class Source(Pytree):
     directivity: Directivity | None = None  # its level at 1 m is that ahead
 
 
+class Head(Pytree):
+    """What two measured ears hear, by direction: an even grid of elevations from below to above and azimuths.
+
+    Azimuths run from ahead over the left all around, the first one's is not repeated. See `read_head`.
+    """
+
+    delay: Float[Array, "v h 2"]  # [s], of the left and right ear, later than the middle of the head
+    real: Float[Array, "v h 2 s"]  # what ears do to sound without it: values at the frequencies of `shapes`
+    imag: Float[Array, "v h 2 s"]
+    energy: Float[Array, "v h 2 bands"]  # mean gain of energy per octave
+    sample_rate: int = static()  # [Hz], for which these are
+
+
 class Listener(Pytree):
     """A head with two ears."""
 
     pos: Float[Array, "3"]  # [m], world, middle of the head
     quat: Float[Array, "4"]  # wxyz, in MuJoCo's camera frame: +x right, +y up, looking along -z
     body: Int[Array, ""] | int = -1  # object id of the listener's own body, transparent to its ears; -1 none
+    head: Head | None = None  # with the receiver "binaural"; None: a rigid sphere
 
 
 def check_listener(listener: Listener) -> None:

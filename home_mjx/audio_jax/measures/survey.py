@@ -61,7 +61,7 @@ def survey_room(scene: Scene, source: Source, listener: Listener, key: Array, co
     trace_key, noise_key = jax.random.split(key)
     paths = early_paths(scene, source, listener, config)
     ears, late = _late(scene, source, listener, trace_key, config)
-    response = with_late(paths, ears, listener.quat, noise_key, config)
+    response = with_late(paths, ears, listener.quat, noise_key, config, listener.head)
     both = jnp.broadcast_to(late[:, :1], late.shape)
     pressure = with_late(paths, both, listener.quat, noise_key, replace(config, receiver="omni", pinna=False))[0]
     rate = config.sample_rate
@@ -94,7 +94,8 @@ def _late(
     traced = trace(scene, source, listener, key, config)
     sides = _from_the_sides(traced.direction, listener.quat)
     gains = jnp.broadcast_to(jnp.stack([jnp.ones_like(sides), sides], axis=1)[..., None], (*sides.shape, 2, 7))
-    return traced_histogram(traced, listener.quat, config), energy_histogram(traced, gains, config)
+    ears = traced_histogram(traced, listener.quat, config, listener.head)
+    return ears, energy_histogram(traced, gains, config)
 
 
 def _from_the_sides(direction: Float[Array, "n 3"], quat: Float[Array, "4"]) -> Float[Array, " n"]:

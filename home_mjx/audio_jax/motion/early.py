@@ -16,6 +16,7 @@ from scipy.fft import next_fast_len
 from home_mjx.audio_jax.auralization.response import octave_spectra, path_weights
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.delays import FIRST, HALF_WIDTH, READ, at_twice_the_rate, read_weights
+from home_mjx.audio_jax.base.endpoints import Head
 from home_mjx.audio_jax.base.filters import CAUSAL_SECONDS
 from home_mjx.audio_jax.base.shapes import num_taps, shapes
 from home_mjx.audio_jax.motion.pairs import Pairs
@@ -40,7 +41,9 @@ class Ways(Pytree):
     ears: Float[Array, "p three d"]  # [samples] later than the middle of the head: at the start, the middle and the end
 
 
-def early_sums(source: Float[Array, " n"], past: int, pairs: Pairs, config: AudioConfig) -> Float[Array, "e s k"]:
+def early_sums(
+    source: Float[Array, " n"], past: int, pairs: Pairs, config: AudioConfig, head: Head | None = None
+) -> Float[Array, "e s k"]:
     """What is heard through paths that move during one frame: one sum per channel and shape, see `filtered`.
 
     Sums of several sources add up.
@@ -50,16 +53,17 @@ def early_sums(source: Float[Array, " n"], past: int, pairs: Pairs, config: Audi
         past: Samples before the frame's first one.
         pairs: Paths at the frame's start and end.
         config: Options.
+        head: Measured; None: a rigid sphere.
     """
     toward, distances = _to_head(pairs)
-    ways = _ways(pairs, channel_delays(toward, distances, config))
+    ways = _ways(pairs, channel_delays(toward, distances, config, head))
     earlier = min(past, config.response_length) + _before(config)  # no path is longer than a response
     padded = jnp.pad(source, (_before(config), _margin(config)))[past + _before(config) - earlier :]
     sound = _sound(
         jnp.pad(padded, (_margin(config), 0)), earlier - _before(config) + _margin(config), pairs, ways, config
     )
     ends = ((pairs.old, toward[0], distances[0]), (pairs.new, toward[2], distances[2]))
-    old, new = (path_weights(paths.gain, way, at, config) for paths, way, at in ends)
+    old, new = (path_weights(paths.gain, way, at, config, head) for paths, way, at in ends)
     rows = jax.tree.map(lambda x: jnp.concatenate([x[:1], x]), ways)  # the first is heard through two filters
     return _sums(_heard(sound, rows, config), old, new, jnp.clip(_times(config), 0.0, 1.0))
 

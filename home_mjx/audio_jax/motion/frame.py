@@ -5,6 +5,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Complex, Float
 
 from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.endpoints import Head
 from home_mjx.audio_jax.motion.early import early_sums, filtered, longest_step
 from home_mjx.audio_jax.motion.pairs import paired
 from home_mjx.audio_jax.motion.reception import Reception, late_part
@@ -12,7 +13,7 @@ from home_mjx.audio_jax.motion.tail import late_frame, late_spectra, tail_levels
 
 
 def moving_frame(
-    source: Float[Array, " w"], old: Reception, new: Reception, config: AudioConfig
+    source: Float[Array, " w"], old: Reception, new: Reception, config: AudioConfig, head: Head | None = None
 ) -> Float[Array, "e m"]:
     """What both ears, or the channels of another receiver, hear in one frame of a source that moves relative to them.
 
@@ -25,13 +26,14 @@ def moving_frame(
         old: At the frame's start.
         new: At its end, which is the next frame's `old`.
         config: Options.
+        head: Of the listener, where it is a measured one.
     """
-    early, late = _parts(source, old, new, config)
+    early, late = _parts(source, old, new, config, head)
     return filtered(early, config) + late_frame(late, config)
 
 
 def moving_frames(
-    sources: Float[Array, "n w"], old: Reception, new: Reception, config: AudioConfig
+    sources: Float[Array, "n w"], old: Reception, new: Reception, config: AudioConfig, head: Head | None = None
 ) -> Float[Array, "e m"]:
     """The same of several sources together, which share the last filters and transforms.
 
@@ -40,6 +42,7 @@ def moving_frames(
         old: At the frame's start, with a leading axis of sources.
         new: At its end.
         config: Options.
+        head: Of the listener, where it is a measured one.
 
     Example:
         >>> from home_mjx.audio_jax import AudioConfig
@@ -50,16 +53,16 @@ def moving_frames(
         >>> moving_frames(jnp.zeros((2, width)), none, none, config).shape
         (2, 1600)
     """
-    early, late = jax.vmap(lambda s, a, b: _parts(s, a, b, config))(sources, old, new)
+    early, late = jax.vmap(lambda s, a, b: _parts(s, a, b, config, head))(sources, old, new)
     return filtered(jnp.sum(early, axis=0), config) + late_frame(jnp.sum(late, axis=0), config)
 
 
 def moving_early(
-    source: Float[Array, " w"], old: Reception, new: Reception, config: AudioConfig
+    source: Float[Array, " w"], old: Reception, new: Reception, config: AudioConfig, head: Head | None = None
 ) -> Float[Array, "e s k"]:
     """Early sound of a frame before what sources share: see `filtered`. Arguments as of `moving_frame`."""
     pairs = paired(old.paths, new.paths, old.quat, new.quat, longest_step(config))
-    return early_sums(source, config.memory_length - 1, pairs, config)
+    return early_sums(source, config.memory_length - 1, pairs, config, head)
 
 
 def moving_late(
@@ -73,6 +76,6 @@ def moving_late(
 
 
 def _parts(
-    source: Float[Array, " w"], old: Reception, new: Reception, config: AudioConfig
+    source: Float[Array, " w"], old: Reception, new: Reception, config: AudioConfig, head: Head | None
 ) -> tuple[Float[Array, "e s k"], Complex[Array, "2 e f"]]:
-    return moving_early(source, old, new, config), moving_late(source, old, new, config)
+    return moving_early(source, old, new, config, head), moving_late(source, old, new, config)

@@ -3,12 +3,15 @@
 Directions are those in the frame of the head, MuJoCo's camera frame: +x right, +y up, looking along -z.
 """
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Complex, Float
 
 from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.endpoints import Head
 from home_mjx.audio_jax.base.shapes import shapes
+from home_mjx.audio_jax.receivers.heads import between_directions, check_head
 from home_mjx.audio_jax.receivers.hrtf import (
     NEARNESS,
     between_angles,
@@ -28,17 +31,20 @@ NEAREST = 0.02  # [m], distances from microphones are taken as at least this
 
 
 def ear_gains(
-    direction: Float[Array, "n 3"], head_quat: Float[Array, "4"], config: AudioConfig
+    direction: Float[Array, "n 3"], head_quat: Float[Array, "4"], config: AudioConfig, head: Head | None = None
 ) -> Float[Array, "n e bands"]:
     """Energy gain per octave of each channel, such as both ears, for sound from each direction in the world."""
-    found = distinct_gains(direction, head_quat, config)
+    found = distinct_gains(direction, head_quat, config, head)
     return jnp.broadcast_to(found, (found.shape[0], config.num_channels, found.shape[2]))
 
 
 def distinct_gains(
-    direction: Float[Array, "n 3"], head_quat: Float[Array, "4"], config: AudioConfig
+    direction: Float[Array, "n 3"], head_quat: Float[Array, "4"], config: AudioConfig, head: Head | None = None
 ) -> Float[Array, "n d bands"]:
     """The same, once where all channels hear alike: d = 1 of microphones that hear the same from everywhere."""
+    if head is not None:
+        check_head(head, config)
+        return between_directions(head.energy, to_head(direction, head_quat))
     if config.receiver in ("omni", "array"):
         return jnp.ones((direction.shape[0], 1, len(BANDS)), jnp.float32)
     toward = to_head(direction, head_quat)
@@ -50,7 +56,7 @@ def distinct_gains(
 
 
 def channel_delays(
-    toward: Float[Array, "*p 3"], distance: Float[Array, "*p"], config: AudioConfig
+    toward: Float[Array, "*p 3"], distance: Float[Array, "*p"], config: AudioConfig, head: Head | None = None
 ) -> Float[Array, "*p d"]:
     """By how much channels hear sound later than the middle of the head would [samples]; d = 1 where all hear at once.
 
@@ -58,7 +64,11 @@ def channel_delays(
         toward: Unit vectors to where sound comes from, in the frame of the head.
         distance: Way that it has come [m].
         config: Options.
+        head: Measured; None: a rigid sphere.
     """
+    if head is not None:
+        check_head(head, config)
+        return between_directions(head.delay, toward) * jnp.float32(config.sample_rate)
     if config.receiver == "array":
         return _longer(toward, distance, config) * jnp.float32(config.sample_rate / config.speed_of_sound)
     if config.receiver != "binaural":
@@ -67,7 +77,7 @@ def channel_delays(
 
 
 def channel_values(
-    toward: Float[Array, "p 3"], distance: Float[Array, " p"], config: AudioConfig
+    toward: Float[Array, "p 3"], distance: Float[Array, " p"], config: AudioConfig, head: Head | None = None
 ) -> Complex[Array, "p e s"]:
     """What channels do to sound, without their delay: values of causal filters at the frequencies of `shapes`.
 
@@ -75,7 +85,11 @@ def channel_values(
         toward: Unit vectors to where sound comes from, in the frame of the head.
         distance: Way that it has come [m].
         config: Options.
+        head: Measured; None: a rigid sphere.
     """
+    if head is not None:
+        check_head(head, config)
+        return jax.lax.complex(*(between_directions(part, toward) for part in (head.real, head.imag)))
     if config.receiver == "binaural":
         table = ear_shapes(config.sample_rate, config.head_radius, config.speed_of_sound)
         angle = _angles(toward, config)

@@ -206,8 +206,10 @@ def shape_responses(sample_rate: int) -> tuple[Float[np.ndarray, " f"], Complex[
 def nearest_sums(response: Complex[np.ndarray, "f s"], wanted: Complex[np.ndarray, "a f"]) -> Float[np.ndarray, "a s"]:
     """Real weights of responses whose sums are nearest to what is wanted, relative to its size."""
     share = 1 / np.maximum(np.abs(wanted), 0.1) ** 2
-    square = np.einsum("fs,af,ft->ast", response.conj(), share, response, optimize=True).real
-    right = np.einsum("fs,af,af->as", response.conj(), share, wanted, optimize=True).real
+    count = response.shape[1]
+    products = np.real(response.conj()[:, :, None] * response[:, None]).reshape(len(response), -1)
+    square = (share @ products).reshape(-1, count, count)
+    right = np.real((share * wanted) @ response.conj())
     return np.linalg.solve(square, right[..., None])[..., 0]
 
 

@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int, UInt32
 
-from home_mjx.audio_jax.base.endpoints import Sounds
+from home_mjx.audio_jax.base.endpoints import Head, Sounds
 from home_mjx.audio_jax.noises.slots import Noises
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.pytree import Pytree, static
@@ -50,6 +50,7 @@ class Snapshot(Pytree):
     config: EnvConfig = static()
     drawn: Drawn | None = None  # of what varies from episode to episode
     noises: Noises | None = None  # of bodies, with `EnvConfig.noises`
+    head: Head | None = None  # `EnvParams.head`
 
     @property
     def bank(self) -> HouseBank:

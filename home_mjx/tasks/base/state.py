@@ -6,7 +6,7 @@ import jax
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int, UInt32
 
-from home_mjx.audio_jax.base.endpoints import Sounds
+from home_mjx.audio_jax.base.endpoints import Head, Sounds
 from home_mjx.audio_jax.noises.slots import Noises
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.pytree import Pytree
@@ -65,6 +65,7 @@ class EnvParams(Pytree):
         bank: The houses. Another bank of the same `BankSpec` and shapes runs the same program.
         tasks: Episodes, or a `TaskBank`, that resets take their rows from; None: every reset draws afresh.
         variation: Ranges of domain randomisation, from which each reset draws; None: nothing varies.
+        head: Measured ears of all agents, see `audio_jax.read_head`; None: a rigid sphere.
 
     Example:
         >>> params = EnvParams(bank)  # doctest: +SKIP
@@ -74,6 +75,7 @@ class EnvParams(Pytree):
     bank: HouseBank
     tasks: Any = None
     variation: Variation | None = None
+    head: Head | None = None
 
 
 class World(Pytree):

@@ -111,6 +111,7 @@ def snapshot_of(config: EnvConfig, params: EnvParams, data: PhysicsState, world:
         scene=make_scene(params.bank, world.house, *bodies, pos, turned, config.executor, angle, sizes, look),
         drawn=drawn,
         noises=world.noises,
+        head=params.head,
     )
 
 

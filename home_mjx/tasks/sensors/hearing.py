@@ -86,7 +86,7 @@ class Hearing(Sensor):
 
         def of_all(old: Any, new: Any) -> Float[Array, "c m"]:
             if config.audio.motion:
-                return moving_frames(left, old, new, config.audio)
+                return moving_frames(left, old, new, config.audio, snapshot.head)
             return jnp.sum(jax.vmap(lambda s, a, b: faded_frame(s, a, b, config.audio))(left, old, new), axis=0)
 
         return Heard(phase=phase, time=time, response=response, frame=jax.vmap(of_all)(before, response), said=said)
@@ -220,7 +220,7 @@ def hear(config: EnvConfig, snapshot: Snapshot, response: Callable[..., Any] | N
     keys = jax.random.split(fold(snapshot.key, SOUND), num_agents)
 
     def one(ears: Array, quat: Array, key: Array, own: Array) -> Any:
-        listener, number = Listener(ears, quat, body=own), pos.shape[0]
+        listener, number = Listener(ears, quat, own, snapshot.head), pos.shape[0]
         each = key[None] if number == 1 else jax.random.split(key, number)
 
         def from_source(pos: Array, body: Array, key: Array) -> Any:

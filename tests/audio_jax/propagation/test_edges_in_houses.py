@@ -127,12 +127,10 @@ def test_options_choose_producers(scenes):
     """Both together: one direct path, the edges, the reflections; by default what always was."""
     both = AudioConfig(receiver="omni", num_edges=8, reflection_order=2, num_reflections=24)
     ends = Source(jnp.float32([-1.5, 0.1, 1.2])), Listener(jnp.float32([1.5, 0, 1.3]), HEAD)
-    paths = early_paths(scenes["wardrobe"], *ends, both)
-    assert paths.distance.shape == (1 + 8 + 24,)
-    default = early_paths(scenes["wardrobe"], *ends, AudioConfig(receiver="omni"))
-    np.testing.assert_array_equal(
-        default.gain[:1], direct_path(scenes["wardrobe"], *ends, AudioConfig(receiver="omni")).gain
-    )
+    run = jax.jit(lambda find, config: find(scenes["wardrobe"], *ends, config), static_argnums=(0, 1))
+    assert jax.eval_shape(run, early_paths, both).distance.shape == (1 + 8 + 24,)
+    default = AudioConfig(receiver="omni")
+    np.testing.assert_array_equal(run(early_paths, default).gain[:1], run(direct_path, default).gain)
 
 
 def test_a_closed_door_lets_through_what_its_table_says_and_an_open_one_everything(generated_bank):

@@ -84,9 +84,14 @@ def test_zero_absorption_everywhere_is_finite():
     """Nothing is lost but by air: a room that rings for ever stays a number, and each mirror gives all it gets."""
     scene = with_absorption(scene_of(shoebox(SIZE, 0.3, scattering=0.3)), 0.0)
     config = AudioConfig(receiver="omni", num_rays=64, num_bounces=40, humidity=50.0)
-    traced = jax.jit(trace, static_argnums=4)(scene, SOURCE, EARS, jax.random.key(0), config)
-    energy = energy_histogram(traced, jnp.ones((*traced.direction.shape[:1], 2, 7)), config)
+
+    @jax.jit
+    def run(scene):
+        traced = trace(scene, SOURCE, EARS, jax.random.key(0), config)
+        energy = energy_histogram(traced, jnp.ones((*traced.direction.shape[:1], 2, 7)), config)
+        return energy, mirrored_paths(scene, SOURCE, EARS, AudioConfig(reflection_order=2, num_reflections=24))
+
+    energy, paths = run(scene)
     assert np.all(np.isfinite(energy))
     assert float(energy[-1].sum()) > 0
-    paths = mirrored_paths(scene, SOURCE, EARS, AudioConfig(reflection_order=2, num_reflections=24))
     assert np.all(np.isfinite(paths.gain))

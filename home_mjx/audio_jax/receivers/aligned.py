@@ -1,0 +1,39 @@
+"""Responses of ears as a delay and a filter of least phase."""
+
+import math
+
+import numpy as np
+from jaxtyping import Complex, Float
+
+SOFTEST = 1e-5  # of a spectrum re its largest value
+FINER = 8  # times the sample rate, at which delays are looked for
+
+
+def minimum_phase(response: Float[np.ndarray, "*m n"]) -> Float[np.ndarray, "*m s"]:
+    """Responses of the same amplitudes and the least phase: from the cepstrum, whose negative half is folded over."""
+    size = 2 ** math.ceil(math.log2(8 * response.shape[-1]))
+    amplitude = np.abs(np.fft.rfft(response, size))
+    level = np.log(np.maximum(amplitude, SOFTEST * amplitude.max(axis=-1, keepdims=True)))
+    fold = np.r_[1.0, np.full(size // 2 - 1, 2.0), 1.0, np.zeros(size // 2 - 1)]
+    return np.fft.irfft(np.exp(np.fft.rfft(np.fft.irfft(level, size) * fold)), size)
+
+
+def lags(response: Float[np.ndarray, "*m n"], least: Float[np.ndarray, "*m s"]) -> Float[np.ndarray, "*m"]:
+    """By how many samples responses are later than others, where both are most alike."""
+    size = least.shape[-1]
+    cross = np.fft.rfft(response, size) * np.conj(np.fft.rfft(least))
+    alike = np.fft.irfft(cross, FINER * size)
+    peak = np.argmax(alike, axis=-1)[..., None]
+    before, here, after = (np.take_along_axis(alike, (peak + i) % (FINER * size), axis=-1)[..., 0] for i in (-1, 0, 1))
+    place = peak[..., 0] + (before - after) / np.minimum(2 * (before - 2 * here + after), -1e-30)
+    place = np.where(place > FINER * size / 2, place - FINER * size, place)
+    return place / FINER
+
+
+def spectrum(
+    response: Float[np.ndarray, "*m n"], rate: float, frequency: Float[np.ndarray, " f"]
+) -> Complex[np.ndarray, "*m f"]:
+    """Of responses, at any frequencies [Hz]."""
+    turn = 2 * np.pi * np.outer(np.arange(response.shape[-1]) / rate, frequency)
+    rows = response.reshape(-1, response.shape[-1])
+    return (rows @ np.cos(turn) - 1j * (rows @ np.sin(turn))).reshape(*response.shape[:-1], -1)

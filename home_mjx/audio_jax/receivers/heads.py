@@ -1,0 +1,50 @@
+"""Measured heads inside `jit`: what both ears hear from any direction, read from a table over all of them."""
+
+import math
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.endpoints import Head
+from home_mjx.errors import ConfigError
+
+
+def check_head(head: Head, config: AudioConfig) -> None:
+    """Refuses a head that cannot be heard with.
+
+    Raises:
+        ConfigError: The options have another receiver, ears of their own, or another sample rate.
+    """
+    if config.receiver != "binaural":
+        raise ConfigError(f"a measured head has two ears, not receiver={config.receiver!r}", hint='Use "binaural".')
+    if config.pinna:
+        raise ConfigError("a measured head has outer ears of its own", hint="Leave `pinna` at False.")
+    if head.sample_rate != config.sample_rate:
+        text = f"the head was read for {head.sample_rate} Hz, sound has {config.sample_rate} Hz"
+        raise ConfigError(text, hint="Read it again, with these options.")
+
+
+def between_directions(table: Float[Array, "v h *n"], toward: Float[Array, "*p 3"]) -> Float[Array, "..."]:
+    """Of a table over directions, between the four nearest entries.
+
+    Args:
+        table: By elevation from below to above, and azimuth from ahead over the left all around, see `Head`.
+        toward: Unit vectors to where sound comes from, in the frame of the head: +x right, +y up, looking along -z.
+
+    Example:
+        >>> table = jnp.arange(12.0).reshape(3, 4)  # every 90 degrees
+        >>> between_directions(table, jnp.array([[-1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])).tolist()  # left, ahead
+        [5.0, 4.0]
+    """
+    rows, columns = table.shape[:2]
+    elevation = jnp.arcsin(jnp.clip(toward[..., 1], -1.0, 1.0)) / math.pi + 0.5  # 0 .. 1
+    azimuth = jnp.arctan2(-toward[..., 0], -toward[..., 2]) / (2 * math.pi)  # -0.5 .. 0.5
+    high, around = elevation * (rows - 1), (azimuth - jnp.floor(azimuth)) * columns
+    row = jnp.clip(high.astype(jnp.int32), 0, rows - 2)
+    column = jnp.clip(around.astype(jnp.int32), 0, columns - 1)
+    shape = toward.shape[:-1] + (1,) * (table.ndim - 2)
+    up, on = ((x - y.astype(jnp.float32)).reshape(shape) for x, y in ((high, row), (around, column)))
+    after = (column + 1) % columns
+    below, above = (table[r, column] * (1 - on) + table[r, after] * on for r in (row, row + 1))
+    return below * (1 - up) + above * up

@@ -1,0 +1,163 @@
+"""Heads from files of the format SOFA (AES69), convention SimpleFreeFieldHRIR; needs the extra `sofa`."""
+
+import logging
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.endpoints import Head
+from home_mjx.audio_jax.receivers.measured import measured_head
+from home_mjx.errors import ConfigError, DatasetError, MissingFileError, install_hint
+
+CONVENTION = "SimpleFreeFieldHRIR"
+NEAR = 0.9  # of the farthest source's distance: what is nearer is another set of measurements
+SUFFIX = ".sofa"
+
+log = logging.getLogger(__name__)
+
+
+class Measurements(NamedTuple):
+    """What a file holds: m directions, left and right ear."""
+
+    direction: Float[np.ndarray, "m 3"]  # unit vectors in the frame of the head: +x right, +y up, looking along -z
+    response: Float[np.ndarray, "m 2 n"]
+    rate: float  # [Hz]
+    delay: Float[np.ndarray, "m 2"]  # [s]
+
+
+def read_head(path: str | Path, config: AudioConfig, phase: str = "minimum", level: str = "file") -> Head:
+    """A head from a SOFA file of free-field responses of two ears, see `measured_head`.
+
+    Of files that were measured at several distances the farthest counts.
+
+    Args:
+        path: The file; its name ends in `.sofa`.
+        config: The options with which it will be heard.
+        phase: "minimum" or "measured", see `measured_head`.
+        level: "file" or "sphere", see there. Many files are not relative to the free field: take "sphere".
+
+    Raises:
+        MissingFileError: There is no such file.
+        DatasetError: It is no SOFA file, follows another convention, or holds what no head is made of.
+        ConfigError: An option is unknown, or the extra `sofa` is not installed.
+
+    Example:
+        >>> head = read_head("kemar.sofa", config, level="sphere")  # doctest: +SKIP
+        >>> heard = jax.jit(impulse_response, static_argnums=4)  # doctest: +SKIP
+        >>> heard(scene, source, Listener(ears, quat, head=head), jax.random.key(0), config)  # doctest: +SKIP
+    """
+    found = read_measurements(path)
+    try:
+        return measured_head(found.direction, found.response, found.rate, config, found.delay, phase, level)
+    except ConfigError as error:
+        if type(error) is not ConfigError:  # an unknown word
+            raise
+        raise DatasetError(error.message, file=path, element="Data.IR", hint=error.hint) from error
+
+
+def read_measurements(path: str | Path) -> Measurements:
+    """What a SOFA file holds. Errors as of `read_head`."""
+    path = Path(path)
+    sofa = _opened(path)
+    response = _numbers(sofa, "Data_IR", path)
+    if response.ndim != 3 or response.shape[1] != 2 or 0 in response.shape:
+        raise DatasetError(f"expected responses (m, 2, n), got {response.shape}", file=path, element="Data.IR")
+    rate = _numbers(sofa, "Data_SamplingRate", path)
+    if rate.size != 1 or not rate.item() > 0:
+        raise DatasetError(f"expected one positive rate, got {rate}", file=path, element="Data.SamplingRate")
+    count = response.shape[0]
+    late = _of_all(_numbers(sofa, "Data_Delay", path), (count, 2), path, "Data.Delay") / rate.item()
+    order = _left_first(sofa, path)
+    away = _in_head(sofa, count, path)
+    distance = np.linalg.norm(away, axis=1)
+    if not distance.min() > 0:
+        raise DatasetError("a source is in the middle of the head", file=path, element="SourcePosition")
+    kept = distance >= NEAR * distance.max()
+    if not kept.all():
+        log.info("%s: %d of %d directions are used, those farthest away", path, kept.sum(), count)
+    unit = away[kept] / distance[kept, None]
+    return Measurements(unit, response[kept][:, order], rate.item(), late[kept][:, order])
+
+
+def _opened(path: Path) -> Any:
+    try:
+        import sofar
+    except ImportError as error:
+        raise ConfigError("reading SOFA files needs `sofar`", hint=install_hint("sofa")) from error
+    if not path.is_file():
+        raise MissingFileError("there is no such file", file=path)
+    if path.suffix != SUFFIX:  # sofar would read another file, with that suffix
+        raise DatasetError(f"expected a name that ends in {SUFFIX}", file=path)
+    try:
+        # Unverified: many published files break small rules. What is used of them is looked at here.
+        read: Any = sofar.read_sofa
+        sofa = read(str(path), verify=False, verbose=False)
+    except (OSError, ValueError, AttributeError, KeyError, TypeError, IndexError, RuntimeError) as error:
+        raise DatasetError(f"it cannot be read as SOFA: {error}", file=path) from error
+    if sofa.GLOBAL_SOFAConventions != CONVENTION:
+        text = f"expected the convention {CONVENTION}, got {sofa.GLOBAL_SOFAConventions!r}"
+        raise DatasetError(text, file=path, element="GLOBAL:SOFAConventions")
+    return sofa
+
+
+def _numbers(sofa: Any, name: str, path: Path) -> Float[np.ndarray, "..."]:
+    element = name.replace("_", ".") if name.startswith("Data") else name
+    try:
+        values = np.asarray(getattr(sofa, name), float)
+    except (AttributeError, TypeError, ValueError) as error:
+        raise DatasetError("expected numbers, there are none", file=path, element=element) from error
+    if not np.isfinite(values).all():
+        raise DatasetError("there are numbers that are not finite", file=path, element=element)
+    return values
+
+
+def _of_all(values: np.ndarray, shape: tuple[int, ...], path: Path, element: str) -> np.ndarray:
+    """One row for all measurements, or one each."""
+    try:
+        return np.broadcast_to(np.atleast_2d(values), shape)
+    except ValueError as error:
+        raise DatasetError(
+            f"expected {shape} or (1, {shape[1]}) numbers, got {values.shape}", file=path, element=element
+        ) from error
+
+
+def _left_first(sofa: Any, path: Path) -> list[int]:
+    """In which order the ears are taken."""
+    ears = _numbers(sofa, "ReceiverPosition", path)
+    ears = ears[..., 0] if ears.ndim == 3 else ears
+    places = _cartesian(_of_all(ears, (2, 3), path, "ReceiverPosition"), sofa, "ReceiverPosition", path)
+    if places[0, 1] == places[1, 1]:
+        raise DatasetError("neither ear is to the left of the other", file=path, element="ReceiverPosition")
+    return [0, 1] if places[0, 1] > places[1, 1] else [1, 0]
+
+
+def _in_head(sofa: Any, count: int, path: Path) -> Float[np.ndarray, "m 3"]:
+    """From the middle of the head to the sources [m], in the head's frame."""
+
+    def vectors(name: str, kind: str) -> np.ndarray:
+        return _cartesian(_of_all(_numbers(sofa, name, path), (count, 3), path, name), sofa, kind, path)
+
+    away = vectors("SourcePosition", "SourcePosition") - vectors("ListenerPosition", "ListenerPosition")
+    ahead, up = vectors("ListenerView", "ListenerView"), vectors("ListenerUp", "ListenerView")
+    right = np.cross(ahead, up)
+    if not np.linalg.norm(right, axis=1).min() > 1e-6:
+        raise DatasetError("up is ahead, or nowhere", file=path, element="ListenerUp")
+    above = np.cross(right, ahead)
+    axes = np.stack([x / np.linalg.norm(x, axis=1, keepdims=True) for x in (right, above, -ahead)], axis=1)
+    return np.einsum("mij,mj->mi", axes, away)
+
+
+def _cartesian(values: np.ndarray, sofa: Any, name: str, path: Path) -> np.ndarray:
+    """From azimuth to the left, elevation [degrees] and radius, where the file says so: x ahead, y left, z up."""
+    kind = getattr(sofa, f"{name}_Type", None)
+    if kind == "cartesian":
+        return values
+    if kind != "spherical":
+        text = f"expected the coordinates cartesian or spherical, got {kind!r}"
+        raise DatasetError(text, file=path, element=f"{name}:Type")
+    azimuth, elevation = np.radians(values[:, 0]), np.radians(values[:, 1])
+    ring = np.cos(elevation)
+    return values[:, 2:] * np.stack([ring * np.cos(azimuth), ring * np.sin(azimuth), np.sin(elevation)], axis=1)
