@@ -1,10 +1,11 @@
 """Homes of the second generator: whether they are as they have to be, and what they are like beside SUNCG's.
 
-    python benchmarks/homes.py [--homes 1000] [--first 0] [--every 20] [--seconds 500] [--root FOLDER]
+    python benchmarks/homes.py [--homes 1000] [--first 0] [--every 20] [--seconds 500] [--workers N] [--root FOLDER]
 
-Writes one home after another, looks at each (`home_checks.py`) and keeps a line for it in `FOLDER.jsonl`. It may be
+Writes homes by N processes, looks at each (`home_checks.py`) and keeps a line for it in `FOLDER.jsonl`. It may be
 stopped at any time, and goes on where it was. Prints what was found, and a table for docs/dataset.md.
-`--workers N` instead writes the same homes by N processes into `FOLDER-N` and compares digests.
+`--compare N` instead writes the same homes by N processes into `FOLDER-N` and compares digests. Needs no more than the
+package and, from the clone, `tests/helpers`.
 """
 
 import argparse
@@ -13,18 +14,23 @@ import json
 import sys
 import time
 from collections import Counter, defaultdict
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import as_completed
+from contextlib import contextmanager
+from functools import lru_cache, partial
 from pathlib import Path
 
 import numpy as np
 from home_checks import Record, check_home, digest, unpacked
 from tqdm import tqdm
 
+from home_mjx.core.workers import usable_cores, worker_pool
 from home_mjx.datasets import generate_dataset, open_dataset
 from home_mjx.datasets.homes.dataset import write_home
 from home_mjx.datasets.procedural import dataset as machinery
 from home_mjx.datasets.seeds import house_id
 from home_mjx.datasets.suncg.dataset import Dataset
+from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
 
 # Of SUNCG's 329,195 rooms with a label other than `Room`, in per cent.
 SUNCG = {
@@ -72,7 +78,6 @@ ASKED = {
     "Balcony": "fence 123 chair 90 outdoor_lamp 64 wall_lamp 44",
 }
 LEVELS, ROOMS_A_FLOOR, OBJECTS_A_ROOM = 1.28, 8.1, 14.1
-BATCH = 25  # homes that are written before they are looked at
 ALIKE = 0.85  # the part of their room maps that homes have in common which are called alike
 
 
@@ -117,38 +122,56 @@ def covered(held: dict[str, set[str]]) -> tuple[float, list[str]]:
     return there / total, lacking
 
 
-def look(records: Path, root: Path, seeds: Sequence[int], every: int, seconds: float) -> list[Record]:
-    """The records of the homes, those from before included, as far as one gets in the time."""
-    start = time.monotonic()
+def look(records: Path, root: Path, seeds: Sequence[int], every: int, seconds: float, workers: int) -> list[Record]:
+    """The records of the homes, those from before included, as far as `workers` processes get in the time."""
+    deadline = time.time() + seconds
     root.parent.mkdir(parents=True, exist_ok=True)
     known = {r["seed"]: r for r in map(json.loads, records.read_text().splitlines())} if records.exists() else {}
     generate_dataset(root, seeds[:1], version=2)  # the tables
-    dataset = open_dataset(root)
-    with records.open("a") as file, tqdm(total=len(seeds), desc="homes") as bar:
-        for first in range(0, len(seeds), BATCH):
-            batch = seeds[first : first + BATCH]
-            lacking = [s for s in batch if s not in known or (s % every == 0 and "drift" not in known[s])]
-            if lacking and time.monotonic() - start < seconds:
-                dataset = written(root, lacking, dataset)
-            for seed in lacking:
-                if time.monotonic() - start > seconds:
-                    return [known[seed] for seed in seeds if seed in known]
-                known[seed] = check_home(dataset, seed, seed % every == 0)
-                file.write(json.dumps(known[seed]) + "\n")
+    lacking = [s for s in seeds if s not in known or (s % every == 0 and "drift" not in known[s])]
+    one = partial(look_at, root.absolute(), every, deadline)
+    with records.open("a") as file, mapper(min(workers, len(lacking))) as run:
+        for record in tqdm(run(one, lacking), desc="homes", total=len(seeds), initial=len(seeds) - len(lacking)):
+            if record is not None:
+                known[record["seed"]] = record
+                file.write(json.dumps(record) + "\n")
                 file.flush()
-                bar.update()
-            bar.update(len(batch) - len(lacking))
     return [known[seed] for seed in seeds if seed in known]
 
 
-def written(root: Path, seeds: Sequence[int], before: Dataset) -> Dataset:
-    """The dataset with some more homes, and with the models that were read before."""
-    start = time.monotonic()
-    for seed in seeds:
-        write_home(root, seed)
-    sys.stderr.write(f"{len(seeds)} homes written in {time.monotonic() - start:.1f} s\n")
+Job = Callable[[int], Record | None]
+
+
+@contextmanager
+def mapper(workers: int) -> Iterator[Callable[[Job, list[int]], Iterator[Record | None]]]:
+    """A `map` by so many processes, which gives each result as soon as it is there."""
+    if workers < 2:
+        yield map
+        return
+    with worker_pool(workers) as pool:
+        yield lambda job, seeds: (done.result() for done in as_completed(pool.submit(job, seed) for seed in seeds))
+
+
+def look_at(root: Path, every: int, deadline: float, seed: int) -> Record | None:
+    """Writes a home and looks at it; None if the time is over."""
+    if time.time() > deadline:
+        return None
+    start = time.process_time()
+    write_home(root, seed)
+    spent = time.process_time() - start
+    return check_home(opened(root), seed, seed % every == 0) | {"written": round(spent, 3)}
+
+
+@lru_cache(maxsize=1)
+def library(root: Path) -> AssetLibrary:
+    """The models that this process has read."""
+    return AssetLibrary(root)
+
+
+def opened(root: Path) -> Dataset:
+    """The dataset as it is now; it lists its homes only once."""
     dataset = open_dataset(root)
-    dataset.assets = before.assets
+    dataset.assets = library(root)
     return dataset
 
 
@@ -170,6 +193,9 @@ def report(found: list[Record]) -> None:
     for record in found:
         spent.update(record["times"])
     out(f"seconds: { {name: round(value, 1) for name, value in spent.items()} }\n")
+    cost = [r["written"] for r in found if "written" in r]
+    if cost:
+        out(f"processor seconds to draw and write a home: mean {np.mean(cost):.2f}, most {max(cost):.2f}\n")
 
 
 def table(found: list[Record]) -> None:
@@ -228,14 +254,15 @@ def main() -> None:
         "--every", type=int, default=20, help="walk, compile and simulate the homes of seeds that this divides"
     )
     parser.add_argument("--seconds", type=float, default=float("inf"), help="stop after so long, before the tables")
-    parser.add_argument("--workers", type=int, default=0, help="compare with as many processes instead")
+    parser.add_argument("--workers", type=int, default=usable_cores(), help="processes; as many as cores")
+    parser.add_argument("--compare", type=int, default=0, help="write again by as many processes instead, and compare")
     args = parser.parse_args()
     records, seeds = args.root.with_suffix(".jsonl"), range(args.first, args.first + args.homes)
-    if args.workers:
-        found = look(records, args.root, seeds, args.every, 0.0)
-        compare(args.root.with_name(f"{args.root.name}-{args.workers}"), found, args.workers)
+    if args.compare:
+        found = look(records, args.root, seeds, args.every, 0.0, 1)
+        compare(args.root.with_name(f"{args.root.name}-{args.compare}"), found, args.compare)
         return
-    found = look(records, args.root, seeds, args.every, args.seconds)
+    found = look(records, args.root, seeds, args.every, args.seconds, args.workers)
     if found:
         report(found)
         if len(found) == len(seeds):

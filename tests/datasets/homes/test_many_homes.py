@@ -35,9 +35,10 @@ def test_a_thousand_homes_are_valid_and_their_private_rooms_are_ends(part, tmp_p
     without_furniture(monkeypatch)
     root, first = tmp_path / "homes", FIRST + PART * part
     generate_dataset(root, [first], version=2)
-    dataset = open_dataset(root)
     for seed in range(first, first + PART):
         write_home(root, seed)
+    dataset = open_dataset(root)
+    for seed in range(first, first + PART):
         assert validate_house(dataset, house_id(seed)) == ()
         home = Home(dataset.load_house(house_id(seed)), dataset.metadata)
         joined, (entrance,) = home.graph(), home.entrances()
