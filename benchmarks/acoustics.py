@@ -115,6 +115,8 @@ def main():
     parser.add_argument("--particles", type=int, default=100_000, help="of the oracle, per octave")
     parser.add_argument("--presets", nargs="*", choices=PRESETS, default=PRESETS)
     parser.add_argument("--bake-seed", type=int, default=0, help="of baked late sound, which has no other")
+    parser.add_argument("--bake-rays", type=int, default=BakeOptions.rays, help="per cell and octave")
+    parser.add_argument("--bake-size", type=float, default=BakeOptions.size, help="wanted edge of its cells [m]")
     parser.add_argument("--rooms", nargs="*", help="only these, such as uneven (default: all)")
     parser.add_argument("--seconds", type=float, default=3.0, help="length of the decays")
     parser.add_argument("--out", type=Path, help="file for the records, to which they are added")
@@ -144,7 +146,7 @@ def measure(case, args):
     truth = fly(case.blocks, case.source, case.listeners, args.seconds, dt, args.particles).energy
     for preset in args.presets:
         if preset == "baked":
-            bank = with_late_sound(bank, [case.house], BakeOptions(seed=args.bake_seed))
+            bank = with_late_sound(bank, [case.house], BakeOptions(args.bake_size, args.bake_rays, seed=args.bake_seed))
         ours = heard(case, bank, config_of(preset, args.seconds), SEEDS[preset])
         for name, group in places(case).items():
             for record in compare(name, truth[group], ours[:, group], dt):

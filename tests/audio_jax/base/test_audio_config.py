@@ -55,6 +55,8 @@ def test_presets():
     rays = [audio_preset(name).num_rays * audio_preset(name).num_bounces for name in PRESETS]
     assert rays == sorted(rays)
     assert len(set(rays)) == 3
+    for name in PRESETS:  # each is to be had with late sound that has been baked
+        assert audio_preset(name, late="baked").reflection_order == 1
     assert audio_preset("balanced", num_edges=0) == AudioConfig(**{**PRESETS["balanced"], "num_edges": 0})
     with pytest.raises(ConfigError, match="Did you mean `fast`"):
         audio_preset("fats")
