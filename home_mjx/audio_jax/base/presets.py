@@ -4,9 +4,9 @@ Errors are those of `benchmarks/acoustics.py`, in six rooms against a Monte Carl
 the largest over octaves of 125 to 8000 Hz. Rooms that absorb evenly or are bare are named first; then those with a soft
 floor, with a carpet and a curtain, two coupled rooms, and scattering that rises with frequency. They are those of one
 microphone; moving tones, of `tests/audio_jax/motion`. Where houses can be baked, use
-`audio_preset("fast", late="baked", num_edges=8)`, or `audio_preset("balanced", late="baked")`, which has more reflections
-and a tail; both with reflections of first order, as baked sound has all others. With `late="baked"`: T30 within 1 %,
-then -6, -6, +7 and -2 %; EDT within 5 %; level within 0.4 dB.
+`audio_preset("fast", late="baked", num_edges=8)`, or `audio_preset("balanced", late="baked")`, which renders more
+reflections and a tail; both of first order, as baked sound has all others. With `late="baked"`: T30 within 1 %, then
+-6, -6, +7 and -2 %; EDT within 5 %; level within 0.4 dB.
 """
 
 from typing import Any
