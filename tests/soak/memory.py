@@ -5,7 +5,8 @@
 Agents act at random, with auto-reset and short episodes; observations come to the host. Now and then all environments
 begin anew from other keys, and the houses of a `HouseStream` are exchanged. The memory of the process, and of the GPU
 if there is one, is noted after every stretch of steps. The first quarter of the time does not count: allocators fill.
-One JSON object; exits with 1 if the middle value of the last quarter lies 1 % above that of the second one.
+One JSON object, and one on stderr every 20 s; exits with 1 if the middle value of the last quarter lies 1 % above that of
+the second one.
 """
 
 import argparse
@@ -29,6 +30,7 @@ import numpy as np  # noqa: E402
 MOST = 0.01  # share by which memory may grow
 STRETCH = 50  # steps between two looks
 ANEW = 5  # looks between two times that all begins anew
+TOLD = 20.0  # [s] between two words of how it goes
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -58,7 +60,7 @@ def soak(folder: Path, args: argparse.Namespace) -> dict[str, object]:
     env, rng, looks, steps = AutoReset(HouseholdEnv(config)), np.random.default_rng(args.seed), [], 0
     reset, step = jax.jit(env.reset), jax.jit(env.step)
     with HouseStream(folder, ids, num_slots=max(2, args.houses // 2)) as stream:
-        begun = time.monotonic()
+        begun = told = time.monotonic()
         while time.monotonic() - begun < args.seconds or len(looks) < 8:
             if len(looks) % ANEW == 0:
                 keys = jax.random.split(jax.random.key(int(rng.integers(1 << 30))), args.envs)
@@ -70,6 +72,9 @@ def soak(folder: Path, args: argparse.Namespace) -> dict[str, object]:
             begun = begun if looks else time.monotonic()  # what compiles does not count
             looks.append(memory())
             steps += STRETCH * args.envs
+            if time.monotonic() - told > TOLD:
+                told = time.monotonic()
+                print(json.dumps({"env_steps": steps, "bytes": looks[-1]}), file=sys.stderr, flush=True)
         swaps = stream.swaps
     counts = {"case": "memory", "seed": args.seed, "env_steps": steps, "swaps": swaps}
     return {**counts, **judged(looks), "seconds": round(time.monotonic() - begun, 1)}
