@@ -15,7 +15,6 @@ Box = Float[np.ndarray, "2 3"]
 Boxes = Float[np.ndarray, "_ 2 3"]
 
 KEPT = 64  # shapes of one model that are kept
-_PICKS, _AXES = np.array([[(i >> k) & 1 for k in range(3)] for i in range(8)]), np.arange(3)  # corners of a box
 FACING = ((0, 1), (1, 0), (0, -1), (-1, 0))  # (x, z) that the front points to after 0..3 quarter turns
 
 
@@ -43,10 +42,13 @@ class PlacedFurniture:
 
     def at(self, x: float, y: float, z: float, quarter: int = 0) -> "PlacedFurniture":
         """The same object somewhere else [m]."""
-        # Field by field: `dataclasses.replace` takes ten times as long, and rooms try many places.
+        # Not by `dataclasses.replace`, which takes ten times as long: rooms try many places.
         moved = object.__new__(type(self))
-        kept = {name: self.__dict__[name] for name in self.__dataclass_fields__}
-        moved.__dict__.update(kept, position=(round(x, 4), round(y, 4), round(z, 4)), quarter=quarter % 4)
+        own = moved.__dict__
+        own.update(self.__dict__)
+        for name in ("parts", "box") if quarter % 4 == self.quarter else ("parts", "box", "linear", "_shape"):
+            own.pop(name, None)
+        own["position"], own["quarter"] = (round(x, 4), round(y, 4), round(z, 4)), quarter % 4
         return moved
 
     def beside(self, right: float, front: float) -> tuple[float, float]:
@@ -82,16 +84,19 @@ class Slanted(PlacedFurniture):
     @cached_property
     def parts(self) -> Boxes:
         """Boxes around the model's solids in the scene [m]."""
-        return self._around(self.model.parts)
+        return self._around(self.model.corners)
 
     @cached_property
     def box(self) -> Box:
         """Box around the model's box in the scene [m]."""
-        return self._around(self.model.box)
+        return self._around(self.model.box_corners)
 
-    def _around(self, boxes: Float[np.ndarray, "*n 2 3"]) -> Float[np.ndarray, "*n 2 3"]:
-        corners = boxes[..., _PICKS, _AXES] @ self.linear.T + self.position
-        return np.stack([corners.min(axis=-2), corners.max(axis=-2)], axis=-2)
+    def _around(self, corners: Float[np.ndarray, "8 *n 3"]) -> Float[np.ndarray, "*n 2 3"]:
+        moved = corners @ self.linear.T + self.position
+        found = np.empty((*corners.shape[1:-1], 2, 3))
+        moved.min(axis=0, out=found[..., 0, :])
+        moved.max(axis=0, out=found[..., 1, :])
+        return found
 
 
 def _turned(model: Furniture, quarter: int, scale: Vector, mirrored: bool) -> Shape:

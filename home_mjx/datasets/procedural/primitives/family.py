@@ -24,6 +24,7 @@ class Bulb:
     power: float  # [W]
 
 
+_PICKS, _AXES = np.array([[(i >> k) & 1 for k in range(3)] for i in range(8)]), np.arange(3)  # corners of a box
 # Rotation times scale and mirror; boxes of the parts, and the one around them, at the origin [m].
 Shape = tuple[Float[np.ndarray, "3 3"], Float[np.ndarray, "p 2 3"], Float[np.ndarray, "2 3"]]
 
@@ -50,6 +51,16 @@ class Furniture:
     def size(self) -> Float[np.ndarray, " 3"]:
         """Extents along x, y, z [m]."""
         return self.box[1] - self.box[0]
+
+    @cached_property
+    def corners(self) -> Float[np.ndarray, "8 p 3"]:
+        """The eight corners of each part's box [m]."""
+        return np.ascontiguousarray(np.moveaxis(self.parts[..., _PICKS, _AXES], -2, 0))
+
+    @cached_property
+    def box_corners(self) -> Float[np.ndarray, "8 3"]:
+        """The eight corners of the bounding box [m]."""
+        return self.box[_PICKS, _AXES]
 
     @cached_property
     def shapes(self) -> dict[tuple[int, Vector, bool], Shape]:

@@ -7,6 +7,7 @@ import numpy as np
 from home_mjx.datasets.homes.furnish.rooms.dining import dining_set
 from home_mjx.datasets.homes.furnish.space.corners import corner_spots
 from home_mjx.datasets.homes.furnish.space.hung import above, hang_kind, pictures, windows
+from home_mjx.datasets.homes.furnish.space.occupied import hull
 from home_mjx.datasets.homes.furnish.space.on_top import on_burner, on_top
 from home_mjx.datasets.homes.furnish.space.room import Room
 from home_mjx.datasets.homes.furnish.space.spots import GAP, HUNG, add, backed, clear_of, freely, place, zone_before
@@ -90,6 +91,8 @@ def _row(room: Room, kinds: Sequence[str]) -> list[PlacedFurniture] | None:
         slack = wall.length - total - 2 * (HALF + GAP)
         for share in (0.0, 1.0, 0.5, 0.25, 0.75):
             row = list(_lined(items, wall, wall.span[0] + HALF + GAP + share * slack))
+            if room.solid.meets(np.concatenate([hull(item) for item in row])):
+                continue
             if room.put(row, [zone_before(item, 0.7) for item in row], views=False):
                 return row
     return None

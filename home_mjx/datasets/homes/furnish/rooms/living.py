@@ -8,6 +8,7 @@ import numpy as np
 from home_mjx.datasets.homes.furnish.rooms.dining import dining_set
 from home_mjx.datasets.homes.furnish.space.corners import across_corner, add_corner, corner_spots
 from home_mjx.datasets.homes.furnish.space.hung import above, hang_kind, pictures, windows
+from home_mjx.datasets.homes.furnish.space.occupied import hull
 from home_mjx.datasets.homes.furnish.space.on_top import on_top, some
 from home_mjx.datasets.homes.furnish.space.room import Room
 from home_mjx.datasets.homes.furnish.space.spots import (
@@ -182,11 +183,11 @@ def _group(
     far = reach(room, stand.position[0], stand.position[2], ahead(stand)) - HALF - GAP + float(stand.size[2]) / 2
     backs = [far] if NEAREST < far < FARTHEST else [d for d in AMID if d < far - 0.8]
     screen = _screen(room, stand, hung)
-    if screen is None:
+    if screen is None or room.solid.meets(np.concatenate([hull(stand), hull(screen)])):
         return None
     for back in backs:
         for shift in (0.0, 0.3, -0.3):
-            spot, low = _opposite(stand, sofa, table, back - float(stand.size[2]) / 2, shift)
+            spot, low = _opposite(room, stand, sofa, table, back - float(stand.size[2]) / 2, shift)
             if (
                 low
                 and clear_of(low, (stand, screen))
@@ -197,11 +198,13 @@ def _group(
 
 
 def _opposite(
-    stand: PlacedFurniture, sofa: PlacedFurniture, table: PlacedFurniture, back: float, shift: float
+    room: Room, stand: PlacedFurniture, sofa: PlacedFurniture, table: PlacedFurniture, back: float, shift: float
 ) -> tuple[PlacedFurniture, PlacedFurniture | None]:
     """A sofa with its back so far before a stand, and a table before it, as near as its shape allows."""
     x, z = stand.beside(shift, back - float(sofa.size[2]) / 2)
     spot = sofa.at(x, FLOOR_TOP, z, stand.quarter + 2)
+    if room.solid.meets(hull(spot)):
+        return spot, None
     for gap in np.arange(-1.4, 0.5, 0.1).tolist() if sofa.size[2] > 1.2 else (BEFORE,):
         tx, tz = spot.beside(0.0, float(sofa.size[2] + table.size[2]) / 2 + gap)
         low = table.at(tx, FLOOR_TOP, tz, spot.quarter)

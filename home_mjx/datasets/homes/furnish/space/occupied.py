@@ -40,8 +40,10 @@ def meet(boxes: Boxes, others: Boxes, tolerance: float = TOLERANCE) -> bool:
     """Whether one of some boxes enters one of others."""
     if not len(boxes) or not len(others):
         return False
-    depth = np.minimum(boxes[:, None, 1], others[:, 1]) - np.maximum(boxes[:, None, 0], others[:, 0])
-    return bool((depth.min(axis=-1) > tolerance).any())
+    # Axes first: NumPy goes along the last axis, and three numbers are too few for that.
+    (low, high), (other_low, other_high) = boxes.transpose(1, 2, 0)[..., None], others.transpose(1, 2, 0)[:, :, None]
+    deep = np.minimum(high, other_high) - np.maximum(low, other_low) > tolerance
+    return bool((deep[0] & deep[1] & deep[2]).any())
 
 
 def apart(item: PlacedFurniture, other: PlacedFurniture) -> bool:
@@ -84,10 +86,9 @@ class Store:
         """Whether one of some boxes enters one of these."""
         if not len(boxes) or not self._count:
             return False
-        low, high = boxes[0] if len(boxes) == 1 else (boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0))
         # All sides in one comparison: this is asked more often than anything else.
-        limits = np.concatenate([high - tolerance, -(low + tolerance)])[:, None]
-        near = np.flatnonzero((self._sides[:, : self._count] < limits).all(axis=0))
+        limits = (boxes[:, ::-1] * _SIGNS).max(axis=0).reshape(6, 1) - tolerance  # upper corner, lower one with a minus
+        near = (self._sides[:, : self._count] < limits).all(axis=0).nonzero()[0]
         if not len(near):
             return False
         return meet(boxes, self._data[near], tolerance)

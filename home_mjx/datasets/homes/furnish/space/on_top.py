@@ -4,6 +4,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from home_mjx.datasets.homes.furnish.space.occupied import hull
 from home_mjx.datasets.homes.furnish.space.room import Room
 from home_mjx.datasets.homes.furnish.space.spots import place
 from home_mjx.datasets.homes.furnish.space.tops import Top, carries, tops_of
@@ -42,12 +43,16 @@ def _on(
     own = item.size[[0, 2]] / 2
     slack = np.maximum((high - low) / 2 - 0.8 * own, 0.0)
     for k in range(TRIES):
-        right, front = ((low + high) / 2 + room.rng.uniform(-slack, slack) * (not (middle and k == 0))).tolist()
+        # As `rng.uniform` from -slack to slack, which takes several times as long for two numbers.
+        shift = (2 * slack * room.rng.random(2) - slack) * (not (middle and k == 0))
+        right, front = ((low + high) / 2 + shift).tolist()
         if straight and not middle:
             front = float(min(low[1] + own[1] + 0.02, (low + high)[1] / 2))
         x, z = anchor.beside(-right if anchor.mirrored else right, front)
         spot = item.at(x, anchor.position[1] + top.height * anchor.scale[1], z, anchor.quarter)
         spot = spot if straight else askew(spot, float(room.rng.normal(0, CASUAL)))
+        if room.solid.meets(hull(spot)):  # the usual hindrance, and the quicker test
+            continue
         if carries(anchor, top, spot) and place(room, spot, views=False):
             return spot
     return None

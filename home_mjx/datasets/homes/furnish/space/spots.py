@@ -89,7 +89,11 @@ def _unblocked(room: Room, spots: Sequence[Spot], turned: Mapping[int, Boxes]) -
     """Indices of spots where the largest parts of a thing touch nothing and nothing that is kept free."""
     taken = room.taken
     cores = {quarter: _core(boxes) for quarter, boxes in turned.items()}
-    boxes = np.stack([cores[spot[3]] for spot in spots]) + np.array([spot[:3] for spot in spots])[:, None, None]
+    at, order = np.array(spots), list(cores)
+    if len(order) == 1:
+        boxes = cores[order[0]] + at[:, None, None, :3]
+    else:
+        boxes = np.stack(list(cores.values()))[[order.index(spot[3]) for spot in spots]] + at[:, None, None, :3]
     low, high = boxes[..., 0, :].min(axis=(0, 1)), boxes[..., 1, :].max(axis=(0, 1))
     near = (taken[:, 0] < high) & (taken[:, 1] > low) & (taken[:, 1] - taken[:, 0] > TOLERANCE)
     lows, highs = np.ascontiguousarray(taken[near.all(axis=1)].transpose(1, 2, 0))  # what is near any of the spots

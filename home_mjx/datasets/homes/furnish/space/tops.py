@@ -23,6 +23,8 @@ class Top(NamedTuple):
     area: float  # [m^2]
     low: Float[np.ndarray, " 2"]  # least (x, z) [m]
     high: Float[np.ndarray, " 2"]  # greatest
+    starts: Float[np.ndarray, "2 3 t 1"]  # x and z of the triangles' corners [m]
+    ways: Float[np.ndarray, "2 3 t 1"]  # from each of them to the next [m]
 
 
 @cache
@@ -41,7 +43,9 @@ def tops_of(model_id: str) -> tuple[Top, ...]:
 
 def _top(height: float, triangles: Float[np.ndarray, "t 3 2"], areas: Float[np.ndarray, " t"]) -> Top:
     points = triangles.reshape(-1, 2)
-    return Top(height, triangles, float(areas.sum()), points.min(axis=0), points.max(axis=0))
+    starts = np.ascontiguousarray(triangles.transpose(2, 1, 0))[..., None]
+    ways = starts[:, [1, 2, 0]] - starts
+    return Top(height, triangles, float(areas.sum()), points.min(axis=0), points.max(axis=0), starts, ways)
 
 
 def _covered(points: Float[np.ndarray, "p 3"], parts: Float[np.ndarray, "q 2 3"]) -> Bool[np.ndarray, " p"]:
@@ -65,11 +69,10 @@ def carries(anchor: PlacedFurniture, top: Top, item: PlacedFurniture) -> bool:
     points = sole_of(item.model.id) @ item.linear.T + np.subtract(item.position, anchor.position)
     # Columns of a rotation times a scale: the transpose over their squared lengths is its inverse.
     local = points @ anchor.linear / (anchor.linear**2).sum(axis=0)
-    return bool(_inside(local[:, [0, 2]], top.triangles).any(axis=1).all())
+    return bool(_inside(local[:, 0], local[:, 2], top).any(axis=0).all())
 
 
-def _inside(points: Float[np.ndarray, "p 2"], triangles: Float[np.ndarray, "t 3 2"]) -> Bool[np.ndarray, "p t"]:
-    start = triangles.transpose(2, 1, 0)[..., None]  # x and z, corners, triangles, points
-    x, z = points.T[:, None, None] - start
-    way_x, way_z = start[:, [1, 2, 0]] - start
-    return (way_z * x - way_x * z >= -EDGE).all(axis=0).T
+def _inside(x: Float[np.ndarray, " p"], z: Float[np.ndarray, " p"], top: Top) -> Bool[np.ndarray, "t p"]:
+    """Which points are in which triangles of a surface."""
+    inner = top.ways[1] * (x - top.starts[0]) - top.ways[0] * (z - top.starts[1]) >= -EDGE
+    return inner[0] & inner[1] & inner[2]

@@ -105,7 +105,7 @@ def widths(cells: Sequence[Cell], depth: float) -> tuple[list[float], Mapping[in
     stacks = _stacks(cells, depth)
     found = []
     for i, cell in enumerate(cells):
-        back = sum(s.width * (depth - s.front) for s in stacks.values() if s.host == i)
+        back = sum(s.width * (depth - s.front) for s in stacks.values() if s.host == i) if stacks else 0.0
         side = 1.5 if cell.type == FOYER else WANTS[cell.type].side
         found.append(stacks[i].width if i in stacks else max((cell.area - back) / depth, side))
     return found, stacks

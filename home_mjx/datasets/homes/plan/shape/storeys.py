@@ -202,10 +202,10 @@ def _rooms(
 
 def is_simple(room: RoomPlan) -> bool:
     """Whether the outline of a room is one loop around all of it, without tiny walls."""
-    x, z = room.polygon.T
-    area = abs((x * np.roll(z, -1) - np.roll(x, -1) * z).sum()) / 2
-    if len({(a, b) for a, b in room.polygon.tolist()}) < len(x):  # a loop around one of several parts, again and again
+    corners = [(x, z) for x, z in room.polygon.tolist()]
+    if len(set(corners)) < len(corners):  # a loop around one of several parts, again and again
         return False
+    area = abs(sum(a * d - c * b for (a, b), (c, d) in zip(corners, corners[1:] + corners[:1], strict=True))) / 2
     return bool(abs(area - room.area) < 1e-3 and min(wall.length for wall in room.walls) > TINY)
 
 
