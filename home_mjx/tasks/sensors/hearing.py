@@ -15,8 +15,8 @@ from home_mjx.audio_jax.auralization.stream import faded_frame, given_off
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Sounds, Source
 from home_mjx.audio_jax.motion.frame import moving_frames
-from home_mjx.audio_jax.motion.reception import FALL, Reception, ends_early, reception, silence
-from home_mjx.audio_jax.noises.slots import are_heard, noise_places, noises_given_off
+from home_mjx.audio_jax.motion.reception import FALL, Reception, band_shares, ends_early, reception, silence
+from home_mjx.audio_jax.noises.slots import Noises, are_heard, noise_places, noises_given_off
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import camera_quat
 from home_mjx.tasks.base.config import EnvConfig
@@ -31,6 +31,7 @@ from home_mjx.tasks.sounds.row import VOICED
 from home_mjx.tasks.sounds.voice import SILENCE, num_remembered, voices
 
 LOUDEST = 1e6  # [pressure re the source at 1 m]: no sound is louder
+FAINTEST = 1e-8  # energy of a response re that at 1 m: any clip is heard below -100 dB, where spectra and levels end
 
 
 class Heard(Pytree):
@@ -82,7 +83,7 @@ class Hearing(Sensor):
         if config.speech:
             left = left + sounds.gain[:, None] * voices(spoken(snapshot, said), config.audio)
         if snapshot.noises is not None:
-            left = jnp.concatenate([left, noises_given_off(snapshot.noises, time, config.audio)])
+            left = jnp.concatenate([left, noises_given_off(noises_as_loud_as_drawn(snapshot), time, config.audio)])
 
         def of_all(old: Any, new: Any) -> Float[Array, "c m"]:
             if config.audio.motion:
@@ -96,12 +97,13 @@ class Hearing(Sensor):
         return {"audio": state.frame}
 
     def status(self, config: EnvConfig, snapshot: Snapshot, state: Heard) -> Int[Array, ""]:
-        """Whether a response to something that plays was cut off."""
+        """Whether a response to something that plays was cut off, and whether a clip plays that nobody hears."""
         cut = jax.vmap(jax.vmap(lambda r: is_cut(r, config.audio)))(state.response)
         plays = (snapshot.sounds.clip >= 0) | jnp.any(spoken(snapshot, state.said) >= 0, axis=0)
         if snapshot.noises is not None:
             plays = jnp.concatenate([plays, are_heard(snapshot.noises)])
-        return flags(RESPONSE_CUT=cut & plays[None])
+        energy = jax.vmap(jax.vmap(lambda r: heard_energy(r, config.audio)))(state.response)
+        return flags(RESPONSE_CUT=cut & plays[None], UNHEARD=are_unheard(snapshot, energy))
 
 
 class Stft(Sensor):
@@ -172,6 +174,16 @@ def as_loud_as_drawn(snapshot: Snapshot) -> Sounds:
     """The sounds, as loud as this episode's variation has them."""
     sounds, drawn = snapshot.sounds, snapshot.drawn
     return sounds if drawn is None or drawn.volume is None else sounds.replace(gain=sounds.gain * drawn.volume)
+
+
+def noises_as_loud_as_drawn(snapshot: Snapshot) -> Noises:
+    """The noises of bodies, which there must be, as loud as this episode's variation has them."""
+    noises, drawn = snapshot.noises, snapshot.drawn
+    assert noises is not None
+    if drawn is None or drawn.noise_volume is None:
+        return noises
+    strikes, rubs = (x.replace(gain=x.gain * drawn.noise_volume) for x in (noises.strikes, noises.rubs))
+    return noises.replace(strikes=strikes, rubs=rubs)
 
 
 def playable(config: EnvConfig, snapshot: Snapshot) -> tuple[Float[Array, "c n"], Int[Array, " e"]]:
@@ -247,3 +259,22 @@ def is_cut(response: Float[Array, "c l"] | Reception, config: AudioConfig) -> Bo
         return ends_early(response, config)
     energy = jnp.sum(response.reshape(-1, config.num_bins, config.bin_samples) ** 2, axis=(0, 2))
     return energy[-1] > FALL * jnp.max(energy)
+
+
+def heard_energy(response: Float[Array, "c l"] | Reception, config: AudioConfig) -> Float[Array, ""]:
+    """Of a response, over its channels, re the free field of the source at 1 m."""
+    if not isinstance(response, Reception):
+        return jnp.sum(response**2)
+    bands = jnp.sum(response.paths.gain**2, axis=0) + jnp.sum(response.energy, axis=(0, 1))
+    return bands @ jnp.asarray(band_shares(config))
+
+
+def are_unheard(snapshot: Snapshot, energy: Float[Array, "a e"]) -> Bool[Array, " s"]:
+    """Which of the sources play a clip that no agent hears; noises of bodies and words are not asked for.
+
+    Args:
+        snapshot: The environment, with s sources of e that are heard, these first.
+        energy: Of each response, see `heard_energy`; one that is no number is not heard.
+    """
+    clip = snapshot.sounds.clip
+    return (clip >= 0) & ~jnp.any(energy[:, : clip.size] > FAINTEST, axis=0)
