@@ -227,30 +227,37 @@ def hear(config: EnvConfig, snapshot: Snapshot, response: Callable[..., Any] | N
     """From all sources to every agent, axes (a, e): what `Heard` remembers, or what else is made with the same rays."""
     response = response or (reception if config.audio.motion else impulse_response)
     pose, num_agents = snapshot.pose, config.num_agents
-    pos, body = places(snapshot)
+    sources = all_sources(snapshot)
     # One key per episode, not per step: successive responses stay coherent, so the tail does not flutter.
     keys = jax.random.split(fold(snapshot.key, SOUND), num_agents)
 
     def one(ears: Array, quat: Array, key: Array, own: Array) -> Any:
-        listener, number = Listener(ears, quat, own, snapshot.head), pos.shape[0]
+        listener, number = Listener(ears, quat, own, snapshot.head), sources.pos.shape[0]
         each = key[None] if number == 1 else jax.random.split(key, number)
 
-        def from_source(pos: Array, body: Array, key: Array) -> Any:
-            return response(snapshot.scene, Source(pos, body), listener, key, config.audio)
+        def from_source(source: Source, key: Array) -> Any:
+            return response(snapshot.scene, source, listener, key, config.audio)
 
-        return over_agents(from_source, pos, body, each)
+        return over_agents(from_source, sources, each)
 
     heads = jax.vmap(camera_quat)(pose.yaw, pose.pitch)
     return over_agents(one, eye_position(config, pose), heads, keys, agent_ids(snapshot.bank, num_agents))
 
 
-def places(snapshot: Snapshot) -> tuple[Float[Array, "e 3"], Int[Array, " e"]]:
-    """Where all sources are, those that play clips first, then noises of bodies; and which bodies sound, -1 none."""
+def all_sources(snapshot: Snapshot) -> Source:
+    """All sources, along a leading axis: those that play clips first, then noises of bodies, which point nowhere."""
     sounds = snapshot.sounds
+    playing = Source.unchecked(pos=sounds.pos, body=sounds.body, quat=sounds.quat, directivity=sounds.directivity)
     if snapshot.noises is None:
-        return sounds.pos, sounds.body
+        return playing
     pos, body = noise_places(snapshot.noises)
-    return jnp.concatenate([sounds.pos, pos]), jnp.concatenate([sounds.body, body])
+    quat = directivity = None
+    if sounds.quat is not None:
+        quat = jnp.zeros((*body.shape, 4), jnp.float32).at[:, 0].set(1.0)
+    if sounds.directivity is not None:
+        directivity = jax.tree.map(lambda x: jnp.ones((*body.shape, *x.shape[1:]), x.dtype), sounds.directivity)
+    noises = Source.unchecked(pos=pos, body=body, quat=quat, directivity=directivity)
+    return jax.tree.map(lambda *x: jnp.concatenate(x), playing, noises)
 
 
 def is_cut(response: Float[Array, "c l"] | Reception, config: AudioConfig) -> Bool[Array, ""]:
