@@ -160,6 +160,18 @@ def test_doors_creak_and_thud(generated_bank):
     assert gain == pytest.approx(rate[stopped - 1], rel=1e-4)
 
 
+def test_agents_are_heard_where_nothing_else_moves():
+    """A bank without movable bodies and doors has footsteps, and nothing that could scrape or creak."""
+    core = HouseholdEnv(make_config(noises=NoiseConfig(), impl="kinematic", **QUIET))
+    env = core.bind(HouseBank.from_compiled([shoebox((12.0, 10.0, 3.0))]))
+    state, advance = jax.jit(core.begin)(env.params, jax.random.key(0)), jax.jit(core.advance)
+    state = state.replace(physics=state.physics.replace(qpos=state.physics.qpos.at[:2].set(0.0)))
+    for _ in range(8):
+        state = advance(env.params, state, AHEAD)
+    assert int((state.world.noises.strikes.gain > 0).sum()) == 1
+    assert not np.any(state.world.noises.rubs.gain)
+
+
 def test_more_than_the_slots_hold_is_told():
     """Two agents side by side, one slot."""
     place = Room(NoiseConfig(num_strikes=1), num_agents=2)

@@ -12,19 +12,22 @@ from home_mjx import HouseBank, HouseholdEnv
 from home_mjx.audio_jax import NoiseConfig, directivities, first_order
 from home_mjx.core.transforms import camera_quat
 from home_mjx.tasks import AutoReset, PointNav, Status, make_config
+from home_mjx.tasks.sensors.cameras import eye_position
 
 BARE = {"late": "none", "num_reflections": 0, "impl": "kinematic", "sensors": ("audio",)}
 
 
 @dataclasses.dataclass(frozen=True)
 class TurningRadio(PointNav):
-    """A radio 2 m ahead that turns by 90 degrees a step and points at the agent first; another one is switched off."""
+    """A radio 2 m from the agent's ears that turns by 90 degrees a step and faces them first; another one is silent."""
 
     def sounds(self, snapshot, state):
-        ears = snapshot.pose.pos[0] + jnp.array([2.0, 0.0, 0.0])
-        yaw = jnp.float32([jnp.pi, 0.0]) + snapshot.step.astype(jnp.float32) * jnp.float32(jnp.pi / 2)
+        ears = eye_position(snapshot.config, snapshot.pose)[0]
+        away = jnp.arctan2(ears[1], ears[0])  # from the middle of the room
+        place = ears - 2 * jnp.stack([jnp.cos(away), jnp.sin(away), jnp.zeros(())])
+        yaw = away + jnp.float32([0.0, 1.0]) + snapshot.step.astype(jnp.float32) * jnp.float32(jnp.pi / 2)
         return snapshot.sounds.replace(
-            pos=jnp.stack([ears, ears + 1]),
+            pos=jnp.stack([place, jnp.zeros(3)]),
             quat=jax.vmap(lambda y: camera_quat(y, jnp.float32(0)))(yaw),
             directivity=directivities([first_order(0.5), first_order(1.0)]),
         )
