@@ -45,7 +45,7 @@ class BakeOptions:
     Attributes:
         size: Wanted edge of a cell [m].
         rays: Per cell and octave; None: 1,600; in houses of more than 50 cells 800, of more than 100 cells 400. So
-            a house takes about as long as another, and small ones, where few cells tell how a room decays, are as exact.
+            baking takes about as long for all, and small ones, where few cells tell how a room decays, are exact, too.
         bounces: Of rays that tell how rooms decay in the end; what is later begins anew.
         seed: Of all random numbers of rays.
 
