@@ -10,7 +10,7 @@ from home_mjx.audio_jax.baked.reading import baked_sound
 from home_mjx.audio_jax.baking.bake import BakeOptions
 from home_mjx.audio_jax.baking.store import with_late_sound
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.directivity import Directivity, first_order, measured_directivity, talker
+from home_mjx.audio_jax.base.directivity import Directivity, directivities, first_order, measured_directivity, talker
 from home_mjx.audio_jax.base.endpoints import Head, Listener, Sounds, Source, is_indoors
 from home_mjx.audio_jax.base.presets import PRESETS, audio_preset
 from home_mjx.audio_jax.measures.clarity import c50, c80, centre_time, d50, drr, strength
@@ -67,6 +67,7 @@ __all__ = [
     "decay_curve",
     "decay_time",
     "direct_path",
+    "directivities",
     "drr",
     "ear_gains",
     "early_paths",

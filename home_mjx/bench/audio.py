@@ -121,10 +121,10 @@ def bake(settings: Settings) -> Record:
     house, seconds = settings.first_house, []
     for _ in range(2):
         start = time.perf_counter()
-        size = bake_house(house, bank=settings.bank).nbytes
+        field = bake_house(house, bank=settings.bank)
         seconds.append(time.perf_counter() - start)
-    options = BakeOptions()
-    note = f"{options.rays} rays per cell and octave, {size / 1e6:.2f} MB; the first house of {settings.houses}"
+    rays, size = BakeOptions().rays_for(len(field.room)), field.nbytes / 1e6
+    note = f"{rays} rays per cell and octave, {size:.2f} MB; the first house of {settings.houses}"
     return make_record("audio/bake", seconds[1], "s/house", note, compile_seconds=max(seconds[0] - seconds[1], 0.0))
 
 

@@ -15,7 +15,8 @@ from brax.training.acme import running_statistics, specs
 from brax.training.agents.ppo import checkpoint, networks, networks_vision, train
 
 import home_mjx
-from home_mjx.adapters.brax import BraxEnv, wrap_for_training
+from home_mjx import registry
+from home_mjx.adapters.brax import BraxEnv, register, wrap_for_training
 from home_mjx.errors import ConfigError
 from home_mjx.tasks import check_status
 from home_mjx.training import shim
@@ -121,9 +122,15 @@ def test_braxs_checkpoints_load_by_default_arguments(tmp_path):
     np.testing.assert_array_equal(loaded(obs, one)[0], wanted(obs, one)[0])
 
 
-def test_braxs_registry_has_every_id(generated_bank, brax_env):
+def test_braxs_registry_has_every_id(generated_bank, brax_env, monkeypatch):
+    """Those from before the adapter was imported; after another `register` also those of users and other tests."""
+    monkeypatch.setattr(envs, "_envs", dict(envs._envs))
+    monkeypatch.setitem(registry._REGISTRY, "Late-v0", registry.EnvSpec("Late-v0", "home_mjx.tasks:PointNav"))
+    assert "Late-v0" not in envs._envs
     env = envs.get_environment("PointNav-v0", houses=generated_bank, sensors=("state", "goal"), impl="kinematic")
     assert isinstance(env, BraxEnv)
+    register()
+    assert "Late-v0" in home_mjx.list_envs()
     assert set(home_mjx.list_envs()) <= set(envs._envs)
     with pytest.raises(ConfigError, match="variation"):
         _ = env.sys

@@ -31,6 +31,8 @@ OLD = 120.0  # [m], after which it does not matter when
 PER_METRE = 0.6  # most reflections
 FLIGHTS = (1, 3, 3)  # of rays of each room that are very old, old, and from each gate between rooms
 NARROW = 0.3  # [m]: portals that agents cannot cross count as so wide
+MOST_RAYS = (1600, 800, 400)  # few numbers: each is a program of its own
+RAYS_IN_ALL = 80_000  # from all cells, per octave
 PAIRS = ("moved", "through")
 SUMS = ("lived", "lost", *PAIRS)  # of `Flown`, over all rays
 AT_ONCE = {"gpu": 16}  # sources whose rays fly together; elsewhere one
@@ -42,7 +44,8 @@ class BakeOptions:
 
     Attributes:
         size: Wanted edge of a cell [m].
-        rays: Per cell and octave.
+        rays: Per cell and octave; None: 1,600; in houses of more than 50 cells 800, of more than 100 cells 400. So
+            baking takes about as long for all, and small ones, where few cells tell how a room decays, are exact, too.
         bounces: Of rays that tell how rooms decay in the end; what is later begins anew.
         seed: Of all random numbers of rays.
 
@@ -51,15 +54,27 @@ class BakeOptions:
     """
 
     size: float = 1.0
-    rays: int = 400
+    rays: int | None = None
     bounces: int = 250
     seed: int = 0
 
     def __post_init__(self) -> None:
         check_number("size", self.size, 0.25)
         for name in ("rays", "bounces"):
-            check_number(name, getattr(self, name), 10, whole=True)
+            if getattr(self, name) is not None:
+                check_number(name, getattr(self, name), 10, whole=True)
         check_number("seed", self.seed, 0, whole=True)
+
+    def rays_for(self, cells: int) -> int:
+        """Per cell and octave, in a house of so many cells.
+
+        Example:
+            >>> [BakeOptions().rays_for(cells) for cells in (30, 67, 139)]
+            [1600, 800, 400]
+        """
+        if self.rays is not None:
+            return self.rays
+        return next((rays for rays in MOST_RAYS if rays * cells <= RAYS_IN_ALL), MOST_RAYS[-1])
 
 
 def bake_house(
@@ -83,14 +98,15 @@ def bake_house(
     """
     options = options or BakeOptions()
     scene, cells = open_scene(bank or HouseBank.from_compiled([house]), index), divide(house, options.size)
+    rays = options.rays_for(len(cells.room))
     rng = np.random.default_rng(PLACES)
     cells = replace(cells, center=clear_points(scene, cells, rng))
     seen = in_view(scene, cells.center, cells.center)
     distance = ways(cells.center, seen)
     config = AudioConfig(num_bounces=options.bounces, response_seconds=BINS * AudioConfig.bin_seconds)
     tally = Tally(cells.room, distance, len(BANDS), BINS, config.bin_seconds * config.speed_of_sound)
-    starts, free = start_points(scene, cells, options.rays, rng)
-    baker = _Baker(scene, _grid(cells, free, _joined(house)), config, tally, options)
+    starts, free = start_points(scene, cells, rays, rng)
+    baker = _Baker(scene, _grid(cells, free, _joined(house)), config, tally, rays, options)
     total = baker.run(starts, cells.room)
     level, shape = tally.finish(seen)
     heard = {
@@ -180,6 +196,7 @@ class _Baker:
     grid: Grid
     config: AudioConfig
     tally: Tally
+    rays: int  # of each flight, per octave
     options: BakeOptions
 
     def __post_init__(self) -> None:
@@ -191,7 +208,7 @@ class _Baker:
         cells = self.flights([[self._source(p, int(r))] for p, r in zip(points, room, strict=True)], True, YOUNG, pool)
         gates = gates_of(cells.went.sum(axis=(0, 1, 4)))
         oldest, old, entering = gates.kinds()
-        sizes = [(flights, self.options.rays) for flights in FLIGHTS]
+        sizes = [(flights, self.rays) for flights in FLIGHTS]
         starts = pool.starts(gates.rooms[entering], gates.number, entering.start, sizes[2], self.rng)
         between = self.flights(starts, False, YOUNG, pool)
         aged = Pool()

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -20,6 +21,19 @@ class Directivity(Pytree):
     """Pressure in each direction re that ahead; the same all around the axis."""
 
     gain: Float[Array, "a bands"]  # by angle to the axis, from 0 to pi in even steps
+
+
+def directivities(patterns: Sequence[Directivity]) -> Directivity:
+    """Those of several sources as one record with a leading axis, for `Sounds`.
+
+    Args:
+        patterns: One per source, of the same number of angles.
+
+    Example:
+        >>> directivities([talker(), first_order(0.0)]).gain.shape
+        (2, 181, 7)
+    """
+    return jax.tree.map(lambda *gain: jnp.stack(gain), *patterns)
 
 
 def measured_directivity(gain: Float[np.ndarray, "a bands"]) -> Directivity:

@@ -133,3 +133,5 @@ class Sounds(Pytree):
     gain: Float[Array, " e"]  # of the clip's pressure
     every: Float[Array, " e"]  # [s]
     lasts: Float[Array, " e"]  # [s]
+    quat: Float[Array, "e 4"] | None = None  # with `directivity`: where each points, as `Source.quat`
+    directivity: Directivity | None = None  # one per source, see `directivities`; None: all sound alike everywhere

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 from home_mjx.core.checks import check_flag, check_number
 
+LENGTHS = (0.1, 2.0)  # [m], the shortest and the longest step
+
 
 @dataclass(frozen=True)
 class NoiseConfig:
@@ -37,7 +39,7 @@ class NoiseConfig:
     def __post_init__(self) -> None:
         for name in ("footsteps", "impacts", "scrapes", "doors"):
             check_flag(name, getattr(self, name))
-        check_number("step_length", self.step_length, 0.1, 2.0)
+        check_number("step_length", self.step_length, *LENGTHS)
         for name in ("num_strikes", "num_rubs"):
             check_number(name, getattr(self, name), 1, whole=True)
 

@@ -32,6 +32,8 @@ class Status(IntFlag):
 
     NOISES = 256  # more noises of bodies than there are slots: one was not heard or cut off, see `NoiseConfig`
 
+    UNHEARD = 512  # a source plays that nobody hears: outside, sealed off, in a wall, or too far away
+
     @classmethod
     def names(cls, status: int | np.integer | Int[Array, ""]) -> list[str]:
         """Names of the flags that are set.

@@ -160,6 +160,7 @@ def check_variation(config: EnvConfig, variation: Variation | None) -> None:
     useless = {
         **dict.fromkeys(LIGHTS, None if lit else 'The preset "fast" has no lights: give rgb_preset="lit".'),
         "move_noise": None if config.discrete else 'It is of discrete moves: give actions="discrete".',
+        **dict.fromkeys(("noise_volume", "step_length"), _why_no_noises(config)),
         "friction": f'Nothing slides with impl="{impl}": give impl="fused".' if impl in ("kinematic", "c") else None,
         "mass": 'With impl="c" each house has its own model: give impl="fused".' if impl == "c" else None,
     }
@@ -168,6 +169,10 @@ def check_variation(config: EnvConfig, variation: Variation | None) -> None:
             raise ConfigError(f"`{name}` cannot vary here", element=f"Variation.{name}", hint=reason)
     _check_fovy(config, variation)
     _check_clips(config, variation)
+
+
+def _why_no_noises(config: EnvConfig) -> str | None:
+    return None if config.noises else "Bodies make no noises: give noises=NoiseConfig()."
 
 
 def _check_fovy(config: EnvConfig, variation: Variation) -> None:

@@ -60,7 +60,7 @@ def _rubs(
         heard, row, gain = door_noises(config, physics.door_angle(template, before), snapshot)
         parts.append((heard.pos, heard.body, row, gain))
         thuds.append(heard)
-    if not parts:
+    if not sum(gain.size for *_, gain in parts):  # a house may have nothing that moves
         return (noises.rubs, jnp.zeros((), bool)), thuds
     return with_rubs(noises.rubs, *(jnp.concatenate(x) for x in zip(*parts, strict=True))), thuds
 

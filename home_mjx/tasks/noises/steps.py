@@ -36,6 +36,13 @@ def _classes(classes: dict, kinds: dict[str, tuple[str, ...]], other: str) -> np
     return np.array([of_kind.get(kind, names.index(other)) for kind in (*MATERIAL_KINDS, "")], np.int32)
 
 
+def step_length(config: EnvConfig, snapshot: Snapshot) -> Float[Array, ""]:
+    """From one footstep to the next [m], as this episode has drawn it."""
+    assert config.noises is not None
+    drawn = None if snapshot.drawn is None else snapshot.drawn.step_length
+    return jnp.float32(config.noises.step_length) if drawn is None else drawn
+
+
 def footsteps(
     config: EnvConfig, before: Float[Array, "a 3"], snapshot: Snapshot, noises: Noises
 ) -> tuple[Strikes, Float[Array, " a"], Bool[Array, ""]]:
@@ -51,8 +58,7 @@ def footsteps(
         The steps, how far each agent has walked since the start of the episode [m], and whether one took several, of
         which only the last is heard.
     """
-    assert config.noises is not None
-    length, frame = jnp.float32(config.noises.step_length), config.audio.frame
+    length, frame = step_length(config, snapshot), config.audio.frame
     pos = snapshot.pose.pos
     way = jnp.linalg.norm((pos - before)[:, :2], axis=1)
     walked = noises.walked + way

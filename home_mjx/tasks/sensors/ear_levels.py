@@ -3,7 +3,7 @@
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.audio_jax.auralization.envelope import band_level, clip_power, energy_response
 from home_mjx.audio_jax.auralization.spectra import LEAST, MOST
@@ -17,7 +17,18 @@ from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.sensor import Sensor
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import ArraySpec, Specs
-from home_mjx.tasks.sensors.hearing import as_loud_as_drawn, clip_names, clip_rows, hear, no_words, spoken, with_words
+from home_mjx.tasks.base.status import flags
+from home_mjx.tasks.sensors.hearing import (
+    are_unheard,
+    as_loud_as_drawn,
+    clip_names,
+    clip_rows,
+    hear,
+    no_words,
+    noises_as_loud_as_drawn,
+    spoken,
+    with_words,
+)
 from home_mjx.tasks.sounds.voice import voice_power
 
 LONGEST = 1.0  # [ms]: no head is so large
@@ -31,6 +42,7 @@ class Levels(Pytree):
     said: Int[Array, "k a"]  # tokens of the last frames, this one first; -1 none
     power: Float[Array, "a 2 bands"]  # during the last step
     lead: Float[Array, " a"]  # [s]
+    unheard: Bool[Array, " s"]  # of the sources that play clips, see `are_unheard`
 
 
 class EarLevels(Sensor):
@@ -70,6 +82,7 @@ class EarLevels(Sensor):
             said=no_words(config),
             power=jnp.zeros((agents, 2, len(BANDS)), jnp.float32),
             lead=jnp.zeros(agents, jnp.float32),
+            unheard=jnp.zeros(config.num_sources, bool),
         )
 
     def update(self, config: EnvConfig, snapshot: Snapshot, state: Levels) -> Levels:
@@ -81,12 +94,13 @@ class EarLevels(Sensor):
             gain = as_loud_as_drawn(snapshot).gain[:, None, None]
             left = left + gain**2 * voice_power(spoken(snapshot, said), config.audio)
         if snapshot.noises is not None:
-            left = jnp.concatenate([left, noises_power(snapshot.noises, time, config.audio)])
+            left = jnp.concatenate([left, noises_power(noises_as_loud_as_drawn(snapshot), time, config.audio)])
         envelopes = hear(config, snapshot, energy_response)  # axes (a, e)
         power = jax.vmap(jax.vmap(band_level), (0, None))(envelopes.energy, left)  # (a, e, 2, bands)
         weight = jnp.sum(power, axis=2)
         lead = jnp.sum(weight * envelopes.lead, axis=(1, 2)) / jnp.maximum(jnp.sum(weight, axis=(1, 2)), 1e-30)
-        return Levels(time=time, said=said, power=jnp.sum(power, axis=1), lead=lead)
+        loudest = jnp.max(jnp.sum(envelopes.energy, axis=(2, 3)), axis=-1)  # of the octaves
+        return Levels(time, said, jnp.sum(power, axis=1), lead, are_unheard(snapshot, loudest))
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: Levels) -> dict[str, Array]:
         """Of the last step."""
@@ -96,6 +110,10 @@ class EarLevels(Sensor):
             "ear_difference": level[:, 0] - level[:, 1],
             "ear_delay": jnp.clip(state.lead * jnp.float32(MILLI), -LONGEST, LONGEST)[:, None],
         }
+
+    def status(self, config: EnvConfig, snapshot: Snapshot, state: Levels) -> Int[Array, ""]:
+        """Whether a clip plays that nobody hears."""
+        return flags(UNHEARD=state.unheard)
 
 
 def power_given_off(config: EnvConfig, snapshot: Snapshot, time: Int[Array, ""]) -> Float[Array, "e w bands"]:

@@ -15,8 +15,8 @@ from home_mjx.audio_jax.auralization.stream import faded_frame, given_off
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Sounds, Source
 from home_mjx.audio_jax.motion.frame import moving_frames
-from home_mjx.audio_jax.motion.reception import FALL, Reception, ends_early, reception, silence
-from home_mjx.audio_jax.noises.slots import are_heard, noise_places, noises_given_off
+from home_mjx.audio_jax.motion.reception import FALL, Reception, band_shares, ends_early, reception, silence
+from home_mjx.audio_jax.noises.slots import Noises, are_heard, noise_places, noises_given_off
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import camera_quat
 from home_mjx.tasks.base.config import EnvConfig
@@ -31,6 +31,7 @@ from home_mjx.tasks.sounds.row import VOICED
 from home_mjx.tasks.sounds.voice import SILENCE, num_remembered, voices
 
 LOUDEST = 1e6  # [pressure re the source at 1 m]: no sound is louder
+FAINTEST = 1e-8  # energy of a response re that at 1 m: any clip is heard below -100 dB, where spectra and levels end
 
 
 class Heard(Pytree):
@@ -82,7 +83,7 @@ class Hearing(Sensor):
         if config.speech:
             left = left + sounds.gain[:, None] * voices(spoken(snapshot, said), config.audio)
         if snapshot.noises is not None:
-            left = jnp.concatenate([left, noises_given_off(snapshot.noises, time, config.audio)])
+            left = jnp.concatenate([left, noises_given_off(noises_as_loud_as_drawn(snapshot), time, config.audio)])
 
         def of_all(old: Any, new: Any) -> Float[Array, "c m"]:
             if config.audio.motion:
@@ -96,12 +97,13 @@ class Hearing(Sensor):
         return {"audio": state.frame}
 
     def status(self, config: EnvConfig, snapshot: Snapshot, state: Heard) -> Int[Array, ""]:
-        """Whether a response to something that plays was cut off."""
+        """Whether a response to something that plays was cut off, and whether a clip plays that nobody hears."""
         cut = jax.vmap(jax.vmap(lambda r: is_cut(r, config.audio)))(state.response)
         plays = (snapshot.sounds.clip >= 0) | jnp.any(spoken(snapshot, state.said) >= 0, axis=0)
         if snapshot.noises is not None:
             plays = jnp.concatenate([plays, are_heard(snapshot.noises)])
-        return flags(RESPONSE_CUT=cut & plays[None])
+        energy = jax.vmap(jax.vmap(lambda r: heard_energy(r, config.audio)))(state.response)
+        return flags(RESPONSE_CUT=cut & plays[None], UNHEARD=are_unheard(snapshot, energy))
 
 
 class Stft(Sensor):
@@ -174,6 +176,16 @@ def as_loud_as_drawn(snapshot: Snapshot) -> Sounds:
     return sounds if drawn is None or drawn.volume is None else sounds.replace(gain=sounds.gain * drawn.volume)
 
 
+def noises_as_loud_as_drawn(snapshot: Snapshot) -> Noises:
+    """The noises of bodies, which there must be, as loud as this episode's variation has them."""
+    noises, drawn = snapshot.noises, snapshot.drawn
+    assert noises is not None
+    if drawn is None or drawn.noise_volume is None:
+        return noises
+    strikes, rubs = (x.replace(gain=x.gain * drawn.noise_volume) for x in (noises.strikes, noises.rubs))
+    return noises.replace(strikes=strikes, rubs=rubs)
+
+
 def playable(config: EnvConfig, snapshot: Snapshot) -> tuple[Float[Array, "c n"], Int[Array, " e"]]:
     """All clips that an environment may play, and which of them each source plays; -1 silence."""
     table = np.stack([clip_samples(name, config.audio) for name in clip_names(config)])
@@ -215,30 +227,37 @@ def hear(config: EnvConfig, snapshot: Snapshot, response: Callable[..., Any] | N
     """From all sources to every agent, axes (a, e): what `Heard` remembers, or what else is made with the same rays."""
     response = response or (reception if config.audio.motion else impulse_response)
     pose, num_agents = snapshot.pose, config.num_agents
-    pos, body = places(snapshot)
+    sources = all_sources(snapshot)
     # One key per episode, not per step: successive responses stay coherent, so the tail does not flutter.
     keys = jax.random.split(fold(snapshot.key, SOUND), num_agents)
 
     def one(ears: Array, quat: Array, key: Array, own: Array) -> Any:
-        listener, number = Listener(ears, quat, own, snapshot.head), pos.shape[0]
+        listener, number = Listener(ears, quat, own, snapshot.head), sources.pos.shape[0]
         each = key[None] if number == 1 else jax.random.split(key, number)
 
-        def from_source(pos: Array, body: Array, key: Array) -> Any:
-            return response(snapshot.scene, Source(pos, body), listener, key, config.audio)
+        def from_source(source: Source, key: Array) -> Any:
+            return response(snapshot.scene, source, listener, key, config.audio)
 
-        return over_agents(from_source, pos, body, each)
+        return over_agents(from_source, sources, each)
 
     heads = jax.vmap(camera_quat)(pose.yaw, pose.pitch)
     return over_agents(one, eye_position(config, pose), heads, keys, agent_ids(snapshot.bank, num_agents))
 
 
-def places(snapshot: Snapshot) -> tuple[Float[Array, "e 3"], Int[Array, " e"]]:
-    """Where all sources are, those that play clips first, then noises of bodies; and which bodies sound, -1 none."""
+def all_sources(snapshot: Snapshot) -> Source:
+    """All sources, along a leading axis: those that play clips first, then noises of bodies, which point nowhere."""
     sounds = snapshot.sounds
+    playing = Source.unchecked(pos=sounds.pos, body=sounds.body, quat=sounds.quat, directivity=sounds.directivity)
     if snapshot.noises is None:
-        return sounds.pos, sounds.body
+        return playing
     pos, body = noise_places(snapshot.noises)
-    return jnp.concatenate([sounds.pos, pos]), jnp.concatenate([sounds.body, body])
+    quat = directivity = None
+    if sounds.quat is not None:
+        quat = jnp.zeros((*body.shape, 4), jnp.float32).at[:, 0].set(1.0)
+    if sounds.directivity is not None:
+        directivity = jax.tree.map(lambda x: jnp.ones((*body.shape, *x.shape[1:]), x.dtype), sounds.directivity)
+    noises = Source.unchecked(pos=pos, body=body, quat=quat, directivity=directivity)
+    return jax.tree.map(lambda *x: jnp.concatenate(x), playing, noises)
 
 
 def is_cut(response: Float[Array, "c l"] | Reception, config: AudioConfig) -> Bool[Array, ""]:
@@ -247,3 +266,22 @@ def is_cut(response: Float[Array, "c l"] | Reception, config: AudioConfig) -> Bo
         return ends_early(response, config)
     energy = jnp.sum(response.reshape(-1, config.num_bins, config.bin_samples) ** 2, axis=(0, 2))
     return energy[-1] > FALL * jnp.max(energy)
+
+
+def heard_energy(response: Float[Array, "c l"] | Reception, config: AudioConfig) -> Float[Array, ""]:
+    """Of a response, over its channels, re the free field of the source at 1 m."""
+    if not isinstance(response, Reception):
+        return jnp.sum(response**2)
+    bands = jnp.sum(response.paths.gain**2, axis=0) + jnp.sum(response.energy, axis=(0, 1))
+    return bands @ jnp.asarray(band_shares(config))
+
+
+def are_unheard(snapshot: Snapshot, energy: Float[Array, "a e"]) -> Bool[Array, " s"]:
+    """Which of the sources play a clip that no agent hears; noises of bodies and words are not asked for.
+
+    Args:
+        snapshot: The environment, with s sources of e that are heard, these first.
+        energy: Of each response, see `heard_energy`; one that is no number is not heard.
+    """
+    clip = snapshot.sounds.clip
+    return (clip >= 0) & ~jnp.any(energy[:, : clip.size] > FAINTEST, axis=0)

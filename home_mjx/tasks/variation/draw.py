@@ -30,6 +30,8 @@ class Drawn(Pytree):
     move_noise: Float[Array, ""] | None = None
     depth_noise: Float[Array, ""] | None = None
     color_noise: Float[Array, ""] | None = None
+    noise_volume: Float[Array, ""] | None = None
+    step_length: Float[Array, ""] | None = None  # [m]
 
     def noise_key(self, step: Int[Array, ""], what: int) -> Array:
         """A key of each step for each kind of noise."""
@@ -81,6 +83,8 @@ def draw(variation: Variation | None, key: Array, num_lamps: int) -> Drawn | Non
         move_noise=number("move_noise"),
         depth_noise=number("depth_noise"),
         color_noise=number("color_noise"),
+        noise_volume=number("noise_volume"),
+        step_length=number("step_length"),
     )
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from home_mjx.audio_jax.auralization.sources import CLIPS
+from home_mjx.audio_jax.noises.options import LENGTHS
 from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.pytree import Pytree
 from home_mjx.errors import ConfigError
@@ -31,6 +32,8 @@ LIMITS = {
     "move_noise": (0.0, 100.0),
     "depth_noise": (0.0, 100.0),
     "color_noise": (0.0, 100.0),
+    "noise_volume": (0.0, 1000.0),
+    "step_length": LENGTHS,  # [m]
 }
 
 
@@ -54,11 +57,13 @@ class Variation(Pytree):
         camera_fovy: Added to the vertical field of view of pinholes [degrees].
         friction: Factor of the friction of movable bodies.
         mass: Factor of the mass of movable bodies.
-        volume: Factor of the pressure of all sounds.
+        volume: Factor of the pressure of all clips and words.
         clips: Weight of each of `CLIPS` as the sound of the house's own source; tasks that have sounds keep theirs.
         move_noise: Of discrete actions, Habitat's `noise_multiplier`: 1 is a LoCoBot.
         depth_noise: Of depth images of pinholes: 1 is a Kinect.
         color_noise: Of colour images, in variances: 1 is a common image sensor.
+        noise_volume: Factor of the pressure of all noises of bodies, see `NoiseConfig`.
+        step_length: From one footstep to the next [m], instead of that of `NoiseConfig`: agents walk at another pace.
 
     Example:
         >>> ranges = Variation.of(lamps=0.5, daylight=(0, 1.5), camera_height=(-0.2, 0.2))
@@ -84,6 +89,8 @@ class Variation(Pytree):
     move_noise: Float[Array, "2"] | None = None
     depth_noise: Float[Array, "2"] | None = None
     color_noise: Float[Array, "2"] | None = None
+    noise_volume: Float[Array, "2"] | None = None
+    step_length: Float[Array, "2"] | None = None
 
     @classmethod
     def of(cls, **ranges: Any) -> "Variation":

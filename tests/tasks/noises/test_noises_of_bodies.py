@@ -9,7 +9,7 @@ from handmade import Furniture, shoebox
 from home_mjx import HouseBank, HouseholdEnv
 from home_mjx.audio_jax import NoiseConfig
 from home_mjx.audio_jax.noises.synthesis import RUBS, STRIKES
-from home_mjx.tasks import Status, make_config
+from home_mjx.tasks import Status, Variation, make_config
 
 RATE, FRAME = 16000, 1600
 QUIET = {"num_rays": 4, "num_bounces": 1, "sensors": ("audio",)}
@@ -160,6 +160,18 @@ def test_doors_creak_and_thud(generated_bank):
     assert gain == pytest.approx(rate[stopped - 1], rel=1e-4)
 
 
+def test_agents_are_heard_where_nothing_else_moves():
+    """A bank without movable bodies and doors has footsteps, and nothing that could scrape or creak."""
+    core = HouseholdEnv(make_config(noises=NoiseConfig(), impl="kinematic", **QUIET))
+    env = core.bind(HouseBank.from_compiled([shoebox((12.0, 10.0, 3.0))]))
+    state, advance = jax.jit(core.begin)(env.params, jax.random.key(0)), jax.jit(core.advance)
+    state = state.replace(physics=state.physics.replace(qpos=state.physics.qpos.at[:2].set(0.0)))
+    for _ in range(8):
+        state = advance(env.params, state, AHEAD)
+    assert int((state.world.noises.strikes.gain > 0).sum()) == 1
+    assert not np.any(state.world.noises.rubs.gain)
+
+
 def test_more_than_the_slots_hold_is_told():
     """Two agents side by side, one slot."""
     place = Room(NoiseConfig(num_strikes=1), num_agents=2)
@@ -190,3 +202,36 @@ def test_noises_are_heard_and_off_they_cost_nothing():
     off = HouseholdEnv(make_config(noises=None, **QUIET))
     assert jax.eval_shape(off.begin, place.env.params, jax.random.key(0)).world.noises is None
     assert off.config.num_heard == 1
+
+
+def test_episodes_draw_how_long_steps_are_and_how_loud_noises():
+    """Steps one drawn length apart, each as loud as without the range: what is heard of them is a factor louder."""
+    place = Room()
+    variation = Variation.of(step_length=(0.3, 0.9), noise_volume=(0.25, 4.0))
+    varied, keys = place.env.params.replace(variation=variation), jax.random.split(jax.random.key(1), 3)
+
+    def walk(state, params):
+        def one(state, _):
+            state = place.core.step(params, state, AHEAD)
+            return state, (state.obs["audio"], state.world.noises.strikes, state.physics.qpos[0])
+
+        return jax.lax.scan(one, state, length=15)[1]
+
+    def begun(params, key):
+        state = place.core.begin(params, key)
+        physics = state.physics.replace(qpos=place.placed((-4.0, -2.0, 0.0)).physics.qpos)
+        off = state.world.sounds.replace(gain=jnp.zeros(1))
+        return place.core.perceive(params, state.replace(physics=physics, world=state.world.replace(sounds=off)))
+
+    states = jax.jit(jax.vmap(begun, (None, 0)))(varied, keys)
+    drawn, run = states.world.drawn, jax.jit(jax.vmap(walk, (0, None)))
+    quiet = states.replace(world=states.world.replace(drawn=drawn.replace(noise_volume=jnp.ones(3))))
+    (heard, strikes, x), (plain, _, _) = run(states, varied), run(quiet, varied)
+    for number, length in enumerate(np.asarray(drawn.step_length)):
+        here = jax.tree.map(lambda leaf, number=number: np.asarray(leaf[number]), strikes)
+        starts = np.unique(here.start[here.gain > 0])
+        assert len(starts) == int((float(x[number, -1]) + 4.0) / length)
+        np.testing.assert_allclose(np.diff(starts), length * RATE, atol=40)
+    assert len(np.unique(drawn.step_length)) == 3
+    assert np.abs(plain).max() > 1e-4
+    np.testing.assert_allclose(heard, np.asarray(drawn.noise_volume)[:, None, None, None] * plain, atol=1e-6)

@@ -28,6 +28,8 @@ RANGES = {
     "mass": (1.0, 3.0),
     "volume": (0.1, 1.0),
     "clips": {"radio": 1.0, "bell": 3.0},
+    "noise_volume": (0.5, 2.0),
+    "step_length": (0.5, 0.8),
 }
 
 
@@ -59,6 +61,8 @@ def numbers(drawn):
         "friction": drawn.bodies.friction,
         "mass": drawn.bodies.mass,
         "volume": drawn.volume,
+        "noise_volume": drawn.noise_volume,
+        "step_length": drawn.step_length,
     }
 
 
@@ -132,6 +136,7 @@ def test_ranges_go_to_names_and_back():
         ({"colors": (0, 2)}, "`colors` must be a finite number of at least 0 and at most 1"),
         ({"friction": (0, 1)}, "`friction`"),
         ({"mass": (1, float("nan"))}, "`mass`"),
+        ({"step_length": (0, 1)}, "`step_length` must be a finite number of at least 0.1 and at most 2"),
         ({"clips": ("radoi",)}, "radio"),
         ({"clips": ()}, "`clips` has no sound"),
         ({"clips": 5}, "`clips` must be names of sounds, got 5"),
@@ -157,6 +162,8 @@ def test_what_is_no_variation_is_refused():
     [
         ({}, {"lamps": 0.5}, 'preset "fast" has no lights'),
         ({"rgb_preset": "lit"}, {"move_noise": (0, 1)}, 'actions="discrete"'),
+        ({}, {"noise_volume": (0.5, 2)}, "Bodies make no noises: give noises="),
+        ({}, {"step_length": (0.5, 0.8)}, "Bodies make no noises: give noises="),
         ({}, {"clips": ("radio", "bell")}, 'has not the sounds "bell"'),
         ({"sensors": ("rgb",)}, {"camera_fovy": (-95, 0)}, "field of view of camera `head` would be -5 to 90 degrees"),
     ],
