@@ -77,6 +77,7 @@ def evaluate(
     net: Any = None,
     num_episodes: int = 1000,
     seed: int = 0,
+    max_batch: int = MAX_BATCH,
 ) -> Results:
     """Plays episodes to their end.
 
@@ -89,6 +90,7 @@ def evaluate(
         net: The parameters.
         num_episodes: How many, at most `MAX_EPISODES`.
         seed: Of episodes and actions.
+        max_batch: Episodes that are played at once, at most.
 
     Returns:
         For each episode: `return`, `episode_steps`, `walked` [m] by the first agent, and the task's metrics at its
@@ -101,7 +103,7 @@ def evaluate(
     """
     check_episodes(num_episodes)
     env = with_episodes(env, num_episodes, seed)
-    batch = min(num_episodes, MAX_BATCH)
+    batch = min(num_episodes, max_batch)
     keys = jax.random.key_data(jax.random.split(jax.random.key(seed), num_episodes + batch))
     play = jax.jit(lambda params, net, keys, numbers: _play(env.core, policy_of(net), params, keys, numbers))
     parts = []

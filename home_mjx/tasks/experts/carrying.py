@@ -16,6 +16,7 @@ from home_mjx.tasks.sensors.reaching import STEEPEST, footprints, plan_gaps, pla
 PARTS = 8  # of a turn that are looked at
 BOUND = 0.4  # [rad]: who has turned too far by less than that turns back
 MOVED = 0.5  # [m], from where it stood: there a field still leads to a thing
+DROPPED = 0.05  # [m]: what is farther from where it stood has been in a hand
 NEAREST, FARTHEST = 0.4, 0.9  # [m], at which agents stand from what they take
 AROUND = 0.05  # [m], between what is carried and what stands beside the way
 
@@ -25,8 +26,8 @@ def has_hands(snapshot: Snapshot) -> bool:
     return snapshot.config.hands and snapshot.bank.spec.num_bodies > 0
 
 
-def was_moved(snapshot: Snapshot, meant: Bool[Array, " i"], middle: Float[Array, "a 3"]) -> Bool[Array, " a"]:
-    """Whether things lie where none of those that are meant stood when the house was made, and so fields end elsewhere.
+def moved_by(snapshot: Snapshot, meant: Bool[Array, " i"], middle: Float[Array, "a 3"]) -> Float[Array, " a"]:
+    """How far things are from where one that is meant stood when the house was made [m]; 0 of what never moves.
 
     Args:
         snapshot: The environment.
@@ -34,13 +35,12 @@ def was_moved(snapshot: Snapshot, meant: Bool[Array, " i"], middle: Float[Array,
         middle: Of the thing that each agent is after [m].
     """
     if not has_hands(snapshot):
-        return jnp.zeros(middle.shape[0], bool)
+        return jnp.zeros(middle.shape[0], jnp.float32)
     physics, house = snapshot.bank.physics, snapshot.house
     instance = physics.body_instance[house]
     counts = (instance >= 0) & meant[jnp.clip(instance, 0, meant.shape[0] - 1)]
     away = jnp.linalg.norm(middle[:, None] - physics.body_pos[house][None], axis=-1)
-    nearest = jnp.min(jnp.where(counts[None], away, jnp.inf), axis=1)
-    return jnp.isfinite(nearest) & (nearest > jnp.float32(MOVED))
+    return jnp.where(jnp.any(counts), jnp.min(jnp.where(counts[None], away, jnp.inf), axis=1), 0.0)
 
 
 def at_hand(snapshot: Snapshot, middle: Float[Array, "a 3"]) -> Float[Array, " a"]:

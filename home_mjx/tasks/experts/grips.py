@@ -59,13 +59,22 @@ def find_grip(
     return Grip(take=take & ~holds, put=puts, drop=take & holds, ready=ready, turn=turn, tilt=tilt)
 
 
-def elsewhere(snapshot: Snapshot, state: RowState) -> tuple[Bool[Array, ""], Int[Array, ""], Float[Array, ""]]:
+def elsewhere(
+    snapshot: Snapshot, state: RowState, dropped: Bool[Array, " a"]
+) -> tuple[Bool[Array, " a"], Int[Array, " a"], Float[Array, " a"]]:
     """Whether it is time to go elsewhere, as nothing has come of the present stage for long.
+
+    Of what has been dropped stages begin anew again and again: there the whole episode's time counts.
+
+    Args:
+        snapshot: The environment.
+        state: Of its row task.
+        dropped: Whether what each agent is after has been in a hand before.
 
     Returns:
         Whether it is; how often it has been before; in which direction to go [rad].
     """
-    time = snapshot.step - state.since
+    time = jnp.where(dropped, snapshot.step, snapshot.step - state.since)
     before = time // ROUND
     return time % ROUND >= ROUND - PATIENCE, before, (before + 1).astype(jnp.float32) * jnp.float32(GOLDEN)
 

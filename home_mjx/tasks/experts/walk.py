@@ -12,7 +12,7 @@ from home_mjx.navigation.grid import stored_distance
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.environment.moves import action_names
-from home_mjx.tasks.experts.carrying import at_hand, clear_turns, has_hands, was_moved
+from home_mjx.tasks.experts.carrying import DROPPED, MOVED, at_hand, clear_turns, has_hands, moved_by
 from home_mjx.tasks.experts.descent import descend, straight_distance
 from home_mjx.tasks.experts.grips import elsewhere, find_grip, is_aimed, open_doors, use_hands
 from home_mjx.tasks.experts.leaves import faces_shut_leaf, opening
@@ -73,7 +73,9 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
     stop = stop & (there | should_stop(state, later.at[Feature.DISTANCE].add(spare)))
     grip = find_grip(snapshot, state, values, box[:, guide])
     works = (grip.take | grip.put) & ~stop
-    goes, before, where = elsewhere(snapshot, state)
+    meant = state.means.instance[guide]
+    dropped = moved_by(snapshot, meant, box[:, guide].mean(axis=1)) > DROPPED
+    goes, before, where = elsewhere(snapshot, state, dropped)
     busy, right, face = opening(snapshot)
     busy = busy & ~goes & (before % 2 == 0)  # what does not help is left alone for a while
     stuck = goes & ~works & (snapshot.held >= 0) & (snapshot.contact | (before > 0))  # by what it carries
@@ -201,14 +203,15 @@ def downhill(
     is_room = state.program.descriptor[guide, Word.KIND] == Kind.ROOM  # anywhere beyond its threshold will do
     within = jnp.where(is_room, jnp.inf, 0.0)
     middle = box.mean(axis=1)
-    lies, apart = was_moved(snapshot, state.means.instance[guide], middle), at_hand(snapshot, middle)
+    away, apart = moved_by(snapshot, state.means.instance[guide], middle), at_hand(snapshot, middle)
 
     def ahead(agent: Int[Array, ""]) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
         def far(places: Int[Array, "n 3"], cell: Int[Array, " n"]) -> Float[Array, " n"]:
             known = stored_distance(snapshot.tasks.field, cell, column)
             if not has_hands(snapshot):
                 return known
-            return jnp.where(lies[agent], straight_distance(snapshot, places, middle[agent], apart[agent]), known)
+            now = straight_distance(snapshot, places, middle[agent], apart[agent])
+            return jnp.where(away[agent] > MOVED, now, known)
 
         return descend(snapshot, agent, far, least, within)
 

@@ -1,0 +1,90 @@
+"""How often experts succeed in houses that nobody tuned on, and which rows they lose.
+
+    python benchmarks/experts.py Fetch-v0 Rearrange-v0 --first 130000 --houses 100 --rows 10 --out experts.jsonl
+
+Each id as it is registered. One JSON object an id: its share with the standard error, SPL, and of every row that was
+lost the seed of its house, its number, what was asked, and the steps until the end. Many houses want a GPU, whose
+environments play all episodes at once.
+"""
+
+import argparse
+import json
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import home_mjx
+from home_mjx.bank.bank import HouseBank
+from home_mjx.bench.timing import device_name
+from home_mjx.core.compile_cache import use_compile_cache
+from home_mjx.datasets import generate_dataset
+from home_mjx.tasks import detokenize, with_expert
+from home_mjx.tasks.base.state import Episodes
+from home_mjx.training import evaluate, expert_policy
+
+
+def main() -> None:
+    """Makes the houses, and judges the experts of all ids in them."""
+    args = parse()
+    use_compile_cache()
+    seeds = range(args.first, args.first + args.houses)
+    with tempfile.TemporaryDirectory() as root:
+        bank = HouseBank.from_dataset(root, ids=generate_dataset(root, seeds), progress=True)
+    for name in args.ids:
+        line = judge(bank, name, seeds, args)
+        print(json.dumps(line), flush=True)
+        if args.out is not None:
+            with args.out.open("a") as file:
+                file.write(json.dumps(line) + "\n")
+
+
+def parse() -> argparse.Namespace:
+    """The command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("ids", nargs="+", help="such as Fetch-v0; tasks whose rows are drawn beforehand")
+    parser.add_argument("--first", type=int, required=True, help="seed of the first house")
+    parser.add_argument("--houses", type=int, default=100)
+    parser.add_argument("--rows", type=int, default=10, help="episodes in each house")
+    parser.add_argument("--batch", type=int, default=1000, help="episodes played at once")
+    parser.add_argument("--out", type=Path, help="file that lines are added to")
+    return parser.parse_args()
+
+
+def judge(bank: HouseBank, name: str, seeds: range, args: argparse.Namespace) -> dict[str, Any]:
+    """Plays all rows of one id."""
+    begin = time.perf_counter()
+    env = with_expert(home_mjx.make(name, bank, sensors=("state",), num_tasks=args.rows))
+    rows = env.params.tasks.rows
+    drawn, num = time.perf_counter(), rows.house.shape[0]
+    figures = evaluate(env, expert_policy, None, num, max_batch=args.batch)
+    success = figures["success"]
+    return {
+        "id": name,
+        "device": device_name(),
+        "seeds": [seeds.start, seeds.stop],
+        "num": num,
+        "success": round(float(success.mean()), 4),
+        "stderr": round(float(success.std() / np.sqrt(num)), 4),
+        "spl": round(float(figures["spl"].mean()), 4),
+        "lost": [lost_row(rows, figures, seeds, row) for row in np.flatnonzero(success < 1)],
+        "draw_s": round(drawn - begin, 1),
+        "play_s": round(time.perf_counter() - drawn, 1),
+    }
+
+
+def lost_row(rows: Episodes, figures: dict[str, np.ndarray], seeds: range, row: int) -> dict[str, Any]:
+    """What is known of a row that was lost."""
+    return {
+        "seed": seeds[int(rows.house[row])],
+        "row": int(row),
+        "asked": detokenize(rows.columns["tokens"][row]),
+        "steps": int(figures["episode_steps"][row]),
+        "distance": round(float(figures["distance"][row]), 2) if "distance" in figures else None,
+    }
+
+
+if __name__ == "__main__":
+    main()
