@@ -12,7 +12,7 @@ from home_mjx.datasets.homes.shapes.swept import prism, ring, rod, tube
 from home_mjx.datasets.homes.shapes.turned import turned
 from home_mjx.datasets.homes.things.family import Family, kinds_of
 from home_mjx.datasets.homes.things.joinery import disc
-from home_mjx.datasets.procedural.primitives.solids import Solid, move, rotate
+from home_mjx.datasets.procedural.primitives.solids import Solid, box, move, rotate
 
 
 def draped(slot: str, width: float, x: float, y: float, z: float, front: float, back: float) -> Solid:
@@ -188,7 +188,10 @@ def towel_rack(kind: str = "bar") -> Iterator[Solid]:
 
 
 def towel_hook(kind: str = "ring") -> Iterator[Solid]:
-    """A ring or hooks with towels, or a robe on a hook."""
+    """Rings, hooks, straps and arms with towels, or a robe on a hook."""
+    if kind in _HOOKS:
+        yield from _HOOKS[kind]()
+        return
     if kind == "ring":
         yield rounded("chrome", (0.05, 0.05, 0.02), (0.0, 0.4, -0.05), 0.008, 2)
         yield rod("chrome", (0.0, 0.425, -0.045), (0.0, 0.425, -0.01), 0.008)
@@ -212,9 +215,70 @@ def towel_hook(kind: str = "ring") -> Iterator[Solid]:
             yield prism(f"towel_{i}", [(0.7 * x + (i - 1) * 0.13, y) for x, y in folds], 0.05, (0.0, 0.0, -0.012))
 
 
+def _strap() -> Iterator[Solid]:
+    """A loop of leather from a knob, a towel through it."""
+    yield disc("brass", 0.02, 0.02, (0.0, 0.52, -0.02), 18)
+    yield tube(
+        "leather", fillet([(0.0, 0.53, -0.01), (-0.05, 0.36, 0.0), (0.05, 0.36, 0.0), (0.0, 0.53, -0.01)], 0.03), 0.007
+    )
+    yield draped("towel", 0.09, 0.0, 0.36, 0.0, 0.3, 0.26)
+
+
+def _knobs() -> Iterator[Solid]:
+    """Four knobs on a board, towels on two."""
+    yield rounded("paint", (0.5, 0.09, 0.02), (0.0, 0.5, -0.05), 0.008, 2)
+    for i in range(4):
+        knob = turned("ceramic", [(0.012, 0.0), (0.01, 0.02), (0.026, 0.035), (0.018, 0.05)], sides=14, steps=2)
+        yield move(rotate(knob, 0, np.pi / 2), ((i - 1.5) * 0.13, 0.545, -0.041))
+    cloth = fillet(
+        [(0.0, 0.56), (0.03, 0.52), (0.06, 0.1), (0.05, 0.06), (-0.05, 0.06), (-0.06, 0.1), (-0.03, 0.52)],
+        0.02,
+        3,
+        True,
+    )
+    for i, x in enumerate((-0.195, 0.065)):
+        yield prism(f"towel_{i}", [(x + a, b) for a, b in cloth], 0.03, (0.0, 0.0, -0.022))
+
+
+def _frame() -> Iterator[Solid]:
+    """A square ring of flat bars."""
+    yield rounded("black", (0.06, 0.06, 0.012), (0.0, 0.42, -0.05), 0.004, 1)
+    yield box("black", (0.02, 0.02, 0.05), (0.0, 0.44, -0.022))
+    for y in (0.24, 0.45):
+        yield box("black", (0.22, 0.014, 0.014), (0.0, y, 0.0))
+    for s in (-1, 1):
+        yield box("black", (0.014, 0.196, 0.014), (s * 0.103, 0.254, 0.0))
+    yield draped("towel", 0.17, 0.0, 0.25, 0.0, 0.24, 0.2)
+
+
+def _arm() -> Iterator[Solid]:
+    """An arm that is open at one end."""
+    yield disc("chrome", 0.03, 0.012, (-0.14, 0.42, -0.06), 20)
+    yield tube("chrome", fillet([(-0.14, 0.42, -0.05), (-0.14, 0.42, 0.02), (0.16, 0.42, 0.02)], 0.02), 0.009)
+    yield ball("chrome", 0.014, (0.165, 0.42, 0.02), 12, 6)
+    yield draped("towel", 0.2, 0.02, 0.42, 0.02, 0.36, 0.3)
+
+
+def _branch() -> Iterator[Solid]:
+    """Hooks like twigs on a bent rod."""
+    yield tube("brass", [(-0.24, 0.5, -0.03), (-0.1, 0.53, -0.03), (0.08, 0.5, -0.03), (0.24, 0.54, -0.03)], 0.01)
+    for i, x in enumerate((-0.2, -0.06, 0.08, 0.2)):
+        yield tube("brass", fillet([(x, 0.5, -0.03), (x, 0.47, 0.01), (x, 0.51, 0.03)], 0.015), 0.006)
+        yield disc("brass", 0.014, 0.008, (x, 0.515, -0.044), 12)
+        if i % 2:
+            yield prism(
+                f"towel_{i}",
+                fillet([(x - 0.02, 0.5), (x + 0.02, 0.5), (x + 0.06, 0.08), (x - 0.06, 0.08)], 0.015, 3, True),
+                0.035,
+            )
+
+
+_HOOKS = {"strap": _strap, "knobs": _knobs, "frame": _frame, "arm": _arm, "branch": _branch}
+
+
 RACKS = ("bar", "heated", "ladder", "stand", "double", "shelf", "swing", "rolls", "pole", "plate")
 
 FAMILIES = (
     Family("towel_rack", "towel_rack", kinds_of(towel_rack, *RACKS)),
-    Family("towel_hanger", "towel_hanger", kinds_of(towel_hook, "ring", "hooks", "robe")),
+    Family("towel_hanger", "towel_hanger", kinds_of(towel_hook, "ring", "hooks", "robe", *_HOOKS)),
 )
