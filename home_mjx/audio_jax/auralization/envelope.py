@@ -71,11 +71,12 @@ def _late(
         return jnp.zeros((config.num_bins, config.num_channels, len(BANDS)), jnp.float32), nowhere, nothing
     if config.late == "baked":
         late, toward = baked_histogram(scene, source, listener, config)
+        late = late[:, : config.num_channels]
         whole, length = jnp.mean(jnp.sum(late, axis=0), axis=0), jnp.linalg.norm(toward)
         ends = jnp.stack([toward, -toward]) / jnp.maximum(length, 1e-6)
         return late, ends, 0.5 * jnp.stack([1 + length, 1 - length])[:, None] * whole[None]
     traced = trace(scene, source, listener, key, config)
-    late = traced_histogram(traced, listener.quat, config, listener.head)
+    late = traced_histogram(traced, listener.quat, config, listener.head)[:, : config.num_channels]
     return late, traced.direction, jnp.sum(traced.energy, axis=0)
 
 

@@ -18,7 +18,7 @@ from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.paths import Paths
 from home_mjx.audio_jax.propagation.tracing import Trace, spread, trace
-from home_mjx.audio_jax.receivers.channels import channel_delays, channel_values, distinct_gains
+from home_mjx.audio_jax.receivers.channels import channel_delays, channel_values, late_gains
 from home_mjx.audio_jax.receivers.diffuse import KNOTS, Draw, drawn, ear_mix, noise_bins
 from home_mjx.audio_jax.receivers.hrtf import to_head
 from home_mjx.core.transforms import is_unit
@@ -62,6 +62,8 @@ def late_energy(
 ) -> Float[Array, "k e bands"]:
     """Late energy per time bin, ear and octave, re the free field of the source at 1 m: traced or baked.
 
+    Of ambisonics e is 7: energies of W, Y, Z and X, then what W has in common with each of the three.
+
     Args:
         scene: The environment.
         source: Who sounds.
@@ -70,7 +72,7 @@ def late_energy(
         config: `late` says which, or that there is none.
     """
     if config.late == "none":
-        return jnp.zeros((config.num_bins, config.num_channels, len(BANDS)), jnp.float32)
+        return jnp.zeros((config.num_bins, config.num_energies, len(BANDS)), jnp.float32)
     if config.late == "baked":
         energy = baked_histogram(scene, source, listener, config)[0]
     else:
@@ -82,13 +84,13 @@ def traced_histogram(
     traced: Trace, head_quat: Float[Array, "4"], config: AudioConfig, head: Head | None = None
 ) -> Float[Array, "k e bands"]:
     """The energy of rays per time bin, at both ears of a head."""
-    energy = energy_histogram(traced, distinct_gains(traced.direction, head_quat, config, head), config)
+    energy = energy_histogram(traced, late_gains(traced.direction, head_quat, config, head), config)
     return _to_all(energy, config)
 
 
 def _to_all(energy: Float[Array, "k d bands"], config: AudioConfig) -> Float[Array, "k e bands"]:
     """The energy of each channel from that of those that differ."""
-    return jnp.broadcast_to(energy, (energy.shape[0], config.num_channels, energy.shape[2]))
+    return jnp.broadcast_to(energy, (energy.shape[0], config.num_energies, energy.shape[2]))
 
 
 def baked_histogram(
@@ -103,8 +105,8 @@ def baked_histogram(
     length = jnp.linalg.norm(late.comes_from, axis=1, keepdims=True)  # (spans, 1)
     toward = late.comes_from / jnp.maximum(length, 1e-6)
     upright = jnp.array([1.0, 0.0, 0.0, 0.0], jnp.float32)  # heads hear the same from everywhere, however they turn
-    around = jnp.mean(distinct_gains(jnp.asarray(spread(EVERYWHERE)), upright, config, listener.head), axis=0)
-    there = distinct_gains(toward, listener.quat, config, listener.head) - around[None]
+    around = jnp.mean(late_gains(jnp.asarray(spread(EVERYWHERE)), upright, config, listener.head), axis=0)
+    there = late_gains(toward, listener.quat, config, listener.head) - around[None]
     gain = around[None] + jnp.einsum("ks,seb->keb", late.span * length.T, there, precision="highest")
     whole = jnp.einsum("kb,ks->s", late.energy, late.span, precision="highest")
     mean = jnp.sum(whole[:, None] * late.comes_from, axis=0) / jnp.maximum(jnp.sum(late.energy), 1e-30)
@@ -131,7 +133,7 @@ def with_late(
     key: Array,
     config: AudioConfig,
     head: Head | None = None,
-) -> Float[Array, "e l"]:
+) -> Float[Array, "c l"]:
     """Paths, and noise that follows a histogram of energy from the direct sound on."""
     late = late_response(energy, key, config, head_quat)
     return early_response(paths, head_quat, config, head) + after_direct(late, paths, config)
@@ -204,11 +206,12 @@ def _kernels(weight: Float[Array, "p e s"], delay: Float[Array, "p e"], config: 
 
 def late_response(
     energy: Float[Array, "k e bands"], key: Array, config: AudioConfig, head_quat: Float[Array, "4"] | None = None
-) -> Float[Array, "e l"]:
+) -> Float[Array, "c l"]:
     """Noise that follows an energy histogram in each octave and ear.
 
     The energy runs linearly from the middle of one bin to that of the next. The noise stays where it is in the world
-    while the head turns, see `ear_mix`.
+    while the head turns, see `ear_mix`. What W has in common with Y, Z and X (`late_energy`) is W's noise in all of
+    them, so that intensity points to where sound comes from; without it they have nothing in common.
     """
     head_quat = jnp.array([1.0, 0.0, 0.0, 0.0], jnp.float32) if head_quat is None else head_quat
     return diffuse_response(energy, drawn(key, config), head_quat, config)
@@ -216,12 +219,19 @@ def late_response(
 
 def diffuse_response(
     energy: Float[Array, "k e bands"], draw: Draw, head_quat: Float[Array, "4"], config: AudioConfig
-) -> Float[Array, "e l"]:
+) -> Float[Array, "c l"]:
     """The same with noise that was drawn before."""
     bins = config.num_bins
     mix = ear_mix(head_quat, config)[:, :, None] * draw.sign[None]  # (channel, noise, octave)
-    amplitude = _amplitudes(jnp.roll(energy, draw.start, axis=0) / config.bin_samples, draw.start)
-    each = (amplitude[:, :, :, None] * mix[None, :, None]).reshape(bins, config.num_channels, -1)
+    power = jnp.roll(energy, draw.start, axis=0) / config.bin_samples
+    power, flow = power[:, : config.num_channels], power[:, config.num_channels :]
+    common = flow**2 / jnp.maximum(power[:, :1], TINY)
+    common = jnp.pad(jnp.minimum(common, power[:, 1 : 1 + flow.shape[1]]), [(0, 0), (1, 0), (0, 0)])
+    each = _amplitudes(power - common, draw.start)[:, :, :, None] * mix[None, :, None]
+    if flow.shape[1]:
+        shared = jnp.sign(flow)[:, :, None] * _amplitudes(common[:, 1:], draw.start) * draw.sign[0][None, None, None]
+        each = each.at[:, 1:, :, 0].add(shared)
+    each = each.reshape(bins, config.num_channels, -1)
     table = jnp.asarray(noise_bins(config))
     own = table.ndim == 4  # each channel hears noises of its own
     sound = jnp.einsum("kem,ekms->eks" if own else "kem,kms->eks", each, table, precision="highest")

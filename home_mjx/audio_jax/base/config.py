@@ -181,6 +181,11 @@ class AudioConfig:
         return {"array": len(self.microphones), "ambisonics": 4}.get(self.receiver, 2)
 
     @property
+    def num_energies(self) -> int:
+        """Of late sound in a histogram: one per channel, and three flows of ambisonics, see `late_gains`."""
+        return self.num_channels + 3 * (self.receiver == "ambisonics")
+
+    @property
     def receiver_radius(self) -> float:
         """How far ears or microphones are from the middle of the head [m]."""
         return max((math.hypot(*place) for place in self.microphones), default=self.head_radius)

@@ -27,7 +27,7 @@ class Reception(Pytree):
 
     paths: Paths
     quat: Float[Array, "4"]  # of the head, wxyz
-    energy: Float[Array, "k e bands"]  # of each channel without the paths, per time bin
+    energy: Float[Array, "k e bands"]  # of each channel without the paths, per time bin; see `late_energy`
     draw: Draw  # of the noise that carries it
 
 
@@ -73,7 +73,7 @@ def silence(config: AudioConfig) -> Reception:
     return Reception(
         paths=Paths(distance, jnp.zeros((count, bands), jnp.float32), ahead, name),
         quat=jnp.array([1.0, 0.0, 0.0, 0.0], jnp.float32),
-        energy=jnp.zeros((config.num_bins, config.num_channels, bands), jnp.float32),
+        energy=jnp.zeros((config.num_bins, config.num_energies, bands), jnp.float32),
         draw=Draw(jnp.zeros((), jnp.int32), jnp.ones((num_noises(config), bands), jnp.float32)),
     )
 
@@ -99,12 +99,13 @@ def as_many(paths: Paths, count: int) -> Paths:
 def ends_early(heard: Reception, config: AudioConfig) -> Bool[Array, ""]:
     """Whether all ends before it has fallen by 30 dB from its loudest bin."""
     share = jnp.asarray(band_shares(config))
-    bins = jnp.sum(heard.energy @ share, axis=1)
+    energy = heard.energy[:, : config.num_channels]
+    bins = jnp.sum(energy @ share, axis=1)
     times = 2 if config.receiver == "ambisonics" else config.num_channels  # that energy of a path is heard in all
     loudest = jnp.maximum(jnp.max(bins), times * jnp.max(heard.paths.gain**2 @ share))
     if config.num_tail == 0:
         return bins[-1] > FALL * loudest
-    last = jnp.sum(heard.energy[-1], axis=0) * tail_levels(heard.energy, config)[-1] ** 2
+    last = jnp.sum(energy[-1], axis=0) * tail_levels(heard.energy, config)[-1] ** 2
     return last @ share > FALL * loudest
 
 

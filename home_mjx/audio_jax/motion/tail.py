@@ -38,7 +38,8 @@ def tail_levels(energy: Float[Array, "k e bands"], config: AudioConfig) -> Float
         ((2, 7), True)
     """
     count = config.half_length // config.bin_samples
-    level = jnp.log(jnp.maximum(jnp.sum(energy[energy.shape[0] - count :], axis=1), LEAST))
+    whole = jnp.sum(energy[energy.shape[0] - count :, : config.num_channels], axis=1)
+    level = jnp.log(jnp.maximum(whole, LEAST))
     place = jnp.arange(count, dtype=jnp.float32) - (count - 1) / 2
     slope = jnp.sum(place[:, None] * level, axis=0) / max((count**3 - count) / 12, 1)
     decay = jnp.clip(-slope, FLATTEST, STEEPEST)

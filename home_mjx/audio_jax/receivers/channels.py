@@ -55,6 +55,17 @@ def distinct_gains(
     return energy * pinna_energy(toward, config.sample_rate)[:, None] if config.pinna else energy
 
 
+def late_gains(
+    direction: Float[Array, "n 3"], head_quat: Float[Array, "4"], config: AudioConfig, head: Head | None = None
+) -> Float[Array, "n d bands"]:
+    """What histograms of late sound hold: `distinct_gains`, and of ambisonics W times Y, Z and X, which have signs."""
+    energy = distinct_gains(direction, head_quat, config, head)
+    if config.receiver != "ambisonics":
+        return energy
+    flow = ambisonic_gains(to_head(direction, head_quat))[:, 1:, None]
+    return jnp.concatenate([energy, jnp.broadcast_to(flow, (flow.shape[0], 3, len(BANDS)))], axis=1)
+
+
 def channel_delays(
     toward: Float[Array, "*p 3"], distance: Float[Array, "*p"], config: AudioConfig, head: Head | None = None
 ) -> Float[Array, "*p d"]:

@@ -272,7 +272,7 @@ def heard_energy(response: Float[Array, "c l"] | Reception, config: AudioConfig)
     """Of a response, over its channels, re the free field of the source at 1 m."""
     if not isinstance(response, Reception):
         return jnp.sum(response**2)
-    bands = jnp.sum(response.paths.gain**2, axis=0) + jnp.sum(response.energy, axis=(0, 1))
+    bands = jnp.sum(response.paths.gain**2, axis=0) + jnp.sum(response.energy[:, : config.num_channels], axis=(0, 1))
     return bands @ jnp.asarray(band_shares(config))
 
 

@@ -27,6 +27,7 @@ from home_mjx.audio_jax import (
 )
 from home_mjx.audio_jax.motion.frame import moving_frame
 from home_mjx.audio_jax.motion.reception import ends_early, late_part, silence
+from home_mjx.audio_jax.receivers.channels import late_gains
 from home_mjx.core.transforms import camera_quat, quat_matrix
 from home_mjx.errors import ConfigError
 
@@ -268,13 +269,34 @@ def test_tones_of_a_source_passed_by_at_microphones_that_turn():
         assert 10 * np.log10(np.mean((sound - exact) ** 2) / np.mean(exact**2)) < -35
 
 
+@pytest.mark.parametrize(("part", "place"), [(0.6, (2, -3, 1)), (0.3, (-1, 0.5, -4)), (1.0, (0, 0, 1.0))])
+def test_late_intensity_points_to_where_sound_comes_from(part, place):
+    """Part of the sound from one direction, the rest from all over: energies, and the flow of each octave and turn."""
+    config, rng = AudioConfig(receiver="ambisonics"), np.random.default_rng(0)
+    unit = np.array(place) / np.linalg.norm(place)
+    around = rng.normal(size=(4000, 3))
+    around = np.concatenate([around, -around]) / np.tile(np.linalg.norm(around, axis=1, keepdims=True), (2, 1))
+    for yaw in (0.0, 2.0):
+        quat = camera_quat(jnp.float32(yaw), jnp.float32(0.3))
+        own, other = (np.asarray(late_gains(jnp.float32(x), quat, config))[..., 0] for x in (unit[None], around))
+        levels = part * own[0] + (1 - part) * other.mean(axis=0)
+        energy = jnp.asarray(np.broadcast_to(levels[:, None], (config.num_bins, 7, 7)), jnp.float32)
+        keys = [jax.random.key(k) for k in range(8)]
+        run = jax.jit(lambda key, energy=energy, quat=quat: late_response(energy, key, config, quat))
+        w, y, z, x = np.concatenate([np.asarray(run(key), float) for key in keys], axis=1)
+        np.testing.assert_allclose(np.mean(np.square([w, y, z, x]), axis=1) / np.mean(w**2), levels[:4], atol=0.03)
+        flow = np.asarray(quat_matrix(quat)) @ [-w @ y, w @ z, -w @ x] / (w @ w)
+        np.testing.assert_allclose(flow, part * unit, atol=0.04)
+
+
 @pytest.mark.parametrize("config", [ARRAY, FOA])
 def test_receptions_have_as_many_channels(config):
     config = dataclasses.replace(config, motion=True, tail_seconds=0.2)
     scene = scene_of(shoebox(absorption=0.03))
     ends = Source(jnp.float32([-1, -1, 1.2])), Listener(jnp.float32([1, 1, 1.6]), HEAD)
     heard = jax.jit(reception, static_argnums=4)(scene, *ends, jax.random.key(0), config)
-    assert heard.energy.shape == (config.num_bins, 4, 7)
+    assert heard.energy.shape == (config.num_bins, config.num_energies, 7)
+    assert config.num_energies == (7 if config.receiver == "ambisonics" else 4)
     assert jax.tree.map(jnp.shape, heard) == jax.tree.map(jnp.shape, silence(config))
     assert late_part(heard, config).shape == (4, config.response_length)
     assert bool(ends_early(heard, config))  # after 0.3 s of a room that rings for 2
