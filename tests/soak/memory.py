@@ -5,8 +5,8 @@
 Agents act at random, with auto-reset and short episodes; observations come to the host. Now and then all environments
 begin anew from other keys, and the houses of a `HouseStream` are exchanged. The memory of the process, and of the GPU
 if there is one, is noted after every stretch of steps. The first quarter of the time does not count: allocators fill.
-One JSON object, and one on stderr every 20 s; exits with 1 if the middle value of the last quarter lies 1 % above that of
-the second one.
+One JSON object, and one on stderr every 20 s; exits with 1 if the middle value of the last quarter lies 1 % above that
+of the second one.
 """
 
 import argparse
