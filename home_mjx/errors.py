@@ -120,7 +120,9 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
         >>> did_you_mean("deptth", ["rgb", "depth"])
         'Did you mean `depth`? Known: depth, rgb'
     """
-    known = sorted(set(known))
+    known = sorted(set(known) - {""})
+    if not known:
+        return "There is none to choose from."
     # names from a broken file may be megabytes long, and comparing takes the product of their lengths
     short = [candidate for candidate in known if len(candidate) <= MAX_COMPARED]
     close = difflib.get_close_matches(str(name)[:MAX_COMPARED], short[:MAX_CANDIDATES], n=1)

@@ -13,7 +13,7 @@ import gymnasium
 from home_mjx.core.checks import check_flag, check_number, check_type
 from home_mjx.core.files import as_path
 from home_mjx.core.jsonable import from_json, to_json
-from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
+from home_mjx.errors import ConfigError, DatasetError, UnknownNameError, did_you_mean
 
 if TYPE_CHECKING:
     from home_mjx.bank.bank import HouseBank
@@ -219,7 +219,8 @@ def make(
         houses: A `HouseBank`, a `HouseSet`, a dataset or its root folder, or None: then the dataset that the
             environment variable `SUNCG_DATA_DIR` names, or, where it is not set, generated houses, made once and kept
             in the cache folder. `procedural:16?seed=0&version=2` names generated houses.
-        num_houses: How many houses of a dataset or generator to use; 8, or as many as a name says, by default.
+        num_houses: How many houses of a dataset or generator to use; 8, or as many as a name says, by default. Not more
+            than that.
         split: Only houses of `train`, `val` or `test`.
         where: A `HouseFilter`: only houses of a dataset that have all this.
         progress: Show a progress bar while houses are made and compiled; None: in a terminal.
@@ -257,12 +258,26 @@ def make(
         known,
         options={**known.options, **options, **_ranges(variation)},
         houses=str(houses) if isinstance(houses, str | Path) else None,
-        num_houses=NUM_HOUSES if num_houses is None else num_houses,
+        num_houses=_num_houses(houses, num_houses),
         split=split,
         where=where,
         in_memory=in_memory,
     )
     return _made(spec, houses, progress)
+
+
+def _num_houses(houses: Any, given: int | None) -> int:
+    """How many houses to use: what was asked for, which a name may not have, or as many as it says."""
+    from home_mjx.datasets.generators.names import ProceduralHouses
+
+    named = ProceduralHouses.named(houses)
+    if given is None:
+        return named.count if named else NUM_HOUSES
+    check_number("num_houses", given, 1, whole=True)
+    if named and given > named.count:
+        message = f"`num_houses` is {given}, but `{houses}` names {named.count} houses"
+        raise ConfigError(message, hint=f"Leave it out, or write `procedural:{given}`.")
+    return given
 
 
 def _made(spec: EnvSpec, houses: Any, progress: bool | None) -> "BoundEnv[HouseholdEnv]":
@@ -310,8 +325,21 @@ def _houses_of(file: Path, houses: Any, progress: bool) -> "HouseBank | HouseSet
 
 def _rows(file: Path, bank: "HouseBank", task: Any) -> Any:
     from home_mjx.tasks.environment.episodes import load_rows
+    from home_mjx.tasks.rows.task_bank import TaskBank
 
-    return load_rows(file, bank, task)
+    rows = load_rows(file, bank, task)
+    if isinstance(rows, TaskBank):
+        _check_names(file, rows.names, [generator.name for generator in task.generators])
+    return rows
+
+
+def _check_names(file: Path, found: tuple[str, ...], own: list[str]) -> None:
+    """Refuses a file of other tasks alone; names of one's own, and mixes that have this one, are taken."""
+    known = {spec.entry_point.rpartition(":")[2].rpartition(".")[2] for spec in _REGISTRY.values()}
+    others = [name for name in found if name in known]
+    if others and not set(found) & set(own):
+        message = f"file holds tasks of {', '.join(others)}, none of {', '.join(own)}"
+        raise DatasetError(message, file=file, element="task", hint=f"Make the environment of {others[0]}.")
 
 
 def _ranges(variation: Any) -> dict[str, Any]:
@@ -404,7 +432,6 @@ def as_bank(
         ConfigError: `houses` is something else, or a filter was given for generated houses.
     """
     from home_mjx.bank.bank import HouseBank
-    from home_mjx.datasets.generators.names import ProceduralHouses
     from home_mjx.scene_compile.cache.house_set import HouseSet, default_houses
     from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS
 
@@ -418,9 +445,7 @@ def as_bank(
         chosen = HouseSet.of(houses, split=split, where=where)
         chosen = dataclasses.replace(chosen, options=options) if chosen.options == DEFAULT_OPTIONS else chosen
     else:
-        # Names say themselves how many houses they stand for.
-        most = None if ProceduralHouses.named(houses) and num_houses == NUM_HOUSES else num_houses
-        chosen = HouseSet(houses, split=split, where=where, num_houses=most, options=options)
+        chosen = HouseSet(houses, split=split, where=where, num_houses=num_houses, options=options)
     if late_sound:
         return _with_sound(chosen.load(progress), progress)
     return HouseBank.from_dataset(chosen, progress=progress)

@@ -147,3 +147,8 @@ def test_an_entry_point_that_is_refused_keeps_its_own_message(tmp_path: Path, mo
     monkeypatch.syspath_prepend(tmp_path)
     with pytest.raises(errors.ConfigError, match=r"^environment id `PointNav-v0` is taken"):
         EnvSpec("Other-v0", "task_of_a_user:Task").make()
+
+
+def test_hints_name_no_empty_names():
+    assert errors.did_you_mean("depth", []) == errors.did_you_mean("", [""]) == "There is none to choose from."
+    assert errors.did_you_mean("a", ["", "b"]) == "Known: b"

@@ -1,5 +1,6 @@
 """Checks of options: each raises a `ConfigError` that says what was expected."""
 
+import json
 import math
 import numbers
 from collections.abc import Iterable
@@ -22,8 +23,21 @@ def check_known(kind: str, names: Iterable[str], known: Iterable[str]) -> None:
 def check_names(kind: str, names: object, known: Iterable[str]) -> None:
     """Raises `ConfigError` unless `names` is a sequence of known names; one bare string is not."""
     if isinstance(names, str) or not isinstance(names, Iterable):
-        raise ConfigError(f"expected several names of a {kind}, got `{names}`", hint=f'Write ("{names}",)')
+        raise ConfigError(f"expected several names of a {kind}, got {shown(names)}", hint=as_names(names))
     check_known(kind, [str(name) for name in names], known)
+
+
+def as_names(text: object) -> str:
+    """A hint how to write several names, for who gave a text with or without commas.
+
+    Example:
+        >>> as_names("depth, rgb")
+        'Write ("depth", "rgb"); on the command line NAME=["depth", "rgb"], in quotes.'
+    """
+    names = [name.strip() for name in str(text)[:MAX_SHOWN].split(",") if name.strip()] or ["..."]
+    return f"Write {json.dumps(names)[:-1].replace('[', '(')}{',' * (len(names) == 1)}); " + (
+        f"on the command line NAME={json.dumps(names)}, in quotes."
+    )
 
 
 def check_flag(name: str, value: object) -> None:

@@ -144,6 +144,8 @@ class AudioConfig:
                 raise ConfigError(f"early='home' needs {name}={value!r}, got {getattr(self, name)!r}", hint=hint)
 
     def _check_microphones(self) -> None:
+        if isinstance(self.microphones, str) or not isinstance(self.microphones, Sequence):
+            raise ConfigError(f"`microphones` must be a tuple of places, got {shown(self.microphones)}")
         if (self.receiver == "array") != bool(self.microphones):
             hint = 'Give both, such as receiver="array", microphones=((0, 0, 0),).'
             raise ConfigError('`microphones` and receiver="array" go together', hint=hint)

@@ -12,6 +12,7 @@ IMPLS = ("fused", "jax", "c", "kinematic")
 WARP = ". MJX-Warp is not offered: its agents fall through the floor"
 JACOBIANS = ("auto", "dense", "sparse")
 CONTROLS = ("velocity", "force")
+MOST_AGENTS = 128  # arrays grow with the pairs that they make
 NOT_NUMBERS = ("impl", "jacobian", "control", "sleep", "restitution", "body", "bodies", "timing")
 UNSET = ("friction", "max_geom_pairs", "max_contact_points")  # may be None
 WHOLE = (
@@ -24,7 +25,7 @@ class PhysicsConfig:
     """Options of the physics; hashable, fixed when the step is compiled.
 
     Attributes:
-        num_agents: Agents per environment.
+        num_agents: Agents per environment, at most 128.
         body: Size, mass, strength and speeds of every agent.
         bodies: The same of each agent, where they differ; `body` does not count then.
         timing: Length of a physics step and of a control step.
@@ -82,6 +83,7 @@ class PhysicsConfig:
     def __post_init__(self) -> None:
         self._check_choices()
         self._check_numbers()
+        check_number("num_agents", self.num_agents, 1, MOST_AGENTS, whole=True)
         if self.restitution is not None:
             check_number("restitution", self.restitution, 0, 0.9)
         check_flag("sleep", self.sleep)

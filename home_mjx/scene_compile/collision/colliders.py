@@ -7,6 +7,7 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Bool, Float
 
+from home_mjx.core.checks import check_number
 from home_mjx.scene_compile.architecture.shell import Shell, Wall
 from home_mjx.scene_compile.architecture.slabs import wall_boxes
 from home_mjx.scene_compile.geometry.box_fit import components, fit_boxes, narrowest_box
@@ -20,6 +21,7 @@ SOFT = ("curtain", "rug")  # an agent walks through or over them
 FITTING = 0.2  # [m]: handles and hinges of a door are smaller
 SILL = 0.04  # [m]: what of a door lies lower above the floor is its sill, which an agent steps over
 LEAF_HEIGHT = 1.0  # [m], least of a door's leaf
+LEAST_PIECE, MOST_BOXES = 0.1, 256  # [m] of a wall; of an object: finer ones fill the memory and say no more
 LEAF_TURN = np.deg2rad(3.0)  # from which on a leaf counts as open
 
 
@@ -32,12 +34,21 @@ class ColliderOptions:
         step: Boxes that end lower above the level's floor are left out [m].
         wall_length: Most length of one piece of a wall [m].
         boxes_per_object: Most boxes that stand for one object.
+
+    Raises:
+        ConfigError: A value cannot be used.
     """
 
     height: float = 2.0
     step: float = 0.03
     wall_length: float = 1.5
     boxes_per_object: int = 8
+
+    def __post_init__(self) -> None:
+        check_number("height", self.height, 0)
+        check_number("step", self.step, 0)
+        check_number("wall_length", self.wall_length, LEAST_PIECE)
+        check_number("boxes_per_object", self.boxes_per_object, 1, MOST_BOXES, whole=True)
 
 
 def wall_colliders(shell: Shell, options: ColliderOptions) -> BoxSet:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from jaxtyping import Float
 
+from home_mjx.core.checks import check_number
 from home_mjx.core.color import decode_srgb
 from home_mjx.scene_compile.geometry.mesh import bounds, to_z_up, transform
 from home_mjx.scene_compile.geometry.polygons import inside_polygon, polygon_area, smallest_room
@@ -30,9 +31,15 @@ class LightOptions:
     Attributes:
         room_power: Light for each square metre of a room without a lamp, from a panel under the middle of its
             ceiling [W/m^2]; many rooms of SUNCG have none. 0: such rooms have only daylight.
+
+    Raises:
+        ConfigError: It is no such number.
     """
 
     room_power: float = 3.0
+
+    def __post_init__(self) -> None:
+        check_number("room_power", self.room_power, 0)
 
 
 @dataclass(frozen=True)

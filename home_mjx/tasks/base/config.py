@@ -9,7 +9,7 @@ from typing import Any
 from home_mjx.audio_jax.auralization.sources import CLIPS
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.noises.options import NoiseConfig
-from home_mjx.core.checks import check_flag, check_known, check_names, check_number, check_type
+from home_mjx.core.checks import as_names, check_flag, check_known, check_names, check_number, check_type
 from home_mjx.errors import ConfigError
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.raycast_render.cameras.camera import Lens, has_intrinsics
@@ -28,6 +28,7 @@ DOOR_STATES = ("open", "closed", "placed", "random")
 ARRANGEMENTS = ("placed", "random")
 SENSORS = VIEW_KINDS + VECTOR_SENSORS
 ACTION_KINDS = ("continuous", "discrete")
+MOST_SOURCES = 256  # each is traced for every agent
 MOVE_TIME = 0.3  # [s], a step of discrete actions: a whole number of the default `sim_dt`
 DEFAULT_SENSORS = ("rgb", "depth", "instance", "fine", "audio", "state")  # and what the task adds
 
@@ -108,7 +109,8 @@ class EnvConfig:
             arrangements, by key, in which agents have room; see `home_mjx.arrangements`).
         source_height: Sound source above the floor [m].
         clip: Name of the sound that the source plays, see `home_mjx.audio_jax.clip_samples`.
-        num_sources: How many things may sound at once; each is traced for itself. At least as many as the task needs.
+        num_sources: How many things may sound at once, at most 256; each is traced for itself. At least as many as the
+            task needs.
         clips: Further sounds that may be played; those of the task are added.
         noises: Sounds of bodies: footsteps, impacts, scrapes, doors; see `NoiseConfig`. None: bodies are silent.
         executor: Ray executor, None for the platform's best.
@@ -172,8 +174,9 @@ class EnvConfig:
             object.__setattr__(self, name, value)
 
     def _check_numbers(self) -> None:
-        for name in ("width", "height", "samples", "episode_length", "num_sources"):
+        for name in ("width", "height", "samples", "episode_length"):
             check_number(name, getattr(self, name), 1, 2**31 - 1, whole=True)  # programs count in 32 bits
+        check_number("num_sources", self.num_sources, 1, MOST_SOURCES, whole=True)
         limits = {
             "fovy": (4, 179.9),  # [degrees]; less is an angle in radians
             "source_height": (0, 10),
@@ -285,7 +288,7 @@ class EnvConfig:
 
 def _tuple(name: str, values: Any) -> tuple:
     if isinstance(values, str) or not isinstance(values, Iterable):
-        raise ConfigError(f"`{name}` must be a tuple, got {values!r}", hint="One alone is written (one,)")
+        raise ConfigError(f"`{name}` must be a tuple, got {values!r}", hint=as_names(values))
     return tuple(values)
 
 

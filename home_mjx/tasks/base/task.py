@@ -51,6 +51,11 @@ class Task:
         return False
 
     @property
+    def needs_ears(self) -> bool:
+        """Whether what agents have to know is to be heard alone."""
+        return False
+
+    @property
     def speech(self) -> tuple[str, ...]:
         """Discrete actions by which agents speak: words of the tasks' language after `say:` or `answer:`; none here.
 

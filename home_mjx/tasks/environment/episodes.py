@@ -87,7 +87,8 @@ def save_episodes(path: str | Path, bank: HouseBank, episodes: Episodes, task: T
     for i in range(len(host)):
         house = int(host.house[i])
         columns = {name: values[i] for name, values in host.columns.items()}
-        own = {"house": ids[house], "start": host.start[i].tolist(), "yaw": float(host.yaw[i])}
+        own = {"house": ids[house], "task": type(task).__name__}
+        own |= {"start": host.start[i].tolist(), "yaw": float(host.yaw[i])}
         lines.append(own | task.to_json(bank, house, columns))
     write_json_lines(as_path(path, "episodes"), lines, "episodes")
 
@@ -101,8 +102,8 @@ def load_episodes(path: str | Path, bank: HouseBank, task: Task = POINT_NAV) -> 
         task: Whose episodes they are.
 
     Raises:
-        DatasetError: A line is broken, names a house that the bank lacks or a goal that the house lacks, or starts
-            where no way leads to the goal.
+        DatasetError: A line is broken or of another task, names a house that the bank lacks or a goal that the house
+            lacks, or starts where no way leads to the goal.
     """
     file = as_path(path, "episodes")
     check_type("bank", bank, HouseBank)
@@ -156,6 +157,10 @@ def _are_possible(task: Task, bank: HouseBank, episodes: Episodes) -> Bool[Array
 
 
 def _row(line: dict[str, Any], bank: HouseBank, index: dict[str, int], task: Task) -> dict[str, Any]:
+    name = type(task).__name__
+    if line.get("task", name) not in [kind.__name__ for kind in type(task).__mro__]:
+        message = f"the episode is one of {line['task']!s:.100}, not of {name}"
+        raise DatasetError(message, element="task", hint="Give the task that it was drawn for.")
     if line["house"] not in index:
         raise UnknownIdError(f"the bank has no house {line['house']}", hint=OTHER_BANK)
     house, start, yaw = index[line["house"]], np.array(line["start"], float), float(line["yaw"])

@@ -53,6 +53,11 @@ class Communication(Navigation):
         return ("heard_words",) if self.channel == "discrete" else ()
 
     @property
+    def needs_ears(self) -> bool:
+        """Words that are sounds are observed nowhere else."""
+        return self.channel == "audible"
+
+    @property
     def num_sources(self) -> int:
         """Of words that are sounds, both voices."""
         return 2 if self.channel == "audible" else 1

@@ -10,6 +10,7 @@ from zlib import crc32
 import numpy as np
 
 from home_mjx.core.checks import check_names, check_number
+from home_mjx.errors import ConfigError, did_you_mean
 from home_mjx.tasks.language.vocabulary import tokenize
 from home_mjx.tasks.questions.ask import ASK
 from home_mjx.tasks.questions.balance import balanced
@@ -40,6 +41,8 @@ class Asking(RowTask):
     def __post_init__(self) -> None:
         super().__post_init__()
         check_names("kind of question", self.kinds, self.known_kinds)
+        if not self.kinds:
+            raise ConfigError(f"{self.name} needs at least one of its `kinds`", hint=did_you_mean("", self.known_kinds))
         check_number("success_reward", self.success_reward, 0)
 
     @property

@@ -38,6 +38,7 @@ FIELD_WORDS = {
     "spectrogram": "`log_mel` or `stft`",
     "audiogoal": "`audio`",
 }
+HEARING = ("audio", "stft", "log_mel", "ear_levels")
 NAME, OBSERVATION = "the name", "an observation"
 
 
@@ -60,12 +61,17 @@ def choose_sensors(config: EnvConfig, task: Task) -> tuple[Sensor, ...]:
     """Sensors of an environment whose `config.sensors` are named; those of its task apart.
 
     Raises:
-        ConfigError: Two of them, or one and the task, use the same name.
+        ConfigError: Two of them, or one and the task, use the same name; or the task's words are to be heard, and none
+            of them hears.
     """
     known = registered_sensors()
-    named = tuple(known[name] for name in config.sensors or () if name in known)
+    names = config.sensors or ()
+    named = tuple(known[name] for name in names if name in known)
     sensors = (*((Cameras(),) if config.views else ()), *named)
     _check_names(config, sensors, task)
+    if task.needs_ears and not any(sensor.name in HEARING or not _is_own(sensor) for sensor in sensors):
+        message = f"words of {type(task).__name__} are sounds, which none of the sensors hears: {', '.join(names)}"
+        raise ConfigError(message, element="sensors", hint=f"Add one of {', '.join(HEARING)}.")
     return sensors
 
 

@@ -160,6 +160,11 @@ class HouseTasks(RowTask):
         return any(getattr(task, "needs_hands", False) for task in self.tasks)
 
     @property
+    def needs_ears(self) -> bool:
+        """One of the tasks does."""
+        return any(getattr(task, "needs_ears", False) for task in self.tasks)
+
+    @property
     def num_sources(self) -> int:
         """Of the task that needs most."""
         return max((getattr(task, "num_sources", 1) for task in self.tasks), default=1)

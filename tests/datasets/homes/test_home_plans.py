@@ -279,9 +279,23 @@ def test_environments_take_names(monkeypatch):
     from home_mjx.bank.bank import HouseBank
 
     monkeypatch.setattr(HouseBank, "from_dataset", lambda chosen, progress: chosen)
-    chosen = registry.as_bank("procedural:30?version=2")
-    assert isinstance(chosen, HouseSet)
-    assert chosen.num_houses is None
     limited = registry.as_bank("procedural:30?version=2", num_houses=4)
     assert isinstance(limited, HouseSet)
     assert limited.num_houses == 4
+
+
+@pytest.mark.parametrize(("given", "taken"), [(None, 30), (8, 8), (30, 30)])
+def test_names_say_how_many_houses_there_are(monkeypatch, given, taken):
+    from home_mjx import registry
+
+    made = []
+    monkeypatch.setattr(registry, "_made", lambda spec, houses, progress: made.append(spec.num_houses))
+    registry.make("PointNav-v0", "procedural:30?version=2", num_houses=given)
+    assert made == [taken]
+
+
+def test_more_houses_than_a_name_says_are_refused():
+    from home_mjx import registry
+
+    with pytest.raises(ConfigError, match="`num_houses` is 5, but `procedural:2` names 2 houses"):
+        registry.make("PointNav-v0", "procedural:2", num_houses=5)

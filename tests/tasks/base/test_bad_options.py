@@ -9,15 +9,21 @@ import numpy as np
 import pytest
 
 import home_mjx
+from home_mjx.core.checks import check_names
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.raycast_render.cameras.camera import Lens
 from home_mjx.raycast_render.shading.preset import Lit
+from home_mjx.scene_compile.collision.colliders import ColliderOptions
 from home_mjx.scene_compile.collision.movables import MovableOptions
+from home_mjx.scene_compile.lighting.lights import LightOptions
 from home_mjx.scene_compile.navigation.free_space import NavigationOptions
 from home_mjx.scene_compile.semantics.looks.options import SemanticOptions
 from home_mjx.tasks.base.config import AgentCamera
 from home_mjx.tasks.base.options import make_config
 from home_mjx.tasks.base.status import Status
+from home_mjx.tasks.environment.household import HouseholdEnv
+from home_mjx.tasks.questions.communication import Communication
+from home_mjx.tasks.questions.house_qa import HouseQA
 
 NAN, INF = float("nan"), float("inf")
 
@@ -26,9 +32,15 @@ REFUSED = {
     make_config: [
         ("width", 0), ("episode_length", 0), ("episode_length", 2**31), ("depth_max", -1.0), ("depth_max", NAN),
         ("eye_height", NAN), ("source_height", INF), ("pitch_max", 10.0), ("executor", "gpu"), ("fovy", 180.0),
-        ("num_agents", 0), ("agent_mass", NAN), ("num_rays", 0), ("humidity", NAN),
+        ("num_agents", 0), ("num_agents", 10**6), ("num_sources", 10**6),
+        ("agent_mass", NAN), ("num_rays", 0), ("humidity", NAN),
         ("response_seconds", 1e308), ("bin_seconds", 1e308), ("ctrl_dt", 1e308),
     ],
+    ColliderOptions: [
+        ("height", NAN), ("step", -1.0), ("wall_length", 0.0), ("boxes_per_object", 0), ("boxes_per_object", 10**6),
+    ],
+    LightOptions: [("room_power", -1.0), ("room_power", NAN)],
+    HouseQA: [("kinds", ())],
     SemanticOptions: [("share", 0.0), ("share", -1.0), ("share", NAN), ("share", 1e308)],
     NavigationOptions: [
         ("cell", 0.0), ("cell", -0.1), ("step", NAN), ("agent_height", NAN), ("agent_height", -2.0),
@@ -47,6 +59,22 @@ REFUSED = {
 def test_options_are_refused_by_name(make, name, value):
     with pytest.raises(ConfigError, match=name):
         make(**{name: value})
+
+
+def test_a_text_with_commas_is_no_list_of_names():
+    """As `--env kinds=colour,size` has it: the hint says how to write it there."""
+    with pytest.raises(ConfigError) as caught:
+        check_names("kind of question", "colour,size", ("colour", "size"))
+    assert 'NAME=["colour", "size"]' in caught.value.hint
+
+
+def test_words_that_are_sounds_need_ears():
+    options = {"actions": "discrete", "num_agents": 2}
+    task = Communication(channel="audible")
+    with pytest.raises(ConfigError, match="none of the sensors hears: state"):
+        HouseholdEnv(make_config(sensors=("state",), **options), task)
+    assert HouseholdEnv(make_config(sensors=("log_mel",), **options), task).num_agents == 2
+    assert HouseholdEnv(make_config(sensors=("state",), **options), Communication()).num_agents == 2
 
 
 def test_cameras_that_cannot_give_what_they_should_are_refused():
@@ -79,6 +107,11 @@ options = [
 calls = {f"{name}={value!r}": lambda name=name, value=value: make_config(**{name: value}) for name, value in options}
 calls |= {
     "camera without name": lambda: AgentCamera(""),
+    "heights in words": lambda: make("PointNav-v0", **{"compile.colliders.height": "low"}),
+    "light in words": lambda: make("PointNav-v0", **{"compile.lights.room_power": "bright"}),
+    "places in words": lambda: make_config(receiver="array", microphones="left"),
+    "kinds with commas": lambda: make("HouseQA-v0", kinds="colour,size"),
+    "no kinds": lambda: make("HouseQA-v0", kinds=[]),
     "one kind": lambda: AgentCamera("scanner", "depth"),
     "place": lambda: AgentCamera("scanner", offset=(0.0, "up", 0.0)),
     "pixels": lambda: Lens(10**20, 2.5),

@@ -228,6 +228,22 @@ def test_rows_of_a_task_bank_are_read_for_tasks_that_are_rows(generated_bank, tm
         assert type(task).__name__ in caught.value.hint
 
 
+def test_files_of_another_task_are_refused(generated_bank, tmp_path):
+    """A file of rows that has none of the task's own; episodes by the task that each line names."""
+    file = tmp_path / "t.jsonl"
+    save_tasks(file, generated_bank, RoomNav(num_tasks=2).task_bank(generated_bank))
+    options = {"episodes": file, "sensors": ("state",)}
+    with pytest.raises(DatasetError, match="holds tasks of RoomNav, none of ObjectNav"):
+        home_mjx.make("ObjectNav-v0", generated_bank, **options)
+    assert home_mjx.make("RoomNav-v0", generated_bank, **options).params.tasks.names == ("RoomNav",)
+    file.write_text(file.read_text().replace('"RoomNav"', '"mine"'))
+    assert home_mjx.make("ObjectNav-v0", generated_bank, **options).params.tasks.names == ("mine",)
+    save_episodes(file, generated_bank, sample_episodes(generated_bank, 2))
+    with pytest.raises(DatasetError, match="one of PointNav, not of Exploration") as caught:
+        home_mjx.make("Exploration-v0", generated_bank, **options)
+    assert "task" in caught.value.element
+
+
 def test_houses_that_nobody_generates_are_refused(tmp_path):
     (tmp_path / "e.jsonl").write_text(json.dumps({"house": "0" * 32}) + "\n")
     with pytest.raises(UnknownIdError, match="no house `000") as caught:
