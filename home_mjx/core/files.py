@@ -1,6 +1,7 @@
 """Bounded reading of files below a dataset root, and writing of files whole or not at all."""
 
 import io
+import itertools
 import json
 import os
 import shutil
@@ -26,6 +27,7 @@ _swept: set[Path] = set()  # folders, by this process
 # The largest SUNCG file is a few MB and has 130,000 lines; anything larger is a mistake or an attack.
 MAX_BYTES = 1 << 25
 MAX_LINES = 1 << 20
+MAX_LINE = 1 << 20  # [bytes] of JSON lines; a task has some 1,500
 MAX_UNPACKED = 1 << 32  # [bytes], of arrays of one file
 MAX_NAME = 1000  # characters of a path that a message shows
 TEMPORARY = ".tmp"  # how names of files end that are not yet whole; they begin with a dot
@@ -65,7 +67,7 @@ def read_json_lines(path: Path, what: str, parse: Callable[[Any], Row], most: in
         MissingFileError: The file is missing.
         DatasetError: It cannot be read, or a line is broken; says which.
     """
-    for number, line in enumerate(read_text(path, most=most).splitlines(), 1):
+    for number, line in enumerate(_lines(path, most), 1):
         try:
             yield parse(json.loads(line))
         except DatasetError as error:
@@ -75,6 +77,21 @@ def read_json_lines(path: Path, what: str, parse: Callable[[Any], Row], most: in
             reason = f"`{error.args[0]}` is missing" if type(error) is KeyError else str(error)
             hint = "Each line must be one JSON object, as the package writes them."
             raise DatasetError(f"no {what}: {reason}", file=path, element=f"line {number}", hint=hint) from None
+
+
+def _lines(path: Path, most: int | None) -> Iterator[str]:
+    """Lines of a file one after the other, so that no more than one of them takes memory; errors as of `read_text`."""
+    with _readable(path):
+        _check(path, most or MAX_BYTES)
+        with open_regular(path) as file:
+            for number in itertools.count(1):
+                line = file.readline(MAX_LINE + 1)
+                if not line:
+                    return
+                if len(line) > MAX_LINE or number > MAX_LINES:
+                    what = f"a line has at most {MAX_LINE} bytes, and a file {MAX_LINES} lines"
+                    raise DatasetError(what, file=path, element=f"line {number}", hint="Fetch or write it again.")
+                yield _decode(line, path, number)
 
 
 def write_json_lines(path: Path, rows: Iterable[Any], what: str) -> None:
@@ -95,9 +112,16 @@ def write_json_lines(path: Path, rows: Iterable[Any], what: str) -> None:
 
 def read_bytes(path: Path, hint: str | None = None, most: int | None = None) -> bytes:
     """The content of a file; arguments and errors as in `read_text`."""
-    try:
+    with _readable(path, hint):
         _check(path, most or MAX_BYTES)
         return path.read_bytes()
+
+
+@contextmanager
+def _readable(path: Path, hint: str | None = None) -> Iterator[None]:
+    """What fails as the file is read is a typed error."""
+    try:
+        yield
     except DatasetError:  # from `_check`: it is a ValueError as well
         raise
     except FileNotFoundError:
@@ -187,11 +211,11 @@ def _check(path: Path, most: int) -> None:
         raise DatasetError(message, file=path, hint="Fetch or write it again.")
 
 
-def _decode(data: bytes, path: Path) -> str:
+def _decode(data: bytes, path: Path, first: int = 1) -> str:
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
+        line = data.count(b"\n", 0, error.start) + first
         raise DatasetError(
             f"byte {error.start} is not UTF-8", file=path, element=f"line {line}", hint="Save the file as UTF-8."
         ) from None

@@ -1,6 +1,7 @@
 """Files and folders written whole or not at all."""
 
 import os
+import tracemalloc
 import zipfile
 from pathlib import Path
 
@@ -128,6 +129,29 @@ def test_files_without_end_and_lists_within_lists_are_refused(tmp_path):
     assert next(lines) == 1
     with pytest.raises(DatasetError, match=r"no episode: .*line 2"):
         next(lines)
+
+
+def test_a_line_without_end_is_refused_before_it_is_read(tmp_path):
+    """Found by fuzzing: a line of 557 MB took 1.6 GiB."""
+    path = tmp_path / "lines.jsonl"
+    path.write_bytes(b'{"a": 1}\n')
+    os.truncate(path, 1 << 29)  # no bytes on the disk, all zeros
+    tracemalloc.start()
+    rows = read_json_lines(path, "row", lambda line: line, 1 << 30)
+    assert next(rows) == {"a": 1}
+    with pytest.raises(DatasetError, match="a line has at most") as caught:
+        next(rows)
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert caught.value.element == "line 2"
+    assert most < 1 << 24
+
+
+def test_a_line_that_is_no_text_is_named(tmp_path):
+    (tmp_path / "lines.jsonl").write_bytes(b"1\n2\n\xff\n")
+    with pytest.raises(DatasetError, match="byte 0 is not UTF-8") as caught:
+        list(read_json_lines(tmp_path / "lines.jsonl", "row", lambda line: line))
+    assert caught.value.element == "line 3"
 
 
 def test_arrays_that_unpack_to_too_much_are_refused(tmp_path, monkeypatch):

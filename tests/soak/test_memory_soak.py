@@ -37,3 +37,5 @@ def test_a_leak_is_told():
     assert memory.judged([((1000 << 20) + (i << 18), 0) for i in range(100)])["failed"] == 1
     assert memory.judged([(1000 << 20, (100 << 20) + (i << 15)) for i in range(100)])["failed"] == 1
     assert memory.judged([(1000 << 20, 100 << 20)] * 100)["device_growth"] == 0
+    on_the_way = [(1000 << 20, (100 + 14 * (i % 20 < 4 + i // 8)) << 20) for i in range(100)]
+    assert memory.judged(on_the_way)["device_growth"] == 0

@@ -63,7 +63,7 @@ def tokenize(text: str) -> tuple[int, ...]:
     """
     unknown = [word for word in text.split() if word not in _tokens()]
     if unknown:
-        raise ConfigError(f"unknown word `{unknown[0]}`", hint=did_you_mean(unknown[0], words()))
+        raise ConfigError(f"unknown word `{unknown[0]:.100}`", hint=did_you_mean(unknown[0], words()))
     return tuple(_tokens()[word] for word in text.split())
 
 
