@@ -69,8 +69,8 @@ class BakeOptions:
         """Per cell and octave, in a house of so many cells.
 
         Example:
-            >>> [BakeOptions().rays_for(cells) for cells in (30, 67, 139)]
-            [1600, 800, 400]
+            >>> tuple(BakeOptions().rays_for(cells) for cells in (30, 67, 139))
+            (1600, 800, 400)
         """
         if self.rays is not None:
             return self.rays
