@@ -27,6 +27,7 @@ from home_mjx.tasks.sensors.sight import SHIFTS, clear
 LAG = 0.2  # [m]: what walks may be so much farther away when `stop` is heard
 MARGIN = 0.1  # [m]: with something in its hand an agent goes so much nearer than it must
 TOUCHING = 0.05  # [m]: who cannot get that near, for what it carries, is content with this
+PATIENT = 2  # rounds of `elsewhere` after which things are taken from anywhere
 OPENS = 6  # steps between two tries to open a door; in between an agent gets out of its way, or through
 ON_THE_SPOT = 1.0  # [rad], by which who waits turns: there is no action that does nothing
 FACING = 0.1  # [rad]: who opens a door looks at it so exactly
@@ -80,7 +81,9 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
     busy = busy & ~goes & (before % 2 == 0)  # what does not help is left alone for a while
     stuck = goes & ~works & (snapshot.held >= 0) & (snapshot.contact | (before > 0))  # by what it carries
     way = jnp.where(stuck, where, way)
-    stands = works & (grip.ready | there) & ~goes
+    # Rows know from where things can be carried away: there they are taken, though hands may reach them before.
+    settles = grip.put | dropped | snapshot.contact | (before >= PATIENT)
+    stands = works & (there | (grip.ready & settles)) & ~goes
     error, tilt, near = facing(snapshot, state, looked.replace(values=farther), way, there & ~works)
     heading = jnp.where(goes & (there | snapshot.contact), where, way)
     walks = wrap_angle(heading - snapshot.pose.yaw)

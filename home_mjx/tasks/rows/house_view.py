@@ -11,6 +11,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.transforms import bounds
+from home_mjx.physics.hands import CARRY
 from home_mjx.schema.categories import COARSE
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.rows.fields import CellGraph, Ends
@@ -25,6 +26,9 @@ EVERY = 4  # cell in reach of a hand is tried
 REACH = 0.3  # [m]: besides the nearest cell, those that are farther by so much are ends of ways to a thing
 STOREY = 2.0  # [m] above the highest floor: what is wholly higher is out of reach
 BELOW_TOP = 0.1  # [m], eyes of an agent
+HEADINGS = 9  # of a half turn that are tried
+APART = 0.05  # [m], between what is carried and who carries it, besides `CARRY`
+SLACK = 0.04  # [m] by which what is carried may brush something: its circle in the plan is wider than itself
 
 
 @dataclass(frozen=True)
@@ -162,14 +166,28 @@ class HouseView:
 
         if instance not in self._taken:
             cells, away = self._at_hand_of((instance, -1.0), there)
-            out = self.graph.leads_out(cells, self._gaps_carrying(instance) > self.radius(instance))
-            self._taken[instance] = cells[out], away[out]
+            wide = self._gaps_carrying(instance, self.graph.place) > self.radius(instance)
+            out = self.graph.leads_out(cells, wide)
+            cells, away = cells[out], away[out]
+            turns = self._can_turn(instance, cells)
+            self._taken[instance] = cells[turns], away[turns]
         return self._taken[instance]
 
-    def _gaps_carrying(self, instance: int) -> Float[np.ndarray, " c"]:
-        """From the middle of each cell to what is as high as agents carry an instance [m]."""
+    def _can_turn(self, instance: int, cells: Int[np.ndarray, " n"]) -> Bool[np.ndarray, " n"]:
+        """In which cells an agent that has taken an instance can make a half turn, one way round or the other."""
+        place, radius = self.graph.place[cells], self.radius(instance)
+        begin = np.arctan2(*(self._boxes[instance].mean(axis=0) - place)[:, 1::-1].T)
+        yaw = begin[:, None] + np.linspace(-np.pi, np.pi, 2 * HEADINGS + 1)
+        ahead = self.bank.spec.agent_radius + CARRY + radius + APART
+        way = np.stack([np.cos(yaw), np.sin(yaw), np.zeros_like(yaw)], axis=-1)
+        gap = self._gaps_carrying(instance, (place[:, None] + ahead * way).reshape(-1, 3)).reshape(yaw.shape)
+        free = gap > radius - SLACK
+        return free[:, : HEADINGS + 1].all(axis=1) | free[:, HEADINGS:].all(axis=1)
+
+    def _gaps_carrying(self, instance: int, places: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, " n"]:
+        """From places on the floor to what is as high as agents carry an instance [m]."""
         half = np.float32(np.diff(self._boxes[instance, :, 2]).item() / 2)
-        own, eyes = jnp.int32(self.bank.geometry.instance_object[self.house, instance]), self._eyes(self.graph.place)
+        own, eyes = jnp.int32(self.bank.geometry.instance_object[self.house, instance]), self._eyes(places)
         blocks = np.full((-len(eyes) % BLOCK + len(eyes), 3), np.inf, np.float32)
         blocks[: len(eyes)] = eyes
         parts = [

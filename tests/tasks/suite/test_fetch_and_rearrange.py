@@ -167,14 +167,20 @@ def test_a_file_of_them_holds_their_fields(bank, tasks, tmp_path):
                 )
 
 
-def free_at(view, thing, height: float) -> np.ndarray:
-    """Cells above which a disc as large as a thing touches nothing at a height, by boxes of the bank one by one."""
-    physics, place = view.bank.physics, view.graph.place[:, :2]
+def radius_of(view, thing) -> float:
+    """How far a thing reaches in the plan [m]."""
+    size, quat = (
+        np.asarray(x[view.house, thing.body]) for x in (view.bank.physics.body_size, view.bank.physics.body_quat)
+    )
+    return np.linalg.norm((Rotation.from_quat(quat, scalar_first=True).as_matrix() * size)[:2])
+
+
+def free_at(view, thing, floor: np.ndarray, height: float, radius: float) -> np.ndarray:
+    """Places over which a disc as high as a thing touches nothing at a height, by boxes of the bank one by one."""
+    physics, place = view.bank.physics, floor[:, :2]
     half = (thing.box[1, 2] - thing.box[0, 2]) / 2
     free = np.ones(len(place), bool)
-    size, quat = np.asarray(physics.body_size[view.house, thing.body]), np.asarray(physics.body_quat[view.house])
-    radius = np.linalg.norm((Rotation.from_quat(quat[thing.body], scalar_first=True).as_matrix() * size)[:2])
-    middle = view.graph.place[:, 2] + height
+    middle = floor[:, 2] + height
     for pos, turn, box in zip(
         *(np.asarray(getattr(physics, f"collider_{name}")[view.house]) for name in ("pos", "quat", "size")), strict=True
     ):
@@ -196,7 +202,7 @@ def test_what_is_to_be_carried_can_be_carried_away(tasks, views, name):
             (thing,) = meant_by(view, row["descriptor"][d])
             first = int(np.asarray(view.bank.navigation.first_cell)[view.house])
             field = np.asarray(tasks.field)[first : first + len(view.graph.place), row["field"][d]]
-            free = free_at(view, thing, view.bank.spec.agent_height - 0.1 - 0.45)
+            free = free_at(view, thing, view.graph.place, view.bank.spec.agent_height - 0.55, radius_of(view, thing))
             cells = np.flatnonzero(free)
             pairs = KDTree(view.graph.place[cells]).query_pairs(view.bank.spec.cell * 1.5, output_type="ndarray")
             graph = csr_matrix((np.ones(len(pairs)), tuple(pairs.T)), shape=(len(cells),) * 2)
@@ -208,12 +214,50 @@ def test_what_is_to_be_carried_can_be_carried_away(tasks, views, name):
     assert checked >= len(rows_of(tasks, name))
 
 
+def turns_at(view, thing, cell: int, slack: float) -> bool:
+    """Whether who stands in a cell can make a half turn with a thing, one way round or the other."""
+    place, radius = view.graph.place[cell], radius_of(view, thing)
+    way = (thing.box.mean(axis=0) - place)[:2]
+    turn = np.exp(1j * np.radians(np.arange(0, 181, 20))) * complex(*way) / np.linalg.norm(way)
+    ahead = view.bank.spec.agent_radius + 0.15 + radius
+    arcs = [np.stack([x.real, x.imag, 0 * x.real], axis=1) * ahead for x in (turn, way_back(turn, way))]
+    height = view.bank.spec.agent_height - 0.55
+    return any(free_at(view, thing, place + arc, height, radius - slack).all() for arc in arcs)
+
+
+def way_back(turn: np.ndarray, way: np.ndarray) -> np.ndarray:
+    """The same directions, mirrored at the one that comes first."""
+    along = complex(*way) / np.linalg.norm(way)
+    return np.conj(turn / along) * along
+
+
+@pytest.mark.parametrize("name", ["Fetch", "Rearrange"])
+def test_who_takes_a_thing_can_turn_round_with_it(tasks, views, name):
+    """Where ways to it end; boxes that stand still are looked at, one by one."""
+    for row in rows_of(tasks, name):
+        view = views[row["house"]]
+        for d in things_to_take(row):
+            (thing,) = meant_by(view, row["descriptor"][d])
+            first = int(np.asarray(view.bank.navigation.first_cell)[view.house])
+            field = np.asarray(tasks.field)[first : first + len(view.graph.place), row["field"][d]]
+            assert turns_at(view, thing, int(np.argmin(field)), slack=0.05)
+
+
+def test_a_bin_is_taken_from_where_one_can_turn_round_with_it():
+    """Beside a toilet hands reach it from twelve cells that were tried; in some the turn sweeps it into the wall."""
+    (view,) = house_views(as_bank("procedural:1?seed=130043", 1))
+    (thing,) = [x.thing for x in portable_things(view, 10.0, 0.5) if x.instance == 55]
+    cells, _ = view.taken(55)
+    assert 0 < len(cells) < 12
+    assert all(turns_at(view, thing, cell, slack=0.05) for cell in cells.tolist())
+
+
 def test_what_lies_in_a_pocket_is_not_to_be_carried():
     """A chair and a wardrobe leave 37 cm there: an agent fits through, the thing that it holds does not."""
     (view,) = house_views(as_bank("procedural:1?seed=110022", 1))
     bodies = [portable.thing.body for portable in portable_things(view, 10.0, 0.5)]
     assert 0 not in bodies
-    assert len(bodies) >= 2
+    assert bodies
     ahead = view.bank.physics.body_pos[0, 0]
     assert np.linalg.norm(view.graph.place[:, :2] - np.asarray(ahead)[:2], axis=1).min() < 0.93  # within reach
 
