@@ -52,6 +52,19 @@ def test_no_command_shows_help_and_fails(capsys: pytest.CaptureFixture):
     assert "commands:" in capsys.readouterr().out
 
 
+# An option, and a command that is given no text for it: as by a variable of the shell that is not set.
+NO_PATHS = [
+    ("OUT", "generate", ""),
+    ("--mjcf", "compile", "--mjcf", ""),
+    ("--report", "compile", "--report", " "),
+    ("--dataset", "inspect", "--dataset", ""),
+    ("--out", "train", "PointNav", "--out", ""),
+    ("--start", "train", "PointNav", "--start", ""),
+    ("--episode-file", "record", "PointNav", "--episode-file", ""),
+    ("CHECKPOINT", "evaluate", ""),
+]
+
+
 @pytest.mark.parametrize(
     ("args", "words"),
     [
@@ -67,6 +80,11 @@ def test_no_command_shows_help_and_fails(capsys: pytest.CaptureFixture):
         (["bench", "rays", "--envs", "0"], ["whole number above 0"]),
         (["generate", "x", "--seeds", "99999999999999999999"], ["2**63"]),
         (["demo", "--seed", "99999999999999999999"], ["whole number from 0 to 4294967295"]),
+        (["generate", "x", "--seeds", "0:99999999999"], ["--seeds", "at most 1000000 houses", "`0:99999999999`"]),
+        (["play", "PointNav", "--houses", "99999999"], ["--houses", "at most 1000000"]),
+        (["play", "PointNav", "--size", "100000", "9"], ["--size", "at most 8192"]),
+        (["compile", "--workers", "1000000"], ["--workers", "at most 1024"]),
+        *((args, [name, "expected a path, got '"]) for name, *args in NO_PATHS),
         (["demo", "--seed", "-1"], ["whole number from 0 to 4294967295"]),
         (["inspect", "--dataset", "no/such/folder"], ["no/such/folder"]),
         (["compile", "no/such/folder"], ["no/such/folder", "dataset root is not a folder"]),
