@@ -116,6 +116,21 @@ def test_unusable_output_folder_is_found_before_the_work(command: str, tmp_path,
         assert_refused(capsys, [command, "--out", str(out)], str(out), "--out")
 
 
+def test_who_is_refused_after_the_folder_was_made_leaves_none(tmp_path, monkeypatch, capsys):
+    def refuse(*_: object) -> None:
+        raise ConfigError("nobody is at home")
+
+    monkeypatch.setattr("home_mjx.demo.story.run.run_story", refuse)
+    assert_refused(capsys, ["story", "--out", str(tmp_path / "new" / "below")], "nobody is at home")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_films_of_an_evaluation_are_refused_before_it(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("home_mjx.training.evaluate_checkpoint", None)  # nobody plays
+    (tmp_path / "file").write_text("not a folder")
+    assert_refused(capsys, ["evaluate", "demo", "--films", "1", "--out", str(tmp_path / "file")], "--out")
+
+
 @pytest.mark.parametrize("args", [["--debug", "demoo"], ["inspect", "--debug", "--dataset", "no/such/folder"]])
 def test_debug_shows_the_traceback(args: list[str]):
     done = run(*args)

@@ -53,12 +53,12 @@ def run(args: argparse.Namespace) -> int:
     from home_mjx.training import evaluate_checkpoint
 
     where = {"episode_file": args.episode_file, "dataset": args.dataset}
+    beside = Path() if args.checkpoint == checkpoint_path(DEMO) else path.parent
+    out = make_folder((args.out or beside) / "films") if args.films else None
     report = evaluate_checkpoint(path, args.split, args.houses, args.episodes, args.seed, args.greedy, **where)
-    if args.films:
+    if out is not None:
         from home_mjx.play import film_checkpoint
 
-        beside = Path() if args.checkpoint == checkpoint_path(DEMO) else path.parent
-        out = make_folder((args.out or beside) / "films")
         film_checkpoint(path, out, args.films, args.split, args.houses, args.seed, args.greedy, **where)
     sys.stdout.write(json.dumps(report) + "\n" if args.json else as_table(report))
     return 0
