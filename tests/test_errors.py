@@ -13,7 +13,7 @@ from tiny_dataset import HOUSE_ID, TABLE, write_tiny_dataset
 import home_mjx
 from home_mjx import errors
 from home_mjx.core.files import MAX_BYTES, read_bytes
-from home_mjx.core.jsonable import from_json
+from home_mjx.core.jsonable import MOST_TEXT, from_json, to_json
 from home_mjx.datasets import open_dataset
 from home_mjx.registry import EnvSpec
 from home_mjx.scene_compile import HouseCache
@@ -139,6 +139,16 @@ def test_a_wrong_value_in_json_keeps_its_own_message():
         from_json(text)
     with pytest.raises(errors.ConfigError, match=r"^cannot be read as options: "):
         from_json("{")
+
+
+def test_options_that_are_too_long_are_refused_before_they_are_parsed():
+    """One of 115 MB, lists of forty within lists of forty, took 1.6 GiB and sixteen seconds."""
+    with pytest.raises(errors.ConfigError, match=rf"^text of options has {MOST_TEXT + 1} characters, at most"):
+        from_json("[" * (MOST_TEXT + 1))
+    with pytest.raises(errors.ConfigError, match=r"^text of options has"):
+        to_json("a" * MOST_TEXT)
+    longest = "a" * (MOST_TEXT - 2)  # in quotes
+    assert from_json(to_json(longest)) == longest
 
 
 def test_an_entry_point_that_is_refused_keeps_its_own_message(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

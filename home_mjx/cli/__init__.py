@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 from home_mjx import __version__
 from home_mjx.cli.interrupts import INTERRUPTED, leave, watch_interrupts
+from home_mjx.cli.output import drop_empty_folders
 from home_mjx.cli.parsing import Parser
 from home_mjx.core.checks import check_known
 from home_mjx.core.compile_cache import use_compile_cache
@@ -61,6 +62,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except (HomeMjxError, OSError) as error:
+        drop_empty_folders()
         if "--debug" in argv:
             raise
         sys.stderr.write(f"home-mjx: error: {error}\n")

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from home_mjx.cli.parsing import natural
+from home_mjx.cli.parsing import file_path, natural
 from home_mjx.core.paths import dataset_root
 from home_mjx.errors import ConfigError
 
@@ -21,12 +21,12 @@ def add_dataset_option(parser: argparse.ArgumentParser) -> None:
     """Adds `--dataset ROOT`, and its old name `--suncg`."""
     parser.add_argument(
         "--dataset",
-        type=Path,
+        type=file_path,
         default=dataset_root(),
         metavar="ROOT",
         help="root of a dataset in SUNCG's format (default: $SUNCG_DATA_DIR, or generated houses)",
     )
-    parser.add_argument("--suncg", dest="dataset", type=Path, default=argparse.SUPPRESS, help=argparse.SUPPRESS)
+    parser.add_argument("--suncg", dest="dataset", type=file_path, default=argparse.SUPPRESS, help=argparse.SUPPRESS)
 
 
 def add_house_arguments(

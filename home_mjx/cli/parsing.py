@@ -3,11 +3,14 @@
 import argparse
 import math
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any, NoReturn
 
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 
 MAX_DIGITS = 40  # of a number
+MOST_HOUSES = 1_000_000  # at once; SUNCG has 45,622
+MOST_WORKERS = 1024  # processes
 
 
 class Parser(argparse.ArgumentParser):
@@ -52,7 +55,21 @@ def seed_range(text: str) -> range:
         raise argparse.ArgumentTypeError(f"expected SEED or A:B with whole numbers, got `{text}`") from None
     if not 0 <= start < stop <= 2**63:
         raise argparse.ArgumentTypeError(f"expected 0 <= A < B <= 2**63, got `{text}`")
+    if stop - start > MOST_HOUSES:
+        raise argparse.ArgumentTypeError(f"at most {MOST_HOUSES} houses at once, got `{text}`")
     return range(start, stop)
+
+
+def file_path(text: str) -> Path:
+    """A file or folder; an empty text, such as of a variable of the shell that is not set, is none.
+
+    Example:
+        >>> file_path("houses").name
+        'houses'
+    """
+    if not text.strip() or "\0" in text:
+        raise argparse.ArgumentTypeError(f"expected a path, got {text!r}")
+    return Path(text)
 
 
 def number(low: float = -1e6, high: float = 1e6) -> Callable[[str], float]:
@@ -112,3 +129,5 @@ def whole(most: int) -> Callable[[str], int]:
 
 
 positive_int = whole(2**31 - 1)
+house_count = whole(MOST_HOUSES)
+pixels = whole(8192)  # on a side: of a square image no more are drawn

@@ -13,6 +13,7 @@ from home_mjx.errors import ConfigError
 PACKAGE = __name__.split(".")[0]
 TYPE, TUPLE = "__type__", "__tuple__"
 MOST_SHOWN = 600  # characters of a message
+MOST_TEXT = 1 << 22  # characters; the ids of all of SUNCG's 45,622 houses take 2 million
 HINT = "Another version of home_mjx wrote it, or it was changed by hand."
 
 
@@ -29,13 +30,15 @@ def to_json(value: Any) -> str:
     """A value as JSON text; dataclasses and tuples come back as such.
 
     Raises:
-        ConfigError: Something in it is no number, text, container or dataclass.
+        ConfigError: Something in it is no number, text, container or dataclass, or the text is too long to be read.
 
     Example:
         >>> to_json((1, "a"))
         '{"__tuple__": [1, "a"]}'
     """
-    return json.dumps(_plain(value, "value"))
+    text = json.dumps(_plain(value, "value"))
+    _check_length(text)
+    return text
 
 
 def from_json(text: str, file: Path | None = None) -> Any:
@@ -46,16 +49,23 @@ def from_json(text: str, file: Path | None = None) -> Any:
         file: Where the text is from, for errors.
 
     Raises:
-        ConfigError: The text is broken, or names something that is no dataclass, or one of a module that neither is of
-            this package nor has been imported; or `check_trusted` of a part refuses.
+        ConfigError: The text is broken or too long, or names something that is no dataclass, or one of a module that
+            neither is of this package nor has been imported; or `check_trusted` of a part refuses.
     """
     try:
+        _check_length(text)  # before it is parsed: lists within lists take many times the memory of their text
         return _rebuilt(json.loads(text))
     except ConfigError as error:  # it is a ValueError as well
         message, hint = _shown(error.message), _shown(error.hint or HINT)
         raise type(error)(message, file=file or error.file, element=error.element, hint=hint) from error
     except (ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError) as error:
         raise ConfigError(f"cannot be read as options: {_shown(str(error))}", file=file, hint=HINT) from error
+
+
+def _check_length(text: str) -> None:
+    if len(text) > MOST_TEXT:
+        message = f"text of options has {len(text)} characters, at most {MOST_TEXT} are read"
+        raise ConfigError(message, hint="Name a dataset or a split instead of each house.")
 
 
 def _shown(text: str) -> str:

@@ -52,6 +52,19 @@ def test_no_command_shows_help_and_fails(capsys: pytest.CaptureFixture):
     assert "commands:" in capsys.readouterr().out
 
 
+# An option, and a command that is given no text for it: as by a variable of the shell that is not set.
+NO_PATHS = [
+    ("OUT", "generate", ""),
+    ("--mjcf", "compile", "--mjcf", ""),
+    ("--report", "compile", "--report", " "),
+    ("--dataset", "inspect", "--dataset", ""),
+    ("--out", "train", "PointNav", "--out", ""),
+    ("--start", "train", "PointNav", "--start", ""),
+    ("--episode-file", "record", "PointNav", "--episode-file", ""),
+    ("CHECKPOINT", "evaluate", ""),
+]
+
+
 @pytest.mark.parametrize(
     ("args", "words"),
     [
@@ -67,6 +80,11 @@ def test_no_command_shows_help_and_fails(capsys: pytest.CaptureFixture):
         (["bench", "rays", "--envs", "0"], ["whole number above 0"]),
         (["generate", "x", "--seeds", "99999999999999999999"], ["2**63"]),
         (["demo", "--seed", "99999999999999999999"], ["whole number from 0 to 4294967295"]),
+        (["generate", "x", "--seeds", "0:99999999999"], ["--seeds", "at most 1000000 houses", "`0:99999999999`"]),
+        (["play", "PointNav", "--houses", "99999999"], ["--houses", "at most 1000000"]),
+        (["play", "PointNav", "--size", "100000", "9"], ["--size", "at most 8192"]),
+        (["compile", "--workers", "1000000"], ["--workers", "at most 1024"]),
+        *((args, [name, "expected a path, got '"]) for name, *args in NO_PATHS),
         (["demo", "--seed", "-1"], ["whole number from 0 to 4294967295"]),
         (["inspect", "--dataset", "no/such/folder"], ["no/such/folder"]),
         (["compile", "no/such/folder"], ["no/such/folder", "dataset root is not a folder"]),
@@ -96,6 +114,21 @@ def test_unusable_output_folder_is_found_before_the_work(command: str, tmp_path,
     (tmp_path / "file").write_text("not a folder")
     for out in (tmp_path / "file", tmp_path / "file" / "below"):
         assert_refused(capsys, [command, "--out", str(out)], str(out), "--out")
+
+
+def test_who_is_refused_after_the_folder_was_made_leaves_none(tmp_path, monkeypatch, capsys):
+    def refuse(*_: object) -> None:
+        raise ConfigError("nobody is at home")
+
+    monkeypatch.setattr("home_mjx.demo.story.run.run_story", refuse)
+    assert_refused(capsys, ["story", "--out", str(tmp_path / "new" / "below")], "nobody is at home")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_films_of_an_evaluation_are_refused_before_it(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("home_mjx.training.evaluate_checkpoint", None)  # nobody plays
+    (tmp_path / "file").write_text("not a folder")
+    assert_refused(capsys, ["evaluate", "demo", "--films", "1", "--out", str(tmp_path / "file")], "--out")
 
 
 @pytest.mark.parametrize("args", [["--debug", "demoo"], ["inspect", "--debug", "--dataset", "no/such/folder"]])

@@ -51,6 +51,11 @@ def reads(data):
 
 fuzz.SLOW, fuzz.MOST = 0.3, 100 << 10
 TARGETS["careless"] = Target(lambda folder: ([b"d" * 16], reads), (of_bytes,))
+
+def makes(rng, data):
+    return b"d" * len(b"x" * (130 << 20)) if rng.random() < 0.2 else data
+
+TARGETS["long"] = Target(lambda folder: ([b"d" * 16], reads), (makes,))
 sys.exit(fuzz.main())
 """
 
@@ -65,3 +70,8 @@ def test_careless_readers_are_caught(tmp_path):
     assert all(not path.read_bytes().startswith(b"d") for path in kept)
     for trouble in ("KeyError: 'not typed'", f"ended by {11}", "takes 13", "slow"):
         assert trouble in said
+
+
+def test_what_it_takes_to_make_an_input_is_not_held_against_its_reader(tmp_path):
+    status, found, said = fuzz("--targets", "long", "--cases", 20, "--out", tmp_path, program=CARELESS)
+    assert (status, found["long"]["failed"], found["long"]["read"]) == (0, 0, 20), said

@@ -8,14 +8,14 @@ from dataclasses import asdict
 from home_mjx.bench import CASE_NAMES, measure
 from home_mjx.bench.record import Record, Settings
 from home_mjx.cli.houses import add_dataset_option
-from home_mjx.cli.parsing import positive_int
+from home_mjx.cli.parsing import house_count, positive_int
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the options of `home-mjx bench`."""
     parser.add_argument("case", metavar="CASE", help=f"all, {', '.join(CASE_NAMES)}, or one figure of a case")
     parser.add_argument("--json", action="store_true", help="print one JSON object a line")
-    parser.add_argument("--houses", type=positive_int, default=8, help="how many houses (default: 8)")
+    parser.add_argument("--houses", type=house_count, default=8, help="how many houses (default: 8)")
     parser.add_argument("--envs", type=positive_int, default=64, help="environments in the batch (default: 64)")
     parser.add_argument("--seconds", type=positive_int, default=2, help="how long each figure is measured (default: 2)")
     add_dataset_option(parser)

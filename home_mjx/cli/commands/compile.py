@@ -3,7 +3,6 @@
 import argparse
 import os
 import sys
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from home_mjx.cli.houses import (
@@ -14,7 +13,7 @@ from home_mjx.cli.houses import (
     named_houses,
     names_root,
 )
-from home_mjx.cli.parsing import positive_int
+from home_mjx.cli.parsing import MOST_WORKERS, file_path, whole
 from home_mjx.core.checks import check_known
 from home_mjx.errors import ConfigError
 from home_mjx.schema.choices import COLLISIONS
@@ -28,12 +27,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_house_arguments(parser, "id of a house, or root of a dataset: then all its houses are compiled")
     add_strict_option(parser)
     add_movable_option(parser)
-    parser.add_argument("--mjcf", type=Path, metavar="OUT", help="write one house as MJCF into this folder instead")
+    parser.add_argument(
+        "--mjcf", type=file_path, metavar="OUT", help="write one house as MJCF into this folder instead"
+    )
     parser.add_argument("--collision", default="box", help="with --mjcf: objects collide by `box` or `exact` pieces")
     group = parser.add_argument_group("whole datasets")
-    group.add_argument("--workers", type=positive_int, default=os.cpu_count() or 1, help="processes (default: all)")
+    workers = os.cpu_count() or 1
+    group.add_argument("--workers", type=whole(MOST_WORKERS), default=workers, help="processes (default: all)")
     group.add_argument("--resume", action="store_true", help="skip houses that an earlier run has done")
-    group.add_argument("--report", type=Path, metavar="FILE", help="what became of each house (default: in the cache)")
+    group.add_argument(
+        "--report", type=file_path, metavar="FILE", help="what became of each house (default: in the cache)"
+    )
     group.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster that does the work")
 
 

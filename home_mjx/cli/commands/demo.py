@@ -7,14 +7,14 @@ from typing import Any
 
 from home_mjx.cli.houses import add_dataset_option
 from home_mjx.cli.output import make_folder
-from home_mjx.cli.parsing import positive_int, seed
+from home_mjx.cli.parsing import file_path, house_count, positive_int, seed
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the options of `home-mjx demo`."""
-    parser.add_argument("--out", type=Path, default=Path("demo"), help="folder for the files (default: demo)")
+    parser.add_argument("--out", type=file_path, default=Path("demo"), help="folder for the files (default: demo)")
     add_dataset_option(parser)
-    parser.add_argument("--houses", type=positive_int, default=8, help="how many houses (default: 8)")
+    parser.add_argument("--houses", type=house_count, default=8, help="how many houses (default: 8)")
     parser.add_argument("--envs", type=positive_int, default=64, help="environments in the batch (default: 64)")
     parser.add_argument("--steps", type=positive_int, default=150, help="length of the walk in steps of 0.1 s")
     parser.add_argument("--seed", type=seed, default=0, help="of poses and noise (default: 0)")

@@ -2,14 +2,13 @@
 
 import argparse
 import sys
-from pathlib import Path
 
-from home_mjx.cli.parsing import seed_range
+from home_mjx.cli.parsing import file_path, seed_range
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the options of `home-mjx generate`."""
-    parser.add_argument("out", type=Path, metavar="OUT", help="root of the new dataset")
+    parser.add_argument("out", type=file_path, metavar="OUT", help="root of the new dataset")
     parser.add_argument(
         "--seeds",
         type=seed_range,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from home_mjx.cli.floors import storey_pictures
 from home_mjx.cli.houses import load_compiled_house
 from home_mjx.cli.output import make_folder
-from home_mjx.cli.parsing import number
+from home_mjx.cli.parsing import file_path, number
 from home_mjx.cli.viewpoint import EYE_HEIGHT, Viewpoint, add_viewpoint_arguments, check_inside, stand
 from home_mjx.errors import ConfigError
 from home_mjx.schema.compiled import BANDS
@@ -45,7 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--map", action="store_true", help="write level and T30 over the floor plan, from the source, as pictures"
     )
-    parser.add_argument("--out", type=Path, default=Path("sound"), help="folder for the files (default: sound)")
+    parser.add_argument("--out", type=file_path, default=Path("sound"), help="folder for the files (default: sound)")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from home_mjx.cli.output import make_folder
-from home_mjx.cli.parsing import number, positive_int
+from home_mjx.cli.parsing import file_path, number, positive_int
 from home_mjx.cli.viewpoint import Viewpoint, add_viewpoint_arguments, look_down, stand
 from home_mjx.errors import ConfigError
 from home_mjx.schema.choices import CAMERA_MODELS, PRESETS
@@ -43,7 +43,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--preset", choices=PRESETS, default="fast", help="how colours are lit (default: fast)")
     parser.add_argument("--samples", type=positive_int, default=1, help="rays per pixel of the colours (default: 1)")
     parser.add_argument("--lens", choices=CAMERA_MODELS, help="camera model (default: pinhole)")
-    parser.add_argument("--out", type=Path, default=Path("pictures"), help="folder for the files (default: pictures)")
+    parser.add_argument(
+        "--out", type=file_path, default=Path("pictures"), help="folder for the files (default: pictures)"
+    )
 
 
 def run(args: argparse.Namespace) -> int:

@@ -5,12 +5,12 @@ import sys
 from pathlib import Path
 
 from home_mjx.cli.output import make_folder
-from home_mjx.cli.parsing import positive_int
+from home_mjx.cli.parsing import file_path, positive_int
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the options of `home-mjx story`."""
-    parser.add_argument("--out", type=Path, default=Path("demo"), help="folder for the files (default: demo)")
+    parser.add_argument("--out", type=file_path, default=Path("demo"), help="folder for the files (default: demo)")
     parser.add_argument(
         "--size",
         type=positive_int,

@@ -15,14 +15,14 @@ from home_mjx.cli.learning.named import (
     import_modules,
 )
 from home_mjx.cli.output import make_folder
-from home_mjx.cli.parsing import positive_int, seed
+from home_mjx.cli.parsing import file_path, house_count, positive_int, seed
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the options of `home-mjx evaluate`."""
     parser.add_argument("checkpoint", type=checkpoint_path, metavar="CHECKPOINT", help=CHECKPOINT_HELP)
     parser.add_argument("--episodes", type=positive_int, help="how many (default: 1000, or all of the file)")
-    parser.add_argument("--houses", type=positive_int, default=16, help="how many (default: 16)")
+    parser.add_argument("--houses", type=house_count, default=16, help="how many (default: 16)")
     parser.add_argument(
         "--split", choices=("train", "val", "test"), default="val", help="part of the dataset (default: val)"
     )
@@ -31,10 +31,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--films", type=positive_int, default=0, metavar="N", help="film N episodes, into the folder `films`"
     )
-    parser.add_argument("--out", type=Path, help="folder for `films` (default: that of the run; for `demo`, this one)")
+    parser.add_argument(
+        "--out", type=file_path, help="folder for `films` (default: that of the run; for `demo`, this one)"
+    )
     add_episode_option(parser)
     parser.add_argument(
-        "--dataset", type=Path, metavar="ROOT", help="root of a dataset in SUNCG's format (default: that of the run)"
+        "--dataset",
+        type=file_path,
+        metavar="ROOT",
+        help="root of a dataset in SUNCG's format (default: that of the run)",
     )
     add_import_option(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
@@ -48,12 +53,12 @@ def run(args: argparse.Namespace) -> int:
     from home_mjx.training import evaluate_checkpoint
 
     where = {"episode_file": args.episode_file, "dataset": args.dataset}
+    beside = Path() if args.checkpoint == checkpoint_path(DEMO) else path.parent
+    out = make_folder((args.out or beside) / "films") if args.films else None
     report = evaluate_checkpoint(path, args.split, args.houses, args.episodes, args.seed, args.greedy, **where)
-    if args.films:
+    if out is not None:
         from home_mjx.play import film_checkpoint
 
-        beside = Path() if args.checkpoint == checkpoint_path(DEMO) else path.parent
-        out = make_folder((args.out or beside) / "films")
         film_checkpoint(path, out, args.films, args.split, args.houses, args.seed, args.greedy, **where)
     sys.stdout.write(json.dumps(report) + "\n" if args.json else as_table(report))
     return 0

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from home_mjx.cli.parsing import file_path
 from home_mjx.errors import ConfigError, HomeMjxError
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ def add_import_option(parser: argparse.ArgumentParser) -> None:
 def add_episode_option(parser: argparse.ArgumentParser) -> None:
     """Adds `--episode-file FILE`."""
     parser.add_argument(
-        "--episode-file", type=Path, metavar="FILE",
+        "--episode-file", type=file_path, metavar="FILE",
         help="play the episodes of a file of save_episodes or save_tasks, in order, in the houses that it names",
     )  # fmt: skip
 
@@ -96,7 +97,7 @@ def checkpoint_path(text: str) -> Path:
         'agent.npz'
     """
     if text != DEMO:
-        return Path(text)
+        return file_path(text)
     from home_mjx.demo.search import AGENT
 
     return AGENT

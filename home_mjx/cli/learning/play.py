@@ -19,7 +19,7 @@ from home_mjx.cli.learning.named import (
     task_spec,
 )
 from home_mjx.cli.output import make_folder
-from home_mjx.cli.parsing import positive_int, seed
+from home_mjx.cli.parsing import file_path, house_count, pixels, positive_int, seed
 from home_mjx.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -40,15 +40,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--checkpoint", type=checkpoint_path, help=CHECKPOINT_HELP)
     parser.add_argument("--greedy", action="store_true", help="a trained agent does what is likeliest")
     parser.add_argument("--episodes", type=positive_int, default=3, help="how many (default: 3)")
-    parser.add_argument("--out", type=Path, default=Path("play"), help="folder for the film (default: play)")
+    parser.add_argument("--out", type=file_path, default=Path("play"), help="folder for the film (default: play)")
     parser.add_argument("--no-film", action="store_true", help="play only")
     parser.add_argument(
-        "--size", type=positive_int, nargs=2, default=(480, 360), metavar=("W", "H"),
+        "--size", type=pixels, nargs=2, default=(480, 360), metavar=("W", "H"),
         help="of the agent's view [pixels] (default: 480 360)",
     )  # fmt: skip
     parser.add_argument("--samples", type=positive_int, default=1, help="rays per pixel (default: 1)")
     parser.add_argument("--seed", type=seed, default=0, help="of episodes and actions (default: 0)")
-    parser.add_argument("--houses", type=positive_int, default=4, help="how many (default: 4)")
+    parser.add_argument("--houses", type=house_count, default=4, help="how many (default: 4)")
     parser.add_argument(
         "--split", choices=("train", "val", "test"), default="val", help="part of the dataset (default: val)"
     )

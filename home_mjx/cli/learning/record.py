@@ -17,7 +17,7 @@ from home_mjx.cli.learning.named import (
 )
 from home_mjx.cli.learning.play import EXPERT, TRAINED, env_spec
 from home_mjx.cli.output import make_folder
-from home_mjx.cli.parsing import positive_int, seed
+from home_mjx.cli.parsing import file_path, house_count, positive_int, seed
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -31,9 +31,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--num-envs", type=positive_int, default=64, help="environments at once (default: 64)")
     parser.add_argument("--only-success", action="store_true", help="leave out episodes without success")
     parser.add_argument("--resume", action="store_true", help="go on with what the folder holds")
-    parser.add_argument("--out", type=Path, help="folder (default: data/TASK)")
+    parser.add_argument("--out", type=file_path, help="folder (default: data/TASK)")
     parser.add_argument("--seed", type=seed, default=0, help="of episodes and actions (default: 0)")
-    parser.add_argument("--houses", type=positive_int, default=32, help="how many (default: 32)")
+    parser.add_argument("--houses", type=house_count, default=32, help="how many (default: 32)")
     parser.add_argument(
         "--split", choices=("train", "val", "test"), default="train", help="part of the dataset (default: train)"
     )

@@ -18,7 +18,7 @@ from home_mjx.cli.learning.named import (
     task_spec,
 )
 from home_mjx.cli.output import make_folder
-from home_mjx.cli.parsing import positive_int, seed, whole
+from home_mjx.cli.parsing import file_path, house_count, positive_int, seed, whole
 
 if TYPE_CHECKING:
     from home_mjx.registry import EnvSpec
@@ -34,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--num-envs", type=positive_int, help="environments in the batch")
     parser.add_argument("--steps", type=whole(MOST_STEPS), help="environment steps, over all environments")
     parser.add_argument("--seed", type=seed, default=0, help="of everything random (default: 0)")
-    parser.add_argument("--out", type=Path, help="folder for the files (default: runs/TASK)")
+    parser.add_argument("--out", type=file_path, help="folder for the files (default: runs/TASK)")
     parser.add_argument(
         "--algorithm",
         choices=("ppo", "advised", "clone"),
@@ -53,9 +53,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--start", type=checkpoint_path, metavar="CHECKPOINT", help=f"begin with the network of {CHECKPOINT_HELP}"
     )
     parser.add_argument("--resume", action="store_true", help="go on from the folder's checkpoint")
-    parser.add_argument("--houses", type=positive_int, default=32, help="how many to train in (default: 32)")
+    parser.add_argument("--houses", type=house_count, default=32, help="how many to train in (default: 32)")
     parser.add_argument("--episodes", type=positive_int, default=1000, help="of the evaluation (default: 1000)")
-    parser.add_argument("--held-out", type=positive_int, default=16, help="houses to be evaluated in (default: 16)")
+    parser.add_argument("--held-out", type=house_count, default=16, help="houses to be evaluated in (default: 16)")
     add_dataset_option(parser)
     add_import_option(parser)
     for name, what in (("--env", "of the environment, as of make"), ("--ppo", "of PPOConfig")):
