@@ -182,7 +182,7 @@ class HouseView:
         way = np.stack([np.cos(yaw), np.sin(yaw), np.zeros_like(yaw)], axis=-1)
         gap = self._gaps_carrying(instance, (place[:, None] + ahead * way).reshape(-1, 3)).reshape(yaw.shape)
         free = gap > radius - SLACK
-        return free[:, : HEADINGS + 1].all(axis=1) | free[:, HEADINGS:].all(axis=1)
+        return np.logical_or(free[:, : HEADINGS + 1].all(axis=1), free[:, HEADINGS:].all(axis=1))
 
     def _gaps_carrying(self, instance: int, places: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, " n"]:
         """From places on the floor to what is as high as agents carry an instance [m]."""
