@@ -1,8 +1,8 @@
 """Sound against an independent Monte Carlo: decay times and levels per octave, in rooms that are hard to get right.
 
-Each preset, and baked late sound, in the same rooms against the same truth; baked sound has the early paths of the
-default options. Prints a Markdown table, and with `--out` writes one JSON object a line. The rooms and the oracle are
-those of the tests (`tests/helpers/acoustic_rooms.py`, `tests/helpers/decay_oracle.py`).
+Each preset, and the first two with rays in every step, in the same rooms against the same truth. Prints a Markdown
+table, and with `--out` writes one JSON object a line. The rooms and the oracle are those of the tests
+(`tests/helpers/acoustic_rooms.py`, `tests/helpers/decay_oracle.py`).
 """
 
 import argparse
@@ -37,8 +37,8 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.schema.compiled import BANDS
 
-PRESETS = ("fast", "balanced", "reference", "baked")
-SEEDS = {"fast": 8, "balanced": 4, "reference": 1, "baked": 1}  # runs per listener
+PRESETS = ("fast", "balanced", "reference", "fast-traced", "balanced-traced", "baked")
+SEEDS = {"fast-traced": 8, "balanced-traced": 4, "reference": 4}  # runs per listener; baked sound needs one
 UPRIGHT = jnp.float32([0.5, 0.5, -0.5, -0.5])
 LATE = (-25.0, -45.0)  # [dB], where coupled rooms decay as both together
 ERRORS = ("T30 [s]", "here", "error", "EDT [s]", "here", "error", "Level error [dB]", "Late slope [s]", "here")
@@ -65,7 +65,10 @@ def opened(bank, house):
 def config_of(preset, seconds):
     """Options of a microphone that hears in all directions for so many seconds."""
     options = {"receiver": "omni", "response_seconds": seconds}
-    return AudioConfig(late="baked", **options) if preset == "baked" else audio_preset(preset, **options)
+    if preset == "baked":
+        return AudioConfig(late="baked", **options)
+    name, traced = preset.removesuffix("-traced"), preset.endswith("-traced")
+    return audio_preset(name, **options, **({"late": "traced"} if traced else {}))
 
 
 def heard(case, bank, config, seeds):
@@ -113,7 +116,7 @@ def main():
     """Runs what the command line asks for."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--particles", type=int, default=100_000, help="of the oracle, per octave")
-    parser.add_argument("--presets", nargs="*", choices=PRESETS, default=PRESETS)
+    parser.add_argument("--presets", nargs="*", choices=PRESETS, default=PRESETS[:-1])
     parser.add_argument("--bake-seed", type=int, default=0, help="of baked late sound, which has no other")
     parser.add_argument("--bake-rays", type=int, default=BakeOptions.rays, help="per cell and octave")
     parser.add_argument("--bake-size", type=float, default=BakeOptions.size, help="wanted edge of its cells [m]")
@@ -145,9 +148,10 @@ def measure(case, args):
     dt = AudioConfig().bin_seconds
     truth = fly(case.blocks, case.source, case.listeners, args.seconds, dt, args.particles).energy
     for preset in args.presets:
-        if preset == "baked":
+        config = config_of(preset, args.seconds)
+        if config.late == "baked" and bank.late is None:
             bank = with_late_sound(bank, [case.house], BakeOptions(args.bake_size, args.bake_rays, seed=args.bake_seed))
-        ours = heard(case, bank, config_of(preset, args.seconds), SEEDS[preset])
+        ours = heard(case, bank, config, SEEDS.get(preset, 1))
         for name, group in places(case).items():
             for record in compare(name, truth[group], ours[:, group], dt):
                 yield {"preset": preset, **record}

@@ -172,7 +172,7 @@ def plan(args):
 
 def walk(args):
     """A walk through all rooms at 1 m/s, to where the radio plays: heard, as a spectrogram, and as level over time."""
-    config = audio_preset("fast", late="baked", num_edges=8, tail_seconds=1.0)
+    config = audio_preset("fast", tail_seconds=1.0)
     house, scene = args.house, scene_of(args.baked)
     goal = max(range(len(house.rooms.floor)), key=lambda room: clearance(house, room).max())
     way = way_to(house, middle(house, goal))

@@ -28,7 +28,6 @@ from home_mjx.bench.record import Record, Settings, make_record
 
 CONFIG = AudioConfig()
 SOURCES = 4  # heard at once
-BAKED: dict[str, Any] = {"late": "baked", "num_edges": 8}  # as the presets are recommended
 STEP = 0.1  # [m] in a frame, by which source and listener each move
 
 
@@ -52,8 +51,18 @@ def frame_fast(settings: Settings) -> Record:
 
 
 def frame_balanced(settings: Settings) -> Record:
-    """The same of the preset `balanced`."""
+    """The same of the preset `balanced`, which has a tail."""
     return _frames("audio/frame-balanced", audio_preset("balanced"), settings)
+
+
+def frame_fast_traced(settings: Settings) -> Record:
+    """The preset `fast` with rays in every step."""
+    return _frames("audio/frame-fast-traced", audio_preset("fast", late="traced"), settings)
+
+
+def frame_balanced_traced(settings: Settings) -> Record:
+    """The preset `balanced` with rays in every step."""
+    return _frames("audio/frame-balanced-traced", audio_preset("balanced", late="traced"), settings)
 
 
 def frame_synthesis(settings: Settings) -> Record:
@@ -76,34 +85,19 @@ def frame_baked(settings: Settings) -> Record:
     return _frames("audio/frame-baked", AudioConfig(late="baked"), settings)
 
 
-def frame_fast_baked(settings: Settings) -> Record:
-    """Sound that moves within the frame, late sound baked, and edges: the preset `fast` as it is recommended."""
-    return _frames("audio/frame-fast-baked", audio_preset("fast", **BAKED), settings)
-
-
-def frame_balanced_baked(settings: Settings) -> Record:
-    """The same of the preset `balanced`, which has a tail."""
-    return _frames("audio/frame-balanced-baked", audio_preset("balanced", **BAKED), settings)
-
-
-def reception_fast_baked(settings: Settings) -> Record:
-    """Of `frame-fast-baked` what is received alone: paths and baked energies, no waveform."""
-    config = audio_preset("fast", **BAKED)
+def reception_fast(settings: Settings) -> Record:
+    """Of `frame-fast` what is received alone: paths and baked energies, no waveform."""
+    config = audio_preset("fast")
     value, seconds = rate_per_environment(settings, partial(_heard, reception, config, 0.0), settings.late_bank)
     note = f"paths and baked energies, {config.num_paths} paths; {settings.houses}"
     return make_record(
-        "audio/reception-fast-baked", value, "receptions/s", note, num_envs=settings.num_envs, compile_seconds=seconds
+        "audio/reception-fast", value, "receptions/s", note, num_envs=settings.num_envs, compile_seconds=seconds
     )
 
 
 def frame_four(settings: Settings) -> Record:
-    """Frames of four sources that each agent hears at once, of sound that moves within the frame."""
+    """Frames of four sources that each agent hears at once, of the preset `fast`."""
     return _frames("audio/frame-four", audio_preset("fast"), settings, SOURCES)
-
-
-def frame_four_baked(settings: Settings) -> Record:
-    """The same with late sound that has been baked."""
-    return _frames("audio/frame-four-baked", audio_preset("fast", **BAKED), settings, SOURCES)
 
 
 def features(settings: Settings) -> Record:
@@ -254,15 +248,14 @@ CASES: dict[str, Callable[[Settings], Record]] = {
     "frame": frame,
     "frame-fast": frame_fast,
     "frame-balanced": frame_balanced,
+    "frame-fast-traced": frame_fast_traced,
+    "frame-balanced-traced": frame_balanced_traced,
     "frame-synthesis": frame_synthesis,
     "frame-early": frame_early,
     "frame-late": frame_late,
     "frame-baked": frame_baked,
-    "frame-fast-baked": frame_fast_baked,
-    "frame-balanced-baked": frame_balanced_baked,
-    "reception-fast-baked": reception_fast_baked,
     "frame-four": frame_four,
-    "frame-four-baked": frame_four_baked,
+    "reception-fast": reception_fast,
     "features": features,
     "features-baked": features_baked,
     "bake": bake,

@@ -9,6 +9,7 @@ from home_mjx.audio_jax.base.air import speed_of_sound
 from home_mjx.audio_jax.base.delays import HALF_WIDTH
 from home_mjx.core.checks import check_known, check_number, check_type, shown
 from home_mjx.errors import ConfigError
+from home_mjx.schema.compiled import BANDS
 from home_mjx.schema.timing import LONGEST, Timing
 
 RECEIVERS = ("binaural", "omni", "array", "ambisonics")
@@ -42,6 +43,9 @@ class AudioConfig:
         detector: How late specular energy reaches the receiver. "rain" lets it leave every hit as if scattered: little
             noise with few rays, and decay times right within a few per cent from a scattering of 0.1 on (-6 % at 0).
             "sphere" counts specular rays through a sphere: exact at any scattering, but wants thousands of rays.
+        octave_rays: Whether each ray carries one octave alone, and is scattered as that is; `num_rays`, a multiple of
+            7, counts all of them. False: one direction serves all octaves, drawn by their mean scattering, which is
+            wrong where scattering rises with frequency.
         detector_radius: Radius of that sphere, and the shortest distance that rain sees [m].
         receiver: "binaural" for two ears on a rigid sphere, "omni" for the same free-field pressure in both channels,
             "array" for `microphones`, "ambisonics" for four channels of first order, see `ambisonic_gains`.
@@ -81,6 +85,7 @@ class AudioConfig:
     num_edges: int = 0
     max_crossings: int = 32
     bin_seconds: float = 0.004
+    octave_rays: bool = False
     detector: str = "rain"
     detector_radius: float = 0.5
     receiver: str = "binaural"
@@ -111,6 +116,9 @@ class AudioConfig:
             check_number(name, getattr(self, name))
         check_type("motion", self.motion, bool)
         check_type("pinna", self.pinna, bool)
+        check_type("octave_rays", self.octave_rays, bool)
+        if self.octave_rays and self.num_rays % len(BANDS):
+            raise ConfigError(f"`octave_rays` needs `num_rays` to be a multiple of {len(BANDS)}, got {self.num_rays}")
         if self.pinna and self.receiver != "binaural":
             raise ConfigError(f'`pinna` needs receiver="binaural", got {self.receiver!r}')
         check_number("tail_seconds", self.tail_seconds, 0.0)
@@ -186,6 +194,11 @@ class AudioConfig:
     def num_energies(self) -> int:
         """Of late sound in a histogram: one per channel, and three flows of ambisonics, see `late_gains`."""
         return self.num_channels + 3 * (self.receiver == "ambisonics")
+
+    @property
+    def ray_groups(self) -> int:
+        """Groups of rays that share nothing: one, or one for each octave."""
+        return len(BANDS) if self.octave_rays else 1
 
     @property
     def receiver_radius(self) -> float:

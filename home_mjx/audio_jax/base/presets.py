@@ -15,34 +15,24 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.core.checks import check_known
 
 PRESETS: dict[str, dict[str, Any]] = {
-    # T30 within 3 %, then -27, -26, -23 to +22 and -53 to +11 %; late slopes of coupled rooms are half as long.
-    # EDT within 3 % (-8, -6, +10, -31 %), level exact (-0.4, -0.3, -0.5, -0.8 dB). Tones at 1.4 m/s: error below
-    # -40 dB. Ends after 0.5 s.
-    "fast": {"motion": True, "tail_seconds": 0.0, "max_crossings": 16},
-    # T30 within 2 %, then +-2, -6, +-2 and -42 to +20 %; late slopes +4 %. EDT within 2 % (-7, -5, +5, -30 %),
-    # level within 0.1 dB (-0.4, -0.2, -0.4, -0.7). Tones as above; T30 of 0.5 to 2 s read from waveforms within 5 %.
-    "balanced": {
-        "motion": True,
-        "num_rays": 512,
-        "num_bounces": 150,
-        "max_crossings": 16,
-        "num_edges": 8,
-        "reflection_order": 2,
-        "num_reflections": 24,
-    },
-    # T30 within 2 %, then -5, -7, +-2 and -42 to +22 %; late slopes +4 %. EDT within 2 % (-7, -5, +5, -31 %),
-    # level within 0.1 dB (-0.3, -0.2, -0.6, -0.6): what is left is how rays are traced, not how many.
+    "fast": {"motion": True, "late": "baked", "tail_seconds": 0.0, "max_crossings": 16, "num_edges": 8},
+    "balanced": {"motion": True, "late": "baked", "max_crossings": 16, "num_edges": 8, "num_reflections": 12},
     "reference": {
         "motion": True,
-        "num_rays": 3000,
+        "num_rays": 10_500,
         "num_bounces": 150,
+        "octave_rays": True,
+        "detector": "sphere",
         "num_edges": 16,
         "reflection_order": 3,
         "num_reflections": 62,
     },
 }
-
-
+TRACED: dict[str, dict[str, Any]] = {
+    "fast": {"late": "traced", "num_edges": 0},
+    "balanced": {"late": "traced", "num_rays": 512, "num_bounces": 150, "reflection_order": 2, "num_reflections": 24},
+    "reference": {},
+}
 FIRST_ORDER: dict[str, Any] = {"reflection_order": 1}  # the others are in what has been baked
 
 # Not sound as it is, but as HoME (2017) had it, to compare with it: see `propagation/home_paths.py`.
@@ -68,12 +58,10 @@ def audio_preset(name: str, **changes: Any) -> AudioConfig:
         ConfigError: There is no such preset, or an option has a value that cannot be used.
 
     Example:
-        >>> audio_preset("fast").num_rays, audio_preset("balanced", num_rays=128).num_rays
-        (48, 128)
-        >>> audio_preset("balanced", late="baked").reflection_order
-        1
+        >>> audio_preset("fast").late, audio_preset("fast", late="traced").num_rays
+        ('baked', 48)
     """
     known = {**PRESETS, "home": HOME}
     check_known("preset", [name], known)
-    baked = FIRST_ORDER if changes.get("late") == "baked" else {}
-    return AudioConfig(**{**known[name], **baked, **changes})
+    other = {"baked": FIRST_ORDER, "traced": TRACED.get(name, {})}.get(changes.get("late", ""), {})
+    return AudioConfig(**{**known[name], **other, **changes})

@@ -24,7 +24,7 @@ from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS
 
 STEP = 0.001  # [s], of the histogram from which the lateral fraction is taken
-SURVEY = AudioConfig(response_seconds=2.0, num_rays=1000, num_bounces=100)
+SURVEY = AudioConfig(response_seconds=2.0, num_rays=4200, num_bounces=100, octave_rays=True)
 
 
 class Survey(Pytree):

@@ -94,8 +94,7 @@ def _fit_range(trace: Trace, metres: float, config: AudioConfig) -> tuple[Int[Ar
 def _energy_at(trace: Trace, index: Int[Array, ""], metres: float) -> Float[Array, " bands"]:
     """Energy of all rays together at the start of a bin."""
     bounces = jnp.sum(trace.travelled <= index.astype(jnp.float32) * metres, axis=0, dtype=jnp.int32)
-    start = jnp.full((1, *trace.remaining.shape[1:]), 1 / bounces.size, jnp.float32)
-    energy = jnp.concatenate([start, trace.remaining])
+    energy = jnp.concatenate([trace.leaving[None], trace.remaining])
     chosen = (bounces[None] == jnp.arange(energy.shape[0], dtype=jnp.int32)[:, None]).astype(jnp.float32)
     return jnp.einsum("bn,bnc->c", chosen, energy, precision="highest")
 

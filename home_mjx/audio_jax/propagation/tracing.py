@@ -27,7 +27,8 @@ class Trace(Pytree):
     arrival: Float[Array, "a n"]  # distance from source to listener over each hit
     energy: Float[Array, "a n bands"]  # that arrives so
     travelled: Float[Array, "b n"]  # distance of each hit from the listener
-    remaining: Float[Array, "b n bands"]  # energy of each ray after each hit, starting from 1 / N
+    remaining: Float[Array, "b n bands"]  # energy of each ray after each hit
+    leaving: Float[Array, "n bands"]  # energy with which each ray leaves the listener; sums over rays are 1
 
 
 class _Ray(NamedTuple):
@@ -46,7 +47,8 @@ def trace(scene: Scene, source: Source, listener: Listener, key: Array, config: 
     hears. Each hit sends to the source, if that is visible, 4 e (1 - absorption) s cos / d², Schröder's diffuse rain
     with a receiver of unit free-field level at 1 m. The specular rest, (1 - s), is counted as `config.detector` says,
     but for reflections in walls up to `config.reflection_order`, which early paths render. A directional source gives
-    each as much as leaves it in that direction.
+    each as much as leaves it in that direction. With `config.octave_rays` a ray carries one octave, and is scattered as
+    that octave is.
 
     Args:
         scene: The environment.
@@ -62,21 +64,31 @@ def trace(scene: Scene, source: Source, listener: Listener, key: Array, config: 
     shape = (config.num_bounces, config.num_rays)
     turn = jax.random.normal(turn_key, (4,), jnp.float32)  # a uniform rotation once normalised
     turn = quat_matrix(turn / jnp.linalg.norm(turn))
-    direction = jnp.matmul(jnp.asarray(spread(config.num_rays)), turn, precision="highest")
+    carried = _carried(config)
+    lattice = np.tile(spread(len(carried) // config.ray_groups), (config.ray_groups, 1))
+    direction = jnp.matmul(jnp.asarray(lattice), turn, precision="highest")
     scattered = jax.random.normal(scatter_key, (*shape, 3), jnp.float32)
     draws = (jnp.arange(shape[0], dtype=jnp.int32), jax.random.uniform(choice_key, shape, jnp.float32), scattered)
-    walk = _Walk(scene, source, config, jnp.int32(listener.body), jnp.int32(source.body))
+    walk = _Walk(scene, source, config, jnp.int32(listener.body), jnp.int32(source.body), jnp.asarray(carried))
+    leaving = walk.carried * jnp.float32(len(BANDS) / config.num_rays)
     start = _Ray(
         jnp.broadcast_to(listener.pos, direction.shape),
         direction,
         jnp.zeros(shape[1], jnp.float32),
-        jnp.full((shape[1], len(BANDS)), 1 / config.num_rays, jnp.float32),
+        leaving,
         jnp.zeros((shape[1], len(BANDS)), jnp.float32),
         jnp.ones(shape[1], bool),
     )
     _, (arrival, energy, travelled, remaining) = jax.lax.scan(walk.bounce, start, draws)
     rows = (-1, shape[1])
-    return Trace(direction, arrival.reshape(rows), energy.reshape(*rows, len(BANDS)), travelled, remaining)
+    return Trace(direction, arrival.reshape(rows), energy.reshape(*rows, len(BANDS)), travelled, remaining, leaving)
+
+
+def _carried(config: AudioConfig) -> Float[np.ndarray, "n bands"]:
+    """How much each octave has of each ray: all alike, or a seventh of all rays each."""
+    if config.octave_rays:
+        return np.repeat(np.eye(len(BANDS), dtype=np.float32), config.num_rays // len(BANDS), axis=0)
+    return np.full((config.num_rays, len(BANDS)), 1 / len(BANDS), np.float32)
 
 
 class _Walk(NamedTuple):
@@ -87,6 +99,7 @@ class _Walk(NamedTuple):
     config: AudioConfig
     exclude: Int[Array, ""]
     emitter: Int[Array, ""]
+    carried: Float[Array, "n bands"]
 
     def bounce(self, ray: _Ray, draw: tuple[Array, Array, Array]) -> tuple[_Ray, tuple[Array, Array, Array, Array]]:
         """One segment and the reflection at its end."""
@@ -116,7 +129,7 @@ class _Walk(NamedTuple):
         if self.config.detector == "sphere":
             passing, passed = self._sphere(ray, length)
             arrival, arriving = jnp.stack([arrival, passing]), jnp.stack([arriving, passed])
-        direction, specular, scatters = _reflect(ray.direction, met, choice, scattered)
+        direction, specular, scatters = _reflect(ray.direction, met, self.carried, choice, scattered)
         specular = jnp.where(mirrored[:, None], 0.0, specular)
         new = _Ray(point, direction, travelled, energy, specular, mirrored & ~scatters)
         return new, (arrival, arriving, travelled, energy)
@@ -160,13 +173,17 @@ class _Walk(NamedTuple):
 
 
 def _reflect(
-    direction: Float[Array, "n 3"], met: AcousticSurface, choice: Float[Array, " n"], scattered: Float[Array, "n 3"]
+    direction: Float[Array, "n 3"],
+    met: AcousticSurface,
+    carried: Float[Array, "n bands"],
+    choice: Float[Array, " n"],
+    scattered: Float[Array, "n 3"],
 ) -> tuple[Float[Array, "n 3"], Float[Array, "n bands"], Bool[Array, " n"]]:
     """New directions, the weight of the specular energy per octave (0 after scattering), and what scatters.
 
-    One direction serves all octaves, drawn by their mean scattering.
+    One direction serves all octaves that a ray carries, drawn by their mean scattering.
     """
-    mean = jnp.mean(met.scattering, axis=1)
+    mean = jnp.sum(carried * met.scattering, axis=1)
     mirror = direction - 2 * jnp.sum(direction * met.normal, axis=1, keepdims=True) * met.normal
     lambert = met.normal + scattered / jnp.maximum(jnp.linalg.norm(scattered, axis=1, keepdims=True), 1e-9)
     lambert = lambert / jnp.maximum(jnp.linalg.norm(lambert, axis=1, keepdims=True), 1e-6)

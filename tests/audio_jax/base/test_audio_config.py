@@ -51,10 +51,13 @@ def test_memory_of_what_moves():
 
 
 def test_presets():
-    """Each traces more than the one before; options may differ; others are refused."""
-    rays = [audio_preset(name).num_rays * audio_preset(name).num_bounces for name in PRESETS]
+    """Two are looked up, one is traced; traced, each flies more than the one before; options may differ."""
+    assert [audio_preset(name).late for name in PRESETS] == ["baked", "baked", "traced"]
+    traced = [audio_preset(name, late="traced") for name in PRESETS]
+    rays = [config.num_rays * config.num_bounces for config in traced]
     assert rays == sorted(rays)
     assert len(set(rays)) == 3
+    assert [config.reflection_order for config in traced] == [1, 2, 3]
     for name in PRESETS:  # each is to be had with late sound that has been baked
         assert audio_preset(name, late="baked").reflection_order == 1
     assert audio_preset("balanced", num_edges=0) == AudioConfig(**{**PRESETS["balanced"], "num_edges": 0})
@@ -62,3 +65,5 @@ def test_presets():
         audio_preset("fats")
     with pytest.raises(ConfigError, match="num_rays"):
         audio_preset("fast", num_rays=0)
+    with pytest.raises(ConfigError, match="multiple of 7, got 100"):
+        audio_preset("reference", num_rays=100)

@@ -14,6 +14,7 @@ CONFIG = AudioConfig(response_seconds=1.0)
 SPEED = CONFIG.speed_of_sound
 RAYS, BOUNCES, MEAN_PATH = 8000, 12, 2.5
 EARS = jnp.ones((RAYS, 2, 7))
+LEAVING = jnp.full((RAYS, 7), 1 / RAYS)
 BOTH = np.array([2.0, 0.5])[None, :, None]
 
 
@@ -40,7 +41,7 @@ def poisson_rays(rng: np.random.Generator, absorption: np.ndarray, delivery: flo
     before = remaining / (1 - absorption)
     given = delivery / SPEED * segments[..., None] * before
     arrival = travelled - rng.uniform(0, 1, segments.shape) * segments
-    arrays = (rng.normal(size=(RAYS, 3)), arrival, given, travelled, remaining)
+    arrays = (rng.normal(size=(RAYS, 3)), arrival, given, travelled, remaining, LEAVING)
     return Trace(*(jnp.asarray(a, jnp.float32) for a in arrays))
 
 
@@ -71,7 +72,7 @@ def test_arrivals_fall_into_their_bins(histogram):
     energy = rng.uniform(0, 1, (BOUNCES, RAYS, 7)).astype(np.float32)
     nothing = jnp.zeros((BOUNCES, RAYS, 7))
     travelled = jnp.asarray(np.sort(arrival, axis=0))
-    trace = Trace(jnp.ones((RAYS, 3)), jnp.asarray(arrival), jnp.asarray(energy), travelled, nothing)
+    trace = Trace(jnp.ones((RAYS, 3)), jnp.asarray(arrival), jnp.asarray(energy), travelled, nothing, LEAVING)
     ours = histogram(trace, EARS)
     edges = np.arange(CONFIG.num_bins + 1) * np.float32(CONFIG.bin_seconds * SPEED)
     for band in (0, 6):
@@ -87,7 +88,7 @@ def test_arrivals_fall_into_their_bins(histogram):
 def test_blur_is_as_wide_as_its_share_of_time(histogram):
     """A single arrival at 0.4 s spreads over 0.34 .. 0.46 s about its time."""
     arrival = jnp.full((1, RAYS), 0.402 * SPEED)
-    trace = Trace(jnp.ones((RAYS, 3)), arrival, jnp.ones((1, RAYS, 7)), arrival, jnp.zeros((1, RAYS, 7)))
+    trace = Trace(jnp.ones((RAYS, 3)), arrival, jnp.ones((1, RAYS, 7)), arrival, jnp.zeros((1, RAYS, 7)), LEAVING)
     ours = histogram(trace, EARS)[:, 0, 3]
     time = (np.arange(ours.size) + 0.5) * CONFIG.bin_seconds
     assert ours.sum() == pytest.approx(RAYS, rel=1e-5)
@@ -107,5 +108,6 @@ def test_both_ways_to_sum_agree(rng):
 def test_rays_that_all_leave_the_house_give_silence(histogram):
     """No NaN, no tail."""
     zeros = jnp.zeros((BOUNCES, RAYS))
-    trace = Trace(jnp.ones((RAYS, 3)), zeros, zeros[..., None] * jnp.ones(7), zeros, zeros[..., None] * jnp.ones(7))
+    octaves = zeros[..., None] * jnp.ones(7)
+    trace = Trace(jnp.ones((RAYS, 3)), zeros, octaves, zeros, octaves, LEAVING)
     np.testing.assert_array_equal(histogram(trace, EARS), 0)
