@@ -38,7 +38,7 @@ from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.schema.compiled import BANDS
 
 PRESETS = ("fast", "balanced", "reference", "fast-traced", "balanced-traced", "baked")
-SEEDS = {"fast-traced": 8, "balanced-traced": 4, "reference": 4}  # runs per listener; baked sound needs one
+SEEDS = {"fast-traced": 8, "balanced-traced": 4, "reference": 2}  # runs per listener; baked sound needs one
 UPRIGHT = jnp.float32([0.5, 0.5, -0.5, -0.5])
 LATE = (-25.0, -45.0)  # [dB], where coupled rooms decay as both together
 ERRORS = ("T30 [s]", "here", "error", "EDT [s]", "here", "error", "Level error [dB]", "Late slope [s]", "here")

@@ -65,6 +65,8 @@ class AudioConfig:
             boxes, delays of whole samples, its table of air; no diffraction, no transmission, and no late sound.
         motion: Whether early paths move within a frame, so that pitch is right at every frequency (Doppler), and rooms
             ring on for `tail_seconds`. False: whole responses fade from the last to the next, see `sound_frame`.
+        num_heard: With `motion`, how many early paths sound at once: the direct one, and the strongest of what was found.
+            Frames cost by this number, and of 21 paths that are looked for in houses at most 7 sound. None: all.
         tail_seconds: With `motion`, how long sound rings on beyond `response_seconds` [s], each octave at its last
             decay; rounded up to halves of a response.
 
@@ -99,6 +101,7 @@ class AudioConfig:
     late: str = "traced"
     early: str = "physical"
     motion: bool = False
+    num_heard: int | None = None
     tail_seconds: float = 1.5
 
     def __post_init__(self) -> None:
@@ -121,6 +124,8 @@ class AudioConfig:
             raise ConfigError(f"`octave_rays` needs `num_rays` to be a multiple of {len(BANDS)}, got {self.num_rays}")
         if self.pinna and self.receiver != "binaural":
             raise ConfigError(f'`pinna` needs receiver="binaural", got {self.receiver!r}')
+        if self.num_heard is not None:
+            check_number("num_heard", self.num_heard, 1, whole=True)
         check_number("tail_seconds", self.tail_seconds, 0.0)
         for name in ("response_seconds", "bin_seconds", "detector_radius", "head_radius", "pressure"):
             check_number(name, getattr(self, name))
@@ -233,7 +238,8 @@ class AudioConfig:
     @property
     def num_paths(self) -> int:
         """Early paths that move, the direct one among them."""
-        return 1 + self.num_edges + self.num_reflections
+        found = 1 + self.num_edges + self.num_reflections
+        return found if self.num_heard is None else min(found, self.num_heard)
 
     @property
     def half_length(self) -> int:

@@ -15,8 +15,22 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.core.checks import check_known
 
 PRESETS: dict[str, dict[str, Any]] = {
-    "fast": {"motion": True, "late": "baked", "tail_seconds": 0.0, "max_crossings": 16, "num_edges": 8},
-    "balanced": {"motion": True, "late": "baked", "max_crossings": 16, "num_edges": 8, "num_reflections": 12},
+    "fast": {
+        "motion": True,
+        "late": "baked",
+        "tail_seconds": 0.0,
+        "max_crossings": 16,
+        "num_edges": 8,
+        "num_heard": 8,
+    },
+    "balanced": {
+        "motion": True,
+        "late": "baked",
+        "max_crossings": 16,
+        "num_edges": 8,
+        "num_reflections": 12,
+        "num_heard": 10,
+    },
     "reference": {
         "motion": True,
         "num_rays": 10_500,
@@ -30,7 +44,14 @@ PRESETS: dict[str, dict[str, Any]] = {
 }
 TRACED: dict[str, dict[str, Any]] = {
     "fast": {"late": "traced", "num_edges": 0},
-    "balanced": {"late": "traced", "num_rays": 512, "num_bounces": 150, "reflection_order": 2, "num_reflections": 24},
+    "balanced": {
+        "late": "traced",
+        "num_rays": 512,
+        "num_bounces": 150,
+        "reflection_order": 2,
+        "num_reflections": 24,
+        "num_heard": None,
+    },
     "reference": {},
 }
 FIRST_ORDER: dict[str, Any] = {"reflection_order": 1}  # the others are in what has been baked

@@ -79,12 +79,14 @@ def silence(config: AudioConfig) -> Reception:
 
 
 def as_many(paths: Paths, count: int) -> Paths:
-    """So many of the paths: the strongest in their order, or all and silent ones."""
+    """So many of the paths: the first, which has filters of its own, and the strongest in their order; or all and
+    silent ones.
+    """
     more = count - paths.distance.size
     name = jnp.arange(paths.distance.size, dtype=jnp.int32) if paths.name is None else paths.name
     paths = paths.replace(name=name)
     if more <= 0:
-        _, strongest = jax.lax.top_k(jnp.sum(paths.gain**2, axis=1), count)
+        _, strongest = jax.lax.top_k(jnp.sum(paths.gain**2, axis=1).at[0].set(jnp.inf), count)
         kept = jnp.sort(strongest)
         return paths if more == 0 else jax.tree.map(lambda x: x[kept], paths)
     padding = [(0, more)]
