@@ -65,8 +65,8 @@ class AudioConfig:
             boxes, delays of whole samples, its table of air; no diffraction, no transmission, and no late sound.
         motion: Whether early paths move within a frame, so that pitch is right at every frequency (Doppler), and rooms
             ring on for `tail_seconds`. False: whole responses fade from the last to the next, see `sound_frame`.
-        num_heard: With `motion`, how many early paths sound at once: the direct one, and the strongest of what was found.
-            Frames cost by this number, and of 21 paths that are looked for in houses at most 7 sound. None: all.
+        num_heard: With `motion`, how many early paths sound at once: the direct one, and the strongest of what was
+            found. Frames cost by this number, and of 21 paths that are looked for in houses at most 7 sound. None: all.
         tail_seconds: With `motion`, how long sound rings on beyond `response_seconds` [s], each octave at its last
             decay; rounded up to halves of a response.
 

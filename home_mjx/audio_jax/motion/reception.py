@@ -79,9 +79,7 @@ def silence(config: AudioConfig) -> Reception:
 
 
 def as_many(paths: Paths, count: int) -> Paths:
-    """So many of the paths: the first, which has filters of its own, and the strongest in their order; or all and
-    silent ones.
-    """
+    """The first path, which has filters of its own, and the strongest in their order; or all and silent ones."""
     more = count - paths.distance.size
     name = jnp.arange(paths.distance.size, dtype=jnp.int32) if paths.name is None else paths.name
     paths = paths.replace(name=name)
