@@ -1,7 +1,8 @@
 """Sound in generated houses: against many more and longer rays, and on walks in steps of 5 cm.
 
 Decays and levels of an omnidirectional microphone in the same room as the source and in others, against 3000 rays of
-150 bounces, all doors open, and nothing through walls, which rays do not cross; then walks through all rooms: how much
+150 bounces or, with `--truth`, an independent Monte Carlo; all doors open, and nothing through walls, which rays do not
+cross; then walks through all rooms: how much
 any octave changes in a step, what is silent, and how far two bakes with other seeds differ. Prints one JSON object a
 line, and with `--out` writes them.
 """
@@ -17,6 +18,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from acoustics import UPRIGHT, config_of, engine, opened
+from house_truth import judged
 
 from home_mjx.audio_jax import BakeOptions, Listener, Source, early_paths, edt, t30, with_late_sound
 from home_mjx.bank.bank import HouseBank
@@ -44,7 +46,7 @@ class Plan:
         hops = self.navigation.room_hops
         self.source_room = max(names, key=lambda room: sum(max(hops[room, other], 0) for other in names))
         self.source = self.starts[self.rooms == self.source_room][0] + EARS - [0, 0, 0.3]
-        self.hops = hops[self.source_room]
+        self.hops, self.all_hops = hops[self.source_room], hops
 
     def room(self, point) -> int:
         """Room of a point, -1 if nobody can stand there."""
@@ -189,6 +191,9 @@ def main():
     parser.add_argument("--houses", default="procedural:1?seed=91000", help="the first of these is taken")
     parser.add_argument("--presets", nargs="*", default=["fast", "baked"])
     parser.add_argument("--parts", nargs="*", choices=("decays", "moved", "walks"), default=("decays", "walks"))
+    parser.add_argument("--truth", type=int, default=0, help="particles of each half of the oracle, per octave")
+    parser.add_argument("--sources", type=int, default=4, help="rooms with a source, where the oracle is the truth")
+    parser.add_argument("--rays", type=int, help="baked per cell and octave")
     parser.add_argument("--refs", type=int, default=2, help="runs of the reference per place")
     parser.add_argument("--walks", type=int, default=10**6, help="at most")
     parser.add_argument("--seconds", type=float, default=1.2, help="length of the responses")
@@ -199,11 +204,17 @@ def main():
     banks = [bank]
     if "baked" in args.presets:
         start = time.perf_counter()
-        banks = [with_late_sound(bank, [house], BakeOptions(seed=seed)) for seed in range(2)]
+        banks = [
+            with_late_sound(bank, [house], BakeOptions(rays=args.rays, seed=seed))
+            for seed in range(1 + ("walks" in args.parts))
+        ]
         cells = banks[0].late.level.shape[1]
-        print(f"baked {cells} cells twice in {time.perf_counter() - start:.0f} s", flush=True)
+        print(f"baked {cells} cells {len(banks)} times in {time.perf_counter() - start:.0f} s", flush=True)
     found = []
-    if "decays" in args.parts:
+    if "decays" in args.parts and args.truth:
+        how = args.presets, args.seconds, args.truth, args.sources, EARS - [0, 0, 0.3]
+        found.append(judged(house, tight(banks[0]), plan, *how, errors))
+    elif "decays" in args.parts:
         found.append(decays(tight(banks[0]), plan, args.presets, args.refs, args.seconds, "moved" in args.parts))
     if "walks" in args.parts:
         found += [walked(banks if p == "baked" else banks[:1], plan, p, args.seconds, args.walks) for p in args.presets]

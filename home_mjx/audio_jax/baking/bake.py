@@ -28,11 +28,11 @@ PLACES = 0  # seed of places in cells, the same in every bake of a house
 EARLY = 128  # bins, after which sound comes from everywhere
 YOUNG = 40.0  # [m], after which it hardly matters in which cell of a room sound began
 OLD = 120.0  # [m], after which it does not matter when
-PER_METRE = 0.6  # most reflections
+PER_METRE = 1.0  # most reflections: flights end by age, for rays that are reflected seldom are those that last
 FLIGHTS = (1, 3, 3)  # of rays of each room that are very old, old, and from each gate between rooms
 NARROW = 0.3  # [m]: portals that agents cannot cross count as so wide
 MOST_RAYS = (1600, 800, 400)  # few numbers: each is a program of its own
-RAYS_IN_ALL = 80_000  # from all cells, per octave
+RAYS_IN_ALL = 50_000  # from all cells, per octave
 PAIRS = ("moved", "through")
 SUMS = ("lived", "lost", *PAIRS)  # of `Flown`, over all rays
 AT_ONCE = {"gpu": 16}  # sources whose rays fly together; elsewhere one
@@ -44,7 +44,7 @@ class BakeOptions:
 
     Attributes:
         size: Wanted edge of a cell [m].
-        rays: Per cell and octave; None: 1,600; in houses of more than 50 cells 800, of more than 100 cells 400. So
+        rays: Per cell and octave; None: 1,600; in houses of more than 31 cells 800, of more than 62 cells 400. So
             baking takes about as long for all, and small ones, where few cells tell how a room decays, are exact, too.
         bounces: Of rays that tell how rooms decay in the end; what is later begins anew.
         seed: Of all random numbers of rays.
@@ -69,7 +69,7 @@ class BakeOptions:
         """Per cell and octave, in a house of so many cells.
 
         Example:
-            >>> tuple(BakeOptions().rays_for(cells) for cells in (30, 67, 139))
+            >>> tuple(BakeOptions().rays_for(cells) for cells in (30, 60, 139))
             (1600, 800, 400)
         """
         if self.rays is not None:

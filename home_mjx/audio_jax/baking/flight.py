@@ -24,6 +24,7 @@ INWARD = 0.1  # [m], from a surface to a point that is in the room before it
 BEHIND = (0.08, 0.15, 0.25, 0.4)  # [m], from a surface to points that may be in the room behind it
 HALVINGS = 5  # of a segment, to find where it comes into another room
 FLOORS = 2.0  # times as thick as walls may floors be
+FEW = 0.1  # share of what has grown old that may be left when a flight ends
 
 
 class Grid(Pytree):
@@ -79,7 +80,7 @@ class _Sums(NamedTuple):
 class Gone(NamedTuple):
     """One of the rays that ended in the place of each, as it went on, with the energy of all of them."""
 
-    ray: Rays  # `travelled`: since it went through the gate
+    ray: Rays  # `travelled`: since the time bin began in which it went through the gate
     entered: Int[Array, " n"]  # room
 
 
@@ -139,7 +140,7 @@ def fly(
         return walk.bounce(carry, jax.random.fold_in(draws, carry.bounces))
 
     end = jax.lax.while_loop(
-        lambda carry: (carry.bounces < bounces) & jnp.any(carry.ray.energy > 0),
+        lambda carry: (carry.bounces < bounces) & _flies(carry),
         step,
         _Carry(jnp.int32(0), first, nobody, nobody, _no_sums(grid, bins)),
     )
@@ -160,6 +161,12 @@ class _Carry(NamedTuple):
     sums: _Sums
 
 
+def _flies(carry: _Carry) -> Bool[Array, ""]:
+    """Whether in any octave more flies than the few that others are not to wait for."""
+    left, old = (x.reshape(len(BANDS), -1).sum(axis=1) for x in (carry.ray.energy, carry.aged.ray.energy))
+    return jnp.any(left > FEW * old)
+
+
 class _Walk(NamedTuple):
     """What all bounces share."""
 
@@ -177,7 +184,8 @@ class _Walk(NamedTuple):
         """What all bounces gave; rays that still fly count as old."""
         (count,), cells = self.octave.shape, self.grid.volume.shape[0]
         ray, sums = end.ray, end.sums
-        left = _replace(end.aged, ray._replace(travelled=jnp.zeros(count, jnp.float32)), ray.room, chance)
+        since = _since(ray.travelled / self.metres, jnp.zeros(count, jnp.float32), self.metres)
+        left = _replace(end.aged, ray._replace(travelled=since), ray.room, chance)
         share = len(BANDS) / count
         scale = 4 * jnp.pi * self.metres * share / self.grid.volume
         energy = sums.heard.reshape(len(BANDS), cells, -1) * scale[None, :, None]
@@ -210,7 +218,9 @@ class _Walk(NamedTuple):
         ages = (flown >= self.age) & ~goes & ~unheard
         direction, _ = _reflect(ray.direction, met.normal, self._own(met.scattering), leave[0])
         inside = jnp.where(goes, _inside(ray, length, room, self.grid), 0.0)
-        ended = Rays(origin, direction, inside, jnp.where(goes, left, 0.0), ray.counts, ray.room, room)
+        when = (flown - inside) / self.metres
+        since = _since(when, inside, self.metres)
+        ended = Rays(origin, direction, since, jnp.where(goes, left, 0.0), ray.counts, ray.room, room)
         gone, aged = carry.gone, carry.aged
         chance = (
             jax.random.uniform(leave[1], left.shape, jnp.float32),
@@ -220,7 +230,6 @@ class _Walk(NamedTuple):
         aged = _replace(aged, ended._replace(energy=jnp.where(ages, left, 0.0), room=room), room, chance[1])
         energy = jnp.where(goes | ages, left, 0.0)
         left_room = jnp.where(ages, room, ray.room)
-        when = (flown - inside) / self.metres
         sums = sums._replace(went=_put(sums.went, self.octave, left_room, room, when, energy))
         left = jnp.where(goes | ages, 0.0, left)
 
@@ -329,8 +338,21 @@ def _put(
     bins: Float[Array, " n"],
     energy: Float[Array, " n"],
 ) -> Float[Array, "bands r r k"]:
-    """Adds energy that went from a room to another."""
+    """Adds energy that went from a room to another, in the bin in which it went: see `_since` for the rest of it."""
     return went.at[octave, room, other, bins.astype(jnp.int32)].add(energy, mode="drop")
+
+
+def _since(when: Float[Array, " n"], inside: Float[Array, " n"], metres: float) -> Float[Array, " n"]:
+    """How far rays have flown since the bin began in which they went through a gate [m].
+
+    They start anew with it: whole bins alone, rounded down at each gate, would lose half a bin there.
+
+    Args:
+        when: They went through [bins].
+        inside: How far they have flown since [m].
+        metres: That sound travels in one bin.
+    """
+    return inside + (when - jnp.floor(when)) * metres
 
 
 def _inside(ray: Rays, length: Float[Array, " n"], room: Int[Array, " n"], grid: Grid) -> Float[Array, " n"]:

@@ -26,7 +26,7 @@ class Start(NamedTuple):
 
     origin: Float[np.ndarray, "n 3"]
     direction: Float[np.ndarray, "n 3"]
-    travelled: Float[np.ndarray, " n"]  # since it went through a gate [m]
+    travelled: Float[np.ndarray, " n"]  # since the bin began in which it went through a gate [m]
     room: int
 
 

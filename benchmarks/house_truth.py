@@ -1,0 +1,79 @@
+"""Sound in houses against an independent Monte Carlo among their triangles (`tests/helpers/triangle_oracle.py`).
+
+Sources stand in several rooms, for one place alone says more of that place than of the house. What the oracle does not
+know itself is told by two independent halves of its particles.
+"""
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from acoustics import config_of, engine
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "helpers"))
+
+import triangle_oracle as oracle
+
+from home_mjx.audio_jax import AudioConfig
+from home_mjx.audio_jax.propagation.paths import air_energy
+
+Errors = Callable[..., Iterator[dict[str, Any]]]
+NEAREST = 1.0  # [m], between source and ears: nearer ones hear little else than direct sound
+
+
+def sources_of(plan, count: int, height: np.ndarray) -> list[tuple[np.ndarray, int]]:
+    """Places and rooms of sources: the plan's own, then places of the other rooms in turn."""
+    rooms = [r for r in sorted(set(plan.rooms.tolist()) - {-1}) if r != plan.source_room]
+    places = [(plan.starts[plan.rooms == room][0] + height, room) for room in rooms]
+    middle = max(len(places) // max(count - 1, 1), 1)
+    return [(plan.source, plan.source_room), *places[::middle]][:count]
+
+
+def pairs_of(plan, surfaces, count: int, height: np.ndarray):
+    """Per source: its place, the listeners, doors between, and the radii of balls that nothing cuts."""
+    ears, _ = plan.listeners()
+    room = np.array([plan.room(place) for place in ears])
+    free = oracle.free_radii(surfaces, ears)
+    for place, own in sources_of(plan, count, height):
+        use = (free > 0) & (np.linalg.norm(ears - place, axis=1) > NEAREST)
+        yield place, ears[use], np.maximum(plan.all_hops[own][room[use]], 0), free[use]
+
+
+def _engine(preset: str, seconds: float):
+    """Energies (places, bins, bands) at several ears, one after the other: the rays of all at once take gigabytes."""
+    one = partial(engine, config=config_of(preset, seconds))
+
+    @jax.jit
+    def run(bank, source, ears, keys):
+        return jax.lax.map(lambda x: one(bank, jnp.int32(0), source, *x), (ears, keys))
+
+    return run
+
+
+def judged(house, bank, plan, presets, seconds, particles, sources, height, errors: Errors):
+    """Records of levels, T30 and EDT against the oracle, and of its halves against each other."""
+    surfaces = oracle.surfaces_of(house, air_energy(AudioConfig()).astype(float))
+    halves, ours, doors, start = ([], []), {preset: [] for preset in presets}, [], time.perf_counter()
+    run = {preset: _engine(preset, seconds) for preset in presets}
+    for number, (source, ears, hops, radius) in enumerate(pairs_of(plan, surfaces, sources, height)):
+        for half, found in enumerate(halves):
+            found.append(oracle.fly(surfaces, source, ears, seconds, 0.004, particles, radius, 2 * number + half))
+        for preset in presets:
+            keys = jax.random.split(jax.random.key(number), len(ears))
+            energy = run[preset](bank, jnp.asarray(source, jnp.float32), jnp.asarray(ears, jnp.float32), keys)
+            ours[preset].append(np.moveaxis(np.asarray(energy), 1, 2))
+        doors.append(hops)
+        print(f"source {number}: {len(ears)} places, {time.perf_counter() - start:.0f} s", flush=True)
+    first, second = (np.concatenate(half) for half in halves)
+    hops = np.concatenate(doors)
+    for record in errors(first, second, hops, 0.004):
+        yield {"truth": "oracle", "preset": "one half against the other", **record}
+    for preset in presets:
+        for record in errors((first + second) / 2, np.concatenate(ours[preset]), hops, 0.004):
+            yield {"truth": "oracle", "preset": preset, **record}
