@@ -1,6 +1,8 @@
 """Writes datasets of homes."""
 
-from collections.abc import Sequence
+import gc
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 from home_mjx.datasets.homes.build import build_home
@@ -18,6 +20,19 @@ def generate_homes(root: str | Path, seeds: Sequence[int], progress: bool = Fals
 
 def write_home(root: Path, seed: int) -> None:
     """Writes the home of a seed below a dataset root, with the models and textures that it is the first to use."""
-    home = build_home(seed)
-    write_used(root, home)
-    write_house(root, home)
+    with _uncollected():
+        home = build_home(seed)
+        write_used(root, home)
+        write_house(root, home)
+
+
+@contextmanager
+def _uncollected() -> Iterator[None]:
+    """Puts off the search for cycles of objects: it goes through all models again and again, and a home has few."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()

@@ -15,6 +15,8 @@ from jaxtyping import Bool, Float, Int
 DEPTH = 0.1  # [m], of a wall
 RISE = 0.035  # [m], of a wall above its nominal height
 Hole = tuple[float, float, float, float]  # [m]: from, to along the wall; from, to above its base
+# Lines of a grid over a wall's rectangle along it and upwards [m], and which of its cells are solid.
+Panel = tuple[Float[np.ndarray, " n"], Float[np.ndarray, " m"], Bool[np.ndarray, "_ _"]]
 
 
 @dataclass(frozen=True)
@@ -58,14 +60,13 @@ def wall_prisms(wall: Wall) -> tuple[Prism, Prism]:
         >>> outer.vertices[:, 2].min().round(4), outer.vertices[:, 2].max().round(4)
         (np.float64(-0.0447), np.float64(0.0053))
     """
-    half = wall.depth / 2
-    return _prism(wall, 0.0, half), _prism(wall, wall.depth / 19 - half, half)
+    half, beyond = wall.depth / 2, 2 * wall.depth / 5
+    panel = _panel(wall, beyond)
+    return _prism(wall, panel, beyond, 0.0, half), _prism(wall, panel, beyond, wall.depth / 19 - half, half)
 
 
-def _prism(wall: Wall, low: float, thickness: float) -> Prism:
-    beyond = 2 * wall.depth / 5
-    us, vs, keep = _panel(wall, beyond)
-    points, faces, large = extrude(us, vs, keep, (low, low + thickness))
+def _prism(wall: Wall, panel: Panel, beyond: float, low: float, thickness: float) -> Prism:
+    points, faces, large = extrude(*panel, (low, low + thickness))
     along = (wall.end - wall.start) / wall.length
     up = np.array([0.0, 1.0, 0.0])
     vertices = wall.start + (points[:, :1] - beyond) * along + points[:, 1:2] * up + points[:, 2:] * np.cross(along, up)
@@ -73,9 +74,7 @@ def _prism(wall: Wall, low: float, thickness: float) -> Prism:
     return Prism(vertices, faces, uv, large)
 
 
-def _panel(
-    wall: Wall, beyond: float
-) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " m"], Bool[np.ndarray, "_ _"]]:
+def _panel(wall: Wall, beyond: float) -> Panel:
     """Lines of a grid over the wall's rectangle, and which of its cells are solid."""
     width, top = wall.length + 2 * beyond, wall.height + wall.rise
     holes = np.array([_open(hole, wall, beyond, width, top) for hole in merge_holes(wall.holes)]).reshape(-1, 4)

@@ -15,6 +15,7 @@ CELL = 0.1  # [m]
 REACH = 0.28  # [m], radius that must be able to pass: 0.2 m and a margin
 HEAD = 1.7  # [m], above this nothing is in the way
 FLAT = 0.05  # [m], an agent walks over what is lower
+BESIDE = ndimage.generate_binary_structure(2, 1)  # cells that one gets to from a cell
 CONNECTED = 0.85  # least share of the free floor that is connected to the doors
 
 
@@ -51,7 +52,7 @@ class WalkingGrid:
         """Whether the doors stay connected with each other and with nearly all free floor if the boxes are added."""
         free = self._without(boxes)
         label = np.empty(free.shape, np.int32)
-        ndimage.label(free, output=label)
+        ndimage.label(free, BESIDE, output=label)
         at_doors = {int(label[cell]) for cell in self._doors}
         if len(at_doors) != 1 or 0 in at_doors:
             return False

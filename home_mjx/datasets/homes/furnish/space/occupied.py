@@ -5,13 +5,13 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
+from home_mjx.datasets.homes.furnish.space.touching import touching
 from home_mjx.datasets.procedural.floor_plan.placed import Box, PlacedFurniture
 
 Boxes = Float[np.ndarray, "_ 2 3"]  # any number, each time
 
 TOLERANCE = 0.002  # [m]: boxes that enter each other by less only touch
 FLAT = 0.012  # [m]: rugs and mats are thinner
-_SIGNS = np.array([[1.0], [-1.0]])
 MOST = 110  # parts of a model that are looked at one by one
 # What other things may stand in, under or between the parts of.
 OPEN = {
@@ -38,12 +38,7 @@ def is_flat(box: Box) -> bool:
 
 def meet(boxes: Boxes, others: Boxes, tolerance: float = TOLERANCE) -> bool:
     """Whether one of some boxes enters one of others."""
-    if not len(boxes) or not len(others):
-        return False
-    # Axes first: NumPy goes along the last axis, and three numbers are too few for that.
-    (low, high), (other_low, other_high) = boxes.transpose(1, 2, 0)[..., None], others.transpose(1, 2, 0)[:, :, None]
-    deep = np.minimum(high, other_high) - np.maximum(low, other_low) > tolerance
-    return bool((deep[0] & deep[1] & deep[2]).any())
+    return touching().meet(boxes, others, len(others), -np.inf, tolerance)
 
 
 def apart(item: PlacedFurniture, other: PlacedFurniture) -> bool:
@@ -63,7 +58,6 @@ class Store:
 
     def __init__(self, boxes: Sequence[Box] = ()) -> None:
         self._data, self._count = np.zeros((256, 2, 3)), 0
-        self._sides = np.zeros((6, 256))  # the same by columns, upper corners with their sign changed
         self.add(np.array(boxes, float).reshape(-1, 2, 3))
 
     @property
@@ -77,18 +71,9 @@ class Store:
         if end > len(self._data):
             more = max(end, len(self._data))
             self._data = np.concatenate([self._data, np.zeros((more, 2, 3))])
-            self._sides = np.concatenate([self._sides, np.zeros((6, more))], axis=1)
         self._data[self._count : end] = boxes
-        self._sides[:, self._count : end] = (boxes * _SIGNS).reshape(-1, 6).T
         self._count = end
 
     def meets(self, boxes: Boxes, tolerance: float = TOLERANCE) -> bool:
         """Whether one of some boxes enters one of these."""
-        if not len(boxes) or not self._count:
-            return False
-        # All sides in one comparison: this is asked more often than anything else.
-        limits = (boxes[:, ::-1] * _SIGNS).max(axis=0).reshape(6, 1) - tolerance  # upper corner, lower one with a minus
-        near = (self._sides[:, : self._count] < limits).all(axis=0).nonzero()[0]
-        if not len(near):
-            return False
-        return meet(boxes, self._data[near], tolerance)
+        return touching().meet(boxes, self._data, self._count, tolerance, tolerance)

@@ -48,16 +48,17 @@ def seated(room: Room, table: PlacedFurniture, chair: PlacedFurniture, count: in
         left = room.rng.random() < LEFT
         tuck = float(room.rng.uniform(-0.3, -0.15) if left else room.rng.uniform(-0.05, 0.25))
         turn = float(room.rng.normal(0, 0.3 if left else 0.07))
+        spot: PlacedFurniture = turned(chair, 0.0, 0.0, 0.0, way + np.pi + turn)
         for shallower in (0.0, 0.1, 0.2, 0.3, 0.4):
-            spot = _pulled(chair, (x, z), way, tuck - shallower, turn)
+            spot = _pulled(spot, (x, z), way, tuck - shallower)  # keeps what has been found out about the turn
             if clear_of(spot, (table, *done)):
                 done.append(spot)
                 yield spot
                 break
 
 
-def _pulled(chair: PlacedFurniture, edge: Sequence[float], way: float, tuck: float, turn: float) -> PlacedFurniture:
-    """A chair before a point of an edge, its front so far below the table [m]."""
+def _pulled(chair: PlacedFurniture, edge: Sequence[float], way: float, tuck: float) -> PlacedFurniture:
+    """A chair, turned as it is, before a point of an edge, its front so far below the table [m]."""
     away = float(chair.size[2]) / 2 - tuck
     x, z = edge[0] + away * np.sin(way), edge[1] + away * np.cos(way)
-    return turned(chair, float(x), FLOOR_TOP, float(z), way + np.pi + turn)
+    return chair.at(float(x), FLOOR_TOP, float(z))

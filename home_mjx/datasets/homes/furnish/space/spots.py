@@ -7,6 +7,7 @@ from jaxtyping import Bool
 
 from home_mjx.datasets.homes.furnish.space.occupied import TOLERANCE, Boxes, apart, hull, meet
 from home_mjx.datasets.homes.furnish.space.room import Companions, Room, alone
+from home_mjx.datasets.homes.furnish.space.touching import touching
 from home_mjx.datasets.homes.furnish.space.turned import askew
 from home_mjx.datasets.procedural.floor_plan.placed import FACING, Box, PlacedFurniture, quarter_towards
 from home_mjx.datasets.procedural.floor_plan.rooms import Rect, Wall
@@ -87,22 +88,12 @@ def first(
 
 def _unblocked(room: Room, spots: Sequence[Spot], turned: Mapping[int, Boxes]) -> list[int]:
     """Indices of spots where the largest parts of a thing touch nothing and nothing that is kept free."""
-    taken = room.taken
-    cores = {quarter: _core(boxes) for quarter, boxes in turned.items()}
-    at, order = np.array(spots), list(cores)
-    if len(order) == 1:
-        boxes = cores[order[0]] + at[:, None, None, :3]
-    else:
-        boxes = np.stack(list(cores.values()))[[order.index(spot[3]) for spot in spots]] + at[:, None, None, :3]
-    low, high = boxes[..., 0, :].min(axis=(0, 1)), boxes[..., 1, :].max(axis=(0, 1))
-    near = (taken[:, 0] < high) & (taken[:, 1] > low) & (taken[:, 1] - taken[:, 0] > TOLERANCE)
-    lows, highs = np.ascontiguousarray(taken[near.all(axis=1)].transpose(1, 2, 0))  # what is near any of the spots
-    inner = np.ascontiguousarray((boxes + np.array([[TOLERANCE], [-TOLERANCE]])).transpose(2, 3, 0, 1))[..., None]
-    busy = np.ones((*boxes.shape[:2], lows.shape[1]), bool)
-    for axis in (0, 2, 1):
-        busy &= inner[0, axis] < highs[axis]
-        busy &= inner[1, axis] > lows[axis]
-    return np.flatnonzero(~busy.any(axis=(1, 2))).tolist()
+    order = list(turned)
+    cores = np.stack([_core(turned[quarter]) for quarter in order])
+    at = np.array(spots)
+    turns = np.array([order.index(spot[3]) for spot in spots]) if len(order) > 1 else np.zeros(len(spots), np.int64)
+    places = np.ascontiguousarray(at[:, :3])
+    return np.flatnonzero(touching().free(places, turns, cores, room.taken, TOLERANCE)).tolist()
 
 
 def _core(boxes: Boxes) -> Boxes:

@@ -103,11 +103,11 @@ def suits(kind: str, width: float, depth: float) -> bool:
 def widths(cells: Sequence[Cell], depth: float) -> tuple[list[float], Mapping[int, Stack]]:
     """The widths that cells of a row want [m], and which stand before a nook of which neighbour."""
     stacks = _stacks(cells, depth)
+    backs = {stack.host: stack.width * (depth - stack.front) for stack in stacks.values()}  # one each
     found = []
     for i, cell in enumerate(cells):
-        back = sum(s.width * (depth - s.front) for s in stacks.values() if s.host == i) if stacks else 0.0
         side = 1.5 if cell.type == FOYER else WANTS[cell.type].side
-        found.append(stacks[i].width if i in stacks else max((cell.area - back) / depth, side))
+        found.append(stacks[i].width if i in stacks else max((cell.area - backs.get(i, 0.0)) / depth, side))
     return found, stacks
 
 
@@ -118,10 +118,12 @@ def _stacks(cells: Sequence[Cell], depth: float) -> dict[int, Stack]:
             continue
         width = snap(min(max(math.sqrt(0.75 * cell.area), WANTS[cell.type].side), 2.0))
         front = snap(cell.area / width)
+        if depth - front < NOOK:
+            continue
         hosts = {stack.host for stack in found.values()}
-        beside = [j for j in (i - 1, i + 1) if 0 <= j < len(cells) and cells[j].type in ROOMY and j not in hosts]
-        if beside and depth - front >= NOOK:
-            found[i] = Stack(beside[0], width, front)
+        beside = (j for j in (i - 1, i + 1) if 0 <= j < len(cells) and cells[j].type in ROOMY and j not in hosts)
+        if (host := next(beside, None)) is not None:
+            found[i] = Stack(host, width, front)
     return found
 
 

@@ -53,7 +53,12 @@ class Draft:
 
 def cell_of(rng: np.random.Generator, kind: str) -> Cell:
     """A room of a type with an area that it may want."""
-    return Cell(kind, float(rng.uniform(WANTS[kind].low, WANTS[kind].high)))
+    return Cell(kind, _between(rng, WANTS[kind].low, WANTS[kind].high))
+
+
+def _between(rng: np.random.Generator, low: float, high: float) -> float:
+    """As `rng.uniform`, which takes several times as long for one number: a plan takes many attempts."""
+    return low + (high - low) * rng.random()
 
 
 def deal(rng: np.random.Generator, cells: Sequence[Cell], depths: Sequence[float]) -> list[list[Cell]] | None:
@@ -64,13 +69,13 @@ def deal(rng: np.random.Generator, cells: Sequence[Cell], depths: Sequence[float
         able = [i for i, d in enumerate(depths) if suits(cell.type, max(cell.area / d, WANTS[cell.type].side), d)]
         if not able:
             return None
-        i = min(able, key=lambda k: length[k] + rng.uniform(0, 1.5))
+        i = min(able, key=lambda k: length[k] + _between(rng, 0, 1.5))
         rows[i].append(cell)
         length[i] += cell.area / depths[i]
-    order = {id(cell): WANTS[cell.type].zone + rng.uniform(-0.12, 0.12) for cell in cells}
+    order = {id(cell): WANTS[cell.type].zone + _between(rng, -0.12, 0.12) for cell in cells}
     rows = [sorted(row, key=lambda cell: order[id(cell)]) for row in rows]
     for cell in (c for c in cells if c.type in SMALL):
-        i = min(range(len(rows)), key=lambda k: length[k] + rng.uniform(0, 1.5))
+        i = min(range(len(rows)), key=lambda k: length[k] + _between(rng, 0, 1.5))
         at = sum(order[id(other)] < order[id(cell)] for other in rows[i])
         rows[i].insert(at, cell)
         length[i] += widths(rows[i], depths[i])[0][at]
@@ -141,9 +146,12 @@ def lay_row(row: Row, cells: Sequence[Cell]) -> Laid | None:
     """A row, with stairs where a cell says so; its step is moved to a wall between rooms."""
     index = next((i for i, cell in enumerate(cells) if cell.type == STAIRS), None)
     if index is None:
-        plain = lay(replace(row, step=None), cells)
-        stepped = _with_step(row, plain)
-        rooms = lay(stepped, cells)
+        plain = row if row.step is None else replace(row, step=None)
+        rooms = lay(plain, cells)
+        if rooms is None:
+            return None
+        stepped = _with_step(row, rooms)
+        rooms = rooms if stepped.step is None else lay(stepped, cells)
         return None if rooms is None else (stepped, rooms, None)
     row = replace(row, step=None)
     before = sum(widths(cells[:index], row.depth)[0]) if index else 0.0
@@ -168,10 +176,10 @@ def lay_rows(pairs: Iterable[tuple[Row, Sequence[Cell]]]) -> list[Laid] | None:
     return found
 
 
-def _with_step(row: Row, rooms: Sequence[Placed] | None) -> Row:
+def _with_step(row: Row, rooms: Sequence[Placed]) -> Row:
     step = row.step
-    if step is None or rooms is None:
-        return replace(row, step=None)
+    if step is None:
+        return row
     walls = [rects[0][row.axis] for kind, rects in rooms[1:] if kind not in SMALL]
     if not walls:
         return replace(row, step=None)
