@@ -170,16 +170,19 @@ class Walker:
         for one in stairs:
             for triangle in upward(one):
                 by_height[round(float(triangle[:, 1].mean()), 3)].append(triangle[None])
-        x, z = (self.low[k] + CELL * (np.arange(self.shape[k]) + 0.5) for k in (0, 2))
         for height, parts in by_height.items():
-            area = np.zeros((len(x), len(z)), bool)
-            for triangle in np.concatenate(parts):
-                i, j = (np.searchsorted(v, [triangle[:, k].min(), triangle[:, k].max()]) for v, k in ((x, 0), (z, 2)))
-                points = np.stack(np.meshgrid(x[i[0] : i[1]], z[j[0] : j[1]], indexing="ij"), axis=-1)
-                area[i[0] : i[1], j[0] : j[1]] |= inside(triangle[None], points.reshape(-1, 2)).reshape(
-                    points.shape[:2]
-                )
-            yield height, area
+            yield height, self.covered(np.concatenate(parts))
+
+    def covered(self, triangles: np.ndarray) -> np.ndarray:
+        """Columns of voxels whose middles are in one of some triangles, seen from above."""
+        x, z = (self.low[k] + CELL * (np.arange(self.shape[k]) + 0.5) for k in (0, 2))
+        area = np.zeros((len(x), len(z)), bool)
+        for triangle in triangles:
+            i, j = (np.searchsorted(v, [triangle[:, k].min(), triangle[:, k].max()]) for v, k in ((x, 0), (z, 2)))
+            points = np.stack(np.meshgrid(x[i[0] : i[1]], z[j[0] : j[1]], indexing="ij"), axis=-1)
+            there = inside(triangle[None], points.reshape(-1, 2)).reshape(points.shape[:2])
+            area[i[0] : i[1], j[0] : j[1]] |= there
+        return area
 
     def free(self, height: float, area: np.ndarray, radius: float) -> np.ndarray:
         """Where a walker of a radius can stand at a height."""
@@ -224,9 +227,7 @@ class Walker:
         return heights.index(min(heights, key=lambda h: abs(h - self.height(level))))
 
     def cells(self, level: int, room: int) -> np.ndarray:
-        x, z = (self.low[k] + CELL * (np.arange(self.shape[k]) + 0.5) for k in (0, 2))
-        points = np.stack(np.meshgrid(x, z, indexing="ij"), axis=-1)
-        return inside(self.home.floors[level][room], points.reshape(-1, 2)).reshape(points.shape[:2])
+        return self.covered(self.home.floors[level][room])
 
 
 def room_map(home: Home, level: int = 0, cell: float = 0.25) -> np.ndarray:
