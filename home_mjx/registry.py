@@ -145,6 +145,8 @@ _REGISTRY: dict[str, EnvSpec] = {}
 def register(env_id: str, entry_point: str | Callable[..., Any], options: Mapping[str, Any] | None = None) -> None:
     """Adds an environment to `make` and, as `home_mjx/<id>`, to Gymnasium.
 
+    The same may be registered again, as when a cell of a notebook runs twice.
+
     Args:
         env_id: `Name-vN`; raise N whenever learning results could change.
         entry_point: A `Task` subclass, a function as in `EnvSpec`, or the name `module:name` of either.
@@ -158,14 +160,15 @@ def register(env_id: str, entry_point: str | Callable[..., Any], options: Mappin
     """
     if not _ID.match(env_id):
         raise ConfigError(f"environment id `{env_id}` is not of the form Name-vN", hint="For example PointNav-v0")
-    if env_id in _REGISTRY:
+    named = entry_point if isinstance(entry_point, str) else f"{entry_point.__module__}:{entry_point.__qualname__}"
+    spec = EnvSpec(env_id, named, dict(options or {}))
+    if _REGISTRY.get(env_id, spec) != spec:
         raise ConfigError(f"environment id `{env_id}` is taken", hint="Raise its version number")
     if not isinstance(entry_point, str):
         if isinstance(entry_point, type):
             _is_task(entry_point)
-        _LOCAL[f"{entry_point.__module__}:{entry_point.__qualname__}"] = entry_point
-        entry_point = f"{entry_point.__module__}:{entry_point.__qualname__}"
-    _REGISTRY[env_id] = EnvSpec(env_id, entry_point, dict(options or {}))
+        _LOCAL[named] = entry_point
+    _REGISTRY[env_id] = spec
     name = f"home_mjx/{env_id}"
     if name not in gymnasium.registry:
         gymnasium.register(
@@ -447,15 +450,16 @@ def as_bank(
     else:
         chosen = HouseSet(houses, split=split, where=where, num_houses=num_houses, options=options)
     if late_sound:
-        return _with_sound(chosen.load(progress), progress)
+        return _with_sound(chosen.load(progress))
     return HouseBank.from_dataset(chosen, progress=progress)
 
 
-def _with_sound(houses: "list[CompiledHouse]", progress: bool) -> "HouseBank":
+def _with_sound(houses: "list[CompiledHouse]") -> "HouseBank":
     from home_mjx.audio_jax import with_late_sound
     from home_mjx.bank.bank import HouseBank
 
-    return with_late_sound(HouseBank.from_compiled(houses), houses, progress=progress)
+    # Minutes, the first time: also who wants no bars should see that something happens.
+    return with_late_sound(HouseBank.from_compiled(houses), houses, progress=True)
 
 
 register("PointNav-v0", "home_mjx.tasks:PointNav")

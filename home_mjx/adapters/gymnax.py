@@ -16,6 +16,7 @@ from jaxtyping import Array, Bool, Float
 from home_mjx.adapters.base.agents import joined, joined_spec, vector_names
 from home_mjx.adapters.base.jax_spaces import Box, Dict, Discrete, space_of
 from home_mjx.adapters.base.single import carried, single
+from home_mjx.core.checks import check_type
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.keys import to_raw
 from home_mjx.tasks.base.state import EnvParams, State
@@ -40,10 +41,11 @@ class GymnaxEnv:
             environments that ended are rendered twice for it.
 
     Raises:
-        ConfigError: The environment has several agents, or `vector` was asked for and there is none.
+        ConfigError: That is no environment, or one of several agents, or `vector` was asked for and there is none.
     """
 
     def __init__(self, env: BoundEnv[HouseholdEnv], vector: bool = False, final_obs: bool = True) -> None:
+        check_type("env", env, BoundEnv)
         if env.num_agents != 1:
             raise ConfigError(f"gymnax drives one agent, this environment has {env.num_agents}", hint="Use JaxMarlEnv")
         self.env = env

@@ -177,7 +177,7 @@ def _load(path: str | Path, like: Any, below: str) -> Any:
         kinds = (leaf.dtype, np.dtype(np.float16)) if leaf.dtype == np.float32 else (leaf.dtype,)
         if array.shape != leaf.shape or array.dtype not in kinds:
             message = f"expected {leaf.dtype} {leaf.shape}, got {array.dtype} {array.shape}"
-            hint = "Houses of another capacity, or another version of the package, made it."
+            hint = "Made with other sensors, actions or networks, houses of another capacity, or another version."
             raise DatasetError(message, file=path, element=name, hint=hint)
         if name.startswith(NET) and not is_finite(array):
             raise DatasetError("network has numbers that are not finite", file=path, element=name, hint=DIVERGED)

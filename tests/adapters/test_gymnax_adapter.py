@@ -18,6 +18,12 @@ def test_a_loop_like_that_of_purejaxrl(env_id, actions, generated_bank):
     check_gymnax(env_id, generated_bank, actions=actions, impl="fused")
 
 
+def test_a_vector_without_images_says_so(generated_bank):
+    seen = cheap("PointNav-v0", generated_bank, sensors=("depth", "goal"), width=4, height=4)
+    with pytest.warns(UserWarning, match="without pixels/head_depth"):
+        GymnaxEnv(seen, vector=True)
+
+
 @pytest.fixture(scope="module")
 def env(generated_bank):
     return GymnaxEnv(cheap("PointNav-v0", generated_bank, sensors=("state", "goal")), vector=True)

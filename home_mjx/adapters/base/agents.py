@@ -59,7 +59,7 @@ def joined_spec(specs: Specs) -> ArraySpec:
     """The vector of all that `vector_names` names.
 
     Warns:
-        UserWarning: Integers with one axis, such as words, are left out: numbers of words are no quantities.
+        UserWarning: Something is left out: images, and words, whose numbers are no quantities.
 
     Raises:
         ConfigError: There is none.
@@ -72,8 +72,8 @@ def joined_spec(specs: Specs) -> ArraySpec:
     if not names:
         hint = "Add `state` to sensors=, or ask for all observations with vector=False."
         raise ConfigError(f"no vector can be made of {', '.join(specs) or 'nothing'}", hint=hint)
-    if numbered := [name for name, spec in specs.items() if len(spec.shape) == 1 and spec.dtype != "float32"]:
-        lost = f"the vector of observations is without {', '.join(numbered)}, which are no float32"
+    if others := [name for name in specs if name not in names]:
+        lost = f"the vector of observations is without {', '.join(others)}, which are no vectors of float32"
         warnings.warn(f"{lost}; vector=False gives them, by name", stacklevel=3)
     low, high = (sum((tuple(specs[name].bounds()[i].tolist()) for name in names), ()) for i in (0, 1))
     return ArraySpec((len(low),), "float32", low, high, ", ".join(names))

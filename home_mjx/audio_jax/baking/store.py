@@ -31,7 +31,7 @@ def with_late_sound(
 ) -> HouseBank:
     """The bank with the late sound of its houses, for `AudioConfig(late="baked")`.
 
-    What is not in the cache is baked: some 10 to 60 s per house on two cores.
+    What is not in the cache is baked: some one to two minutes per house on two cores.
 
     Args:
         bank: The houses.
@@ -51,7 +51,7 @@ def with_late_sound(
     given, held = tuple(house.id for house in houses), bank.house_ids
     if given != held:
         raise ConfigError(f"the bank holds houses {held}, but those given are {given}", hint="Give the bank's own.")
-    shown = tqdm(houses, desc="bake", unit="house", disable=not progress)
+    shown = tqdm(houses, desc="bake sound", unit="house", disable=not progress, delay=1)
     fields = [_field(bank, index, house, options) for index, house in enumerate(shown)]
     spec = bank.spec
     return bank.replace(late=stacked(fields, [h.doors.rows(spec.num_doors, spec.num_slides) for h in houses]))

@@ -64,7 +64,8 @@ def override(records: Records, given: Mapping[str, Any], others: Iterable[str] =
         others: Names that who calls knows besides, to be suggested for unknown ones.
 
     Raises:
-        ConfigError: A name is unknown, with the closest known one, or could mean several fields.
+        ConfigError: A name is unknown, with the closest known one, or could mean several fields; or a `ctrl_dt` was
+            given into which no move fits.
 
     Example:
         >>> override({"": EnvConfig()}, {"width": 32, "physics.num_agents": 2, "friction": 0.5})[""].physics.friction
@@ -75,7 +76,19 @@ def override(records: Records, given: Mapping[str, Any], others: Iterable[str] =
     for name, value in given.items():
         path = _path(name, known, others)
         changes[known[path]][path.removeprefix(known[path]).removeprefix(".")] = value
-    return {prefix: _replaced(record, changes[prefix], prefix) for prefix, record in records.items()}
+    made = {prefix: _replaced(record, changes[prefix], prefix) for prefix, record in records.items()}
+    _check_clock(changes.get("", {}), made.get(""))
+    return made
+
+
+def _check_clock(asked: Mapping[str, Any], config: Any) -> None:
+    """Refuses a step that was asked for and is too short: a default one would have become longer."""
+    wanted = asked.get("timing.ctrl_dt")
+    if wanted is not None and config.timing.ctrl_dt != wanted:
+        raise ConfigError(
+            f"no move of `actions` fits into a step of {wanted:g} s",
+            hint="Make `ctrl_dt` longer, the moves of `actions` smaller, or the body's speeds higher.",
+        )
 
 
 def make_config(**options: Any) -> EnvConfig:

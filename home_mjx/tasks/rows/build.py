@@ -17,7 +17,7 @@ from home_mjx.tasks.base.state import Episodes
 from home_mjx.tasks.rows.fields import Ends
 from home_mjx.tasks.rows.house_view import HouseView, house_views
 from home_mjx.tasks.rows.meaning import means_on_host
-from home_mjx.tasks.rows.program import Meant, Stage, written
+from home_mjx.tasks.rows.program import Meant, Stage, check_success, written
 from home_mjx.tasks.rows.task_bank import TaskBank
 from home_mjx.tasks.rows.words import NUM_DESCRIPTORS, NUM_TOKENS, Feature, Kind, Use, Word
 from home_mjx.tasks.sounds.row import Sound, written_sounds
@@ -211,6 +211,8 @@ def _of_house(
 ) -> tuple[list[Drawn], np.ndarray]:
     """A house's tasks that can be done, and the fields of what they mean."""
     columns = [written(row.meant, row.stages) for _, row in rows]
+    for _, row in rows:
+        check_success(row.stages)
     field_ = add_fields(bank, view, columns)
     nearest = field_[: len(view.graph.place)].min(axis=0, initial=FIELD_FAR) * FIELD_UNIT
     found = []

@@ -171,6 +171,23 @@ def _check(descriptors: Sequence[Meant], known: dict[When, int], stages: Sequenc
             raise ConfigError(f"a transition leads to stage {way.next}, but there are {len(stages)}", hint=hint)
 
 
+def check_success(stages: Sequence[Stage]) -> None:
+    """Refuses stages none of which, followed from the first one, leads to `SUCCESS`; others must have been `written`.
+
+    Raises:
+        ConfigError: So it is.
+
+    Example:
+        >>> check_success([Stage((Go(1),)), Stage((Go(SUCCESS),))])
+    """
+    seen, front = {0}, [0]
+    while front:
+        front = [n for n in {way.next for i in front if i >= 0 for way in stages[i].ways} if n not in seen]
+        seen |= set(front)
+    if SUCCESS not in seen:
+        raise ConfigError("no transition of a task leads to SUCCESS", hint="Give a stage a Go(SUCCESS, ...).")
+
+
 OF_TWO = (Feature.BESIDE, Feature.ON)
 OF_ONE = (
     *(Feature.DISTANCE, Feature.STRAIGHT, Feature.SEEN, Feature.HELD, Feature.INSIDE, Feature.OPEN, Feature.CLEAR),

@@ -28,6 +28,15 @@ from home_mjx.tasks.questions.house_qa import HouseQA
 NAN, INF = float("nan"), float("inf")
 
 
+def test_a_step_that_was_asked_for_stays_or_is_refused():
+    """Without moves that fit, a default step becomes longer; 0.1 s that somebody wants does not."""
+    assert make_config(actions="discrete").timing.ctrl_dt == 0.3
+    assert make_config(actions="discrete", ctrl_dt=0.4).timing.ctrl_dt == 0.4
+    for name in ("ctrl_dt", "timing.ctrl_dt"):
+        with pytest.raises(ConfigError, match=r"no move of `actions` fits into a step of 0\.1 s"):
+            make_config(**{"actions": "discrete", name: 0.1})
+
+
 REFUSED = {
     make_config: [
         ("width", 0), ("episode_length", 0), ("episode_length", 2**31), ("depth_max", -1.0), ("depth_max", NAN),

@@ -7,7 +7,7 @@ import pytest
 
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.rows.machine import advance, conditions
-from home_mjx.tasks.rows.program import Go, Meant, Stage, When, written
+from home_mjx.tasks.rows.program import Go, Meant, Stage, When, check_success, written
 from home_mjx.tasks.rows.task_bank import program_of
 from home_mjx.tasks.rows.words import (
     FAILURE,
@@ -103,3 +103,11 @@ def test_any_program_takes_the_transitions_of_a_loop():
 def test_what_has_no_room_or_names_nothing_is_refused(descriptors, stages, text):
     with pytest.raises(ConfigError, match=text):
         written(descriptors, stages)
+
+
+def test_stages_that_cannot_succeed_are_refused():
+    """No transition that one gets to leads to success."""
+    check_success([Stage((Go(FAILURE), Go(1))), Stage((Go(0), Go(SUCCESS)))])
+    for stages in ([Stage((Go(FAILURE),))], [Stage((Go(0),)), Stage((Go(SUCCESS),))], [Stage(())]):
+        with pytest.raises(ConfigError, match="leads to SUCCESS"):
+            check_success(stages)
