@@ -175,7 +175,8 @@ def test_every_environment_keeps_one_tree(generated_bank, all_see_and_hear):
 
 
 def test_names_of_sensors_and_ids_are_kept_apart(own):
-    home_mjx.register("SpinAround-v0", own.SpinAround)  # the same again, as when a cell of a notebook runs twice
+    same = {"episode_length": 50}  # the same again, as when a cell of a notebook runs twice
+    home_mjx.register("SpinAround-v0", own.SpinAround, same)
     with pytest.raises(ConfigError, match="is taken"):
         home_mjx.register("SpinAround-v0", own.SpinAround, {"episode_length": 7})
     with pytest.raises(ConfigError, match="is taken"):
