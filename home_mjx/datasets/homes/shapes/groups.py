@@ -40,7 +40,9 @@ def mirrored(pieces: Iterable[Solid]) -> Iterator[Solid]:
     kept = list(pieces)
     yield from kept
     for piece in kept:
-        yield replace(piece, vertices=piece.vertices * (-1, 1, 1), faces=piece.faces[:, ::-1], uv=piece.uv[:, ::-1])
+        part = piece.part and piece.part.mapped(np.diag([-1.0, 1.0, 1.0]), np.zeros(3))
+        faces, uv = piece.faces[:, ::-1], piece.uv[:, ::-1]
+        yield replace(piece, vertices=piece.vertices * (-1, 1, 1), faces=faces, uv=uv, part=part)
 
 
 @overload
@@ -55,6 +57,6 @@ def around(pieces: Iterable[Piece], count: int, start: float = 0.0) -> Iterator[
 
 
 def stretched(pieces: Iterable[Solid], x: float = 1.0, y: float = 1.0, z: float = 1.0) -> Iterator[Solid]:
-    """Pieces stretched about the origin by positive factors."""
+    """Pieces stretched about the origin by positive factors; none of a movable part, which no longer would turn."""
     for piece in pieces:
-        yield replace(piece, vertices=piece.vertices * (x, y, z))
+        yield replace(piece, vertices=piece.vertices * (x, y, z), part=None)

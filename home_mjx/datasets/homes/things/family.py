@@ -10,6 +10,7 @@ from jaxtyping import Float
 
 from home_mjx.datasets.homes.shapes.normals import corner_normals
 from home_mjx.datasets.homes.things.finishes import FINISHES
+from home_mjx.datasets.homes.things.parts import joints_of
 from home_mjx.datasets.procedural.primitives.family import Bulb, Furniture
 from home_mjx.datasets.procedural.primitives.solids import Solid, move, to_mesh
 from home_mjx.schema.house import Light, Mesh
@@ -90,7 +91,8 @@ class Family:
         if self.closed is not None:
             shut = _built(made, self.closed, self.centred)[0]
             closed = _smooth(to_mesh(folder / f"{model_id}_0.obj", shut, names, materials))
-        return Furniture(model_id, self.name, self.fine, slots, mesh, parts, tuple(map(_light, bulbs)), closed)
+        joints, lights = joints_of(model_id, solids, mesh), tuple(map(_light, bulbs))
+        return Furniture(model_id, self.name, self.fine, slots, mesh, parts, lights, closed, joints)
 
 
 def _built(

@@ -9,6 +9,7 @@ from home_mjx.datasets.homes.shapes.curves import fillet
 from home_mjx.datasets.homes.shapes.soft import ball, rounded
 from home_mjx.datasets.homes.shapes.swept import prism, ring, rod, sweep, tube
 from home_mjx.datasets.homes.shapes.turned import turned
+from home_mjx.datasets.homes.things.parts import Opens, front_part, marked
 from home_mjx.datasets.procedural.primitives.solids import Solid, Vector, box, cylinder, move, rotate
 
 BOARD = 0.02  # [m]
@@ -105,6 +106,7 @@ def front(
     style: Literal["flat", "shaker", "raised", "cane", "glass", "slats", "grooves"] = "flat",
     grip: tuple[str, HandleKind, float, float] | None = None,
     upright: bool = True,
+    opens: Opens | None = None,
 ) -> Iterator[Solid]:
     """One door or drawer front of `size` with its lower left corner at `at`; its outer face is 2 cm before that.
 
@@ -115,7 +117,22 @@ def front(
         style: How it is built.
         grip: Slot, kind, and place of the handle as shares of width and height.
         upright: Of the handle.
+        opens: On which edge it hangs, or how far it is pulled out [m]; None: it is fixed.
     """
+    board = (size[0] - 0.005, size[1] - 0.005)
+    corner = (at[0] + 0.0025, at[1] + 0.0025, at[2] + BOARD)
+    part = None if opens is None else front_part(opens, corner, board)
+    yield from marked(part, _front(material, size, at, style, grip, upright))
+
+
+def _front(
+    material: str,
+    size: tuple[float, float],
+    at: Vector,
+    style: str,
+    grip: tuple[str, HandleKind, float, float] | None,
+    upright: bool,
+) -> Iterator[Solid]:
     (w, h), (x, y, z) = (size[0] - 0.005, size[1] - 0.005), (at[0] + size[0] / 2, at[1] + 0.0025, at[2])
     if style in ("flat", "raised", "slats", "grooves"):
         yield rounded(material, (w, h, BOARD), (x, y, z + BOARD / 2), 0.004, 1)
@@ -159,12 +176,17 @@ def doors(
     style: str = "flat",
     grip: tuple[str, HandleKind] = ("chrome", "bar"),
     up: float = 0.5,
+    opens: Opens | None = None,
 ) -> Iterator[Solid]:
-    """Doors side by side over width x height; `at` is the lower left corner of their backs [m]."""
+    """Doors side by side over width x height; `at` is the lower left corner of their backs [m].
+
+    They hang on the edge that is farther from their handles, unless `opens` says otherwise.
+    """
     wide = width / count
     for i in range(count):
         across = 0.9 if (i % 2 == 0 and i < count - 1) or (count == 1) else 0.1
-        yield from front(material, (wide, height), (at[0] + i * wide, at[1], at[2]), style, (*grip, across, up))  # type: ignore[arg-type]
+        corner, hung = (at[0] + i * wide, at[1], at[2]), "left" if across > 0.5 else "right"
+        yield from front(material, (wide, height), corner, style, (*grip, across, up), True, opens or hung)  # type: ignore[arg-type]
 
 
 def drawers(
@@ -177,15 +199,16 @@ def drawers(
     style: str = "flat",
     grip: tuple[str, HandleKind] = ("chrome", "bar"),
     graded: bool = False,
+    opens: Opens = 0.3,
 ) -> Iterator[Solid]:
-    """Drawers over width x height; `graded` ones are higher the lower they are."""
+    """Drawers over width x height; `graded` ones are higher the lower they are; `opens` is how far they come [m]."""
     share = np.linspace(1.5, 0.7, rows) if graded else np.ones(rows)
     edges = np.concatenate([[0], np.cumsum(share / share.sum())]) * height
     for row in range(rows):
         for column in range(columns):
             size = (width / columns, float(edges[row + 1] - edges[row]))
             corner = (at[0] + column * size[0], at[1] + float(edges[row]), at[2])
-            yield from front(material, size, corner, style, (*grip, 0.5, 0.55), False)  # type: ignore[arg-type]
+            yield from front(material, size, corner, style, (*grip, 0.5, 0.55), False, opens)  # type: ignore[arg-type]
 
 
 def body(material: str, width: float, height: float, depth: float, at: Vector = (0.0, 0.0, 0.0)) -> Solid:

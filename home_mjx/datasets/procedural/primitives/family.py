@@ -14,6 +14,7 @@ from jaxtyping import Float
 from home_mjx.datasets.procedural.primitives.palette import FINISHES
 from home_mjx.datasets.procedural.primitives.solids import Solid, Vector, move, to_mesh
 from home_mjx.schema.house import Light, Mesh
+from home_mjx.schema.joints import Joint
 
 
 @dataclass(frozen=True)
@@ -41,6 +42,7 @@ class Furniture:
     parts: Float[np.ndarray, "p 2 3"]  # boxes of the solids [m]
     lights: tuple[Light, ...] = ()
     closed: Mesh | None = None  # the `_0` variant of a door, whose own mesh stands open
+    joints: tuple[Joint, ...] = ()
 
     @cached_property
     def box(self) -> Float[np.ndarray, "2 3"]:

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.spatial import ConvexHull
 
+from home_mjx.datasets.procedural.primitives.parts import Part
 from home_mjx.datasets.shapes.wall_prism import extrude
 from home_mjx.schema.house import Material, Mesh
 
@@ -23,6 +24,7 @@ class Solid:
     uv: Float[np.ndarray, "f 3 2"]  # [m] per corner
     material: str | tuple[int, ...]  # slot name, or slot number per face
     group: str | None = None  # name of the `o` line
+    part: Part | None = None  # which movable part it belongs to
 
     @property
     def box(self) -> Float[np.ndarray, "2 3"]:
@@ -145,16 +147,18 @@ def _normals(corners: Float[np.ndarray, "f 3 3"]) -> Float[np.ndarray, "f 3"]:
 
 
 def move(piece: Solid, by: Vector | Float[np.ndarray, " 3"]) -> Solid:
-    """A solid moved by a vector [m]; its UVs go with it."""
-    return replace(piece, vertices=piece.vertices + np.asarray(by))
+    """A solid moved by a vector [m]; its UVs and its part go with it."""
+    part = piece.part and piece.part.mapped(np.eye(3), np.asarray(by, float))
+    return replace(piece, vertices=piece.vertices + np.asarray(by), part=part)
 
 
 def rotate(piece: Solid, axis: int, angle: float, pivot: Vector = (0.0, 0.0, 0.0)) -> Solid:
-    """Turns a solid about a coordinate axis through `pivot` by `angle` radians; its UVs go with it."""
+    """Turns a solid about a coordinate axis through `pivot` by `angle` radians; its UVs and its part go with it."""
     turn = np.eye(3)
     i, j = (axis + 1) % 3, (axis + 2) % 3
     turn[[i, i, j, j], [i, j, i, j]] = np.cos(angle), -np.sin(angle), np.sin(angle), np.cos(angle)
-    return replace(piece, vertices=(piece.vertices - pivot) @ turn.T + np.asarray(pivot))
+    part = piece.part and piece.part.mapped(turn, np.asarray(pivot) - turn @ np.asarray(pivot))
+    return replace(piece, vertices=(piece.vertices - pivot) @ turn.T + np.asarray(pivot), part=part)
 
 
 def to_mesh(path: Path, pieces: Sequence[Solid], slots: Sequence[str], materials: tuple[Material, ...]) -> Mesh:

@@ -32,6 +32,11 @@ def obj_text(mesh: Mesh, library: str) -> str:
     return "".join(lines)
 
 
+def face_order(mesh: Mesh) -> Int[np.ndarray, " f"]:
+    """Which face of the mesh each `f` line of its OBJ text is: by group, then by material, else as they are."""
+    return np.lexsort((mesh.slot, mesh.group))
+
+
 def _faces(mesh: Mesh, own: Bool[np.ndarray, " f"], index: Int[np.ndarray, "f 9"]) -> Iterator[str]:
     """The lines of faces of one group, by material."""
     for slot in np.unique(mesh.slot[own]).tolist():

@@ -11,6 +11,7 @@ from home_mjx.datasets.homes.shapes.swept import rod, tube
 from home_mjx.datasets.homes.shapes.turned import turned, vessel
 from home_mjx.datasets.homes.things.family import Family, design
 from home_mjx.datasets.homes.things.joinery import disc
+from home_mjx.datasets.homes.things.parts import panel
 from home_mjx.datasets.procedural.primitives.solids import Solid, box, cylinder
 
 
@@ -107,8 +108,8 @@ def dispenser() -> Iterator[Solid]:
 def air_fryer() -> Iterator[Solid]:
     """A rounded pot with a drawer and a screen."""
     yield turned("black", [(0.12, 0.0), (0.145, 0.04), (0.15, 0.2), (0.12, 0.29), (0.05, 0.31)], sides=26, steps=3)
-    yield rounded("black", (0.2, 0.14, 0.06), (0.0, 0.03, 0.12), 0.025, 2)
-    yield rounded("gray", (0.035, 0.05, 0.1), (0.0, 0.08, 0.19), 0.014, 2)
+    drawer = rounded("black", (0.2, 0.14, 0.06), (0.0, 0.03, 0.12), 0.025, 2)
+    yield from panel(0.15, drawer, rounded("gray", (0.035, 0.05, 0.1), (0.0, 0.08, 0.19), 0.014, 2))
     yield rounded("screen", (0.1, 0.05, 0.02), (0.0, 0.215, 0.138), 0.008, 1)
 
 

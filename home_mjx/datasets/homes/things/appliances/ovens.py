@@ -6,6 +6,7 @@ from home_mjx.datasets.homes.shapes.soft import rounded
 from home_mjx.datasets.homes.shapes.swept import rod
 from home_mjx.datasets.homes.things.family import Family, design
 from home_mjx.datasets.homes.things.joinery import disc
+from home_mjx.datasets.homes.things.parts import panel
 from home_mjx.datasets.procedural.primitives.solids import Solid, box, cylinder
 
 
@@ -16,8 +17,8 @@ def microwave(kind: str = "buttons") -> Iterator[Solid]:
     for x in (-0.18, 0.18):
         yield cylinder("black", 0.018, 0.014, (x, 0.0, 0.1), sides=10)
         yield cylinder("black", 0.018, 0.014, (x, 0.0, -0.1), sides=10)
-    yield rounded("screen", (0.32, 0.22, 0.014), (-0.06, 0.037, 0.178), 0.008, 1)
-    yield rod("chrome", (0.085, 0.06, 0.205), (0.085, 0.23, 0.205), 0.007)
+    door = rounded("screen", (0.32, 0.22, 0.014), (-0.06, 0.037, 0.178), 0.008, 1)
+    yield from panel("left", door, rod("chrome", (0.085, 0.06, 0.205), (0.085, 0.23, 0.205), 0.007))
     if kind == "buttons":
         for i in range(3):
             for j in range(4):

@@ -10,6 +10,7 @@ from home_mjx.datasets.homes.shapes.soft import ball, rounded
 from home_mjx.datasets.homes.shapes.swept import beam, prism, rod, tube
 from home_mjx.datasets.homes.shapes.turned import turned
 from home_mjx.datasets.homes.things.family import Family, design
+from home_mjx.datasets.homes.things.parts import panel
 from home_mjx.datasets.procedural.primitives.solids import Solid, box, rotate
 
 
@@ -79,8 +80,9 @@ def _arched_mirror(width: float, height: float) -> Iterator[Solid]:
 def _mirror_cabinet(width: float, height: float) -> Iterator[Solid]:
     yield rounded("white", (width, height, 0.12), (0.0, 0.0, 0.0), 0.005, 1)
     for i in range(2):
-        yield box("mirror", (width / 2 - 0.01, height - 0.02, 0.008), ((i - 0.5) * width / 2, 0.01, 0.062))
-        yield ball("chrome", 0.01, ((i - 0.5) * 0.06, 0.12, 0.072), 10, 6)
+        pane = box("mirror", (width / 2 - 0.01, height - 0.02, 0.008), ((i - 0.5) * width / 2, 0.01, 0.062))
+        knob = ball("chrome", 0.01, ((i - 0.5) * 0.06, 0.12, 0.072), 10, 6)
+        yield from panel("right" if i else "left", pane, knob)
     yield rounded("chrome", (0.3, 0.03, 0.06), (0.0, height, 0.05), 0.01, 2)
 
 

@@ -11,14 +11,17 @@ from home_mjx.datasets.homes.shapes.turned import turned
 from home_mjx.datasets.homes.things.bath.bowls import tub
 from home_mjx.datasets.homes.things.family import Family, design
 from home_mjx.datasets.homes.things.kitchen.taps import tap
+from home_mjx.datasets.homes.things.parts import lid_part, marked
 from home_mjx.datasets.procedural.primitives.solids import Solid, box, cylinder, move, rotate
 
 
-def _seat(y: float, z: float, lid: str = "up") -> Iterator[Solid]:
+def _seat(y: float, z: float, lid: str = "up", free: bool = False) -> Iterator[Solid]:
     outer = [np.insert(loop(0.36, 0.42, 28, 2.3) + np.array([0.0, z]), 1, h, axis=1) for h in (y, y + 0.02)]
     inner = [np.insert(loop(0.23, 0.28, 28, 2.2) + np.array([0.0, z + 0.01]), 1, h, axis=1) for h in (y, y + 0.02)]
     if lid == "down":
-        yield prism("ceramic", loop(0.37, 0.43, 28, 2.3), 0.026, (0.0, y, z), "top")
+        # tanks that reach over the back of the lid leave it no room to turn
+        part = lid_part(y + 0.026, z - 0.215) if free else None
+        yield from marked(part, [prism("ceramic", loop(0.37, 0.43, 28, 2.3), 0.026, (0.0, y, z), "top")])
         return
     yield between_loops("ceramic", [outer[0], outer[1], inner[1], inner[0]], closed=True)
     upright = rotate(prism("ceramic", loop(0.36, 0.42, 28, 2.3), 0.018, (0.0, 0.0, 0.2), "top"), 0, -np.pi / 2 - 0.12)
@@ -29,7 +32,7 @@ def toilet(kind: str = "tank") -> Iterator[Solid]:
     """With a tank on it, hung from a wall, with a high tank and chain, or all of one piece."""
     if kind == "hung":
         yield tub("ceramic", [(0.08, 0.22, 0.34, 0.0), (0.2, 0.3, 0.48, 0.0), (0.39, 0.36, 0.53, 0.0)], 0.03, 2.4)
-        yield from _seat(0.39, 0.02, "down")
+        yield from _seat(0.39, 0.02, "down", True)
         yield box("ceramic", (0.34, 0.3, 0.05), (0.0, 0.1, -0.255))
         yield rounded("white", (0.5, 1.1, 0.12), (0.0, 0.0, -0.34), 0.01, 1)
         yield rounded("chrome", (0.24, 0.15, 0.012), (0.0, 0.86, -0.278), 0.005, 1)
@@ -62,7 +65,7 @@ def skirted(smart: bool = False) -> Iterator[Solid]:
     """A straight skirt down to the floor; with a panel of buttons beside the seat, or a slim tank."""
     sides = [(0.0, 0.34, 0.52, 0.0), (0.3, 0.35, 0.54, 0.0), (0.4, 0.37, 0.56, 0.0)]
     yield tub("ceramic", sides, 0.045, 3.2)
-    yield from _seat(0.4, 0.03, "down")
+    yield from _seat(0.4, 0.03, "down", not smart)
     if smart:
         yield rounded("ceramic", (0.38, 0.14, 0.17), (0.0, 0.39, -0.22), 0.05, 3)
         yield rounded("gray", (0.05, 0.03, 0.26), (0.205, 0.42, -0.02), 0.01, 2)
@@ -92,7 +95,7 @@ def cornered() -> Iterator[Solid]:
     """With a three-sided tank that fits a corner."""
     sides = [(0.0, 0.2, 0.34, 0.0), (0.14, 0.2, 0.34, 0.0), (0.28, 0.3, 0.42, 0.0), (0.4, 0.36, 0.46, 0.0)]
     yield tub("ceramic", sides, 0.035, 2.6)
-    yield from _seat(0.4, 0.0, "down")
+    yield from _seat(0.4, 0.0, "down", True)
     tank = fillet([(-0.26, -0.22), (0.26, -0.22), (0.26, -0.26), (0.0, -0.48), (-0.26, -0.26)], 0.05, 3, True)
     yield prism("ceramic", tank, 0.36, (0.0, 0.38, 0.0), "top")
     yield prism("ceramic", [(1.05 * x, 1.02 * z + 0.005) for x, z in tank], 0.03, (0.0, 0.73, 0.0), "top")

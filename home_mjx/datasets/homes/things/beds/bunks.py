@@ -29,7 +29,7 @@ def bunk(width: float = 0.95, slide: bool = False, desk: bool = False) -> Iterat
     yield from bedding(width - 0.06, LENGTH - 0.04, 1.31, "made", 1, 0.13, seed=8)
     if desk:
         yield rounded("wood_1", (width, 0.03, 1.3), (-0.1, 0.72, -0.3), 0.008, 1)
-        yield from (move(p, (0.0, 0.0, 0.8)) for p in drawers("wood_1", 0.7, 0.9, (-0.35, 0.1, 0.0), 1, 3))
+        yield from (move(p, (0.0, 0.0, 0.8)) for p in drawers("wood_1", 0.7, 0.9, (-0.35, 0.1, 0.0), 1, 3, opens=0.15))
         yield box("wood", (width - 0.1, 1.0, 0.3), (-0.05, 0.02, 0.65))
     else:
         for sx in (-x, x):

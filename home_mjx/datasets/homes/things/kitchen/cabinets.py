@@ -13,6 +13,8 @@ from home_mjx.datasets.homes.things.joinery import case, doors, drawers
 from home_mjx.datasets.homes.things.kitchen.cases import DEPTH, FACE, WORKTOP, body, worktop
 from home_mjx.datasets.procedural.primitives.solids import Solid, box
 
+REACH = 0.45  # [m], of drawers
+
 
 def base_unit(
     width: float = 0.6,
@@ -26,10 +28,10 @@ def base_unit(
     yield from body(width)
     high, x = WORKTOP - 0.15, 0.003 - width / 2
     if rows == 1:
-        yield from drawers("paint", width - 0.006, 0.16, (x, WORKTOP - 0.205, FACE), count, 1, style, grip)
+        yield from drawers("paint", width - 0.006, 0.16, (x, WORKTOP - 0.205, FACE), count, 1, style, grip, opens=REACH)
         yield from doors("paint", width - 0.006, high - 0.165, (x, 0.105, FACE), count, style, grip, 0.8)
     elif rows:
-        yield from drawers("paint", width - 0.006, high, (x, 0.105, FACE), 1, rows, style, grip, True)
+        yield from drawers("paint", width - 0.006, high, (x, 0.105, FACE), 1, rows, style, grip, True, REACH)
     else:
         yield from doors("paint", width - 0.006, high, (x, 0.105, FACE), count, style, grip, 0.85)
     yield worktop(width, top)
@@ -76,6 +78,7 @@ def island(width: float = 1.4, depth: float = 0.9) -> Iterator[Solid]:
         2,
         "shaker",
         ("brass", "cup"),
+        opens=0.12,  # then the posts of the top are in the way
     )
     for s in (-1, 1):
         yield rounded("wood", (0.06, WORKTOP - 0.04, 0.06), (s * (width / 2 - 0.06), 0.0, depth / 2), 0.008, 1)

@@ -11,6 +11,7 @@ from home_mjx.datasets.homes.shapes.turned import turned
 from home_mjx.datasets.homes.things.family import Family, design
 from home_mjx.datasets.homes.things.joinery import disc, doors
 from home_mjx.datasets.homes.things.kitchen.cases import DEPTH, FACE, WORKTOP
+from home_mjx.datasets.homes.things.parts import panel
 from home_mjx.datasets.procedural.primitives.solids import Solid, box, cylinder
 
 
@@ -33,6 +34,17 @@ def _burner(x: float, z: float, radius: float, gas: bool) -> Iterator[Solid]:
         yield ring("gray", 0.6 * radius, 0.004, (x, WORKTOP + 0.0012, z), 1, 20)
 
 
+def _oven_door(slot: str, x: float, wide: float) -> Iterator[Solid]:
+    """A board with a pane and a handle."""
+    yield rounded(slot, (wide - 0.03, 0.56, 0.035), (x, 0.12, DEPTH / 2 - 0.035), 0.008, 1)
+    yield box("screen", (wide - 0.14, 0.32, 0.006), (x, 0.22, DEPTH / 2 - 0.017))
+    left, right, z = x - wide / 2, x + wide / 2, DEPTH / 2
+    yield rod("chrome", (left + 0.06, 0.63, z + 0.025), (right - 0.06, 0.63, z + 0.025), 0.01)
+    for s in (-1, 1):
+        end = x + s * (wide / 2 - 0.08)
+        yield rod("chrome", (end, 0.63, z - 0.02), (end, 0.63, z + 0.02), 0.007)
+
+
 def cooker(width: float = 0.6, gas: bool = False, doors_: int = 1, slot: str = "steel") -> Iterator[Solid]:
     """A hob above one or two ovens with glass doors and knobs."""
     yield box("black", (width - 0.02, 0.08, DEPTH - 0.1), (0.0, 0.0, -0.05))
@@ -41,21 +53,7 @@ def cooker(width: float = 0.6, gas: bool = False, doors_: int = 1, slot: str = "
     wide = width / doors_
     for i in range(doors_):
         x = (i - (doors_ - 1) / 2) * wide
-        yield rounded(slot, (wide - 0.03, 0.56, 0.035), (x, 0.12, DEPTH / 2 - 0.035), 0.008, 1)
-        yield box("screen", (wide - 0.14, 0.32, 0.006), (x, 0.22, DEPTH / 2 - 0.017))
-        yield rod(
-            "chrome",
-            (x - wide / 2 + 0.06, 0.63, DEPTH / 2 + 0.025),
-            (x + wide / 2 - 0.06, 0.63, DEPTH / 2 + 0.025),
-            0.01,
-        )
-        for s in (-1, 1):
-            yield rod(
-                "chrome",
-                (x + s * (wide / 2 - 0.08), 0.63, DEPTH / 2 - 0.02),
-                (x + s * (wide / 2 - 0.08), 0.63, DEPTH / 2 + 0.02),
-                0.007,
-            )
+        yield from panel("bottom", *_oven_door(slot, x, wide))
     count = 5 if width < 0.8 else 7
     for i in range(count):
         yield disc("black", 0.02, 0.03, ((i - (count - 1) / 2) * width / (count + 1.5), 0.77, DEPTH / 2 - 0.04), 14)
@@ -77,10 +75,12 @@ def oven_column(width: float = 0.6, height: float = 2.1) -> Iterator[Solid]:
         "paint", width - 0.006, height - 1.75, (0.003 - width / 2, 1.74, FACE), 1, "flat", ("chrome", "bar"), 0.2
     )
     for y, high in ((0.73, 0.58), (1.33, 0.39)):
-        yield rounded("steel", (width - 0.01, high, 0.03), (0.0, y, FACE + 0.012), 0.006, 1)
-        yield box("screen", (width - 0.1, 0.62 * high, 0.006), (0.0, y + 0.05, FACE + 0.027))
-        yield rod("chrome", (-0.22, y + 0.78 * high, FACE + 0.06), (0.22, y + 0.78 * high, FACE + 0.06), 0.009)
-        yield box("screen", (0.16, 0.04, 0.004), (0.0, y + 0.87 * high, FACE + 0.027))
+        door = [rounded("steel", (width - 0.01, high, 0.03), (0.0, y, FACE + 0.012), 0.006, 1)]
+        door.append(box("screen", (width - 0.1, 0.62 * high, 0.006), (0.0, y + 0.05, FACE + 0.027)))
+        up = y + 0.78 * high
+        door.append(rod("chrome", (-0.22, up, FACE + 0.06), (0.22, up, FACE + 0.06), 0.009))
+        door.append(box("screen", (0.16, 0.04, 0.004), (0.0, y + 0.87 * high, FACE + 0.027)))
+        yield from panel("bottom", *door)
 
 
 def range_stove(width: float = 1.0) -> Iterator[Solid]:
@@ -90,14 +90,10 @@ def range_stove(width: float = 1.0) -> Iterator[Solid]:
     yield rounded("glaze", (width + 0.02, 0.045, DEPTH + 0.02), (0.0, WORKTOP - 0.045, 0.0), 0.015, 2)
     for i in range(2):
         for j in range(2):
-            yield rounded(
-                "glaze",
-                (width / 2 - 0.06, 0.31, 0.03),
-                ((i - 0.5) * width / 2, 0.12 + 0.36 * j, DEPTH / 2 + 0.005),
-                0.012,
-                1,
-            )
-            yield rounded("chrome", (0.03, 0.02, 0.03), ((i - 0.5) * 0.16, 0.27 + 0.36 * j, DEPTH / 2 + 0.03), 0.006, 1)
+            at = ((i - 0.5) * width / 2, 0.12 + 0.36 * j, DEPTH / 2 + 0.005)
+            board = rounded("glaze", (width / 2 - 0.06, 0.31, 0.03), at, 0.012, 1)
+            at = ((i - 0.5) * 0.16, 0.27 + 0.36 * j, DEPTH / 2 + 0.03)
+            yield from panel("right" if i else "left", board, rounded("chrome", (0.03, 0.02, 0.03), at, 0.006, 1))
     for x in (-0.24, 0.24):
         yield turned("chrome", [(0.18, 0.0), (0.18, 0.02), (0.12, 0.06), (0.02, 0.07)], (x, WORKTOP, 0.0), 24, 2)
         yield tube(
@@ -132,12 +128,9 @@ def lidded(width: float = 0.6) -> Iterator[Solid]:
         for z in (-0.2, 0.2):
             yield turned("chrome", [(0.014, 0.0), (0.02, 0.06), (0.026, 0.14)], (x, 0.0, z), 12, 1)
     yield rounded("glaze", (width, WORKTOP - 0.14, DEPTH - 0.04), (0.0, 0.14, -0.02), 0.05, 4)
-    yield rounded("glaze", (width - 0.12, 0.34, 0.04), (0.0, 0.24, DEPTH / 2 - 0.04), 0.02, 3)
-    yield tube(
-        "chrome",
-        fillet([(-0.2, 0.56, 0.28), (-0.2, 0.56, 0.33), (0.2, 0.56, 0.33), (0.2, 0.56, 0.28)], 0.03),
-        0.011,
-    )
+    board = rounded("glaze", (width - 0.12, 0.34, 0.04), (0.0, 0.24, DEPTH / 2 - 0.04), 0.02, 3)
+    path = fillet([(-0.2, 0.56, 0.28), (-0.2, 0.56, 0.33), (0.2, 0.56, 0.33), (0.2, 0.56, 0.28)], 0.03)
+    yield from panel("bottom", board, tube("chrome", path, 0.011))
     for i in range(4):
         yield disc("black", 0.026, 0.03, ((i - 1.5) * 0.12, 0.72, DEPTH / 2 - 0.045), 16)
     yield rounded("glaze", (width - 0.01, 0.5, 0.02), (0.0, WORKTOP, 0.02 - DEPTH / 2), 0.008, 2)
@@ -154,12 +147,11 @@ def wood_stove(width: float = 0.7) -> Iterator[Solid]:
     yield rounded("iron", (width, WORKTOP - 0.18, DEPTH - 0.08), (0.0, 0.14, -0.02), 0.02, 2)
     yield rounded("iron", (width + 0.06, 0.04, DEPTH - 0.02), (0.0, WORKTOP - 0.04, 0.0), 0.012, 2)
     for x, w in ((-0.18, 0.26), (0.15, 0.34)):
-        yield rounded("iron", (w, 0.32, 0.03), (x, 0.42, DEPTH / 2 - 0.06), 0.02, 2)
-        yield ring("brass", min(w, 0.32) / 2 - 0.06, 0.012, (x, 0.58, DEPTH / 2 - 0.043), 2, 24)
-        yield rod(
-            "brass", (x + w / 2 - 0.03, 0.54, DEPTH / 2 - 0.03), (x + w / 2 - 0.03, 0.62, DEPTH / 2 - 0.03), 0.008
-        )
-    yield rounded("iron", (0.5, 0.16, 0.03), (0.0, 0.2, DEPTH / 2 - 0.06), 0.01, 1)
+        door = [rounded("iron", (w, 0.32, 0.03), (x, 0.42, DEPTH / 2 - 0.06), 0.02, 2)]
+        door.append(ring("brass", min(w, 0.32) / 2 - 0.06, 0.012, (x, 0.58, DEPTH / 2 - 0.043), 2, 24))
+        end, z = x + w / 2 - 0.03, DEPTH / 2 - 0.03
+        yield from panel("left", *door, rod("brass", (end, 0.54, z), (end, 0.62, z), 0.008))
+    yield from panel(0.35, rounded("iron", (0.5, 0.16, 0.03), (0.0, 0.2, DEPTH / 2 - 0.06), 0.01, 1))
     for x in (-0.18, 0.16):
         for r in (0.12, 0.08, 0.04):
             yield ring("gray", r, 0.006, (x, WORKTOP + 0.001, 0.0), 1, 24)
@@ -176,13 +168,15 @@ def built_under(width: float = 0.6) -> Iterator[Solid]:
     yield rounded("screen", (0.56, 0.008, 0.5), (0.0, WORKTOP - 0.002, 0.0), 0.003, 1)
     for x, z, r in ((-0.14, -0.11, 0.09), (0.14, -0.11, 0.07), (-0.14, 0.11, 0.07), (0.14, 0.11, 0.1)):
         yield ring("gray", r, 0.003, (x, WORKTOP + 0.0065, z), 1, 24)
-    yield rounded("steel", (width - 0.01, 0.59, 0.03), (0.0, 0.24, FACE + 0.012), 0.006, 1)
-    yield box("screen", (width - 0.06, 0.4, 0.006), (0.0, 0.27, FACE + 0.027))
-    yield rod("chrome", (-0.24, 0.71, FACE + 0.06), (0.24, 0.71, FACE + 0.06), 0.011)
+    door = [rounded("steel", (width - 0.01, 0.59, 0.03), (0.0, 0.24, FACE + 0.012), 0.006, 1)]
+    door.append(box("screen", (width - 0.06, 0.4, 0.006), (0.0, 0.27, FACE + 0.027)))
+    door.append(rod("chrome", (-0.24, 0.71, FACE + 0.06), (0.24, 0.71, FACE + 0.06), 0.011))
     for s in (-1, 1):
-        yield rod("chrome", (s * 0.2, 0.71, FACE + 0.02), (s * 0.2, 0.71, FACE + 0.06), 0.007, sides=6)
-    yield box("screen", (0.2, 0.04, 0.004), (0.0, 0.77, FACE + 0.027))
-    yield from doors("paint", width - 0.006, 0.125, (0.003 - width / 2, 0.105, FACE), 1, "flat", ("chrome", "bar"), 0.5)
+        door.append(rod("chrome", (s * 0.2, 0.71, FACE + 0.02), (s * 0.2, 0.71, FACE + 0.06), 0.007, sides=6))
+    door.append(box("screen", (0.2, 0.04, 0.004), (0.0, 0.77, FACE + 0.027)))
+    yield from panel("bottom", *door)
+    corner = (0.003 - width / 2, 0.105, FACE)
+    yield from doors("paint", width - 0.006, 0.125, corner, 1, "flat", ("chrome", "bar"), 0.5, 0.45)
 
 
 def big_range(width: float = 0.9) -> Iterator[Solid]:
@@ -193,12 +187,12 @@ def big_range(width: float = 0.9) -> Iterator[Solid]:
     yield rounded("steel", (width, WORKTOP - 0.12, DEPTH - 0.03), (0.0, 0.12, -0.015), 0.008, 2)
     yield rounded("steel", (width, 0.07, 0.03), (0.0, WORKTOP, 0.015 - DEPTH / 2), 0.008, 2)
     for x, wide in ((-0.14, 0.56), (0.3, 0.26)):
-        yield rounded("steel", (wide, 0.5, 0.03), (x, 0.18, DEPTH / 2 - 0.02), 0.01, 2)
-        yield rounded("screen", (wide - 0.1, 0.26, 0.01), (x, 0.27, DEPTH / 2 - 0.006), 0.004, 1)
+        door = [rounded("steel", (wide, 0.5, 0.03), (x, 0.18, DEPTH / 2 - 0.02), 0.01, 2)]
+        door.append(rounded("screen", (wide - 0.1, 0.26, 0.01), (x, 0.27, DEPTH / 2 - 0.006), 0.004, 1))
         ends = [(x + s * (wide / 2 - 0.04), 0.63, DEPTH / 2 + 0.04) for s in (-1, 1)]
-        yield rod("chrome", ends[0], ends[1], 0.012, sides=10)
-        for px, py, pz in ends:
-            yield rod("chrome", (px, py, pz - 0.045), (px, py, pz), 0.008, sides=6)
+        door.append(rod("chrome", ends[0], ends[1], 0.012, sides=10))
+        door += [rod("chrome", (px, py, pz - 0.045), (px, py, pz), 0.008, sides=6) for px, py, pz in ends]
+        yield from panel("bottom", *door)
     for i in range(6):
         yield disc("red", 0.024, 0.035, ((i - 2.5) * 0.14, 0.77, DEPTH / 2 - 0.035), 16)
     yield rounded("iron", (0.22, 0.012, 0.44), (0.0, WORKTOP, 0.02), 0.004, 1)

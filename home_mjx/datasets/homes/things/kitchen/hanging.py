@@ -71,7 +71,9 @@ def corner_hanging(height: float = 0.68) -> Iterator[Solid]:
     wide = [(1.02 * x, 1.02 * z) for x, z in outline]
     for y in (-0.012, height):
         yield prism("paint", wide, 0.012, (0.0, y, 0.0), "top")
-    leaf = front("paint", (0.4, height - 0.02), (-0.2, 0.01, 0.0), "shaker", ("chrome", "knob", 0.9, 0.15))
+    leaf = front(
+        "paint", (0.4, height - 0.02), (-0.2, 0.01, 0.0), "shaker", ("chrome", "knob", 0.9, 0.15), opens="left"
+    )
     yield from (move(rotate(piece, 1, np.pi / 4), (0.152, 0.0, 0.152)) for piece in leaf)
 
 
@@ -79,7 +81,7 @@ def flap(width: float = 0.9, height: float = 0.4) -> Iterator[Solid]:
     """A wide low wall cabinet whose front lifts."""
     yield rounded("paint", (width, height, 0.32), (0.0, 0.0, -0.01), 0.006, 2)
     size, corner = (width - 0.006, height - 0.006), (0.003 - width / 2, 0.003, 0.15)
-    yield from front("paint", size, corner, "grooves", ("chrome", "bar", 0.5, 0.12), False)
+    yield from front("paint", size, corner, "grooves", ("chrome", "bar", 0.5, 0.12), False, "top")
 
 
 WALL = (

@@ -97,7 +97,12 @@ def _visor(width: float) -> Iterator[Solid]:
     """A slim body with a visor of glass that is pulled out, below a cupboard."""
     yield rounded("paint", (width, 0.4, 0.3), (0.0, 0.04, -0.08), 0.006, 1)
     yield from front(
-        "paint", (width - 0.006, 0.39), (0.003 - width / 2, 0.045, 0.07), "shaker", ("chrome", "knob", 0.9, 0.12)
+        "paint",
+        (width - 0.006, 0.39),
+        (0.003 - width / 2, 0.045, 0.07),
+        "shaker",
+        ("chrome", "knob", 0.9, 0.12),
+        opens="left",
     )
     yield rounded("steel", (width, 0.035, 0.32), (0.0, 0.0, -0.07), 0.005, 1)
     yield rounded("glass", (width - 0.02, 0.012, 0.16), (0.0, 0.01, 0.16), 0.004, 1)

@@ -8,6 +8,7 @@ from home_mjx.datasets.homes.shapes.soft import rounded
 from home_mjx.datasets.homes.shapes.swept import beam, prism, rod, tube
 from home_mjx.datasets.homes.shapes.turned import turned, vessel
 from home_mjx.datasets.homes.things.joinery import BOARD, case, front
+from home_mjx.datasets.homes.things.parts import marked
 from home_mjx.datasets.procedural.primitives.solids import Solid, box, cylinder, move, rotate
 
 DEEP = 0.32  # [m]
@@ -18,10 +19,11 @@ def bifold(width: float = 0.8, height: float = 0.68) -> Iterator[Solid]:
     yield rounded("paint", (width, height, DEEP - 0.02), (0.0, 0.0, -0.01), 0.006, 1)
     for k in (0, 1):
         at = (0.003 - width / 2, 0.003 + k * height / 2, 0.145)
-        yield from front("paint", (width - 0.006, height / 2 - 0.006), at, "raised")
+        leaf = list(front("paint", (width - 0.006, height / 2 - 0.006), at, "raised", opens="top"))
         for x in (-0.25, 0.25):
-            yield rod("chrome", (x, at[1] + 0.05, 0.16), (x, at[1] + 0.05, 0.195), 0.005, sides=6)
-        yield rod("chrome", (-0.3, at[1] + 0.05, 0.195), (0.3, at[1] + 0.05, 0.195), 0.007)
+            leaf.append(rod("chrome", (x, at[1] + 0.05, 0.16), (x, at[1] + 0.05, 0.195), 0.005, sides=6))
+        leaf.append(rod("chrome", (-0.3, at[1] + 0.05, 0.195), (0.3, at[1] + 0.05, 0.195), 0.007))
+        yield from marked(leaf[0].part, leaf)
 
 
 def tambour(width: float = 0.6, height: float = 0.7) -> Iterator[Solid]:
@@ -92,7 +94,7 @@ def crossed(width: float = 0.6, height: float = 0.6) -> Iterator[Solid]:
         )
     for i in range(3):
         at = ((i - 1.5) * (width - 0.05) / 3, 0.022, DEEP / 2 - 0.03)
-        yield from front("paint", ((width - 0.06) / 3, 0.125), at, "flat", ("brass", "knob", 0.5, 0.5))
+        yield from front("paint", ((width - 0.06) / 3, 0.125), at, "flat", ("brass", "knob", 0.5, 0.5), opens=0.22)
     for x, y in ((-0.07, 0.2), (0.03, 0.2), (-0.22, 0.3), (0.2, 0.3), (0.0, 0.44), (0.07, 0.47), (-0.22, 0.4)):
         bottle = [(x, y + 0.04, -0.13), (x, y + 0.04, 0.05), (x, y + 0.04, 0.09), (x, y + 0.04, 0.15)]
         yield tube("green", bottle, [0.037, 0.037, 0.014, 0.014], 10)

@@ -8,6 +8,7 @@ from home_mjx.datasets.homes.shapes.soft import ball, rounded
 from home_mjx.datasets.homes.shapes.swept import prism, rod
 from home_mjx.datasets.homes.shapes.turned import turned
 from home_mjx.datasets.homes.things.joinery import bow, corners, disc
+from home_mjx.datasets.homes.things.parts import lid_part, marked, panel
 from home_mjx.datasets.procedural.primitives.solids import Solid, box, cylinder
 
 
@@ -24,12 +25,14 @@ def gas_grill() -> Iterator[Solid]:
     """A gas grill with a lid."""
     yield rounded("steel", (0.75, 0.6, 0.45), (0.0, 0.14, 0.0), 0.012, 1)
     for s in (-1, 1):
-        yield rounded("steel", (0.36, 0.5, 0.02), (s * 0.185, 0.17, 0.23), 0.006, 1)
+        door = rounded("steel", (0.36, 0.5, 0.02), (s * 0.185, 0.17, 0.23), 0.006, 1)
+        yield from panel("left" if s < 0 else "right", door)
         yield rounded("gray", (0.3, 0.03, 0.42), (s * 0.53, 0.86, 0.0), 0.008, 1)
     yield rounded("black", (0.78, 0.14, 0.5), (0.0, 0.74, 0.0), 0.015, 1)
     lid = [(-0.25, 0.0), (0.25, 0.0), (0.2, 0.2), (-0.05, 0.26), (-0.22, 0.2)]
-    yield prism("black", fillet(lid, 0.07, 4, True), 0.76, (0.0, 0.89, 0.0), "side")
-    yield rod("chrome", (-0.28, 1.0, 0.28), (0.28, 1.0, 0.28), 0.014)
+    hood = [prism("black", fillet(lid, 0.07, 4, True), 0.76, (0.0, 0.89, 0.0), "side")]
+    hood.append(rod("chrome", (-0.28, 1.0, 0.28), (0.28, 1.0, 0.28), 0.014))
+    yield from marked(lid_part(0.91, -0.23), hood)
     for i in range(4):
         yield disc("chrome", 0.03, 0.03, ((i - 1.5) * 0.17, 0.81, 0.25), 18)
     for x, z in corners(0.66, 0.36):

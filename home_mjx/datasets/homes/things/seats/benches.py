@@ -10,6 +10,7 @@ from home_mjx.datasets.homes.shapes.soft import rounded, soft
 from home_mjx.datasets.homes.shapes.swept import beam, prism, sweep, tube
 from home_mjx.datasets.homes.things.family import Family, design
 from home_mjx.datasets.homes.things.joinery import LegKind, legs
+from home_mjx.datasets.homes.things.parts import lid_part, marked
 from home_mjx.datasets.homes.things.seats.patio import park_bench
 from home_mjx.datasets.procedural.primitives.solids import Solid, box
 
@@ -67,8 +68,9 @@ def chest_bench(width: float = 1.1, style: str = "panels", back: bool = False) -
         for i in range(3):
             yield rounded("cane", (width / 3 - 0.04, 0.3, 0.03), ((i - 1) * width / 3, 0.06, 0.205), 0.01, 1)
             yield box("black", (0.1, 0.025, 0.01), ((i - 1) * width / 3, 0.28, 0.222))
-    yield rounded("wood_1", (width + 0.03, 0.03, 0.45), (0.0, 0.41, 0.0), 0.01, 1)
-    yield soft("textile", (width - 0.04, 0.07, 0.4), (0.0, 0.435, 0.01), 12.0, 6)
+    lid = [rounded("wood_1", (width + 0.03, 0.03, 0.45), (0.0, 0.41, 0.0), 0.01, 1)]
+    lid.append(soft("textile", (width - 0.04, 0.07, 0.4), (0.0, 0.435, 0.01), 12.0, 6))
+    yield from marked(None if back else lid_part(0.44, -0.225), lid)
     if back:
         yield prism(
             "wood",

@@ -10,6 +10,7 @@ from home_mjx.datasets.homes.shapes.swept import beam, prism, rod
 from home_mjx.datasets.homes.shapes.turned import turned
 from home_mjx.datasets.homes.things.family import Family, design
 from home_mjx.datasets.homes.things.joinery import book_row, case, disc, doors, foot_plate
+from home_mjx.datasets.homes.things.parts import panel
 from home_mjx.datasets.procedural.primitives.solids import Solid, box, cylinder, rotate
 
 
@@ -106,11 +107,11 @@ def cube_shelf(columns: int = 3, rows: int = 3) -> Iterator[Solid]:
         for i in range(columns):
             x, y, kind = (i - (columns - 1) / 2) * size, j * size + thick, (2 * i + 3 * j) % 5
             if kind == 0:
-                yield rounded("textile", (0.31, 0.29, 0.34), (x, y, 0.01), 0.02, 1)
-                yield box("black", (0.08, 0.02, 0.006), (x, y + 0.2, 0.182))
+                basket = rounded("textile", (0.31, 0.29, 0.34), (x, y, 0.01), 0.02, 1)
+                yield from panel(0.28, basket, box("black", (0.08, 0.02, 0.006), (x, y + 0.2, 0.182)))
             elif kind == 3:
-                yield box("wood_1", (0.322, 0.324, 0.02), (x, y + 0.001, 0.18))
-                yield disc("brass", 0.012, 0.02, (x + 0.12, y + 0.16, 0.19), 10)
+                knob = disc("brass", 0.012, 0.02, (x + 0.12, y + 0.16, 0.19), 10)
+                yield from panel("left", box("wood_1", (0.322, 0.324, 0.02), (x, y + 0.001, 0.18)), knob)
             else:
                 yield from filled(0.32, y, 0.3, 0.0, 5 * i + 11 * j, x)
 

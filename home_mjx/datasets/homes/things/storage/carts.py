@@ -10,6 +10,7 @@ from home_mjx.datasets.homes.shapes.swept import rod, tube
 from home_mjx.datasets.homes.shapes.turned import turned, vessel
 from home_mjx.datasets.homes.things.family import Family, design
 from home_mjx.datasets.homes.things.joinery import corners, disc, roller
+from home_mjx.datasets.homes.things.parts import panel
 from home_mjx.datasets.procedural.primitives.solids import Solid, cylinder
 
 
@@ -85,18 +86,23 @@ def basket_trolley() -> Iterator[Solid]:
         yield rounded(f"bright_{k}", (0.3, 0.12, 0.24), (0.0, y + 0.016, 0.0), 0.03, 1)
 
 
-def safe(height: float = 0.5) -> Iterator[Solid]:
-    """A steel box with a thick door, a dial and a handle."""
-    yield rounded("gray", (0.46, height - 0.03, 0.42), (0.0, 0.03, 0.0), 0.015, 2)
-    for x, z in corners(0.36, 0.32):
-        yield cylinder("black", 0.03, 0.035, (x, 0.0, z), sides=12)
-    yield rounded("iron", (0.38, height - 0.12, 0.03), (0.0, 0.08, 0.205), 0.01, 1)
+def _lock(height: float) -> Iterator[Solid]:
+    """The dial and the handle of a safe."""
     yield disc("chrome", 0.05, 0.03, (-0.06, 0.58 * height, 0.215), 24)
     yield disc("black", 0.03, 0.03, (-0.06, 0.58 * height, 0.23), 20)
     for a in range(3):
         c, s = np.cos(2.1 * a), np.sin(2.1 * a)
         yield rod("chrome", (0.08, 0.56 * height, 0.25), (0.08 + 0.05 * c, 0.56 * height + 0.05 * s, 0.25), 0.006)
     yield disc("chrome", 0.02, 0.05, (0.08, 0.56 * height, 0.215), 14)
+
+
+def safe(height: float = 0.5) -> Iterator[Solid]:
+    """A steel box with a thick door, a dial and a handle."""
+    yield rounded("gray", (0.46, height - 0.03, 0.42), (0.0, 0.03, 0.0), 0.015, 2)
+    for x, z in corners(0.36, 0.32):
+        yield cylinder("black", 0.03, 0.035, (x, 0.0, z), sides=12)
+    door = rounded("iron", (0.38, height - 0.12, 0.03), (0.0, 0.08, 0.205), 0.01, 1)
+    yield from panel("right", door, *_lock(height))
     for y in (0.14, height - 0.14):
         yield cylinder("chrome", 0.012, 0.07, (0.205, y, 0.22), sides=10)
 

@@ -14,6 +14,7 @@ from home_mjx.datasets.homes.things.joinery import (
     drawers,
     legs,
 )
+from home_mjx.datasets.homes.things.parts import panel
 from home_mjx.datasets.homes.things.storage.cases import carcass
 from home_mjx.datasets.procedural.primitives.solids import Solid, Vector, box
 
@@ -43,6 +44,7 @@ def dresser(
         style,
         grip,
         graded,
+        depth - 0.12,
     )
 
 
@@ -56,16 +58,12 @@ def bow_front(width: float = 1.0, height: float = 0.85, depth: float = 0.5) -> I
     yield prism("marble", [(1.03 * x, 1.04 * z) for x, z in outline], 0.03, (0.0, height - 0.04, 0.0), "top")
     for row in range(3):
         y = 0.17 + row * 0.215
-        yield prism(
-            "wood_1",
-            [*[(0.92 * x, z + 0.012) for x, z in bow], *[(0.92 * x, z - 0.03) for x, z in bow[::-1]]],
-            0.195,
-            (0.0, y, 0.0),
-            "top",
-        )
+        face = [*[(0.92 * x, z + 0.012) for x, z in bow], *[(0.92 * x, z - 0.03) for x, z in bow[::-1]]]
+        pulls = []
         for x in (-0.26, 0.26):
             z = depth / 2 - 0.1 + 0.12 * float(np.cos(np.pi * x / width)) + 0.014
-            yield from (Solid(p.vertices, p.faces, p.uv, p.material) for p in _pull((x, y + 0.1, z)))
+            pulls += _pull((x, y + 0.1, z))
+        yield from panel(0.35, prism("wood_1", face, 0.195, (0.0, y, 0.0), "top"), *pulls)
 
 
 def _pull(at: Vector) -> Iterator[Solid]:
@@ -87,10 +85,9 @@ def basket_chest(width: float = 0.9, height: float = 0.9, depth: float = 0.4) ->
     yield from legs("wood", width, depth, 0.07, "block", 0.05)
     for row in range(3):
         for s in (-1, 1):
-            yield rounded(
-                "cane", (width / 2 - 0.05, 0.22, depth - 0.02), (s * width / 4, 0.09 + 0.28 * row, 0.01), 0.025, 2
-            )
-            yield box("black", (0.09, 0.022, 0.006), (s * width / 4, 0.24 + 0.28 * row, depth / 2 - 0.0))
+            x, y, size = s * width / 4, 0.28 * row, (width / 2 - 0.05, 0.22, depth - 0.02)
+            basket = rounded("cane", size, (x, 0.09 + y, 0.01), 0.025, 2)
+            yield from panel(0.3, basket, box("black", (0.09, 0.022, 0.006), (x, 0.24 + y, depth / 2 - 0.0)))
 
 
 def apothecary(width: float = 0.95, height: float = 1.05, depth: float = 0.36) -> Iterator[Solid]:
@@ -105,6 +102,7 @@ def apothecary(width: float = 0.95, height: float = 1.05, depth: float = 0.36) -
         5,
         "flat",
         ("brass", "cup"),
+        opens=0.26,
     )
 
 

@@ -53,6 +53,7 @@ def tv_low(
                 (0.005 - width / 2 + i * third, foot + 0.015, z),
                 style,  # type: ignore[arg-type]
                 ("brass", "knob", 0.88 if i == 0 else 0.12, 0.5),
+                opens="left" if i == 0 else "right",
             )
         yield from drawers(
             "wood_1",
@@ -100,8 +101,8 @@ def corner_tv(width: float = 1.2) -> Iterator[Solid]:
         yield rounded("wood", (0.05, 0.5, 0.05), (x, 0.0, z), 0.008, 1)
     yield box("wood_1", (0.66, 0.45, 0.015), (0.0, 0.06, -0.245))
     yield rounded("black", (0.43, 0.06, 0.28), (0.0, 0.082, 0.02), 0.008, 1)
-    yield from front("wood_1", (0.54, 0.19), (-0.55, 0.305, 0.26), "flat", ("chrome", "knob", 0.9, 0.5))
-    yield from front("wood_1", (0.54, 0.19), (0.01, 0.305, 0.26), "flat", ("chrome", "knob", 0.1, 0.5))
+    yield from front("wood_1", (0.54, 0.19), (-0.55, 0.305, 0.26), "flat", ("chrome", "knob", 0.9, 0.5), opens="left")
+    yield from front("wood_1", (0.54, 0.19), (0.01, 0.305, 0.26), "flat", ("chrome", "knob", 0.1, 0.5), opens="right")
 
 
 def pipe_media(width: float = 1.4) -> Iterator[Solid]:

@@ -15,7 +15,9 @@ from home_mjx.datasets.homes.things.joinery import (
     drawers,
     legs,
 )
+from home_mjx.datasets.homes.things.parts import QUARTER, marked
 from home_mjx.datasets.homes.things.storage.dressers import dresser
+from home_mjx.datasets.procedural.primitives.parts import Part
 from home_mjx.datasets.procedural.primitives.solids import Solid, box, cylinder
 
 
@@ -49,6 +51,7 @@ def open_stand(
         1,
         "flat",
         ("brass", "knob"),
+        opens=0.24,
     )
     yield box("wood", (width - 0.03, 0.018, depth - 0.03), (0.0, 0.14, 0.0))
     yield rounded("cover_1", (0.2, 0.03, 0.27), (-0.04, 0.158, 0.0), 0.004, 1)
@@ -66,16 +69,14 @@ def round_stand(radius: float = 0.22, height: float = 0.55) -> Iterator[Solid]:
         32,
         1,
     )
+    staves = []
     for i in range(17):
         a = np.pi * (0.5 + 0.055 * (i - 8))
-        yield rod(
-            "wood_1",
-            (radius * np.cos(a), 0.07, radius * np.sin(a)),
-            (radius * np.cos(a), height - 0.05, radius * np.sin(a)),
-            0.012,
-            sides=6,
-        )
-    yield rod("brass", (0.03, 0.3, radius + 0.02), (0.03, 0.42, radius + 0.02), 0.006)
+        x, z = radius * np.cos(a), radius * np.sin(a)
+        staves.append(rod("wood_1", (x, 0.07, z), (x, height - 0.05, z), 0.012, sides=6))
+    grip = rod("brass", (0.03, 0.3, radius + 0.02), (0.03, 0.42, radius + 0.02), 0.006)
+    hinge = (float(x), 0.07, float(z))  # the last stave is the leftmost
+    yield from marked(Part("door", "hinge", (0.0, -1.0, 0.0), hinge, QUARTER), [*staves, grip])
 
 
 def crate_stand() -> Iterator[Solid]:
@@ -117,7 +118,9 @@ def barley(width: float = 0.42) -> Iterator[Solid]:
 def floating(width: float = 0.48) -> Iterator[Solid]:
     """A drawer box on a wall bracket post."""
     yield rounded("wood", (width, 0.2, 0.34), (0.0, 0.34, 0.0), 0.012, 2)
-    yield from drawers("wood_1", width - 0.03, 0.16, (0.015 - width / 2, 0.36, 0.165), 1, 1, "flat", ("black", "slot"))
+    yield from drawers(
+        "wood_1", width - 0.03, 0.16, (0.015 - width / 2, 0.36, 0.165), 1, 1, "flat", ("black", "slot"), opens=0.24
+    )
     yield rounded("wood", (0.12, 0.36, 0.06), (0.0, 0.0, -0.13), 0.01, 1)
     yield rounded("wood", (0.34, 0.02, 0.3), (0.0, 0.0, -0.02), 0.008, 1)
 

@@ -11,6 +11,7 @@ from home_mjx.datasets.homes.things.joinery import (
     doors,
     drawers,
 )
+from home_mjx.datasets.homes.things.parts import marked, panel, parts_of
 from home_mjx.datasets.homes.things.storage.cases import carcass
 from home_mjx.datasets.homes.things.textiles.wear import shoe
 from home_mjx.datasets.procedural.primitives.solids import Solid, box, move, rotate
@@ -20,9 +21,8 @@ def shoe_flaps(width: float = 0.75, count: int = 3, grip: HandleKind = "slot") -
     """A narrow cabinet whose fronts tip out."""
     height = 0.1 + 0.36 * count
     yield from carcass(width, height, 0.24, 0.06)
-    yield from drawers(
-        "wood_1", width - 0.01, height - 0.09, (0.005 - width / 2, 0.065, 0.1), 1, count, "flat", ("black", grip)
-    )
+    corner = (0.005 - width / 2, 0.065, 0.1)
+    yield from drawers("wood_1", width - 0.01, height - 0.09, corner, 1, count, "flat", ("black", grip), opens="tips")
 
 
 def shoe_rack(width: float = 0.8, cushioned: bool = False) -> Iterator[Solid]:
@@ -44,12 +44,13 @@ def shoe_rack(width: float = 0.8, cushioned: bool = False) -> Iterator[Solid]:
 def louvred(width: float = 0.8, height: float = 0.95) -> Iterator[Solid]:
     """A shoe cabinet with louvred doors."""
     yield from carcass(width, height, 0.34, 0.1, "taper", "wood", 0.03)
-    yield from doors(
-        "wood_1", width - 0.02, height - 0.13, (0.01 - width / 2, 0.105, 0.15), 2, "shaker", ("brass", "knob")
-    )
-    for s in (-1, 1):
+    corner = (0.01 - width / 2, 0.105, 0.15)
+    leaves = list(doors("wood_1", width - 0.02, height - 0.13, corner, 2, "shaker", ("brass", "knob")))
+    yield from leaves
+    for s, part in zip((-1, 1), parts_of(leaves), strict=True):
         for i in range(12):
-            yield box("wood_1", (width / 2 - 0.15, 0.035, 0.02), (s * width / 4, 0.18 + 0.055 * i, 0.166))
+            louvre = box("wood_1", (width / 2 - 0.15, 0.035, 0.02), (s * width / 4, 0.18 + 0.055 * i, 0.166))
+            yield from marked(part, [louvre])
 
 
 def cubbies(width: float = 0.9) -> Iterator[Solid]:
@@ -81,7 +82,8 @@ def wire_tiers(width: float = 0.7, tiers: int = 4) -> Iterator[Solid]:
 def lifted_bench(width: float = 0.9) -> Iterator[Solid]:
     """A chest on legs with a lid, two flaps below and a back to lean on."""
     yield from carcass(width, 0.48, 0.36, 0.1, "block", "wood", 0.02)
-    yield from drawers("paint", width - 0.03, 0.32, (0.015 - width / 2, 0.12, 0.16), 2, 1, "shaker", ("brass", "cup"))
+    corner = (0.015 - width / 2, 0.12, 0.16)
+    yield from drawers("paint", width - 0.03, 0.32, corner, 2, 1, "shaker", ("brass", "cup"), opens="tips")
     for i in range(5):
         x = (i - 2) * (width - 0.1) / 4
         yield rounded("wood", (0.07, 0.34, 0.02), (x, 0.48, -0.165), 0.006, 1)
@@ -94,9 +96,10 @@ def tall_flaps(width: float = 0.6, height: float = 1.7) -> Iterator[Solid]:
     high = (height - 0.09) / 4
     for k in range(4):
         y = 0.066 + k * high
-        yield rounded("wood_1", (width - 0.012, high - 0.008, 0.02), (0.0, y, 0.1), 0.004, 1)
-        yield rounded("glass", (width - 0.08, high - 0.08, 0.006), (0.0, y + 0.036, 0.113), 0.002, 1)
-        yield rounded("chrome", (0.12, 0.014, 0.02), (0.0, y + high - 0.03, 0.115), 0.005, 2)
+        board = rounded("wood_1", (width - 0.012, high - 0.008, 0.02), (0.0, y, 0.1), 0.004, 1)
+        pane = rounded("glass", (width - 0.08, high - 0.08, 0.006), (0.0, y + 0.036, 0.113), 0.002, 1)
+        grip = rounded("chrome", (0.12, 0.014, 0.02), (0.0, y + high - 0.03, 0.115), 0.005, 2)
+        yield from panel("tips", board, pane, grip)
 
 
 SHOE_CABINETS = (

@@ -18,6 +18,7 @@ from home_mjx.datasets.homes.things.joinery import (
     doors,
     drawers,
 )
+from home_mjx.datasets.homes.things.parts import marked, parts_of
 from home_mjx.datasets.homes.things.storage.cases import carcass, garment
 from home_mjx.datasets.procedural.primitives.solids import Solid, box
 
@@ -43,17 +44,16 @@ def wardrobe(
             2 if width > 0.9 else 1,
             low,
             style if style in ("flat", "raised") else "flat",
+            opens=depth - 0.12,
         )
-    yield from doors(
-        "wood_1", width - 0.01, height - rise - BOARD - 0.005, (0.005 - width / 2, rise, z), count, style, up=0.45
-    )
+    high = height - rise - BOARD - 0.005
+    leaves = list(doors("wood_1", width - 0.01, high, (0.005 - width / 2, rise, z), count, style, up=0.45))
+    yield from leaves
     if mirror:
         wide = width / count
-        yield box(
-            "mirror",
-            (wide - 0.1, height - rise - 0.2, 0.008),
-            (0.0 if count % 2 else wide / 2, rise + 0.08, depth / 2 + 0.003),
-        )
+        x = 0.0 if count % 2 else wide / 2
+        pane = box("mirror", (wide - 0.1, height - rise - 0.2, 0.008), (x, rise + 0.08, depth / 2 + 0.003))
+        yield from marked(parts_of(leaves)[count // 2], [pane])
 
 
 def sliding(width: float = 1.8, height: float = 2.1, depth: float = 0.62) -> Iterator[Solid]:
@@ -82,21 +82,14 @@ def armoire(width: float = 1.1, height: float = 2.05, depth: float = 0.6) -> Ite
         0.03,
         (0.0, height - 0.04, depth / 2 - 0.03),
     )
-    yield from doors(
-        "wood_1",
-        width - 0.1,
-        height - 0.56,
-        (0.05 - width / 2, 0.38, depth / 2 - BOARD),
-        2,
-        "shaker",
-        ("brass", "knob"),
-    )
-    yield from drawers(
-        "wood_1", width - 0.1, 0.2, (0.05 - width / 2, 0.17, depth / 2 - BOARD), 2, 1, "raised", ("brass", "ring")
-    )
-    for s in (-1, 1):
+    corner, size = (0.05 - width / 2, 0.38, depth / 2 - BOARD), (width - 0.1, height - 0.56)
+    leaves = list(doors("wood_1", *size, corner, 2, "shaker", ("brass", "knob")))
+    yield from leaves
+    corner = (0.05 - width / 2, 0.17, depth / 2 - BOARD)
+    yield from drawers("wood_1", width - 0.1, 0.2, corner, 2, 1, "raised", ("brass", "ring"), opens=0.45)
+    for s, part in zip((-1, 1), parts_of(leaves), strict=True):
         arch = fillet([(-0.14, 0.0), (0.14, 0.0), (0.14, 0.7), (0.0, 0.86), (-0.14, 0.7)], 0.09, 4, True)
-        yield prism("wood_1", arch, 0.014, (s * (width - 0.1) / 4, 0.55, depth / 2 - 0.004))
+        yield from marked(part, [prism("wood_1", arch, 0.014, (s * (width - 0.1) / 4, 0.55, depth / 2 - 0.004))])
 
 
 def open_wardrobe(width: float = 1.2, height: float = 1.95, depth: float = 0.5) -> Iterator[Solid]:

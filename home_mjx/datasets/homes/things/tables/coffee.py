@@ -11,6 +11,7 @@ from home_mjx.datasets.homes.shapes.swept import band, beam, prism, ring, rod, t
 from home_mjx.datasets.homes.shapes.turned import turned, vessel
 from home_mjx.datasets.homes.things.family import Family, design
 from home_mjx.datasets.homes.things.joinery import LegKind, corners, drawers, legs
+from home_mjx.datasets.homes.things.parts import lid_part, marked
 from home_mjx.datasets.homes.things.tables.bases import (
     TopKind,
     crossed,
@@ -87,10 +88,11 @@ def nest(count: int = 3) -> Iterator[Solid]:
 def chest(width: float = 1.0, depth: float = 0.55) -> Iterator[Solid]:
     """An old trunk with iron bands."""
     yield rounded("wood", (width, 0.3, depth), (0.0, 0.03, 0.0), 0.015, 1)
-    yield rounded("wood", (width + 0.02, 0.12, depth + 0.02), (0.0, 0.33, 0.0), 0.04, 3)
+    lid = lid_part(0.33, -depth / 2 - 0.01)
+    yield from marked(lid, [rounded("wood", (width + 0.02, 0.12, depth + 0.02), (0.0, 0.33, 0.0), 0.04, 3)])
     for x in (-0.34, 0.0, 0.34):
         yield box("iron", (0.05, 0.31, depth + 0.012), (x * width, 0.026, 0.0))
-        yield rounded("iron", (0.05, 0.13, depth + 0.03), (x * width, 0.327, 0.0), 0.04, 3)
+        yield from marked(lid, [rounded("iron", (0.05, 0.13, depth + 0.03), (x * width, 0.327, 0.0), 0.04, 3)])
     yield box("brass", (0.09, 0.1, 0.02), (0.0, 0.27, depth / 2 + 0.006))
     for s in (-1, 1):
         yield ring("iron", 0.05, 0.014, (s * (width / 2 + 0.012), 0.2, 0.0), 0, 12)
@@ -102,7 +104,15 @@ def drawer_table(width: float = 1.1, depth: float = 0.6, kind: LegKind = "taper"
     yield from legs("wood_1", width - 0.1, depth - 0.1, 0.26, kind, 0.045)
     yield box("wood", (width - 0.02, 0.14, depth - 0.06), (0.0, 0.25, -0.01))
     yield from drawers(
-        "wood_1", width - 0.06, 0.12, (0.03 - width / 2, 0.26, depth / 2 - 0.04), 2, 1, "flat", ("brass", "knob")
+        "wood_1",
+        width - 0.06,
+        0.12,
+        (0.03 - width / 2, 0.26, depth / 2 - 0.04),
+        2,
+        1,
+        "flat",
+        ("brass", "knob"),
+        opens=0.35,
     )
     yield from top("wood", width, depth, 0.42, "board", 0.03)
 
@@ -236,7 +246,15 @@ def console(width: float = 1.1, depth: float = 0.34, base: str = "iron") -> Iter
         yield from legs("wood", width - 0.06, depth - 0.04, 0.765, "turned", 0.055)
         yield box("wood", (width - 0.12, 0.1, depth - 0.08), (0.0, 0.666, -0.01))
         yield from drawers(
-            "wood_1", width - 0.16, 0.1, (0.08 - width / 2, 0.666, depth / 2 - 0.06), 2, 1, "flat", ("brass", "ring")
+            "wood_1",
+            width - 0.16,
+            0.1,
+            (0.08 - width / 2, 0.666, depth / 2 - 0.06),
+            2,
+            1,
+            "flat",
+            ("brass", "ring"),
+            opens=0.2,
         )
 
 

@@ -34,6 +34,7 @@ def unit(
         rows,
         style,
         grip,
+        opens=depth - 0.2,
     )
 
 
@@ -61,6 +62,7 @@ def writing(width: float = 1.2, depth: float = 0.6, kind: LegKind = "taper") -> 
         1,
         "flat",
         ("brass", "knob"),
+        opens=depth - 0.2,
     )
     yield from top("wood", width, depth, HEIGHT, "board", 0.026)
 
@@ -170,7 +172,9 @@ def executive_desk(width: float = 1.7, depth: float = 0.85) -> Iterator[Solid]:
         x = s * (width / 2 - 0.3)
         yield box("wood", (0.5, HEIGHT - 0.05, depth - 0.12), (x, 0.02, 0.0))
         yield rounded("wood", (0.54, 0.07, depth - 0.06), (x, 0.0, 0.0), 0.015, 1)
-        yield from drawers("wood_1", 0.46, 0.58, (x - 0.23, 0.1, depth / 2 - 0.07), 1, 3, "raised", ("brass", "ring"))
+        yield from drawers(
+            "wood_1", 0.46, 0.58, (x - 0.23, 0.1, depth / 2 - 0.07), 1, 3, "raised", ("brass", "ring"), opens=0.5
+        )
     yield box("wood", (width - 1.0, 0.12, depth - 0.14), (0.0, HEIGHT - 0.14, 0.0))
     yield box("wood", (width - 1.0, 0.6, 0.02), (0.0, 0.12, -depth / 2 + 0.1))
 

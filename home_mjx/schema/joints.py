@@ -1,0 +1,96 @@
+"""Joints of library models as data: which faces of a model are a drawer, a door or a lid, and how it moves."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Literal, get_args
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from home_mjx.errors import ConfigError
+from home_mjx.schema.house import Mesh
+
+JointKind = Literal["hinge", "slide"]
+KINDS: tuple[str, ...] = get_args(JointKind)
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Joint:
+    """One movable part of a library model, in the model's own Y-up frame; at 0 it is as drawn.
+
+    Example:
+        >>> door = Joint("home_x_1", "door_1", "hinge", (0.0, 1.0, 0.0), (1.0, 0.0, 0.0), 0.0, 1.5, ((0, 1), (4, 4)))
+        >>> door.faces.tolist()
+        [0, 1, 4]
+    """
+
+    model_id: str
+    part: str  # `drawer_2`: what it is, and a number that makes it unique in its model
+    kind: JointKind
+    axis: Vector  # unit vector; a hinge turns by the right hand, a slide goes along it
+    point: Vector  # [m], on the axis of a hinge, on the front of a slide
+    low: float  # hinge [rad], slide [m]
+    high: float
+    ranges: tuple[tuple[int, int], ...]  # first and last face of each run, in the order of the OBJ's `f` lines, from 0
+
+    @cached_property
+    def faces(self) -> Int[np.ndarray, " n"]:
+        """Indices of its faces in a mesh that was read from the model's OBJ."""
+        return np.concatenate([np.arange(first, last + 1) for first, last in self.ranges])
+
+    def matrix(self, value: float) -> Float[np.ndarray, "4 4"]:
+        """The motion from the drawn pose to a value of the joint.
+
+        Args:
+            value: Angle [rad] or way [m].
+
+        Raises:
+            ConfigError: The value is out of the joint's range.
+        """
+        if not self.low <= value <= self.high:
+            hint = f"It goes from {self.low:g} to {self.high:g}."
+            raise ConfigError(f"{self.model_id} {self.part} cannot be at {value!r:.40}", hint=hint)
+        motion = np.eye(4)
+        if self.kind == "slide":
+            motion[:3, 3] = value * np.asarray(self.axis)
+        else:
+            motion[:3, :3] = _turn(np.asarray(self.axis), value)
+            motion[:3, 3] = np.asarray(self.point) - motion[:3, :3] @ np.asarray(self.point)
+        return motion
+
+    def move(self, mesh: Mesh, value: float) -> Mesh:
+        """The model with this part moved; meshes of several moved parts come from one call after another.
+
+        Args:
+            mesh: The model as read from its OBJ, its faces in the order of the file.
+            value: Angle [rad] or way [m].
+
+        Raises:
+            ConfigError: The value is out of range, or the mesh has fewer faces than the part names.
+        """
+        if self.ranges[-1][1] >= len(mesh.faces):
+            raise ConfigError(f"{self.model_id} {self.part} has faces that the mesh lacks", hint="Is it another model?")
+        motion, vertices = self.matrix(value), mesh.vertices.copy()
+        own = np.unique(mesh.faces[self.faces])
+        vertices[own] = vertices[own] @ motion[:3, :3].T + motion[:3, 3]
+        return replace(mesh, vertices=vertices, normal=_turned(mesh, self.faces, motion[:3, :3]))
+
+
+Joints = Mapping[str, tuple[Joint, ...]]  # by model id
+
+
+def _turn(axis: Float[np.ndarray, " 3"], angle: float) -> Float[np.ndarray, "3 3"]:
+    """The rotation about a unit vector, by Rodrigues' formula."""
+    x, y, z = axis
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+
+
+def _turned(mesh: Mesh, faces: Int[np.ndarray, " n"], turn: Float[np.ndarray, "3 3"]) -> np.ndarray | None:
+    if mesh.normal is None:
+        return None
+    normal = mesh.normal.copy()
+    normal[faces] = normal[faces] @ turn.T
+    return normal
