@@ -18,7 +18,14 @@ from home_mjx.datasets.homes.things.categories import CATEGORIES
 from home_mjx.datasets.procedural.categories import Category
 from home_mjx.datasets.procedural.dataset import library_model
 from home_mjx.datasets.procedural.primitives.family import Furniture
-from home_mjx.datasets.suncg.write.house import is_whole_folder, write_model, write_tables, write_textures
+from home_mjx.datasets.suncg.write.house import (
+    JOINTS_DIGEST,
+    is_whole_folder,
+    write_joints,
+    write_model,
+    write_tables,
+    write_textures,
+)
 from home_mjx.errors import DatasetError
 from home_mjx.schema.house import House, Material
 
@@ -37,10 +44,12 @@ def write_shared(root: Path) -> None:
 
     Tables that are as they were written are kept: making them means building all models.
     """
-    if is_whole_folder(root / "metadata"):
+    folder = root / "metadata"
+    if is_whole_folder(folder) and is_whole_folder(folder, JOINTS_DIGEST):
         return
-    models = (*things().values(), *_others().values())
-    write_tables(root, [library_model(model, CLASSES) for model in models], digests=True)
+    models = [library_model(model, CLASSES) for model in (*things().values(), *_others().values())]
+    write_tables(root, models, digests=True)
+    write_joints(root, models)
 
 
 def has_library(root: Path, house_id: str) -> bool:

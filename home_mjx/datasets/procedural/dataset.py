@@ -153,7 +153,7 @@ def library_model(model: Furniture, categories: Mapping[str, Category] = CATEGOR
     category = categories[model.fine]
     variants = {f"{model.id}_0": model.closed} if model.closed is not None else {}
     info = ModelInfo(model.id, model.fine, category.coarse, category.nyu40)
-    return LibraryModel(info, model.mesh, category.synset, variants, model.lights)
+    return LibraryModel(info, model.mesh, category.synset, variants, model.lights, model.joints)
 
 
 def _write(root: Path, seed: int) -> None:

@@ -16,9 +16,11 @@ from home_mjx.datasets.suncg.formats.element import Value
 from home_mjx.datasets.suncg.lacking.known_models import with_known_models
 from home_mjx.datasets.suncg.lacking.listing import in_words
 from home_mjx.datasets.suncg.read.house_json import read_house
+from home_mjx.datasets.suncg.read.joints import read_joints
 from home_mjx.datasets.suncg.read.metadata import read_metadata
 from home_mjx.errors import DatasetError, MissingFileError, UnknownIdError, did_you_mean
 from home_mjx.schema.house import House, Mesh, Metadata, StandIn
+from home_mjx.schema.joints import Joints
 
 log = logging.getLogger(__name__)
 
@@ -57,6 +59,21 @@ class Dataset:
             DatasetError: The category table is missing, or a table is broken.
         """
         return read_metadata(self.root / "metadata")
+
+    @cached_property
+    def joints(self) -> Joints:
+        """Movable parts of library models by model id, see `Joint`; empty if the dataset says nothing of them.
+
+        They are read on first use, and nothing else needs them: for the compiler furniture is rigid.
+
+        Raises:
+            DatasetError: The table is broken.
+
+        Example:
+            >>> drawer = dataset.joints["home_dresser_1"][0]  # doctest: +SKIP
+            >>> pulled = drawer.move(dataset.load_model(drawer.model_id), drawer.high)  # doctest: +SKIP
+        """
+        return read_joints(self.root / "metadata")
 
     def load_house(self, house_id: str, options: ReadOptions = DEFAULT_OPTIONS) -> House:
         """Reads one house and the models that it uses.

@@ -16,6 +16,7 @@ from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
 from home_mjx.errors import DatasetError
 
 MODEL_ID = re.compile(r'"modelId"\s*:\s*("(?:[^"\\]|\\.)*")')
+UNUSED = ("joints.csv", "joints.sha256.json")  # tables that nothing is compiled from
 LIBRARY = re.compile(rb"^[ \t]*mtllib[ \t]+(\S.*?)[ \t\r]*$", re.MULTILINE)
 SAVE_SECONDS = 1.0  # least time between two writings of the index of what houses share
 
@@ -87,6 +88,8 @@ class Inputs:
     def _digest(self, folder: Path, index: DigestIndex) -> bytes:
         digest = hashlib.sha256(folder.relative_to(self.root).as_posix().encode(errors="replace"))
         for name, path, stamp in _files(folder):
+            if name in UNUSED:
+                continue
             facts = self._facts(path, stamp, index)
             digest.update(name.encode(errors="replace") + b"\0" + facts.digest)
             for relative in facts.names if name.endswith(".obj") else ():

@@ -37,9 +37,9 @@ def _read_categories(path: Path) -> dict[str, ModelInfo]:
     hint = "Fetch the `metadata` archive of the dataset: categories come from this table."
     columns = ("model_id", "fine_grained_class", "coarse_grained_class", "nyuv2_40class")
     models: dict[str, ModelInfo] = {}
-    for place, (model_id, fine, coarse, nyu40, front) in _rows(path, columns, hint, ("front",)):
+    for place, (model_id, fine, coarse, nyu40, front) in read_rows(path, columns, hint, ("front",)):
         _check_new(model_id, models, place)
-        facing = _triple(front, place) if front else FRONT
+        facing = triple(front, place) if front else FRONT
         models[model_id] = ModelInfo(model_id, fine or "unknown", coarse or "unknown", nyu40 or "void", front=facing)
     return models
 
@@ -47,13 +47,13 @@ def _read_categories(path: Path) -> dict[str, ModelInfo]:
 def _read_sizes(path: Path, named: Metadata) -> dict[str, ModelInfo]:
     """Adds sizes and fronts; variants, which the category table lacks, take the categories of their base."""
     models: dict[str, ModelInfo] = {}
-    for place, (model_id, front, low, high) in _rows(path, ("id", "front", "minPoint", "maxPoint"), None):
+    for place, (model_id, front, low, high) in read_rows(path, ("id", "front", "minPoint", "maxPoint"), None):
         _check_new(model_id, models, place)
-        (x0, y0, z0), (x1, y1, z1) = _triple(low, place), _triple(high, place)
+        (x0, y0, z0), (x1, y1, z1) = triple(low, place), triple(high, place)
         # not `aligned.dims`: those are of the model turned to its front
         dims = (x1 - x0, y1 - y0, z1 - z0)
         info = named.info(model_id)
-        facing = _triple(front, place) if info.front == FRONT else info.front  # v2's category table is the better one
+        facing = triple(front, place) if info.front == FRONT else info.front  # v2's category table is the better one
         models[model_id] = replace(info, model_id=model_id, dims=dims, front=facing, low=(x0, y0, z0))
     return models
 
@@ -63,7 +63,8 @@ def _check_new(model_id: str, models: dict[str, ModelInfo], place: Place) -> Non
         raise place.error(f"model `{model_id}` has two rows", "Keep one of them.")
 
 
-def _triple(text: str, place: Place) -> tuple[float, float, float]:
+def triple(text: str, place: Place) -> tuple[float, float, float]:
+    """Three finite numbers with commas between them; raises `DatasetError` of the place for anything else."""
     try:
         x, y, z = (float(word) for word in text.split(","))
     except ValueError:
@@ -73,7 +74,7 @@ def _triple(text: str, place: Place) -> tuple[float, float, float]:
     return x, y, z
 
 
-def _rows(
+def read_rows(
     path: Path, columns: tuple[str, ...], hint: str | None, optional: tuple[str, ...] = ()
 ) -> Iterator[tuple[Place, list[str]]]:
     """The named columns of every row of a CSV file; optional ones that the file lacks are empty."""

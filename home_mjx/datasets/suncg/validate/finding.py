@@ -61,6 +61,9 @@ RULES: Mapping[str, Rule] = {
     "floor-down": Rule("warning", "a floor whose upper side looks down"),
     "flat-wall": Rule("warning", "a wall without length"),
     "element-type": Rule("warning", "an architectural element of an unknown type"),
+    # joints
+    "joint-model": Rule("error", "a joint of a model without a row in ModelCategoryMapping.csv"),
+    "joint-faces": Rule("error", "a joint's faces that its model lacks, or that another of its joints has as well"),
     # materials
     "extra-materials": Rule("warning", "more materials than the model has slots"),
     "unused-slot": Rule("warning", "a material slot without faces"),

@@ -14,6 +14,7 @@ from home_mjx.datasets.suncg.read.reading import Reading
 from home_mjx.datasets.suncg.validate.finding import Finding
 from home_mjx.errors import DatasetError
 from home_mjx.schema.house import Box, Ground, House, Level, Metadata, Node, Object, Room
+from home_mjx.schema.joints import Joints
 
 Bounds = Float[np.ndarray, "2 3"]
 
@@ -31,6 +32,7 @@ class Subject:
     reading: Reading
     house: House  # the parts that could be read
     metadata: Metadata | None  # None if it cannot be read
+    joints: Joints = field(default_factory=dict)  # of the library's models; empty if they cannot be read
     findings: list[Finding] = field(default_factory=list)
     _bounds: dict[str, Bounds | None] = field(default_factory=dict)
 

@@ -8,6 +8,7 @@ from home_mjx.datasets.suncg.read.reading import Reading
 from home_mjx.datasets.suncg.validate.boxes import check_boxes
 from home_mjx.datasets.suncg.validate.document import check_document
 from home_mjx.datasets.suncg.validate.finding import RULES, Finding
+from home_mjx.datasets.suncg.validate.joints import check_joints
 from home_mjx.datasets.suncg.validate.materials import check_materials
 from home_mjx.datasets.suncg.validate.meshes import check_meshes
 from home_mjx.datasets.suncg.validate.rooms import check_rooms
@@ -44,11 +45,12 @@ def validate_house(dataset: Dataset, house_id: str) -> tuple[Finding, ...]:
         return (_unreadable(error, str(path)),)
     reading = Reading(house_id, dataset.assets, options=ReadOptions(backdrops=True), errors=[])
     subject = Subject(document, reading, build_house(document, reading), _metadata(dataset, reading))
+    subject.joints = reading.attempt(lambda: dataset.joints) or {}
     if not any(subject.nodes):
         subject.report("nothing-shown", "levels", "house shows nothing")
     elif not any(mesh for level in subject.house.levels for room in level.rooms for mesh in _meshes(room)):
         subject.report("no-room", "levels", "no room has a floor, ceiling or wall mesh")
-    for check in (check_document, check_boxes, check_rooms, check_meshes, check_materials):
+    for check in (check_document, check_boxes, check_rooms, check_meshes, check_materials, check_joints):
         check(subject)
     return _sorted(subject, str(path))
 

@@ -19,12 +19,14 @@ from jaxtyping import Float, UInt8
 from PIL import Image
 
 from home_mjx.core.files import read_bytes, read_text, write_whole
-from home_mjx.datasets.suncg.write.metadata import LibraryModel, categories_csv, lights_json, sizes_csv
+from home_mjx.datasets.suncg.read.joints import JOINTS
+from home_mjx.datasets.suncg.write.metadata import LibraryModel, categories_csv, joints_csv, lights_json, sizes_csv
 from home_mjx.datasets.suncg.write.obj import mtl_text, obj_text
 from home_mjx.errors import DatasetError
 from home_mjx.schema.house import Box, Ground, House, Level, Material, Mesh, Node, Object, Room
 
 DIGESTS = "sha256.json"  # in a house's folder: of its files
+JOINTS_DIGEST = "joints.sha256.json"  # apart from that of the tables, which was there before there were joints
 PARTIAL = ".partial-"  # how names of folders begin that are not yet whole
 
 log = logging.getLogger(__name__)
@@ -155,18 +157,34 @@ def write_tables(root: Path, models: Sequence[LibraryModel], digests: bool = Fal
     _write_folder(root, Path("metadata"), {**tables, **(_digests(tables) if digests else {})}, mend=True)
 
 
+def write_joints(root: Path, models: Sequence[LibraryModel]) -> None:
+    """Writes `metadata/joints.csv`, the movable parts of the models, below a dataset root, with its digest.
+
+    Args:
+        root: Dataset root.
+        models: The models, in the order of their rows in the tables.
+
+    Raises:
+        DatasetError: The folder cannot be written.
+    """
+    table = joints_csv(models)
+    digest = json.dumps({JOINTS: _digest(table)})
+    _write_folder(root, Path("metadata"), {JOINTS: table, JOINTS_DIGEST: digest}, mend=True)
+
+
 def _digests(files: Mapping[str, str]) -> dict[str, str]:
     return {DIGESTS: json.dumps({name: _digest(text) for name, text in files.items()})}
 
 
-def is_whole_folder(folder: Path) -> bool:
+def is_whole_folder(folder: Path, digests_name: str = DIGESTS) -> bool:
     """Whether a folder that was written with digests holds the files that were written.
 
     Args:
         folder: Of a model, or of the tables.
+        digests_name: Of the file of digests.
     """
     try:
-        digests: dict[str, str] = json.loads(read_text(folder / DIGESTS))
+        digests: dict[str, str] = json.loads(read_text(folder / digests_name))
         return all(_digest(read_text(folder / name)) == digest for name, digest in digests.items())
     except (DatasetError, ValueError, TypeError, AttributeError, RecursionError):
         return False

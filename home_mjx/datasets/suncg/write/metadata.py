@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.schema.house import Light, Mesh, ModelInfo
+from home_mjx.schema.joints import Joint
 
 # Rows 0..4 of every ModelCategoryMapping.csv.
 PSEUDO = (
@@ -31,6 +32,7 @@ _CATEGORY_COLUMNS = (
     "wnsynsetkey",
 )
 _SIZE_COLUMNS = ("id", "front", "nmaterials", "minPoint", "maxPoint", "aligned.dims", "index", "variantIds")
+_JOINT_COLUMNS = ("id", "part", "kind", "axis", "point", "range", "faces")
 _STRUCTURE = ("partition", "stairs", "column")  # fine classes that count as structure, not as objects
 
 
@@ -43,6 +45,7 @@ class LibraryModel:
     synset: tuple[str, str]  # WordNet offset and key
     variants: Mapping[str, Mesh] = field(default_factory=dict)  # by stem, such as `122_0`; they share slots
     lights: tuple[Light, ...] = ()
+    joints: tuple[Joint, ...] = ()
 
 
 def categories_csv(models: Sequence[LibraryModel]) -> str:
@@ -70,6 +73,17 @@ def _size_rows(model: LibraryModel, index: int) -> Iterable[tuple[Any, ...]]:
         low, high = mesh.vertices.min(0), mesh.vertices.max(0)
         extent = _triple(100 * (high - low))
         yield stem, front, len(mesh.materials), _triple(low), _triple(high), extent, index, variants
+
+
+def joints_csv(models: Sequence[LibraryModel]) -> str:
+    """`joints.csv`: a row for each movable part, in the order of the models."""
+    return _csv(_JOINT_COLUMNS, (_joint_row(joint) for model in models for joint in model.joints))
+
+
+def _joint_row(joint: Joint) -> tuple[str, ...]:
+    runs = " ".join(f"{first}-{last}" for first, last in joint.ranges)
+    axis, point = (_triple(np.asarray(values)) for values in (joint.axis, joint.point))
+    return joint.model_id, joint.part, joint.kind, axis, point, f"{joint.low}, {joint.high}", runs
 
 
 def _triple(values: Float[np.ndarray, " 3"]) -> str:

@@ -1,0 +1,82 @@
+"""Reads `joints.csv`, which SUNCG has not: the movable parts of generated models."""
+
+import math
+import re
+from collections import defaultdict
+from itertools import pairwise
+from pathlib import Path
+
+from home_mjx.core.files import is_file
+from home_mjx.datasets.suncg.formats.element import LIMIT, Place
+from home_mjx.datasets.suncg.read.metadata import read_rows, triple
+from home_mjx.schema.joints import KINDS, Joint, Joints, Vector
+
+JOINTS = "joints.csv"
+COLUMNS = ("id", "part", "kind", "axis", "point", "range", "faces")
+UNIT = 1e-4  # by how much the length of an axis may differ from 1
+MAX_FACES = 4_000_000 // 3  # of a mesh
+_RUN = re.compile(r"([0-9]{1,7})-([0-9]{1,7})")
+
+
+def read_joints(folder: Path) -> Joints:
+    """The joints of all models, by model id; none if there is no such table.
+
+    Args:
+        folder: `<root>/metadata`.
+
+    Raises:
+        DatasetError: A row is broken: says which, and how.
+    """
+    found: dict[str, dict[str, Joint]] = defaultdict(dict)
+    for place, cells in read_rows(folder / JOINTS, COLUMNS, None) if is_file(folder / JOINTS) else ():
+        joint = _joint(cells, place)
+        if joint.part in found[joint.model_id]:
+            raise place.error(f"part `{joint.part}` of model `{joint.model_id}` has two rows", "Keep one of them.")
+        found[joint.model_id][joint.part] = joint
+    return {model_id: tuple(parts.values()) for model_id, parts in found.items()}
+
+
+def _joint(cells: list[str], place: Place) -> Joint:
+    model_id, part, kind, axis, point, limits, faces = cells
+    if not model_id or not part:
+        raise place.error("joint lacks the id of its model or the name of its part")
+    if kind not in KINDS:
+        raise place.error(f"unknown kind of joint `{kind}`", f"Known: {', '.join(KINDS)}.")
+    low, high = _limits(limits, place)
+    return Joint(model_id, part, kind, _axis(axis, place), _point(point, place), low, high, _runs(faces, place))  # type: ignore[arg-type]
+
+
+def _axis(text: str, place: Place) -> Vector:
+    axis = triple(text, place)
+    if not abs(math.hypot(*axis) - 1) <= UNIT:
+        raise place.error(f"axis `{text}` is {math.hypot(*axis):.4g} long", "It must be a unit vector.")
+    return axis
+
+
+def _point(text: str, place: Place) -> Vector:
+    point = triple(text, place)
+    if max(map(abs, point)) > LIMIT:
+        raise place.error(f"point `{text}` is too far away", f"Coordinates are below {LIMIT:g}.")
+    return point
+
+
+def _limits(text: str, place: Place) -> tuple[float, float]:
+    """The range; 0, where the part is drawn, lies in it."""
+    try:
+        low, high = (float(word) for word in text.split(","))
+    except ValueError:
+        low = high = math.nan
+    if not -LIMIT <= low <= 0.0 <= high <= LIMIT or low == high:
+        raise place.error(f"expected a range such as `0.0, 1.57` that holds 0, got `{text}`")
+    return low, high
+
+
+def _runs(text: str, place: Place) -> tuple[tuple[int, int], ...]:
+    """Runs of faces such as `0-11 24-35`, in ascending order."""
+    matches = [_RUN.fullmatch(word) for word in text.split()]
+    runs = [(int(match[1]), int(match[2])) for match in matches if match is not None]
+    ends = [end for run in runs for end in run]
+    apart = all(first > last for (_, last), (first, _) in pairwise(runs))
+    if not runs or len(runs) < len(matches) or not apart or ends != sorted(ends) or ends[-1] >= MAX_FACES:
+        raise place.error(f"expected ascending runs of faces such as `0-11 24-35`, got `{text}`")
+    return tuple(runs)

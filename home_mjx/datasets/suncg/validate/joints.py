@@ -1,0 +1,33 @@
+"""Rules about the joints of models: that the models and the faces exist, and that no face has two joints."""
+
+from itertools import pairwise
+
+from home_mjx.datasets.suncg.read.joints import JOINTS
+from home_mjx.datasets.suncg.validate.subject import Subject
+from home_mjx.schema.house import Mesh
+from home_mjx.schema.joints import Joint
+
+
+def check_joints(subject: Subject) -> None:
+    """Joints of unknown models; faces beyond a model's, or of two of its parts, for models that the house shows."""
+    for model_id, joints in subject.joints.items():
+        if subject.metadata is not None and model_id not in subject.metadata.models:
+            _report(subject, "joint-model", model_id, "the model has no row in the category table")
+        mesh = subject.house.models.get(model_id)
+        if mesh is not None:
+            _check_faces(subject, joints, mesh)
+
+
+def _check_faces(subject: Subject, joints: tuple[Joint, ...], mesh: Mesh) -> None:
+    for joint in joints:
+        if joint.ranges[-1][1] >= len(mesh.faces):
+            message = f"face {joint.ranges[-1][1]} of a model that has {len(mesh.faces)}"
+            _report(subject, "joint-faces", f"{joint.model_id} {joint.part}", message)
+    runs = sorted((*run, joint.part) for joint in joints for run in joint.ranges)
+    for (_, last, part), (first, _, other) in pairwise(runs):
+        if first <= last:
+            _report(subject, "joint-faces", f"{joints[0].model_id} {other}", f"face {first} is of {part} as well")
+
+
+def _report(subject: Subject, rule: str, element: str, message: str) -> None:
+    subject.report(rule, element, message, subject.reading.assets.root / "metadata" / JOINTS)
