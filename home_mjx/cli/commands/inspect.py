@@ -13,6 +13,7 @@ from home_mjx.cli.houses import (
     compile_options,
     load_compiled_house,
     load_house,
+    named_house,
     names_root,
     open_named_dataset,
 )
@@ -20,6 +21,7 @@ from home_mjx.cli.houses import (
 if TYPE_CHECKING:
     from home_mjx.datasets.suncg.dataset import Dataset
     from home_mjx.schema.compiled import CompiledHouse
+    from home_mjx.schema.house import House
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -51,7 +53,7 @@ def run(args: argparse.Namespace) -> int:
     compiled = load_compiled_house(args)
     problems = [f"{problem.element}: {problem.message}" for problem in house.problems]
     taken = bank_usage([compiled])
-    unknown = unknown_share(compiled)
+    unknown, jointed = unknown_share(compiled), _jointed(named_house(args)[0], house)
     fields = compiled.navigation.field.nbytes + compiled.navigation.fringe.field.nbytes
     if args.json:
         record = {"id": house.id, "version": house.version, "path": str(house.path), "problems": problems}
@@ -60,11 +62,13 @@ def run(args: argparse.Namespace) -> int:
         record["stand_ins"] = [asdict(item) for item in house.stand_ins]
         record["stuck"] = compiled.stuck.tolist()
         record["unknown_material"] = unknown
+        record["joints"] = jointed
         sys.stdout.write(json.dumps({**record, "counts": dict(compiled.report), "bytes": sizes}) + "\n")
         return 0
     sys.stdout.write(f"{house.id} (format {house.version})\n{house.path}\n")
     for name, count in compiled.report.items():
         _row(name.replace("_", " "), count)
+    _row("doors, drawers and lids told by joints.csv", jointed)
     _row("bytes of the house alone", taken.houses[house.id])
     _row("  of which distance fields", fields)
     _row("bytes of its models", sum(taken.models.values()))
@@ -82,6 +86,12 @@ def run(args: argparse.Namespace) -> int:
             f"stuck: {_category(compiled, object_id)} {object_id} stands in something, so it does not move\n"
         )
     return 0
+
+
+def _jointed(dataset: "Dataset", house: "House") -> int:
+    """How many parts of its objects could move, by the dataset's table of joints; 0 if it has none."""
+    keys = [item.model_key for level in house.levels for item in level.objects]
+    return sum(len(dataset.joints.get(key, ())) for key in keys)
 
 
 def _category(house: "CompiledHouse", object_id: int) -> str:

@@ -144,6 +144,12 @@ def upside_down(path):
     path.write_text("\n".join(" ".join(line) for line in turned))
 
 
+def joints_of(model, *faces):
+    """Writes a table with a drawer of the model for each of these runs of faces."""
+    rows = [f'{model},drawer_{k},slide,"0,0,1","0,0,0","0,0.4",{runs}' for k, runs in enumerate(faces, 1)]
+    return lambda path: path.write_text("\n".join(["id,part,kind,axis,point,range,faces", *rows]))
+
+
 FILE_CHANGES = {  # file, what is done to it, element
     "missing-part": (f"room/{HOUSE_ID}/fr_0rm_0c.obj", lambda path: path.unlink(), f"{NODES}[0].modelId"),
     "unknown-model": (
@@ -164,6 +170,8 @@ FILE_CHANGES = {  # file, what is done to it, element
     "missing-slot": (f"object/{TABLE}/{TABLE}.obj", lambda path: edit_text(path, "usemtl material_0\n", ""), ""),
     "thick-wall": (f"room/{HOUSE_ID}/fr_0rm_0w.obj", in_one_group, "WallInside#0_0_0"),
     "floor-down": (f"room/{HOUSE_ID}/fr_0rm_0f.obj", upside_down, "Floor#0_0"),
+    "joint-model": ("metadata/joints.csv", joints_of("nothing", "0-3"), "nothing"),
+    "joint-faces": ("metadata/joints.csv", joints_of(TABLE, "0-3 90-91"), f"{TABLE} drawer_1"),
     "texture-broken": ("texture/wood_1.png", lambda path: path.write_bytes(path.read_bytes()[:40]), ""),
     "texture-type": ("texture/wood_1.png", save_as("JPEG"), ""),
 }
@@ -218,6 +226,23 @@ def test_a_flat_floor_that_looks_down_is_reported_and_one_that_looks_up_is_not(r
     assert "floor-down" not in {finding.rule for finding in findings(root)}
     upside_down(path)
     assert "floor-down" in {finding.rule for finding in findings(root)}
+
+
+def test_sound_joints_are_silent_and_faces_of_two_joints_are_not(root):
+    path = root / "metadata" / "joints.csv"
+    joints_of(TABLE, "0-3", "4-5 7-7")(path)
+    assert findings(root) == ()
+    joints_of(TABLE, "0-3 6-7", "3-4")(path)
+    assert [str(finding) for finding in findings(root)] == [
+        f"{path}: {TABLE} drawer_2: face 3 is of drawer_1 as well [joint-faces]"
+    ]
+
+
+def test_a_broken_table_of_joints_is_reported_with_its_line(root):
+    path = root / "metadata" / "joints.csv"
+    joints_of(TABLE, "0-3")(path)
+    edit_text(path, '"0,0,1"', '"0,0,2"')
+    assert [str(finding) for finding in findings(root)] == [f"{path}: line 2: axis `0,0,2` is 2 long [unreadable]"]
 
 
 @pytest.mark.parametrize("rule", ARCH_CHANGES)

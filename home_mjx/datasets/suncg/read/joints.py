@@ -8,13 +8,14 @@ from pathlib import Path
 
 from home_mjx.core.files import is_file
 from home_mjx.datasets.suncg.formats.element import LIMIT, Place
+from home_mjx.datasets.suncg.formats.polygons import MAX_CORNERS
 from home_mjx.datasets.suncg.read.metadata import read_rows, triple
 from home_mjx.schema.joints import KINDS, Joint, Joints, Vector
 
 JOINTS = "joints.csv"
 COLUMNS = ("id", "part", "kind", "axis", "point", "range", "faces")
 UNIT = 1e-4  # by how much the length of an axis may differ from 1
-MAX_FACES = 4_000_000 // 3  # of a mesh
+MAX_FACES = MAX_CORNERS  # of a mesh
 _RUN = re.compile(r"([0-9]{1,7})-([0-9]{1,7})")
 
 
