@@ -4,6 +4,7 @@ Host only: nothing here loads JAX.
 """
 
 from home_mjx.datasets.generators.generate import generate_dataset
+from home_mjx.datasets.joints import Joint
 from home_mjx.datasets.options import ReadOptions
 from home_mjx.datasets.outlines import Opening, RoomOutline, outline_house
 from home_mjx.datasets.procedural import build_house
@@ -17,6 +18,7 @@ __all__ = [
     "RULES",
     "Dataset",
     "Finding",
+    "Joint",
     "LibraryModel",
     "Opening",
     "ReadOptions",

@@ -7,7 +7,6 @@ from home_mjx.schema.agent import Body
 from home_mjx.schema.categories import COARSE, FINE, NYU40, ROOM_TYPES
 from home_mjx.schema.compiled import BANDS, CompiledHouse, PortalKind, Ray
 from home_mjx.schema.house import Box, Ground, House, Level, Light, Material, Mesh, Metadata, ModelInfo, Object, Room
-from home_mjx.schema.joints import Joint
 from home_mjx.schema.semantic import Semantic
 from home_mjx.schema.timing import Timing
 
@@ -22,7 +21,6 @@ __all__ = [
     "CompiledHouse",
     "Ground",
     "House",
-    "Joint",
     "Level",
     "Light",
     "Material",

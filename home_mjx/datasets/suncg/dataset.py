@@ -9,6 +9,7 @@ from pathlib import Path
 
 from home_mjx.core.files import is_file
 from home_mjx.core.paths import ROOT_VARIABLE, dataset_root
+from home_mjx.datasets.joints import Joints
 from home_mjx.datasets.options import ReadOptions
 from home_mjx.datasets.seeds import MARKER, in_order
 from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
@@ -20,7 +21,6 @@ from home_mjx.datasets.suncg.read.joints import read_joints
 from home_mjx.datasets.suncg.read.metadata import read_metadata
 from home_mjx.errors import DatasetError, MissingFileError, UnknownIdError, did_you_mean
 from home_mjx.schema.house import House, Mesh, Metadata, StandIn
-from home_mjx.schema.joints import Joints
 
 log = logging.getLogger(__name__)
 

@@ -21,6 +21,7 @@ COMPILER = (
     "core/files.py",
     "core/images.py",
     "core/native/kept.py",
+    "datasets/joints.py",
     "datasets/options.py",
     "datasets/procedural/furniture",
     "datasets/procedural/primitives",

@@ -15,6 +15,7 @@ from home_mjx.datasets.homes.library import CLASSES
 from home_mjx.datasets.homes.shapes.groups import mirrored
 from home_mjx.datasets.homes.things import library
 from home_mjx.datasets.homes.things.parts import front_part, marked
+from home_mjx.datasets.joints import Joint
 from home_mjx.datasets.procedural.dataset import library_model
 from home_mjx.datasets.procedural.primitives.solids import box, move, rotate
 from home_mjx.datasets.suncg.digests import Inputs
@@ -24,7 +25,6 @@ from home_mjx.datasets.suncg.write.house import write_joints
 from home_mjx.datasets.suncg.write.obj import mtl_text, obj_text
 from home_mjx.errors import ConfigError
 from home_mjx.schema.house import Mesh
-from home_mjx.schema.joints import Joint
 
 CLEAR = 0.01  # [m]: by so much a part may cut into its model, or by as much as it does where it is drawn
 UNDER = {"home_kitchen_cabinet_7", "home_bunker_bed_2", "home_desk_4"}  # drawers below something that reaches over them

@@ -8,11 +8,11 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Int
 
+from home_mjx.datasets.joints import Joint
 from home_mjx.datasets.procedural.primitives.parts import Part
 from home_mjx.datasets.procedural.primitives.solids import Solid, Vector
 from home_mjx.datasets.suncg.write.obj import face_order
 from home_mjx.schema.house import Mesh
-from home_mjx.schema.joints import Joint
 
 QUARTER = np.pi / 2
 TIPPED = 1.0  # [rad], of fronts that tip out
@@ -39,7 +39,7 @@ def front_part(opens: Opens, corner: Vector, size: tuple[float, float]) -> Part:
         >>> front_part("right", (0.0, 0.0, 0.3), (0.5, 2.0)).point
         (0.5, 0.0, 0.3)
     """
-    if isinstance(opens, float):
+    if not isinstance(opens, str):
         return Part("drawer", "slide", (0.0, 0.0, 1.0), corner, opens)
     name, axis, (across, up), reach = _HUNG[opens]
     point = (corner[0] + across * size[0], corner[1] + up * size[1], corner[2])

@@ -11,10 +11,10 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Float
 
+from home_mjx.datasets.joints import Joint
 from home_mjx.datasets.procedural.primitives.palette import FINISHES
 from home_mjx.datasets.procedural.primitives.solids import Solid, Vector, move, to_mesh
 from home_mjx.schema.house import Light, Mesh
-from home_mjx.schema.joints import Joint
 
 
 @dataclass(frozen=True)

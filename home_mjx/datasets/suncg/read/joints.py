@@ -7,10 +7,10 @@ from itertools import pairwise
 from pathlib import Path
 
 from home_mjx.core.files import is_file
+from home_mjx.datasets.joints import KINDS, Joint, Joints, Vector
 from home_mjx.datasets.suncg.formats.element import LIMIT, Place
 from home_mjx.datasets.suncg.formats.polygons import MAX_CORNERS
 from home_mjx.datasets.suncg.read.metadata import read_rows, triple
-from home_mjx.schema.joints import KINDS, Joint, Joints, Vector
 
 JOINTS = "joints.csv"
 COLUMNS = ("id", "part", "kind", "axis", "point", "range", "faces")

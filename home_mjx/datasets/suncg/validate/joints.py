@@ -2,10 +2,10 @@
 
 from itertools import pairwise
 
+from home_mjx.datasets.joints import Joint
 from home_mjx.datasets.suncg.read.joints import JOINTS
 from home_mjx.datasets.suncg.validate.subject import Subject
 from home_mjx.schema.house import Mesh
-from home_mjx.schema.joints import Joint
 
 
 def check_joints(subject: Subject) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
+from home_mjx.datasets.joints import Joints
 from home_mjx.datasets.suncg.formats.element import Value, printable
 from home_mjx.datasets.suncg.read.backdrops import box_bounds
 from home_mjx.datasets.suncg.read.house_json import MAX_NODES
@@ -14,7 +15,6 @@ from home_mjx.datasets.suncg.read.reading import Reading
 from home_mjx.datasets.suncg.validate.finding import Finding
 from home_mjx.errors import DatasetError
 from home_mjx.schema.house import Box, Ground, House, Level, Metadata, Node, Object, Room
-from home_mjx.schema.joints import Joints
 
 Bounds = Float[np.ndarray, "2 3"]
 

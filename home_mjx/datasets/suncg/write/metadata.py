@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from home_mjx.datasets.joints import Joint
 from home_mjx.schema.house import Light, Mesh, ModelInfo
-from home_mjx.schema.joints import Joint
 
 # Rows 0..4 of every ModelCategoryMapping.csv.
 PSEUDO = (
