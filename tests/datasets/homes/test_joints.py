@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from moved_parts import depths, pieces
 
+from home_mjx.cli import main
 from home_mjx.datasets import generate_dataset, open_dataset, validate_house
 from home_mjx.datasets.homes.library import CLASSES
 from home_mjx.datasets.homes.shapes.groups import mirrored
@@ -204,6 +205,14 @@ def root(tmp_path_factory) -> Path:
 
 def test_the_table_of_a_dataset_says_what_the_shapes_say(root):
     assert open_dataset(root).joints == {model.id: model.joints for model in JOINTED}
+
+
+def test_inspect_counts_the_parts_of_a_home(root, capsys):
+    assert main(["inspect", "--dataset", str(root), "--json"]) == 0
+    dataset = open_dataset(root)
+    things = [item for level in dataset.load_house(dataset.house_ids[0]).levels for item in level.objects]
+    count = sum(len(library()[item.model_id].joints) for item in things if item.model_id in library())
+    assert json.loads(capsys.readouterr().out)["joints"] == count > 20
 
 
 def test_a_folder_of_before_there_were_joints_gets_them_and_nothing_else(root, caplog):

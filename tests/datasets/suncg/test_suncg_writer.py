@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 from tiny_dataset import HOUSE_ID, edit_house, write_tiny_dataset
 
+from home_mjx.datasets.joints import Joint
 from home_mjx.datasets.suncg.dataset import open_dataset
+from home_mjx.datasets.suncg.read.joints import read_joints
 from home_mjx.datasets.suncg.read.metadata import read_metadata
 from home_mjx.datasets.suncg.write import house as writer_module
 from home_mjx.datasets.suncg.write.house import house_document, write_house, write_library
@@ -155,6 +157,19 @@ def test_tables_come_back(tmp_path):
         "index,model_id,fine_grained_class,coarse_grained_class,empty_struct_obj,nyuv2_40class,wnsynsetid,wnsynsetkey"
     )
     assert row == "4,Box,unknown,unknown,2,void,n08632096,unknown.n.01"
+
+
+def test_joints_come_back_and_without_any_there_is_no_table(tmp_path):
+    mesh = open_dataset(write_tiny_dataset(tmp_path / "source")).load_model("9001")
+    joints = (
+        Joint("x", "door_1", "hinge", (0.0, -0.707107, 0.707107), (0.1, 0.2, 0.3), -0.5, 1.570796, ((0, 3), (6, 6))),
+        Joint("x", "drawer_1", "slide", (1.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0.4, ((4, 5),)),
+    )
+    model = LibraryModel(ModelInfo("x", "desk", "desk", "desk"), mesh, ("n03179701", "desk.n.01"), joints=joints)
+    for name, each in (("with", model), ("without", dataclasses.replace(model, joints=()))):
+        write_library(tmp_path / name, [each], {})
+    assert read_joints(tmp_path / "with" / "metadata") == {"x": joints}
+    assert not list((tmp_path / "without" / "metadata").glob("joints*"))
 
 
 def test_a_crash_leaves_nothing_behind(tmp_path, monkeypatch):

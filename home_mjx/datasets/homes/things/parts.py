@@ -16,6 +16,7 @@ from home_mjx.schema.house import Mesh
 
 QUARTER = np.pi / 2
 TIPPED = 1.0  # [rad], of fronts that tip out
+LIFTED = 1.3  # [rad], of lids
 # The edge that a front towards +z hangs on, or how far it is pulled out [m]; `tips`: on the lower one, and not far.
 Opens = Literal["left", "right", "bottom", "top", "tips"] | float
 _HUNG = {
@@ -46,9 +47,9 @@ def front_part(opens: Opens, corner: Vector, size: tuple[float, float]) -> Part:
     return Part(name, "hinge", axis, point, reach)
 
 
-def lid_part(y: float, z: float, reach: float = 1.3) -> Part:
-    """The part of a lid that opens upwards about its back edge, at height y and depth z [m]."""
-    return Part("lid", "hinge", (-1.0, 0.0, 0.0), (0.0, y, z), reach)
+def lid_part(y: float, z: float, x: float = 0.0) -> Part:
+    """The part of a lid that opens upwards about its back edge, at height y and depth z; x tells it from others [m]."""
+    return Part("lid", "hinge", (-1.0, 0.0, 0.0), (x, y, z), LIFTED)
 
 
 def marked(part: Part | None, pieces: Iterable[Solid]) -> Iterator[Solid]:

@@ -104,6 +104,8 @@ def write_library(
         write_model(root, model)
     write_textures(root, textures)
     write_tables(root, models)
+    if any(model.joints for model in models):
+        write_joints(root, models)
 
 
 def write_model(root: Path, model: LibraryModel, digests: bool = False) -> None:

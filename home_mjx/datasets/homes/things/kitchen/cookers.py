@@ -11,7 +11,7 @@ from home_mjx.datasets.homes.shapes.turned import turned
 from home_mjx.datasets.homes.things.family import Family, design
 from home_mjx.datasets.homes.things.joinery import disc, doors
 from home_mjx.datasets.homes.things.kitchen.cases import DEPTH, FACE, WORKTOP
-from home_mjx.datasets.homes.things.parts import panel
+from home_mjx.datasets.homes.things.parts import lid_part, marked, panel
 from home_mjx.datasets.procedural.primitives.solids import Solid, box, cylinder
 
 
@@ -95,21 +95,10 @@ def range_stove(width: float = 1.0) -> Iterator[Solid]:
             at = ((i - 0.5) * 0.16, 0.27 + 0.36 * j, DEPTH / 2 + 0.03)
             yield from panel("right" if i else "left", board, rounded("chrome", (0.03, 0.02, 0.03), at, 0.006, 1))
     for x in (-0.24, 0.24):
-        yield turned("chrome", [(0.18, 0.0), (0.18, 0.02), (0.12, 0.06), (0.02, 0.07)], (x, WORKTOP, 0.0), 24, 2)
-        yield tube(
-            "iron",
-            fillet(
-                [
-                    (x - 0.04, WORKTOP + 0.06, 0.0),
-                    (x - 0.04, WORKTOP + 0.11, 0.0),
-                    (x + 0.04, WORKTOP + 0.11, 0.0),
-                    (x + 0.04, WORKTOP + 0.06, 0.0),
-                ],
-                0.02,
-            ),
-            0.007,
-            6,
-        )
+        lid = [turned("chrome", [(0.18, 0.0), (0.18, 0.02), (0.12, 0.06), (0.02, 0.07)], (x, WORKTOP, 0.0), 24, 2)]
+        grip = [(x + dx, WORKTOP + up, 0.0) for dx, up in ((-0.04, 0.06), (-0.04, 0.11), (0.04, 0.11), (0.04, 0.06))]
+        lid.append(tube("iron", fillet(grip, 0.02), 0.007, 6))
+        yield from marked(lid_part(WORKTOP, -0.18, x), lid)
     yield rod("chrome", (-width / 2, 0.82, DEPTH / 2 + 0.06), (width / 2, 0.82, DEPTH / 2 + 0.06), 0.011)
 
 

@@ -1,7 +1,6 @@
 """Bins."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 
@@ -60,7 +59,7 @@ def _two() -> Iterator[Solid]:
     for s, slot in ((-1, "green"), (1, "blue")):
         yield rounded("gray", (0.24, 0.5, 0.34), (s * 0.125, 0.01, 0.0), 0.02, 2)
         lid = rounded(slot, (0.235, 0.04, 0.34), (s * 0.125, 0.51, 0.0), 0.016, 2)
-        yield from marked(replace(lid_part(0.51, -0.17), point=(s * 0.125, 0.51, -0.17)), [lid])
+        yield from marked(lid_part(0.51, -0.17, s * 0.125), [lid])
         yield box(slot, (0.1, 0.1, 0.004), (s * 0.125, 0.22, 0.17))
 
 
