@@ -207,6 +207,7 @@ def test_the_table_of_a_dataset_says_what_the_shapes_say(root):
     assert open_dataset(root).joints == {model.id: model.joints for model in JOINTED}
 
 
+@pytest.mark.slow
 def test_inspect_counts_the_parts_of_a_home(root, capsys):
     assert main(["inspect", "--dataset", str(root), "--json"]) == 0
     dataset = open_dataset(root)
