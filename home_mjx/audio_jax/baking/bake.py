@@ -94,7 +94,7 @@ def bake_house(
     Example:
         >>> field = bake_house(house)  # doctest: +SKIP
         >>> field.nbytes, field.level.shape  # doctest: +SKIP
-        (480_512, (73, 73, 4, 7))
+        (480_512, (73, 73, 5, 7))
     """
     options = options or BakeOptions()
     scene, cells = open_scene(bank or HouseBank.from_compiled([house]), index), divide(house, options.size)
@@ -110,7 +110,7 @@ def bake_house(
     total = baker.run(starts, cells.room)
     level, shape = tally.finish(seen)
     heard = {
-        "distance": distance,
+        "arrival": np.minimum(tally.arrival, 255).astype(np.uint8),
         "level": level,
         "comes_from": total["comes_from"],
         "room": cells.room.astype(np.int32),
