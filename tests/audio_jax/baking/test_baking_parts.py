@@ -56,8 +56,8 @@ def test_a_decay_goes_on_beyond_the_traced_time():
 def test_a_late_slope_is_as_loud_as_between_its_own_cells():
     """Of a room beside one that decays slowly: cells at its door hear twice as much of that as those far away.
 
-    When all that is later than 56 ms was one span the slow slope was as loud everywhere: 1.9 dB off here, and in coupled
-    rooms T30 was 4 to 10 % long.
+    When all that is later than 56 ms was one span the slow slope was as loud everywhere: 1.9 dB off here, and in
+    coupled rooms T30 was 4 to 10 % long.
     """
     time, near = np.arange(BINS), np.array([1.0, 1.0, 2.0, 2.0])
     decay = np.exp(-0.22 * time) + 0.003 * np.outer(near, near)[:, :, None] * np.exp(-0.045 * time)
