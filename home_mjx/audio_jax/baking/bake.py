@@ -259,7 +259,7 @@ class _Baker:
                 for name in SUMS:
                     sums[name][of] += share[of] * getattr(one, name)
                 if pool:
-                    pool.add(one, of)
+                    pool.add(one, int(of))
         return _Heard(energy, way, went, sums)
 
     def _join(

@@ -6,9 +6,9 @@ for what began in the first or grew old there; one per two doors that sound come
 door meets another as nothing else does; and one per room for what has grown old in it. From each gate rays fly as they
 went through it, whatever cell they came from, so that a few tell of all cells and rooms that are many doors away.
 
-With D what cells hear of a source before any gate, G what goes from it through gates over time, H what cells hear of a
-gate before the next one, and K what goes from gate to gate, all hear D + G H + G K H + G K K H ... : a renewal equation,
-solved by its Fourier transform.
+With D what cells hear of a source before any gate, G what goes from it through gates over time, H what cells hear of
+a gate before the next one, and K what goes from gate to gate, all hear D + G H + G K H + G K K H ... : a renewal
+equation, solved by its Fourier transform.
 """
 
 from typing import NamedTuple
