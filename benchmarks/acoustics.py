@@ -83,9 +83,9 @@ def heard(case, bank, config, seeds):
 
 def places(case):
     """Groups of listeners: everywhere, or each of two rooms by itself."""
-    if case.name != "coupled":
+    if not case.name.endswith("coupled"):
         return {case.name: slice(None)}
-    return {"coupled, source's room": slice(0, 3), "coupled, other room": slice(3, None)}
+    return {f"{case.name}, source's room": slice(0, 3), f"{case.name}, other room": slice(3, None)}
 
 
 def compare(name, truth, ours, dt):
@@ -131,6 +131,7 @@ def main():
         rooms.household(False),
         rooms.household(True),
         rooms.coupled(),
+        rooms.small_coupled(),
     ]
     cases = [case for case in cases if not args.rooms or case.name in args.rooms]
     print("| " + " | ".join(COLUMNS) + " |\n|" + " --- |" * len(COLUMNS))

@@ -35,14 +35,14 @@ def sources_of(plan, count: int, height: np.ndarray) -> list[tuple[np.ndarray, i
     return [(plan.source, plan.source_room), *places[::middle]][:count]
 
 
-def pairs_of(plan, surfaces, count: int, height: np.ndarray):
-    """Per source: its place, the listeners, doors between, and the radii of balls that nothing cuts."""
-    ears, _ = plan.listeners()
+def pairs_of(plan, surfaces, count: int, each: int, height: np.ndarray):
+    """Per source: its place, the listeners, their rooms, doors between, and the radii of balls that nothing cuts."""
+    ears, _ = plan.listeners(each)
     room = np.array([plan.room(place) for place in ears])
     free = oracle.free_radii(surfaces, ears)
     for place, own in sources_of(plan, count, height):
         use = (free > 0) & (np.linalg.norm(ears - place, axis=1) > NEAREST)
-        yield place, ears[use], np.maximum(plan.all_hops[own][room[use]], 0), free[use]
+        yield place, ears[use], room[use], np.maximum(plan.all_hops[own][room[use]], 0), free[use]
 
 
 def _engine(preset: str, seconds: float):
@@ -56,12 +56,13 @@ def _engine(preset: str, seconds: float):
     return run
 
 
-def judged(house, bank, plan, presets, seconds, particles, sources, height, errors: Errors):
+def judged(house, bank, plan, presets, seconds, particles, sources, each, height, errors: Errors):
     """Records of levels, T30 and EDT against the oracle, and of its halves against each other."""
     surfaces = oracle.surfaces_of(house, air_energy(AudioConfig()).astype(float))
-    halves, ours, doors, start = ([], []), {preset: [] for preset in presets}, [], time.perf_counter()
+    halves, ours, start = ([], []), {preset: [] for preset in presets}, time.perf_counter()
+    doors, groups = [], []
     run = {preset: _engine(preset, seconds) for preset in presets}
-    for number, (source, ears, hops, radius) in enumerate(pairs_of(plan, surfaces, sources, height)):
+    for number, (source, ears, room, hops, radius) in enumerate(pairs_of(plan, surfaces, sources, each, height)):
         for half, found in enumerate(halves):
             found.append(oracle.fly(surfaces, source, ears, seconds, 0.004, particles, radius, 2 * number + half))
         for preset in presets:
@@ -69,11 +70,12 @@ def judged(house, bank, plan, presets, seconds, particles, sources, height, erro
             energy = run[preset](bank, jnp.asarray(source, jnp.float32), jnp.asarray(ears, jnp.float32), keys)
             ours[preset].append(np.moveaxis(np.asarray(energy), 1, 2))
         doors.append(hops)
+        groups.append(1000 * number + room)
         print(f"source {number}: {len(ears)} places, {time.perf_counter() - start:.0f} s", flush=True)
     first, second = (np.concatenate(half) for half in halves)
-    hops = np.concatenate(doors)
-    for record in errors(first, second, hops, 0.004):
+    how = np.concatenate(doors), 0.004, np.concatenate(groups)
+    for record in errors(first, second, *how):
         yield {"truth": "oracle", "preset": "one half against the other", **record}
     for preset in presets:
-        for record in errors((first + second) / 2, np.concatenate(ours[preset]), hops, 0.004):
+        for record in errors((first + second) / 2, np.concatenate(ours[preset]), *how):
             yield {"truth": "oracle", "preset": preset, **record}

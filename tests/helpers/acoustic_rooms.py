@@ -84,9 +84,40 @@ def coupled() -> KnownRoom:
 
     The source and three listeners are in the first room, three in the other.
     """
-    height, half, split = 2.7, 2.0, 6.0
-    corners = [((0.0, -half), (split - LEAF, half)), ((split + LEAF, -half), (10.0, half))]
-    absorption, scattering = (0.35, 0.05), 0.3
+    source = np.array([2.0, -0.6, 1.4])
+    listeners = np.array([[1, 1, 1.6], [3, -1.2, 1.0], [4.5, 1.3, 1.9], [7, 1.2, 1.5], [8.2, -1.1, 1.0], [9.3, 1, 1.8]])
+    return two_coupled("coupled", (10.0, 4.0, 2.7), 6.0, (0.35, 0.05), source, listeners)
+
+
+def small_coupled() -> KnownRoom:
+    """9 x 5 x 2.5 m, split at x = 3.5 m: the source is in the smaller room, absorption 0.3, in the other it is 0.06."""
+    source = np.array([1.1, 0.9, 1.5])
+    listeners = np.array(
+        [[2.4, -1, 1.3], [0.7, -1.7, 1.8], [2.8, 1.9, 1.1], [5, 1.5, 1.6], [6.7, -1.4, 1], [8.2, 0, 1.9]]
+    )
+    return two_coupled("small coupled", (9.0, 5.0, 2.5), 3.5, (0.3, 0.06), source, listeners)
+
+
+def two_coupled(
+    name: str,
+    size: tuple[float, float, float],
+    split: float,
+    absorption: tuple[float, float],
+    source: np.ndarray,
+    listeners: np.ndarray,
+) -> KnownRoom:
+    """Two rooms along x with an open doorway in the middle of the wall between; scattering 0.3.
+
+    Args:
+        name: Of the case.
+        size: Of both together [m].
+        split: Where the wall is [m].
+        absorption: Of each room.
+        source: [m].
+        listeners: [m], first those of the first room.
+    """
+    length, height, half, scattering = size[0], size[2], size[1] / 2, 0.3
+    corners = [((0.0, -half), (split - LEAF, half)), ((split + LEAF, -half), (length, half))]
     slabs, rows, planes = [], [], []
     for room, ((x0, y0), (x1, y1)) in enumerate(corners):
         shell = _box((x0, y0, 0.0), (x1, y1, height))
@@ -99,10 +130,9 @@ def coupled() -> KnownRoom:
     parts = [Slab(tuple(low), tuple(high), "wall", i, 0 if i < 8 else 1) for i, (low, high) in enumerate(slabs)]
     mirror = [_without_door(_room_planes(a, b, height, 0), 8 * r, r) for r, a, b in planes]
     table = _architecture_rows(parts, rows, scattering, 0.0)
-    house = build_house("coupled", parts, table, _rooms(corners, height), _join_planes(mirror))
-    listeners = np.array([[1, 1, 1.6], [3, -1.2, 1.0], [4.5, 1.3, 1.9], [7, 1.2, 1.5], [8.2, -1.1, 1.0], [9.3, 1, 1.8]])
+    house = build_house(name, parts, table, _rooms(corners, height), _join_planes(mirror))
     blocks = _blocks(slabs, rows, scattering)
-    return KnownRoom("coupled", house, blocks, np.array([2.0, -0.6, 1.4]), listeners, 10 * 4 * height)
+    return KnownRoom(name, house, blocks, source, listeners, float(np.prod(size)))
 
 
 def _clipped(slab: tuple[np.ndarray, np.ndarray], split: float, room: int) -> tuple[np.ndarray, np.ndarray]:

@@ -68,8 +68,9 @@ def baked_sound(scene: Scene, source: Float[Array, "3"], listener: Float[Array, 
     pair = house, start.cell[:, None], end.cell[None]
     level = jnp.exp(late.level[pair].astype(jnp.float32))
     level = jnp.einsum("ij,ijsb->sb", both, level, precision="highest")
-    way = jnp.sum(both * late.distance[pair].astype(jnp.float32))
-    way = jnp.maximum(way, jnp.linalg.norm(source - listener))
+    # Bins count from where they begin, so that on average a straight line takes half a bin more than its arrival.
+    first = jnp.sum(both * late.arrival[pair].astype(jnp.float32))
+    first = jnp.maximum(first, jnp.linalg.norm(source - listener) / metres - 0.5)
     back = house, end.cell[None], start.cell[:, None]
     comes_from, leaves_to = (
         jnp.einsum("ij,ijsx->sx", both, late.comes_from[x].astype(jnp.float32) / 127, precision="highest")
@@ -78,8 +79,8 @@ def baked_sound(scene: Scene, source: Float[Array, "3"], listener: Float[Array, 
     member = jnp.asarray(np.eye(len(SPANS), dtype=np.float32)[span_of(bins)])
     energy = _shape(late, house, start, end, bins) * jnp.matmul(member, level, precision="highest")
     rooms = balance(late, scene, start.room, end.room, bins, metres)
-    heard = _delayed(energy, way / metres) * rooms.kept + rooms.added
-    return Arrivals(heard, comes_from, leaves_to, _delayed(member, way / metres))
+    heard = _delayed(energy, first) * rooms.kept + rooms.added
+    return Arrivals(heard, comes_from, leaves_to, _delayed(member, first))
 
 
 def _shape(late: LateSound, house: Int[Array, ""], start: _Place, end: _Place, bins: int) -> Float[Array, "k bands"]:

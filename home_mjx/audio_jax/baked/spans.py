@@ -5,12 +5,13 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Float, Int
 
-SPANS = (0, 2, 6, 14)  # bins after the first arrival at which a span of time begins; the last one never ends
+SPANS = (0, 2, 6, 14, 30)  # bins after the first arrival at which a span of time begins; the last one never ends
+FINE = 14  # bins up to which there is a knot at each, and of which no decay's slope is told
 BINS = 500  # that are baked
 SILENT = 1e-12  # energy below which nothing is told apart
 KNOTS: Int[np.ndarray, " knots"] = np.unique(
-    np.concatenate([np.arange(SPANS[-1] + 1), np.geomspace(SPANS[-1], BINS - 1, 28).round()])
-).astype(int)
+    np.concatenate([np.arange(FINE + 1), np.geomspace(FINE, BINS - 1, 28).round(), SPANS, np.subtract(SPANS[1:], 1)])
+).astype(int)  # on both sides of where a span begins: what is read of one knows nothing of the others
 
 
 def at_knots(shape: Float[np.ndarray, "... k"]) -> Float[np.ndarray, "... knots"]:
@@ -22,14 +23,16 @@ def at_knots(shape: Float[np.ndarray, "... k"]) -> Float[np.ndarray, "... knots"
     edges = np.append(0, (KNOTS[1:] + KNOTS[:-1]) // 2 + 1)
     width = np.diff([*edges, shape.shape[-1]])
     knots = np.log(np.maximum(np.add.reduceat(shape, edges, axis=-1) / width, SILENT))
-    late, middle = slice(SPANS[-1], None), edges + (width - 1) / 2
-    slope = np.gradient(knots[..., late], middle[late], axis=-1)
-    half = np.clip(np.abs(slope) * width[late] / 2, 1e-3, 5)
-    knots[..., late] += slope * (KNOTS - middle)[late] - np.log(np.sinh(half) / half)
-    read = np.exp(knots @ between(shape.shape[-1]).T)
+    middle, weight = edges + (width - 1) / 2, between(shape.shape[-1])
     for first, end in pairwise([*SPANS, shape.shape[-1]]):
         inside = (first <= KNOTS) & (end > KNOTS)
-        knots[..., inside] -= np.log(np.maximum(read[..., first:end].sum(axis=-1, keepdims=True), SILENT))
+        here = knots[..., inside]
+        if first >= FINE:
+            slope = np.gradient(here, middle[inside], axis=-1)
+            half = np.clip(np.abs(slope) * width[inside] / 2, 1e-3, 5)
+            here += slope * (KNOTS - middle)[inside] - np.log(np.sinh(half) / half)
+        read = np.exp(here @ weight[first:end, inside].T)
+        knots[..., inside] = here - np.log(np.maximum(read.sum(axis=-1, keepdims=True), SILENT))
     return knots
 
 

@@ -1,7 +1,7 @@
 """From a compiled house to its late field."""
 
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import partial, reduce
 from typing import NamedTuple
 
 import jax
@@ -16,7 +16,7 @@ from home_mjx.audio_jax.baking.flight import Flown, Grid, fly
 from home_mjx.audio_jax.baking.flow import flow_of
 from home_mjx.audio_jax.baking.late_field import LateField, small
 from home_mjx.audio_jax.baking.places import clear_points, in_view, places, start_points, ways
-from home_mjx.audio_jax.baking.renewal import Pool, Start, add_up, flux, gates_of, through
+from home_mjx.audio_jax.baking.renewal import Pool, Start, add_up, flux, gates_after, gates_of, through
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_number
@@ -29,7 +29,7 @@ EARLY = 128  # bins, after which sound comes from everywhere
 YOUNG = 40.0  # [m], after which it hardly matters in which cell of a room sound began
 OLD = 120.0  # [m], after which it does not matter when
 PER_METRE = 1.0  # most reflections: flights end by age, for rays that are reflected seldom are those that last
-FLIGHTS = (1, 3, 3)  # of rays of each room that are very old, old, and from each gate between rooms
+FLIGHTS = (1, 3, 2, 1)  # of rays of each room that are very old, old, from each gate between rooms, and after another
 NARROW = 0.3  # [m]: portals that agents cannot cross count as so wide
 MOST_RAYS = (1600, 800, 400)  # few numbers: each is a program of its own
 RAYS_IN_ALL = 50_000  # from all cells, per octave
@@ -94,7 +94,7 @@ def bake_house(
     Example:
         >>> field = bake_house(house)  # doctest: +SKIP
         >>> field.nbytes, field.level.shape  # doctest: +SKIP
-        (480_512, (73, 73, 4, 7))
+        (480_512, (73, 73, 5, 7))
     """
     options = options or BakeOptions()
     scene, cells = open_scene(bank or HouseBank.from_compiled([house]), index), divide(house, options.size)
@@ -110,7 +110,7 @@ def bake_house(
     total = baker.run(starts, cells.room)
     level, shape = tally.finish(seen)
     heard = {
-        "distance": distance,
+        "arrival": np.minimum(tally.arrival, 255).astype(np.uint8),
         "level": level,
         "comes_from": total["comes_from"],
         "room": cells.room.astype(np.int32),
@@ -209,17 +209,22 @@ class _Baker:
         gates = gates_of(cells.went.sum(axis=(0, 1, 4)))
         oldest, old, entering = gates.kinds()
         sizes = [(flights, self.rays) for flights in FLIGHTS]
+        met, aged = Pool(), Pool()
         starts = pool.starts(gates.rooms[entering], gates.number, entering.start, sizes[2], self.rng)
-        between = self.flights(starts, False, YOUNG, pool)
-        aged = Pool()
+        between = self.flights(starts, False, YOUNG, met)
+        pool.rays += met.rays
         starts = pool.starts(gates.rooms[old], gates.number, old.start, sizes[1], self.rng)
         middle = self.flights(starts, False, OLD, aged)
         starts = aged.starts(gates.rooms[oldest], gates.older, oldest.start, sizes[0], self.rng)
         last = self.flights(starts, False, np.inf)
-        count = len(gates.rooms)
-        given, passed = (through(x.went, gates.number, count) for x in (cells, between))
-        passed = np.concatenate([*(through(x.went, gates.older, count) for x in (last, middle)), passed])
-        return self._join(cells, _both(_both(last, middle), between), given, passed)
+        rooms, first, second = gates_after(gates, between.went.sum(axis=(1, 4)))
+        starts = met.starts(rooms, first, len(gates.rooms), sizes[3], self.rng)
+        after = self.flights(starts, False, YOUNG)
+        count = len(gates.rooms) + len(rooms)
+        given = through(cells.went, gates.number, count)
+        every = (last, gates.older), (middle, gates.older), (between, first), (after, second)
+        passed = np.concatenate([through(x.went, number, count) for x, number in every])
+        return self._join(cells, reduce(_both, (x for x, _ in every)), given, passed)
 
     def _source(self, points: Float[np.ndarray, "r 3"], room: int) -> Start:
         count = len(points) * len(BANDS)
@@ -254,7 +259,7 @@ class _Baker:
                 for name in SUMS:
                     sums[name][of] += share[of] * getattr(one, name)
                 if pool:
-                    pool.add(one)
+                    pool.add(one, int(of))
         return _Heard(energy, way, went, sums)
 
     def _join(

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from home_mjx.audio_jax.baked.spans import SILENT, SPANS
+from home_mjx.audio_jax.baked.spans import FINE, SILENT, SPANS
 
 BLOCK = 10  # bins
 PRIOR = 0.05  # share of a pair's energy that is spread over the spans as between all cells of its rooms
@@ -60,17 +60,18 @@ class Tally:
             seen: Which cells see which; pairs of rooms of which none does are smoothed, see `apart`. None: all do.
         """
         shape = self.shape + np.swapaxes(self.shape, 0, 1)
-        valid = int(np.clip(np.median(self.valid), 3 * SPANS[-1], shape.shape[3]))
+        valid = int(np.clip(np.median(self.valid), 3 * FINE, shape.shape[3]))
         rooms = np.arange(len(shape))
         slowest = [_rate(band, valid) for band in shape[rooms, rooms].sum(axis=0)]
-        longer = np.ones(shape.shape[:3])
+        found = np.add.reduceat(shape, SPANS, axis=3)
         for index in np.ndindex(*shape.shape[:3]):
-            longer[index] = _extend(shape[index], valid, slowest[index[2]])
+            _extend(shape[index], valid, slowest[index[2]])
+        spans = np.add.reduceat(shape, SPANS, axis=3)  # (r, r, bands, spans)
+        longer = np.moveaxis(np.where(found > 0, spans / np.maximum(found, SILENT**2), 1.0), 3, 2)
         pair = alike((self.pair + np.swapaxes(self.pair, 0, 1)) / 2, self.room)
         pair = apart(pair, self.room, seen) if seen is not None else pair
         a, b = self.room[:, None], self.room[None]
-        pair[:, :, -1] *= longer[a, b]
-        spans = np.add.reduceat(shape, SPANS, axis=3)  # (r, r, bands, spans)
+        pair *= longer[a, b]
         form = np.moveaxis(spans / np.maximum(spans.sum(axis=3, keepdims=True), SILENT), 3, 2)[a, b]
         pair = (pair + PRIOR * pair.sum(axis=2, keepdims=True) * form) / (1 + PRIOR)
         width = np.diff([*SPANS, shape.shape[3]])
@@ -118,7 +119,7 @@ def _dense(decay: Float[np.ndarray, " k"], valid: int) -> int:
     """End of the part up to `valid` in which no block of ten bins is mostly empty, but for the first span's."""
     blocks = decay[: valid // BLOCK * BLOCK].reshape(-1, BLOCK) > 0
     empty = np.flatnonzero(blocks.mean(axis=1) < 0.7)
-    empty = empty[empty > SPANS[-1] // BLOCK]
+    empty = empty[empty > FINE // BLOCK]
     return int(empty[0] * BLOCK) if empty.size else valid
 
 
@@ -127,31 +128,29 @@ def _rate(decay: Float[np.ndarray, " k"], end: int) -> float:
 
     The half before is divided in two; the ratio of their energies is what falls in so much time.
     """
-    half = (end - max(end // 2, SPANS[-1])) // 2
+    half = (end - max(end // 2, FINE)) // 2
     if half < 1:
         return 0.0
     before, after = decay[end - 2 * half : end - half].sum(), decay[end - half : end].sum()
     return float(np.log(before / after) / half) if before > after > 0 else 0.0
 
 
-def _extend(decay: Float[np.ndarray, " k"], valid: int, slowest: float) -> float:
-    """Continues a decay in place beyond what rays have found, as it fell before; by how much its last span grew.
+def _extend(decay: Float[np.ndarray, " k"], valid: int, slowest: float) -> None:
+    """Continues a decay in place beyond what rays have found, as it fell before.
 
     Args:
         decay: Energy per bin between two rooms.
         valid: Bin up to which nearly all rays flew.
         slowest: Rate at which the rooms themselves fall in the end [per bin]: none that they feed falls more slowly.
     """
-    old = decay[SPANS[-1] :].sum()
     end = _dense(decay, valid)
-    first, rate = max(end - (end - SPANS[-1]) // 4, SPANS[-1]), max(_rate(decay, end), slowest)
-    if old <= 0 or rate <= 0 or end <= first:
-        return 1.0
+    first, rate = max(end - (end - FINE) // 4, FINE), max(_rate(decay, end), slowest)
+    if decay[FINE:].sum() <= 0 or rate <= 0 or end <= first:
+        return
     width = (end - first) / 2
     mean = np.sinh(rate * width) / (rate * width)  # of an exponential over the last quarter, re its middle
     time = np.arange(end, len(decay)) - (first + end - 1) / 2
     decay[end:] = decay[first:end].mean() / mean * np.exp(-rate * time)
-    return float(decay[SPANS[-1] :].sum() / old)
 
 
 def neighbours(

@@ -14,7 +14,7 @@ from home_mjx.bank.records.sound import LateSound
 
 # Of each field, what the lengths of its first axes are rounded up to a multiple of; the others are alike in all houses.
 AXES: dict[str, tuple[int, ...]] = {
-    **dict.fromkeys(("distance", "level", "comes_from"), (16, 16)),
+    **dict.fromkeys(("arrival", "level", "comes_from"), (16, 16)),
     "room": (16,),
     **dict.fromkeys(("shape", "opening", "wall"), (4, 4)),
     **dict.fromkeys(("volume", "loss"), (4,)),
@@ -22,7 +22,7 @@ AXES: dict[str, tuple[int, ...]] = {
     "floor": (1,),
     **dict.fromkeys(("portal_room", "portal_share", "portal_leaf", "portal_leak"), (4,)),
 }
-HALF = ("distance", "level", "shape", "weight", "loss", "opening", "wall", "portal_leak")
+HALF = ("level", "shape", "weight", "loss", "opening", "wall", "portal_leak")
 PADDING: dict[str, Any] = {
     "level": np.log(SILENT),
     "shape": np.log(SILENT),
@@ -37,7 +37,7 @@ PADDING: dict[str, Any] = {
 class LateField:
     """Late sound of one house; see `bank.records.sound.LateSound` for its fields."""
 
-    distance: Float[np.ndarray, "n n"]
+    arrival: UInt8[np.ndarray, "n n"]
     level: Float[np.ndarray, "n n spans bands"]
     comes_from: Int8[np.ndarray, "n n spans 3"]
     room: Int[np.ndarray, " n"]

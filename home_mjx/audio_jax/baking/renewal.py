@@ -2,10 +2,13 @@
 
 Sound that has come through a doorway has forgotten where it began, but for when and how much of it there is; so has
 sound that has been reflected often in a room. Such moments are *gates*: one per pair of rooms between which sound goes,
-and one per room for what has grown old in it. From each gate rays fly as they went through it, whatever cell they came
-from, so that a few tell of all cells and rooms that are many doors away. With D what cells hear of a source before any
-gate, G what goes from it through gates over time, H what cells hear of a gate before the next one, and K what goes from
-gate to gate, all hear D + G H + G K H + G K K H ... : a renewal equation, solved by its Fourier transform.
+for what began in the first or grew old there; one per two doors that sound comes through, for what comes through one
+door meets another as nothing else does; and one per room for what has grown old in it. From each gate rays fly as they
+went through it, whatever cell they came from, so that a few tell of all cells and rooms that are many doors away.
+
+With D what cells hear of a source before any gate, G what goes from it through gates over time, H what cells hear of
+a gate before the next one, and K what goes from gate to gate, all hear D + G H + G K H + G K K H ... : a renewal
+equation, solved by its Fourier transform.
 """
 
 from typing import NamedTuple
@@ -64,27 +67,50 @@ def gates_of(went: Float[np.ndarray, "r r"]) -> Gates:
     return Gates(rooms, number, older)
 
 
+def gates_after(
+    gates: Gates, went: Float[np.ndarray, "f r r"]
+) -> tuple[Int[np.ndarray, "g 2"], Int[np.ndarray, "f r r"], Int[np.ndarray, "g r r"]]:
+    """More gates, for what comes through a door after another; what little comes another way forgets the first one.
+
+    Args:
+        gates: That there are.
+        went: Energy from room to room of what started at each gate between rooms.
+
+    Returns:
+        Rooms left and entered, by gate; the gate through which goes what started at each gate between rooms; and the
+        same of what started at these new ones.
+    """
+    first = gates.kinds()[2].start
+    between = went * ~np.eye(went.shape[1], dtype=bool)
+    main = np.argwhere(between > MINOR * between.sum(axis=(1, 2), keepdims=True))
+    number = np.repeat(gates.number[None], len(went), axis=0)
+    number[tuple(main.T)] = len(gates.rooms) + np.arange(len(main))
+    rooms = main[:, 1:]
+    before = gates.number[tuple(rooms.T)] - first
+    return rooms, number, np.where(before[:, None, None] >= 0, number[before], gates.number)
+
+
 class Pool:
     """Rays that went through gates, to start anew from them."""
 
     def __init__(self) -> None:
         self.rays: list[tuple[np.ndarray, ...]] = []
 
-    def add(self, flown: Flown) -> None:
-        """Keeps where rays of a flight went; its arrays are on the host, and one flight's."""
+    def add(self, flown: Flown, source: int = 0) -> None:
+        """Keeps where rays of a flight of a source went; its arrays are on the host, and one flight's."""
         for gone in (flown.gone, flown.aged):
-            self._keep(gone.ray, np.asarray(gone.entered))
+            self._keep(gone.ray, np.asarray(gone.entered), source)
 
-    def _keep(self, rays: Rays, entered: Int[np.ndarray, " n"]) -> None:
+    def _keep(self, rays: Rays, entered: Int[np.ndarray, " n"], source: int) -> None:
         kept = np.flatnonzero(np.asarray(rays.energy) > 0)
         octave = kept // (len(entered) // len(BANDS))
         values = (rays.origin, rays.direction, rays.travelled, rays.energy, rays.room)
-        self.rays.append((*(np.asarray(x)[kept] for x in values), entered[kept], octave))
+        self.rays.append((*(np.asarray(x)[kept] for x in values), entered[kept], octave, np.full(len(kept), source)))
 
     def starts(
         self,
         rooms: Int[np.ndarray, "g 2"],
-        number: Int[np.ndarray, "r r"],
+        number: Int[np.ndarray, "*s r r"],
         first: int,
         size: tuple[int, int],
         rng: np.random.Generator,
@@ -93,17 +119,18 @@ class Pool:
 
         Args:
             rooms: Of these gates.
-            number: Of all gates.
+            number: Of all gates, alike for all sources or by source.
             first: Number of the first of these.
             size: How many flights, and rays per octave in each.
             rng: Random numbers.
         """
         if not self.rays:
             return [[] for _ in rooms]
-        origin, direction, travelled, energy, room, entered, octave = (
+        origin, direction, travelled, energy, room, entered, octave, source = (
             np.concatenate(x) for x in zip(*self.rays, strict=True)
         )
-        gate, (flights, count) = number[room, entered], size
+        gate = number[source, room, entered] if number.ndim == 3 else number[room, entered]
+        flights, count = size
         out = []
         for index, here in enumerate(rooms[:, 1], first):
             mine = np.flatnonzero(gate == index)
@@ -130,12 +157,13 @@ def _draw(
 
 
 def through(
-    went: Float[np.ndarray, "s bands r r k"], number: Int[np.ndarray, "r r"], count: int
+    went: Float[np.ndarray, "s bands r r k"], number: Int[np.ndarray, "*s r r"], count: int
 ) -> Float[np.ndarray, "s bands g k"]:
-    """Energy that went from room to room, by gates."""
+    """Energy that went from room to room, by gates, which are alike for all sources or given by source."""
     out = np.zeros((*went.shape[:2], count, went.shape[-1]), went.dtype)
-    for left, entered in np.argwhere(number >= 0):
-        out[:, :, number[left, entered]] += went[:, :, left, entered]
+    each = np.broadcast_to(number, (len(went), *number.shape[-2:]))
+    for source, left, entered in np.argwhere(each >= 0):
+        out[source, :, each[source, left, entered]] += went[source, :, left, entered]
     return out
 
 

@@ -12,8 +12,8 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.core.checks import check_known
 
 PRESETS: dict[str, dict[str, Any]] = {
-    # T30 within 1 %, then +-3, +-4, +9 and +-3 %; late slopes within 2 %. EDT within 2 % (-2, +3, +6, -2 %), level
-    # exact (+0.1, +0.2, -0.4, +0.1 dB). Tones at 1.4 m/s: error below -40 dB. Ends after 0.5 s.
+    # T30 within 1 %, then +-3, +-4, +3 and +-3 %; late slopes within 3 %. EDT within 1 % (-2, -4, +4, -3 %), level
+    # exact (+0.1, +0.2, -0.3, +0.1 dB). Tones at 1.4 m/s: error below -40 dB. Ends after 0.5 s.
     "fast": {
         "motion": True,
         "late": "baked",

@@ -51,12 +51,13 @@ class Acoustics(Pytree):
 class LateSound(Pytree):
     """What is kept of the late sound of every house h, with all doors wide open.
 
-    Rooms are divided into cells. Between two of them sound arrives after `distance` / c; its energy is kept per octave
-    for some spans of time after that. Within a span time runs as it does between the cells' rooms, `shape`. Logarithms
-    are natural ones. The rest is an energy balance of the rooms, for what doors and walls change.
+    Rooms are divided into cells. Between two of them sound is first heard in the time bin `arrival`; its energy is
+    kept per octave for some spans of time from that bin on. Within a span time runs as it does between the cells'
+    rooms, `shape`. Logarithms are natural ones. The rest is an energy balance of the rooms, for what doors and walls
+    change.
     """
 
-    distance: Float[Array, "h n n"]  # [m], from cell to cell around what stands in between
+    arrival: UInt8[Array, "h n n"]  # in which sound comes first from cell to cell, around what stands in between
     level: Float[Array, "h n n spans bands"]  # logarithm of the energy re the free field at 1 m
     comes_from: Int8[Array, "h n n spans 3"]  # mean direction in which the second cell hears the first, in 1 / 127
     room: Int[Array, "h n"]  # of each cell

@@ -4,7 +4,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from home_mjx.audio_jax.baking.flight import Flown, Gone, Rays, _put, _since
-from home_mjx.audio_jax.baking.renewal import Pool, add_up, flux, gates_of, through
+from home_mjx.audio_jax.baking.renewal import Pool, add_up, flux, gates_after, gates_of, through
 from home_mjx.schema.compiled import BANDS
 
 BINS = 200
@@ -67,6 +67,39 @@ def test_little_that_comes_another_way_counts_to_the_main_gate():
     assert gates.number[3, 1] == gates.number[0, 1]
     assert (gates.number[went == 0] < 0).sum() == 12 - 2  # rooms that sound gets to grow old
     assert gates.number[1, 1] != gates.older[1, 1]
+
+
+def test_what_comes_through_a_door_in_line_with_the_next_goes_through_it():
+    """Four rooms in a row: of what begins in a room a tenth goes on through the door after the next, but three tenths
+    of what has come through a door before.
+
+    With one gate per pair of rooms it had forgotten that: a third of it was heard in the last room.
+    """
+    gates = gates_of(np.diag(np.full(3, 0.5), 1))
+    given = np.zeros((4, 1, 4, 4, 8))
+    given[range(3), 0, range(3), range(1, 4), 1] = 0.5
+    entering = gates.rooms[gates.kinds()[2]]
+    met = went_on(entering, 0.1)
+    rooms, first, second = gates_after(gates, met.sum(axis=(1, 4)))
+    assert rooms.tolist() == [[1, 2], [2, 3]]
+    total = len(gates.rooms) + len(rooms)
+    given, passed, later = (
+        through(*x, total)[:, 0] for x in ((given, gates.number), (met, first), (went_on(rooms, 0.3), second))
+    )
+    old = np.zeros((len(gates.rooms) - len(entering), total, 8))
+    heard = np.zeros((total, 4, 8))
+    heard[np.arange(total), np.concatenate([gates.rooms, rooms])[:, 1], 0] = 1
+    found = add_up(given, np.concatenate([old, passed, later]), heard).sum(axis=2)
+    np.testing.assert_allclose(found[0], [0, 0.5, 0.05, 0.015], atol=1e-6)
+
+
+def went_on(rooms: np.ndarray, share: float) -> np.ndarray:
+    """Energy (g, 1, 4, 4, 8) of gates between four rooms in a row that goes on into the next, one bin later."""
+    went = np.zeros((len(rooms), 1, 4, 4, 8))
+    for gate, (_, entered) in enumerate(rooms):
+        if entered < 3:
+            went[gate, 0, entered, entered + 1, 1] = share
+    return went
 
 
 def ended(energy: np.ndarray, room: int, entered: int) -> Gone:
