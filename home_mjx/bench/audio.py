@@ -72,7 +72,12 @@ def frame_synthesis(settings: Settings) -> Record:
 
 def frame_early(settings: Settings) -> Record:
     """Of these the early part: all that moves, without the late part."""
-    return _stage("audio/frame-early", settings, lambda *given: filtered(moving_early(*given), given[-1]))
+
+    def early(source: jax.Array, old: Any, new: Any, config: AudioConfig) -> jax.Array:
+        one = jax.tree.map(lambda x: x[None], (source, old, new))
+        return filtered(moving_early(*one, config), config)
+
+    return _stage("audio/frame-early", settings, early)
 
 
 def frame_late(settings: Settings) -> Record:

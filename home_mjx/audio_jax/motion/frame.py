@@ -28,8 +28,7 @@ def moving_frame(
         config: Options.
         head: Of the listener, where it is a measured one.
     """
-    early, late = _parts(source, old, new, config, head)
-    return filtered(early, config) + late_frame(late, config)
+    return moving_frames(source[None], *jax.tree.map(lambda x: x[None], (old, new)), config, head)
 
 
 def moving_frames(
@@ -53,16 +52,17 @@ def moving_frames(
         >>> moving_frames(jnp.zeros((2, width)), none, none, config).shape
         (2, 1600)
     """
-    early, late = jax.vmap(lambda s, a, b: _parts(s, a, b, config, head))(sources, old, new)
-    return filtered(jnp.sum(early, axis=0), config) + late_frame(jnp.sum(late, axis=0), config)
+    late = jax.vmap(lambda source, old, new: moving_late(source, old, new, config))(sources, old, new)
+    early = filtered(moving_early(sources, old, new, config, head), config)
+    return early + late_frame(jnp.sum(late, axis=0), config)
 
 
 def moving_early(
-    source: Float[Array, " w"], old: Reception, new: Reception, config: AudioConfig, head: Head | None = None
+    sources: Float[Array, "n w"], old: Reception, new: Reception, config: AudioConfig, head: Head | None = None
 ) -> Float[Array, "e s k"]:
-    """Early sound of a frame before what sources share: see `filtered`. Arguments as of `moving_frame`."""
-    pairs = paired(old.paths, new.paths, old.quat, new.quat, longest_step(config))
-    return early_sums(source, config.memory_length - 1, pairs, config, head)
+    """Early sound of a frame before what sources share: see `filtered`. Arguments as of `moving_frames`."""
+    pairs = jax.vmap(lambda a, b: paired(a.paths, b.paths, a.quat, b.quat, longest_step(config)))(old, new)
+    return early_sums(sources, config.memory_length - 1, pairs, config, head)
 
 
 def moving_late(
@@ -73,9 +73,3 @@ def moving_late(
     late = jax.vmap(lambda heard: late_part(heard, config))(ends)  # one product of matrices
     tail = jax.vmap(lambda heard: tail_levels(heard.energy, config))(ends)
     return late_spectra(source, late, tail, config)
-
-
-def _parts(
-    source: Float[Array, " w"], old: Reception, new: Reception, config: AudioConfig, head: Head | None
-) -> tuple[Float[Array, "e s k"], Complex[Array, "2 e f"]]:
-    return moving_early(source, old, new, config, head), moving_late(source, old, new, config)

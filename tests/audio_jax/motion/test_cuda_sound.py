@@ -1,0 +1,168 @@
+"""The kernels of moving sound without a GPU: compiled as C++ for the CPU they do what XLA's operations do."""
+
+import ctypes
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from home_mjx.audio_jax import AudioConfig, Paths
+from home_mjx.audio_jax.base import delays
+from home_mjx.audio_jax.base.shapes import shapes
+from home_mjx.audio_jax.motion import early
+from home_mjx.audio_jax.motion.cuda import launch
+from home_mjx.audio_jax.motion.pairs import paired
+from home_mjx.audio_jax.motion.reads import frame_begin, sums_of
+from home_mjx.core.native import nvrtc
+from home_mjx.errors import ExecutorError
+
+KERNELS = {
+    "add_paths": (
+        launch.SUMS_SOURCES,
+        "(float*)p[0], (float*)p[1], (int*)p[2], (float*)p[3], (float2*)p[4], (float*)p[5], (float*)p[6], (int*)p[7], "
+        "(float*)p[8]",
+    ),
+    "filter_sums": (
+        launch.FILTER_SOURCES,
+        "(float*)p[0], (float2*)p[1], (float2*)p[2], (int*)p[3], (float*)p[4]",
+    ),
+}
+SHIM = Path(__file__).parents[2] / "helpers" / "block_shim.h"
+
+
+@pytest.fixture(scope="module")
+def libraries(tmp_path_factory):
+    """Each kernel as a function that runs one block."""
+    compiler = shutil.which("c++") or shutil.which("g++")
+    if not compiler:
+        pytest.skip("there is no C++ compiler here")
+    folder, found = tmp_path_factory.mktemp("sound"), {}
+    for name, (sources, arguments) in KERNELS.items():
+        text = "".join(source.read_text() for source in sources).replace("extern __shared__ float shared[];", "")
+        main = folder / f"{name}.cpp"
+        main.write_text(
+            f'#include "{SHIM}"\nstatic void** p;\n{text}\nstatic void go() {{ {name}({arguments}); }}\n'
+            'extern "C" void run(void** given, int x, int y, int threads, int words) '
+            "{ p = given; run_block(x, y, threads, words, go); }\n"
+        )
+        options = ["-std=c++17", "-O2", "-shared", "-fPIC", "-w"]
+        subprocess.run([compiler, *options, "-o", folder / f"{name}.so", main], check=True)
+        found[name] = ctypes.CDLL(str(folder / f"{name}.so"))
+    return found
+
+
+@pytest.fixture
+def here(libraries, monkeypatch):
+    """Calls of XLA run those functions instead."""
+
+    def ffi_call(target, results):
+        def call(*operands, **sizes):
+            given = [np.ascontiguousarray(x) for x in operands]
+            result = np.full(results[0].shape, np.nan, np.float32)
+            pointers = [x.ctypes.data for x in (*given, result)]
+            words = int(sizes["shared_mem_bytes"]) // 4
+            for x in range(int(sizes["grid_x"])):
+                for y in range(int(sizes["grid_y"])):
+                    array = (ctypes.c_void_p * len(pointers))(*pointers)
+                    libraries[sizes["name"]].run(array, x, y, int(sizes["block_x"]), words)
+            return (jnp.asarray(result),)
+
+        return call
+
+    monkeypatch.setattr(launch, "ptx_for_all", lambda sources: "")
+    monkeypatch.setattr(jax.ffi, "ffi_call", ffi_call)
+
+
+def some_paths(rng, count, away):
+    """Paths of all directions, a few of them silent."""
+    vector = rng.normal(size=(count, 3))
+    gain = rng.uniform(0, 1, (count, 7)) * (rng.random((count, 1)) < 0.8)
+    unit = vector / np.linalg.norm(vector, axis=1, keepdims=True)
+    return Paths(*(jnp.float32(x) for x in (rng.uniform(*away, count), gain, unit)), jnp.arange(count, dtype=jnp.int32))
+
+
+def moved(paths, rng):
+    vector = paths.distance[:, None] * paths.direction + jnp.float32(rng.normal(size=paths.direction.shape) * 0.1)
+    distance = jnp.linalg.norm(vector, axis=1)
+    return paths.replace(distance=distance, direction=vector / distance[:, None], gain=paths.gain * 0.9)
+
+
+@pytest.mark.parametrize("receiver", ["binaural", "omni", "ambisonics"])
+@pytest.mark.parametrize("sources", [1, 3])
+def test_paths_are_read_and_added_as_by_xla(here, rng, receiver, sources):
+    """Of near and far ones, beyond the end of a response too, of several sources and two environments."""
+    config = AudioConfig(motion=True, receiver=receiver, tail_seconds=0.0, response_seconds=0.2)
+    envs = []
+    for _ in range(2):
+        old = [some_paths(rng, 6, (0.3, 90.0)) for _ in range(sources)]
+        new = [moved(x, rng) for x in old]
+        quats = jnp.float32(rng.normal(size=(sources, 2, 4)))
+        quats = quats / jnp.linalg.norm(quats, axis=-1, keepdims=True)
+        pairs = [paired(a, b, q[0], q[1], early.longest_step(config)) for a, b, q in zip(old, new, quats, strict=True)]
+        width = config.memory_length - 1 + config.frame + config.ahead
+        signal = jnp.float32(rng.normal(size=(sources, width)))
+        reads = [early._reads(s, config.memory_length - 1, p, config, None) for s, p in zip(signal, pairs, strict=True)]
+        envs.append(jax.tree.map(lambda *x: jnp.stack(x), *reads))
+    wanted = jnp.stack([jax.jit(lambda x: sums_of(x, config))(reads) for reads in envs])
+    given = [jnp.stack(x) for x in zip(*(launch.read_operands(reads) for reads in envs), strict=True)]
+    shape, ears = envs[0].share.shape[3], envs[0].ways.ears.shape[-1]
+    (got,) = launch.run_sums(config, shape, ears, *given)
+    assert got.shape == wanted.shape
+    # Delays of thousands of samples are rounded to some 1e-4 of a sample, in other places than XLA does.
+    np.testing.assert_allclose(got, wanted, rtol=0, atol=1e-3 * np.std(wanted))
+    assert np.std(got - wanted) < 1e-4 * np.std(wanted)
+
+
+@pytest.mark.parametrize(("count", "channels"), [(2143, 2), (250, 3), (700, 1), (1000, 4), (4500, 2)])
+def test_sums_are_filtered_as_by_numpy(here, rng, count, channels):
+    """Transforms of several sizes, all radices among them; also odd numbers of channels."""
+    kernels, begin = rng.normal(size=(5, 40)).astype(np.float32), 39
+    frame = count - begin
+    sums = rng.normal(size=(2, channels, 5, count)).astype(np.float32)
+    tables = launch.filter_tables(kernels, count)
+    (got,) = launch.run_filter(begin, frame, *tables, jnp.asarray(sums))
+    wanted = [[sum(np.convolve(x, k)[begin:count] for x, k in zip(c, kernels, strict=True)) for c in e] for e in sums]
+    np.testing.assert_allclose(got, wanted, rtol=0, atol=2e-5 * np.std(wanted))
+
+
+def test_sizes_of_transforms_have_all_radices():
+    """So the test above has seen each of them."""
+    sizes = [launch.transform_size(count) for count in (2143, 250, 700, 1000, 4500)]
+    assert sizes == [2560, 256, 768, 1024, 4608]
+    assert launch.transform_size(7000) is None
+
+
+def test_filters_of_the_engine_ring_out_before_the_frame():
+    """What a transform brings from its end is never in the frame."""
+    config = AudioConfig(motion=True)
+    assert shapes(config.sample_rate).kernel.shape[1] <= frame_begin(config) + 1
+
+
+def test_weights_in_cuda_are_those_of_python():
+    """Sixty rounded numbers that nobody compares by eye."""
+    text = launch.SUMS_SOURCES[0].read_text()
+    rows = re.findall(r"^ +\{(-?\d.*)\},$", text, re.MULTILINE)
+    table = np.array([[np.float32(x.strip("f ")) for x in row.split(",")] for row in rows], np.float32)
+    np.testing.assert_array_equal(table, delays._polynomials())
+    for name, value in {
+        "TAPS": 2 * delays.HALF_WIDTH,
+        "READ": delays.READ,
+        "FIRST": delays.FIRST,
+        "SUMS": launch.SUMS,
+    }.items():
+        assert re.search(rf"constexpr int {name} = {value};", text)
+
+
+def test_nvrtc_compiles_them():
+    """If it is here."""
+    try:
+        nvrtc.find_library()
+    except ExecutorError:
+        pytest.skip("there is no NVRTC here")
+    for sources in (launch.SUMS_SOURCES, launch.FILTER_SOURCES):
+        assert ".entry" in nvrtc.compile_ptx(sources, 90)
