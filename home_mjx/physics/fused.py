@@ -12,10 +12,10 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from home_mjx.bank.records import Physics
+from home_mjx.core.native.batched import Step, batched, without_gradient
 from home_mjx.core.native.forked import refuse_forked
 from home_mjx.core.native.platforms import cover_all
 from home_mjx.core.native.varying import varying_as
-from home_mjx.core.native.batched import Step, batched, without_gradient
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.base.doors import Leaf, door_table
 from home_mjx.physics.base.state import PhysicsState, Scale

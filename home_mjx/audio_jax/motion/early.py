@@ -12,7 +12,6 @@ from scipy.fft import next_fast_len
 
 from home_mjx.audio_jax.auralization.response import octave_spectra, path_weights
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.base.delays import HALF_WIDTH
 from home_mjx.audio_jax.base.endpoints import Head
 from home_mjx.audio_jax.base.filters import CAUSAL_SECONDS
 from home_mjx.audio_jax.base.shapes import shapes

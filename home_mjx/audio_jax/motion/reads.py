@@ -34,7 +34,7 @@ class Ways(Pytree):
 
 
 class Reads(Pytree):
-    """All that a frame reads of one source. The first `FILTERED` ways are read from `filtered`, the others from `source`."""
+    """All that a frame reads of one source: the first `FILTERED` ways from `filtered`, the others from `source`."""
 
     source: Float[Array, " n"]
     filtered: Float[Array, "two m"]

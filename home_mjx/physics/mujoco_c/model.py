@@ -13,9 +13,9 @@ from jaxtyping import Array, Float
 from mujoco import rollout
 
 from home_mjx.core.checks import check_number, check_shape
+from home_mjx.core.native.batched import batched, without_gradient
 from home_mjx.core.native.host_call import register_host_call
 from home_mjx.core.workers import usable_cores
-from home_mjx.core.native.batched import batched, without_gradient
 from home_mjx.physics.mujoco_c.calls import call_host, refuse_where_impossible
 
 FULL = mujoco.mjtState.mjSTATE_FULLPHYSICS.value  # pyright: ignore[reportAttributeAccessIssue]

@@ -9,8 +9,8 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from home_mjx.bank.records import Physics
-from home_mjx.errors import ConfigError
 from home_mjx.core.native.batched import Step, batched, without_gradient
+from home_mjx.errors import ConfigError
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.mujoco_c.calls import call_host, refuse_where_impossible
