@@ -21,17 +21,20 @@ AJAR = np.deg2rad(60.0)  # from closed: a leaf that opens farther leaves the way
 SLIDE_AJAR = 0.5  # [m], of a leaf that slides
 
 
-def make_doors(leaves: Sequence[Leaf], static: BoxSet, walls: BoxSet | None = None) -> Doors:
+def make_doors(
+    leaves: Sequence[Leaf], static: BoxSet, walls: BoxSet | None = None, movable: BoxSet | None = None
+) -> Doors:
     """The table of a house's leaves.
 
     Args:
         leaves: Those that turn or slide.
         static: What they cannot run into.
         walls: What else stops those that turn; others slide into it. None by default.
+        movable: What could move, as it stands; see `swing`. None by default.
     """
     if not leaves:
         return Doors.none()
-    low, high = np.array([swing(leaf, static, walls) for leaf in leaves]).T
+    low, high = np.array([swing(leaf, static, walls, movable) for leaf in leaves]).T
     box = join(leaf.box for leaf in leaves)
     area = 4 * np.sort(box.half, axis=1)[:, 1:].prod(axis=1)
     return Doors(
@@ -49,7 +52,9 @@ def make_doors(leaves: Sequence[Leaf], static: BoxSet, walls: BoxSet | None = No
     )
 
 
-def swing(leaf: Leaf, static: BoxSet, walls: BoxSet | None = None) -> tuple[float, float]:
+def swing(
+    leaf: Leaf, static: BoxSet, walls: BoxSet | None = None, movable: BoxSet | None = None
+) -> tuple[float, float]:
     """The coordinates between which a leaf can move: from closed to where its box comes too near to another one.
 
     A leaf has the frame and the wall beside it within its clearance when it is closed. Into such boxes it may reach
@@ -57,11 +62,14 @@ def swing(leaf: Leaf, static: BoxSet, walls: BoxSet | None = None) -> tuple[floa
     If the leaf stands free as placed, the range reaches at least there, whatever is between.
     A sliding leaf goes as far as in its model's open variant at most. Walls do not stop it, nor does what it touches
     when it is closed, such as its frame.
+    What could move is pushed out of the way until the leaf is wide open. Whatever stands there, beyond that the leaf
+    turns no farther than up to it: it would be stopped by it, and how far it turns shall not depend on what is a body.
 
     Args:
         leaf: As it stands, at coordinate 0.
         static: What it cannot run into.
         walls: See `make_doors`.
+        movable: See `make_doors`.
 
     Returns:
         Least and greatest angle [rad] or way [m]; one of them is the closed one.
@@ -80,7 +88,22 @@ def swing(leaf: Leaf, static: BoxSet, walls: BoxSet | None = None) -> tuple[floa
     end = 0.0 if is_free(0.0) else leaf.closed
     while abs(end - leaf.closed) + step <= most + EXACT and is_free(end + float(opens) * step):
         end += float(opens) * step
+    if movable is not None and not leaf.slides:
+        end = _up_to(leaf, end, movable)
     return min(leaf.closed, end), max(leaf.closed, end)
+
+
+def _up_to(leaf: Leaf, end: float, movable: BoxSet) -> float:
+    """How far a leaf that could turn to an angle does: from wide open until it comes near to what could move."""
+    beyond, opens = abs(end - leaf.closed) - abs(leaf.wide - leaf.closed), float(np.sign(leaf.wide - leaf.closed))
+    if beyond <= 0:
+        return end
+    near, way = movable[_within_reach(leaf, movable)], 0.0
+    for farther in [*np.arange(STEP, beyond, STEP).tolist(), beyond]:
+        if (overlap(leaf.box_at(leaf.wide + opens * farther), near) > -CLEARANCE).any():
+            return leaf.wide + opens * way
+        way = farther
+    return end
 
 
 def _within_reach(leaf: Leaf, static: BoxSet) -> Bool[np.ndarray, " n"]:

@@ -135,7 +135,8 @@ def build_levels(
     ramps = make_ramps(stairs, len(fixtures.pos))
     leaves = [leaf for o in objects for leaf in o.leaves]
     around = join(level.things for level in found), join(level.boxes.walls for level in found)
-    doors, blocked = make_doors(leaves, *around), join([sides, rails, ajar_leaves(leaves, *around)])
+    doors = make_doors(leaves, *around, movable=join(candidate.box for candidate in moving))
+    blocked = join([sides, rails, ajar_leaves(leaves, *around)])
     return Levels(
         spaces=_spaces(sites, found, blocked, rooms, colliders, navigation),
         doorways=[site.doorways for site in sites],

@@ -5,6 +5,7 @@ import shutil
 from collections import Counter
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 from standing_things import floating, overlaps, things
@@ -305,6 +306,26 @@ def test_free_bodies_stay_where_they_are_and_doors_have_hinges(root, seed):
         if dataset.metadata.info(item.model_id).fine == "door" and item.state != 1
     )
     assert len(compiled.doors.mass) == leaves
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [4_000_700, 4_100_036])
+def test_every_hinge_swings_through_its_range(tmp_path, seed):
+    """A plant, and a chair, that stood behind a leaf held it at 82 and 70 % of the range that it was given."""
+    (name,) = generate_dataset(tmp_path / "homes", [seed], version=2)
+    dataset = open_dataset(tmp_path / "homes")
+    compiled = compile_house(dataset.load_house(name), dataset.metadata)
+    model = mujoco.MjModel.from_xml_string(*to_mjcf(compiled))
+    data = mujoco.MjData(model)
+    hinges = np.flatnonzero((model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE) & model.jnt_limited.astype(bool))
+    assert len(hinges) == len(compiled.doors.mass)
+    ends = []
+    for torque in (4.0, -4.0):
+        data.qfrc_applied[model.jnt_dofadr[hinges]] = torque
+        mujoco.mj_step(model, data, round(4.0 / model.opt.timestep))
+        ends.append(data.qpos[model.jnt_qposadr[hinges]])
+    assert (ends[0] - ends[1] > 0.9 * np.ptp(model.jnt_range[hinges], axis=1)).all()
+    assert (np.ptp(model.jnt_range[hinges], axis=1) > np.deg2rad(89)).all()
 
 
 @pytest.mark.slow

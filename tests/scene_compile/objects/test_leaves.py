@@ -9,7 +9,7 @@ import pytest
 from home_mjx.datasets.procedural.dataset import generate_dataset
 from home_mjx.datasets.suncg.dataset import open_dataset
 from home_mjx.scene_compile.cache.house_set import HouseSet
-from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, join, no_boxes
+from home_mjx.scene_compile.geometry.boxes import BoxSet, box_set, join, no_boxes, overlap
 from home_mjx.scene_compile.objects.doors import Leaf
 from home_mjx.scene_compile.objects.leaves import CLEARANCE, ajar_leaves, make_doors, swing
 from home_mjx.scene_compile.pipeline.compile import compile_house
@@ -74,6 +74,31 @@ def test_only_boxes_at_its_height_stop_a_leaf(bottom):
     assert (high - low < np.pi / 2) == (bottom == 0.0)
 
 
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("placed", [0.0, np.pi / 2])
+def test_what_stands_behind_an_open_door_ends_its_range_though_it_could_move(side, placed):
+    """A plant of a home, seed 4000700, held a leaf at 137 of 171 degrees."""
+    plant = box_set((-0.55, side * 0.4, 0.5), (0.15, 0.15, 0.5))
+    wall = jambs(face=0.0) if side > 0 else no_boxes()
+    low, high = swing(leaf(placed, side), wall, movable=plant)
+    assert np.pi / 2 < high - low < np.deg2rad(140)
+    reached = leaf(placed, side).box_at(high if side > 0 else low)
+    assert -2 * CLEARANCE - 0.014 < overlap(reached, plant).max() <= -CLEARANCE
+    assert (make_doors([leaf(placed, side)], wall, movable=plant).low[0]) == low
+    free = swing(leaf(placed, side), wall)
+    assert free[1] - free[0] > np.deg2rad(175)
+
+
+def test_what_could_move_does_not_keep_a_door_from_opening_wide():
+    """It is pushed; nor does it end the range there, since it may stand a little nearer than a leaf as placed."""
+    chair = box_set((0.5, 0.5, 0.5), (0.2, 0.2, 0.5))
+    assert swing(leaf(), no_boxes(), movable=chair) == swing(leaf(), no_boxes())
+    behind = box_set((-0.2, 0.5, 0.5), (0.195, 0.2, 0.5))  # at 90 degrees it is 5 mm away
+    assert swing(leaf(), no_boxes(), movable=behind) == (0.0, pytest.approx(np.pi / 2))
+    wall = box_set((0, 1.4, 1), (3, 1, 1))
+    assert swing(leaf(), wall, movable=behind) == swing(leaf(), wall)  # never wide open
+
+
 def test_a_leaf_that_stands_free_can_turn_to_where_it_stands():
     """Something thin stands between closed and as placed."""
     low, high = swing(leaf(placed=1.5), box_set((0.5, 0.3, 1), (0.05, 0.05, 1)))
@@ -130,9 +155,9 @@ def test_a_leaf_that_slides_stops_a_centimetre_before_what_stands_in_its_way():
     assert len(ajar_leaves([sliding(0.0)], no_boxes())) == 0
 
 
-def _distances(house: CompiledHouse, row: int, angle: float) -> np.ndarray:
+def _distances(house: CompiledHouse, row: int, angle: float, bodies: bool = False) -> np.ndarray:
     """MuJoCo's distance from a leaf at an angle to each static box; negative: depth."""
-    doors, boxes = house.doors, house.colliders
+    doors, boxes = house.doors, house.bodies if bodies else house.colliders
     spec, kind = mujoco.MjSpec(), mujoco.mjtGeom.mjGEOM_BOX
     arm = doors.pos[row, :2] - doors.pivot[row]
     c, s = np.cos(angle), np.sin(angle)
@@ -150,7 +175,10 @@ def _distances(house: CompiledHouse, row: int, angle: float) -> np.ndarray:
 
 
 def check_ranges(house: CompiledHouse) -> None:
-    """Within its range a leaf keeps a centimetre from all that it keeps it from when it is closed; beyond, not."""
+    """Within its range a leaf keeps a centimetre from all that it keeps it from when it is closed; beyond, not.
+
+    Where it is opened farther than wide it keeps as far from what can move.
+    """
     doors = house.doors
     for row in range(len(doors.instance)):
         low, high, closed = (float(v[row]) for v in (doors.low, doors.high, doors.closed))
@@ -162,7 +190,12 @@ def check_ranges(house: CompiledHouse) -> None:
         if high - low < np.deg2rad(178):
             free_end, way = (high, 1) if closed == low else (low, -1)
             now, beyond = (_distances(house, row, free_end + way * np.deg2rad(a)) for a in (0.0, 3.0))
-            assert beyond[apart].min() < CLEARANCE or (beyond < now - 1e-3)[~apart].any()
+            held = _distances(house, row, free_end + way * np.deg2rad(3.0), bodies=True).min(initial=1.0) < CLEARANCE
+            assert beyond[apart].min() < CLEARANCE or (beyond < now - 1e-3)[~apart].any() or held
+        end = high if closed == low else low
+        if end != doors.wide[row]:
+            for angle in np.linspace(doors.wide[row], end, 8)[1:]:
+                assert _distances(house, row, angle, bodies=True).min(initial=1.0) > CLEARANCE * 0.9
 
 
 @pytest.fixture(scope="module")
