@@ -15,6 +15,8 @@ using std::min;
 #define __launch_bounds__(...)
 #define __restrict__
 
+inline float __fdividef(float a, float b) { return a / b; }
+
 struct float2 { float x, y; };
 struct float4 { float x, y, z, w; };
 struct uint3 { unsigned x, y, z; };

@@ -5,7 +5,7 @@ import functools
 import hashlib
 import importlib.util
 import logging
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from home_mjx.core.files import read_text, write_whole
@@ -13,19 +13,21 @@ from home_mjx.core.paths import cache_folder
 from home_mjx.errors import DatasetError, ExecutorError, install_hint
 
 OPTIONS = ("--std=c++17",)
+NO_DEFINES: Mapping[str, int] = {}
 NAMES = ("libnvrtc.so.13", "libnvrtc.so.12", "libnvrtc.so")  # for the loader's own search
 MARK = "// sha256 of the rest: "
 
 log = logging.getLogger(__name__)
 
 
-def compile_ptx(source: Path | Sequence[Path], capability: int) -> str:
+def compile_ptx(source: Path | Sequence[Path], capability: int, defines: Mapping[str, int] = NO_DEFINES) -> str:
     """PTX of a CUDA C file, from the cache if source, target and compiler have not changed.
 
     Args:
         source: The file, or files, which are put one after the other; names of `extern "C"` functions stay as they are.
         capability: Compute capability of the device, 90 for 9.0. An NVRTC that does not know it yet compiles for the
             newest one that it does know, which runs there too.
+        defines: Numbers by the names that the source has for them.
 
     Raises:
         ExecutorError: There is no NVRTC here, or it refuses the source.
@@ -37,12 +39,13 @@ def compile_ptx(source: Path | Sequence[Path], capability: int) -> str:
     files = [source] if isinstance(source, Path) else list(source)
     code, name = b"".join(file.read_bytes() for file in files), files[-1]
     target = f"compute_{_known(library, capability)}"
-    key = hashlib.sha256(repr((code, target, OPTIONS, version(library))).encode()).hexdigest()
+    options = (*OPTIONS, *(f"--define-macro={name}={value}" for name, value in defines.items()))
+    key = hashlib.sha256(repr((code, target, options, version(library))).encode()).hexdigest()
     entry = cache_folder() / "kernels" / f"{name.stem}-{key[:24]}.ptx"
     kept = _read(entry)
     if kept is not None:
         return kept
-    ptx = _compile(library, code, name.name, target)
+    ptx = _compile(library, code, name.name, target, options)
     _keep(entry, ptx)
     return ptx
 
@@ -94,13 +97,13 @@ def _known(library: ctypes.CDLL, capability: int) -> int:
     return max((arch for arch in known if arch <= capability), default=capability)
 
 
-def _compile(library: ctypes.CDLL, code: bytes, name: str, target: str) -> str:
+def _compile(library: ctypes.CDLL, code: bytes, name: str, target: str, options: Sequence[str]) -> str:
     program = ctypes.c_void_p()
     create = library.nvrtcCreateProgram(ctypes.byref(program), code, name.encode(), 0, None, None)
     _check(library, create)
     try:
-        options = [o.encode() for o in (f"--gpu-architecture={target}", *OPTIONS)]
-        status = library.nvrtcCompileProgram(program, len(options), (ctypes.c_char_p * len(options))(*options))
+        given = [o.encode() for o in (f"--gpu-architecture={target}", *options)]
+        status = library.nvrtcCompileProgram(program, len(given), (ctypes.c_char_p * len(given))(*given))
         if status:
             raise ExecutorError(f"NVRTC refuses {name}: {_text(library, program, 'ProgramLog')}")
         return _text(library, program, "PTX")

@@ -2,14 +2,14 @@
 
 import threading
 import warnings
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import jax
 from jax.extend.backend import backends
 
-from home_mjx.core.native.nvrtc import compile_ptx
+from home_mjx.core.native.nvrtc import NO_DEFINES, compile_ptx
 
 PTX_TARGET = "__gpu$xla.gpu.ptx"  # XLA's own call of a kernel given as PTX
 TITLES = {"cpu": "CPU backend", "cuda": "NVIDIA GPU"}
@@ -65,7 +65,7 @@ def cover_all(platforms: Iterable[str]) -> bool:
     return {PLATFORMS.get(name, name) for name in backends()} <= set(platforms)
 
 
-def ptx_for_all(source: Path | Sequence[Path]) -> str:
+def ptx_for_all(source: Path | Sequence[Path], defines: Mapping[str, int] = NO_DEFINES) -> str:
     """PTX of CUDA C that all GPUs of this process can run; see `nvrtc.compile_ptx`."""
     capabilities = [int(device.compute_capability.replace(".", "")) for device in devices_of("cuda")]
-    return compile_ptx(source, min(capabilities))
+    return compile_ptx(source, min(capabilities), defines)

@@ -81,47 +81,86 @@ __device__ __forceinline__ void butterfly<8>(Complex* v) {
   }
 }
 
-// One pass over `size` values, of which groups of `done` are transforms already. `turns`: exp(-2 pi i j / size).
-template <int R>
-__device__ __forceinline__ void pass(Complex* values, const Complex* turns, int size, int done) {
-  constexpr int MOST = (PER_THREAD + R - 1) / R;
-  asm volatile("" : "+r"(size), "+r"(done));  // or compilers keep the indices of all passes in registers for the next
-  const int count = size / R, step = count / done;
+// Where value i lies: a gap after every eight keeps threads that write every eighth one out of each other's way.
+__device__ constexpr int place(int i) { return i + i / 8; }
+
+__device__ constexpr int radix_of(int left) {
+  return left % 8 == 0 ? 8 : left % 5 == 0 ? 5 : left % 4 == 0 ? 4 : left % 3 == 0 ? 3 : 2;
+}
+
+template <int N, int DONE = 1>
+__device__ constexpr int last_radix() {
+  constexpr int R = radix_of(N / DONE);
+  if constexpr (DONE * R < N)
+    return last_radix<N, DONE * R>();
+  else
+    return R;
+}
+
+// Values that a thread has when all passes are done.
+template <int N>
+__device__ constexpr int num_slots() {
+  return (PER_THREAD + last_radix<N>() - 1) / last_radix<N>() * last_radix<N>();
+}
+
+// Which value a slot of this thread holds then; -1: none.
+template <int N>
+__device__ __forceinline__ int slot_value(int slot) {
+  constexpr int R = last_radix<N>();
+  const int i = int(threadIdx.x) + slot / R * (N / PER_THREAD);
+  return i < N / R ? i + slot % R * (N / R) : -1;
+}
+
+// One pass over N values, of which groups of DONE are transforms already, and all that come after it.
+template <int N, int DONE, class Load, class Store>
+__device__ __forceinline__ void passes(Complex* values, const Complex* turns, Load load, Store store) {
+  constexpr int R = radix_of(N / DONE), COUNT = N / R, THREADS = N / PER_THREAD;
+  constexpr int MOST = (COUNT + THREADS - 1) / THREADS;
+  constexpr bool LAST = DONE * R == N;
+  int thread = threadIdx.x;
+  asm volatile("" : "+r"(thread));  // or compilers keep the indices of all passes in registers, for the next transform
   Complex held[MOST][R];
 #pragma unroll
   for (int b = 0; b < MOST; ++b) {
-    int i = int(threadIdx.x) + b * int(blockDim.x);
-    if (i < count) {
-      Complex turn = turns[(i % done) * step], power = turn;
-      held[b][0] = values[i];
+    const int i = thread + b * THREADS;
+    if (COUNT % THREADS == 0 || i < COUNT) {
+      Complex turn = turns[(i % DONE) * (COUNT / DONE)], power = turn;
 #pragma unroll
-      for (int r = 1; r < R; ++r) {
-        held[b][r] = power * values[i + r * count];
-        power = power * turn;
+      for (int r = 0; r < R; ++r) {
+        held[b][r] = DONE == 1 ? load(i + r * COUNT) : values[place(i + r * COUNT)];
+        if (DONE > 1 && r > 0) {
+          held[b][r] = power * held[b][r];
+          power = power * turn;
+        }
       }
       butterfly<R>(held[b]);
     }
   }
-  __syncthreads();
+  if (!LAST) __syncthreads();
 #pragma unroll
   for (int b = 0; b < MOST; ++b) {
-    int i = int(threadIdx.x) + b * int(blockDim.x);
-    if (i < count) {
-      int inner = i % done, first = (i - inner) * R + inner;
+    const int i = thread + b * THREADS;
+    if (COUNT % THREADS == 0 || i < COUNT) {
+      const int inner = i % DONE, first = (i - inner) * R + inner;
 #pragma unroll
-      for (int r = 0; r < R; ++r) values[first + r * done] = held[b][r];
+      for (int r = 0; r < R; ++r) {
+        if (LAST)
+          store(b * R + r, first + r * DONE, held[b][r]);
+        else
+          values[place(first + r * DONE)] = held[b][r];
+      }
     }
   }
-  __syncthreads();
+  if constexpr (!LAST) {
+    __syncthreads();
+    passes<N, DONE * R>(values, turns, load, store);
+  }
 }
 
-// In place; all threads of the block take part, and may read the results at once.
-__device__ __forceinline__ void transform(Complex* values, const Complex* turns, int size) {
-  __syncthreads();
-  int done = 1;
-  for (; size / done % 8 == 0; done *= 8) pass<8>(values, turns, size, done);
-  for (; size / done % 5 == 0; done *= 5) pass<5>(values, turns, size, done);
-  for (; size / done % 4 == 0; done *= 4) pass<4>(values, turns, size, done);
-  for (; size / done % 3 == 0; done *= 3) pass<3>(values, turns, size, done);
-  for (; size / done % 2 == 0; done *= 2) pass<2>(values, turns, size, done);
+// Of what `load(i)` gives, by all N / PER_THREAD threads; results go to `store(slot, i, value)`, each thread's slots
+// being the same every time. `values` hold place(N); nobody may touch them before the next barrier.
+// `turns`: exp(-2 pi i j / N).
+template <int N, class Load, class Store>
+__device__ __forceinline__ void transform(Complex* values, const Complex* turns, Load load, Store store) {
+  passes<N, 1>(values, turns, load, store);
 }

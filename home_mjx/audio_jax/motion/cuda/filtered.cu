@@ -1,48 +1,54 @@
 // Sums of a frame through the filters that they share; one block per environment and pair of channels.
 //
-// Filters are real, so a pair goes through them as the real and the imaginary part of one signal.
+// SIZE, of transforms, is given when this is compiled. Filters are real, so a pair goes through them as the real and the imaginary part of one signal.
 
-extern "C" __global__ void __launch_bounds__(768, 1) filter_sums(
+extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD) filter_sums(
     const float* __restrict__ sums,       // (environments, channels, shapes, count)
-    const float2* __restrict__ spectra,   // (shapes, size), divided by `size`
-    const float2* __restrict__ turns,     // (size)
-    const int* __restrict__ sizes,        // channels, shapes, count, size, begin, frame
+    const float2* __restrict__ spectra,   // (shapes, SIZE), divided by SIZE
+    const float2* __restrict__ turns,     // (SIZE)
+    const int* __restrict__ sizes,        // channels, shapes, count, begin, frame
     float* __restrict__ frames) {         // (environments, channels, frame)
   extern __shared__ float shared[];
-  const int channels = sizes[0], shapes = sizes[1], count = sizes[2], size = sizes[3], begin = sizes[4];
-  const int frame = sizes[5], threads = blockDim.x, thread = threadIdx.x;
+  const int channels = sizes[0], shapes = sizes[1], count = sizes[2], begin = sizes[3], frame = sizes[4];
+  constexpr int THREADS = SIZE / PER_THREAD;
+  const int thread = threadIdx.x;
   Complex* values = (Complex*)shared;
-  Complex* table = values + size;
+  Complex* table = values + place(SIZE);
   const int left = 2 * blockIdx.y, env = blockIdx.x;
   const bool both = left + 1 < channels;
   const float* here = sums + size_t(env * channels + left) * shapes * count;
   const float* there = both ? here + size_t(shapes) * count : here;
-  for (int i = thread; i < size; i += threads) table[i] = Complex{turns[i].x, turns[i].y};
-  Complex whole[PER_THREAD];
+  for (int i = thread; i < SIZE; i += THREADS) table[i] = Complex{turns[i].x, turns[i].y};
+  Complex whole[num_slots<SIZE>()];
 #pragma unroll
-  for (int j = 0; j < PER_THREAD; ++j) whole[j] = Complex{0.0f, 0.0f};
+  for (Complex& one : whole) one = Complex{0.0f, 0.0f};
+  __syncthreads();
 #pragma unroll 1
   for (int shape = 0; shape < shapes; ++shape) {
     const float* a = here + size_t(shape) * count;
     const float* b = there + size_t(shape) * count;
-    for (int i = thread; i < size; i += threads)
-      values[i] = i < count ? Complex{a[i], both ? b[i] : 0.0f} : Complex{0.0f, 0.0f};
-    transform(values, table, size);
-#pragma unroll
-    for (int j = 0; j < PER_THREAD; ++j) {
-      int i = thread + j * threads;
-      float2 filter = spectra[size_t(shape) * size + i];
-      whole[j] = whole[j] + Complex{filter.x, filter.y} * values[i];
-    }
-    __syncthreads();
+    const float2* filter = spectra + size_t(shape) * SIZE;
+    transform<SIZE>(
+        values, table, [&](int i) { return i < count ? Complex{a[i], both ? b[i] : 0.0f} : Complex{0.0f, 0.0f}; },
+        [&](int slot, int i, Complex value) {
+          const float2 one = filter[i];
+          whole[slot] = whole[slot] + Complex{one.x, one.y} * value;
+        });
   }
+  // The way back is the way there of what is conjugated, before and after.
+  __syncthreads();
 #pragma unroll
-  for (int j = 0; j < PER_THREAD; ++j) values[thread + j * threads] = conjugate(whole[j]);
-  transform(values, table, size);
-  float* out = frames + size_t(env * channels + left) * frame;
-  for (int i = thread; i < frame; i += threads) {
-    Complex heard = values[begin + i];
-    out[i] = heard.re;
-    if (both) out[frame + i] = -heard.im;
+  for (int slot = 0; slot < num_slots<SIZE>(); ++slot) {
+    const int i = slot_value<SIZE>(slot);
+    if (i >= 0) values[place(i)] = conjugate(whole[slot]);
   }
+  __syncthreads();
+  float* out = frames + size_t(env * channels + left) * frame - begin;
+  transform<SIZE>(
+      values, table, [&](int i) { return values[place(i)]; },
+      [&](int, int i, Complex value) {
+        if (i < begin || i >= begin + frame) return;
+        out[i] = value.re;
+        if (both) out[frame + i] = -value.im;
+      });
 }

@@ -55,7 +55,7 @@ def filter_sums(
     """
     slow = functools.partial(_filter_sums, kernels=kernels, begin=begin, frame=frame)
     size = transform_size(sums.shape[-1])
-    if not cuda_available() or size is None or 2 * 8 * size > shared_bytes():
+    if not cuda_available() or size is None or filter_bytes(size) > shared_bytes():
         return slow(sums)
     return _chosen(slow, functools.partial(_filter_sums_cuda, kernels=kernels, begin=begin, frame=frame))(sums)
 
@@ -93,8 +93,14 @@ def _passes(size: int) -> int:
 
 
 def _start() -> None:
-    ptx_for_all(SUMS_SOURCES)
-    ptx_for_all(FILTER_SOURCES)
+    _ptx(SUMS_SOURCES)
+    _ptx(FILTER_SOURCES, PER_THREAD * WARP)
+
+
+@functools.cache
+def _ptx(sources: tuple[Path, ...], size: int = 0) -> str:
+    """PTX that all GPUs of this process can run; `size` is that of its transforms."""
+    return ptx_for_all(sources, {"SIZE": size})
 
 
 def _chosen(slow: Callable[..., Array], fast: Callable[..., Array]) -> Callable[..., Array]:
@@ -139,10 +145,15 @@ def run_sums(config: AudioConfig, shapes: int, ears: int, *given: Array) -> tupl
     rate = config.sample_rate / config.speed_of_sound
     numbers = (_numbers(taps, jnp.float32), _numbers([rate], jnp.float32))
     numbers = (*numbers, _numbers((*sizes, config.frame, before(config)), jnp.int32))
-    words = 2 * (filtered[0, 0].size + source.shape[2]) + way[0, 0].size + share[0, 0].size + len(taps)
+    words = 2 * (filtered[0, 0].size + source.shape[2]) + way[0, 0].size + share[0, 0].size + len(taps) + way.shape[2]
     result = jax.ShapeDtypeStruct((source.shape[0], channels, shapes, count), jnp.float32)
-    launch = _launch("add_paths", SUMS_SOURCES, (source.shape[0], 1), SUMS_BLOCK, 4 * words)
+    launch = _launch("add_paths", _ptx(SUMS_SOURCES), (source.shape[0], 1), SUMS_BLOCK, 4 * words)
     return varying_as(given, jax.ffi.ffi_call(PTX_TARGET, (result,))(*_plain(given), *numbers, **launch))
+
+
+def filter_bytes(size: int) -> int:
+    """Memory that a block needs for a transform and its table; see `place` in fft.cuh."""
+    return 8 * (size + size // 8 + size)
 
 
 def _sums_bytes(reads: Reads) -> int:
@@ -150,7 +161,7 @@ def _sums_bytes(reads: Reads) -> int:
     halves = 2 * (reads.filtered[0].size + reads.source[0].size)
     rows, channels, shapes = reads.share.shape[1:4]
     ways = 3 * rows + reads.ways.ears[0].size
-    return 4 * (halves + ways + 2 * rows * channels * (shapes + -shapes % SUMS) + 2 * HALF_WIDTH)
+    return 4 * (halves + ways + 2 * rows * channels * (shapes + -shapes % SUMS) + 2 * HALF_WIDTH + rows)
 
 
 def _filter_sums(
@@ -188,9 +199,9 @@ def run_filter(begin: int, frame: int, *given: Array) -> tuple[Array, ...]:
     spectra, turns, sums = given
     envs, channels, shapes, count = sums.shape
     size = turns.shape[0]
-    sizes = _numbers((channels, shapes, count, size, begin, frame), jnp.int32)
+    sizes = _numbers((channels, shapes, count, begin, frame), jnp.int32)
     result = jax.ShapeDtypeStruct((envs, channels, frame), jnp.float32)
-    launch = _launch("filter_sums", FILTER_SOURCES, (envs, -(-channels // 2)), size // PER_THREAD, 2 * 8 * size)
+    launch = _launch("filter_sums", _ptx(FILTER_SOURCES, size), (envs, -(-channels // 2)), size // PER_THREAD, filter_bytes(size))
     call = jax.ffi.ffi_call(PTX_TARGET, (result,))
     return varying_as(given, call(*_plain((sums, spectra, turns)), sizes, **launch))
 
@@ -204,8 +215,8 @@ def _numbers(values: Sequence[float], dtype: Any) -> Array:
     return jnp.concatenate([jnp.full(1, value, dtype) for value in values])
 
 
-def _launch(name: str, sources: Sequence[Path], grid: tuple[int, int], threads: int, shared: int) -> dict[str, Any]:
+def _launch(name: str, ptx: str, grid: tuple[int, int], threads: int, shared: int) -> dict[str, Any]:
     names = "grid_x", "grid_y", "grid_z", "block_x", "block_y", "block_z", "shared_mem_bytes"
     sizes = (*grid, 1, threads, 1, 1, shared)
     numbers = {name: np.int32(size) for name, size in zip(names, sizes, strict=True)}
-    return {"name": name, "kernel_type": "ptx", "kernel_data": ptx_for_all(sources), **numbers}
+    return {"name": name, "kernel_type": "ptx", "kernel_data": ptx, **numbers}

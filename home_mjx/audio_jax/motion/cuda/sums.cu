@@ -63,7 +63,7 @@ __device__ void double_rate(const float* signal, int count, const float* taps, f
 __device__ __forceinline__ float rest_of(const float* way, int ear, int ears, float time, float rate, int* whole) {
   const float curve = time * (1.0f - time), line = way[0] + time * (way[1] - way[0]), across = curve * way[2];
   const float root = sqrtf(fmaxf(line * line - across, 0.0f));
-  const float samples = (line - across / fmaxf(line + root, 1e-6f)) * rate, low = floorf(samples);
+  const float samples = (line - __fdividef(across, fmaxf(line + root, 1e-6f))) * rate, low = floorf(samples);
   const float start = way[WAY + ear], middle = way[WAY + ears + ear], end = way[WAY + 2 * ears + ear];
   *whole = int(low);
   return -2.0f * (samples - low + start + time * (end - start) + 4.0f * curve * (middle - (start + end) / 2.0f));
@@ -89,6 +89,7 @@ extern "C" __global__ void __launch_bounds__(768, 1) add_paths(
   float* between = on + all;
   float* way = between + all;
   float* kernel = way + size.rows * way_size;
+  int* sounds = (int*)(kernel + TAPS);
   const Signal signal = {on, all};
   const float rate = rates[0];
   float* out = sums + size_t(blockIdx.x) * size.channels * size.shapes * size.count;
@@ -96,7 +97,12 @@ extern "C" __global__ void __launch_bounds__(768, 1) add_paths(
   for (int source = 0; source < size.sources; ++source) {
     const size_t number = size_t(blockIdx.x) * size.sources + source;
     __syncthreads();
-    for (int i = thread; i < share; i += threads) shares[i] = weights[number * share + i];
+    for (int i = thread; i < size.rows; i += threads) sounds[i] = 0;
+    __syncthreads();
+    for (int i = thread; i < share; i += threads) {
+      shares[i] = weights[number * share + i];
+      if (shares[i].x != 0.0f || shares[i].y != 0.0f) sounds[i * size.rows / share] = 1;
+    }
     for (int i = thread; i < size.rows * way_size; i += threads) way[i] = ways[number * size.rows * way_size + i];
     for (int part = 0; part <= FILTERED; ++part) {
       const int begin = part * size.filtered;
@@ -114,6 +120,7 @@ extern "C" __global__ void __launch_bounds__(768, 1) add_paths(
 #pragma unroll
         for (int s = 0; s < SUMS; ++s) sum[s] = 0.0f;
         for (int row = 0; row < size.rows; ++row) {
+          if (!sounds[row]) continue;
           const int part = row < FILTERED ? row : FILTERED, begin = 2 * part * size.filtered;
           const int last = begin + 2 * (part < FILTERED ? size.filtered : size.length) - READ;
           int whole;
