@@ -45,15 +45,25 @@ struct Sizes {
   int sources, length, filtered, rows, ears, channels, shapes, count, frame, before;
 };
 
-// A signal and what lies between each two of its samples; silence before and after it.
-__device__ void double_rate(const float* signal, int count, const float* taps, float* on, float* between) {
+// A signal and what lies between each two of its samples; silence before and after it. The filter is symmetric.
+__device__ void double_rate(const float* signal, int count, const float* half_taps, float* on, float* between) {
   for (int i = threadIdx.x; i < count; i += blockDim.x) on[i] = signal[i];
   __syncthreads();
+  float tap[TAPS / 2];
+#pragma unroll
+  for (int t = 0; t < TAPS / 2; ++t) tap[t] = half_taps[t];
   for (int i = threadIdx.x; i < count; i += blockDim.x) {
+    const bool inside = i >= TAPS / 2 - 1 && i + TAPS / 2 < count;
     float sum = 0.0f;
-    for (int t = 0; t < TAPS; ++t) {
-      int from = i + t - (TAPS / 2 - 1);
-      if (from >= 0 && from < count) sum += taps[t] * on[from];
+#pragma unroll
+    for (int t = 0; t < TAPS / 2; ++t) {
+      const int before = i + t - (TAPS / 2 - 1), after = i + TAPS / 2 - t;
+      if (inside) {
+        sum += tap[t] * (on[before] + on[after]);
+      } else {
+        if (before >= 0) sum += tap[t] * on[before];
+        if (after < count) sum += tap[t] * on[after];
+      }
     }
     between[i] = sum;
   }
