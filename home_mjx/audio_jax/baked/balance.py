@@ -122,21 +122,35 @@ def _exponential(matrix: Float[Array, "*x r r"]) -> Float[Array, "*x r r"]:
     one = jnp.eye(matrix.shape[-1], dtype=jnp.float32)
     power = total = jnp.broadcast_to(one, small.shape)
     for n in range(1, TERMS):
-        power = jnp.matmul(power, small, precision="highest") / n
+        power = _product(power, small) / n
         total = total + power
     for _ in range(HALVINGS):
-        total = jnp.matmul(total, total, precision="highest")
+        total = _product(total, total)
     return total
 
 
 def _over_time(
     step: Float[Array, "s bands r r"], start: Float[Array, " r"], listener: Float[Array, " r"], bins: int
 ) -> Float[Array, "s k bands"]:
-    """Energy density at the listener after 0, 1, 2 ... steps, by doubling."""
-    found = jnp.broadcast_to(start[:, None], (*step.shape[:3], 1))
-    power = step
-    while found.shape[-1] < bins:
-        found = jnp.concatenate([found, jnp.matmul(power, found, precision="highest")], axis=-1)
-        power = jnp.matmul(power, power, precision="highest")
-    heard = jnp.einsum("sbrk,r->skb", found, listener, precision="highest")
-    return heard[:, :bins]
+    """Energy density at the listener after 0, 1, 2 ... steps.
+
+    That after a n + b steps is what b steps before the listener, a row, find of what n steps a times made, a column;
+    so no power of a step is multiplied by more than a few vectors.
+    """
+    powers = [step]
+    while 2 ** len(powers) < bins:
+        powers.append(_product(powers[-1], powers[-1]))
+    half = len(powers) // 2
+    row = jnp.broadcast_to(listener, (*step.shape[:2], 1, listener.size))
+    column = jnp.broadcast_to(start[:, None], (*step.shape[:3], 1))
+    for power in powers[:half]:
+        row = jnp.concatenate([row, _product(row, power)], axis=-2)
+    for power in powers[half:]:
+        column = jnp.concatenate([column, _product(power, column)], axis=-1)
+    heard = _product(jnp.swapaxes(column, -1, -2), jnp.swapaxes(row, -1, -2))  # (s, bands, a, b)
+    return jnp.swapaxes(heard.reshape(*step.shape[:2], -1)[..., :bins], 1, 2)
+
+
+def _product(left: Float[Array, "*x n m"], right: Float[Array, "*x m k"]) -> Float[Array, "*x n k"]:
+    """Of many small matrices: as sums, which compilers fuse, instead of a call for each product of matrices."""
+    return jnp.sum(left[..., :, :, None] * right[..., None, :, :], axis=-2)
