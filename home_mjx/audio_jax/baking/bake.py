@@ -141,7 +141,7 @@ def _grid(cells: Cells, free: Float[np.ndarray, " n"], joined: Bool[np.ndarray, 
     """On the device, padded so that houses of similar size share a program."""
     more = -len(joined) % 8
     count, (_, rows, columns) = len(cells.room), cells.lookup.shape
-    beyond = -count % 16
+    beyond = -count % 32
     lookup = np.pad(cells.lookup, ((0, 0), (0, -rows % 32), (0, -columns % 32)), constant_values=-1)
 
     def padded(values: np.ndarray, fill: float, kind: type = np.float32) -> Array:

@@ -1,7 +1,6 @@
 """Points of cells, and what they see; host side, but for the rays."""
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float
 from scipy.sparse.csgraph import dijkstra
@@ -17,6 +16,7 @@ REACH = 1.7  # [sizes of a cell], within which a cell matters
 PLACE = 0.2  # [m], between the places at which weights are kept
 EARS = 1.4  # [m], above the floor, from which places see cells
 WITNESSES = 5  # cells from whose middles one looks for free points of a cell
+AT_ONCE = 1 << 15  # rays between points
 CANDIDATES = 8  # points of a cell that are tried for one that is clear
 
 
@@ -61,7 +61,7 @@ def random_points(cells: Cells, cell: int, count: int, rng: np.random.Generator)
 
 def in_view(scene: Scene, start: Float[np.ndarray, "p 3"], end: Float[np.ndarray, "n 3"]) -> Bool[np.ndarray, "p n"]:
     """Which points see which."""
-    return ~np.asarray(_hidden(scene, jnp.asarray(start, jnp.float32)[:, None], jnp.asarray(end, jnp.float32)[None]))
+    return _see(scene, start[:, None], end[None])
 
 
 def ways(center: Float[np.ndarray, "n 3"], seen: Bool[np.ndarray, "n n"]) -> Float[np.ndarray, "n n"]:
@@ -90,8 +90,17 @@ def places(house: CompiledHouse, scene: Scene, cells: Cells, size: float) -> dic
     }
 
 
+def _see(scene: Scene, start: Float[np.ndarray, "*p 3"], end: Float[np.ndarray, "*q 3"]) -> Bool[np.ndarray, "..."]:
+    """Whether nothing is between, so many rays at a time: houses of all sizes share one program."""
+    start, end = np.broadcast_arrays(np.asarray(start, np.float32), np.asarray(end, np.float32))
+    rays = np.stack([start.reshape(-1, 3), end.reshape(-1, 3)])
+    chunks = np.pad(rays, ((0, 0), (0, -rays.shape[1] % AT_ONCE), (0, 0))).reshape(2, -1, AT_ONCE, 3)
+    hidden = [np.asarray(_hidden(scene, a, b)) for a, b in zip(*chunks, strict=True)]
+    return ~np.concatenate([*hidden, np.zeros(0, bool)])[: rays.shape[1]].reshape(start.shape[:-1])
+
+
 @jax.jit
-def _hidden(scene: Scene, start: Float[Array, "*p 3"], end: Float[Array, "*q 3"]) -> Bool[Array, "..."]:
+def _hidden(scene: Scene, start: Float[Array, "n 3"], end: Float[Array, "n 3"]) -> Bool[Array, " n"]:
     return occluded(scene, start, end - start, t_max=1.0, mask=int(Ray.SOUND))
 
 
@@ -99,5 +108,4 @@ def _own_view(
     scene: Scene, center: Float[np.ndarray, "n 3"], points: Float[np.ndarray, "n r 3"]
 ) -> Bool[np.ndarray, "n r"]:
     """Which points of each cell are seen from a place of its own."""
-    start, end = jnp.asarray(center, jnp.float32)[:, None], jnp.asarray(points, jnp.float32)
-    return ~np.asarray(_hidden(scene, start, end))
+    return _see(scene, center[:, None], points)
