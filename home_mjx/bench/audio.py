@@ -20,7 +20,6 @@ from home_mjx.audio_jax.base.presets import audio_preset
 from home_mjx.audio_jax.motion.early import filtered
 from home_mjx.audio_jax.motion.frame import moving_early, moving_frame, moving_frames, moving_late
 from home_mjx.audio_jax.motion.reception import reception
-from home_mjx.audio_jax.motion.tail import late_frame
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bench import timing
 from home_mjx.bench.batch import eye_at, houses_and_starts, own_body, rate_per_environment, scene_at
@@ -82,7 +81,11 @@ def frame_early(settings: Settings) -> Record:
 
 def frame_late(settings: Settings) -> Record:
     """And the late part alone."""
-    return _stage("audio/frame-late", settings, lambda *given: late_frame(moving_late(*given), given[-1]))
+
+    def late(source: jax.Array, old: Any, new: Any, config: AudioConfig) -> jax.Array:
+        return moving_late(*jax.tree.map(lambda x: x[None], (source, old, new)), config)
+
+    return _stage("audio/frame-late", settings, late)
 
 
 def frame_baked(settings: Settings) -> Record:

@@ -14,6 +14,7 @@ using std::min;
 #define __global__
 #define __launch_bounds__(...)
 #define __restrict__
+#define __align__(n) alignas(n)
 
 inline float __fdividef(float a, float b) { return a / b; }
 

@@ -2,14 +2,15 @@
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Complex, Float
+from jaxtyping import Array, Float
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Head
+from home_mjx.audio_jax.motion.cuda.late import late_frame
 from home_mjx.audio_jax.motion.early import early_sums, filtered, longest_step
 from home_mjx.audio_jax.motion.pairs import paired
 from home_mjx.audio_jax.motion.reception import Reception, late_part
-from home_mjx.audio_jax.motion.tail import late_frame, late_spectra, tail_levels
+from home_mjx.audio_jax.motion.tail import tail_levels
 
 
 def moving_frame(
@@ -52,9 +53,8 @@ def moving_frames(
         >>> moving_frames(jnp.zeros((2, width)), none, none, config).shape
         (2, 1600)
     """
-    late = jax.vmap(lambda source, old, new: moving_late(source, old, new, config))(sources, old, new)
     early = filtered(moving_early(sources, old, new, config, head), config)
-    return early + late_frame(jnp.sum(late, axis=0), config)
+    return early + moving_late(sources, old, new, config)
 
 
 def moving_early(
@@ -66,10 +66,13 @@ def moving_early(
 
 
 def moving_late(
-    source: Float[Array, " w"], old: Reception, new: Reception, config: AudioConfig
-) -> Complex[Array, "2 e f"]:
-    """Late sound of a frame before what sources share: see `late_frame`. Arguments as of `moving_frame`."""
-    ends = jax.tree.map(lambda a, b: jnp.stack([a, b]), old, new)
-    late = jax.vmap(lambda heard: late_part(heard, config))(ends)  # one product of matrices
-    tail = jax.vmap(lambda heard: tail_levels(heard.energy, config))(ends)
-    return late_spectra(source, late, tail, config)
+    sources: Float[Array, "n w"], old: Reception, new: Reception, config: AudioConfig
+) -> Float[Array, "e m"]:
+    """Late sound of a frame. Arguments as of `moving_frames`."""
+
+    def parts(old: Reception, new: Reception) -> tuple[Array, Array]:
+        ends = jax.tree.map(lambda a, b: jnp.stack([a, b]), old, new)
+        late = jax.vmap(lambda heard: late_part(heard, config))(ends)  # one product of matrices
+        return late, jax.vmap(lambda heard: tail_levels(heard.energy, config))(ends)
+
+    return late_frame(sources, *jax.vmap(parts)(old, new), config)

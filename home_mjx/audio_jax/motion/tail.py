@@ -6,6 +6,7 @@ all of these take one transform of the source each, and none of a response.
 
 import functools
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Complex, Float
@@ -52,7 +53,7 @@ def late_spectra(
 ) -> Complex[Array, "2 e f"]:
     """Spectra of what is heard in a frame of late responses and their tails; those of several sources add up.
 
-    First with the first of each, then what the second ones have more. `late_frame` lets them be heard.
+    First with the first of each, then what the second ones have more.
 
     Args:
         source: What leaves the source at 1 m, as `moving_frame` takes it.
@@ -65,24 +66,45 @@ def late_spectra(
     now, once, *again = _windows(source, config)
     both = once[None]
     if again:
-        levels = jnp.einsum("imb,bf->imf", tail, jnp.asarray(_octaves(config)), precision="highest")
+        levels = jnp.einsum("imb,bf->imf", tail, jnp.asarray(octave_table(config, _size(config))), precision="highest")
         both = both + sum(levels[:, i] * x[None] for i, x in enumerate(again))
     old, new = parts[0] * now[None, None] + parts[1] * both[:, None]
     return jnp.stack([old, new - old])
 
 
-def late_frame(spectra: Complex[Array, "2 e f"], config: AudioConfig) -> Float[Array, "e s"]:
-    """A frame of them, which fades from the first to the second."""
-    begin = config.response_length - config.half_length - 1 + config.tail_ringing
-    sound = jnp.fft.irfft(spectra, _size(config))[..., begin : begin + config.frame]
+def frame_by_xla(
+    sources: Float[Array, "n w"], late: Float[Array, "n 2 e l"], tail: Float[Array, "n 2 m bands"], config: AudioConfig
+) -> Float[Array, "e s"]:
+    """A frame of the late sound of several sources, which fades from the first responses to the second ones.
+
+    Args:
+        sources: What leaves each source at 1 m, as `moving_frames` takes it.
+        late: Responses at the frame's start and end, of each channel.
+        tail: From `tail_levels`, at both.
+        config: Options.
+    """
+    each = jax.vmap(lambda source, responses, levels: late_spectra(source, responses, levels, config))
+    sound = jnp.fft.irfft(jnp.sum(each(sources, late, tail), axis=0), _size(config))
+    begin = frame_begin(config)
+    sound = sound[..., begin : begin + config.frame]
     fade = jnp.arange(1, config.frame + 1, dtype=jnp.float32)[None] / config.frame
     return sound[0] + fade * sound[1]
+
+
+def frame_begin(config: AudioConfig) -> int:
+    """Which sample of the sums is the frame's first."""
+    return config.response_length - config.half_length - 1 + config.tail_ringing
+
+
+def window_width(config: AudioConfig) -> int:
+    """Samples of the source that each part of a response hears in a frame."""
+    return config.response_length - config.half_length - 1 + config.frame + 2 * config.tail_ringing
 
 
 def _windows(source: Float[Array, " n"], config: AudioConfig) -> list[Complex[Array, " f"]]:
     """Spectra of what is heard through a response's first half, its second one, and that again and again."""
     first, half, spread = config.response_length - config.half_length, config.half_length, config.tail_ringing
-    width, before = first - 1 + config.frame + 2 * spread, first - half
+    width, before = window_width(config), first - half
     padded = jnp.pad(source, (before, spread))
     begins = [before + config.memory_length - first - spread]
     begins += [begins[0] - first - i * half for i in range(config.num_tail + 1)]
@@ -91,14 +113,13 @@ def _windows(source: Float[Array, " n"], config: AudioConfig) -> list[Complex[Ar
 
 
 def _size(config: AudioConfig) -> int:
-    first = config.response_length - config.half_length
-    return int(next_fast_len(first - 1 + config.frame + 2 * config.tail_ringing, real=True) or 0)
+    return int(next_fast_len(window_width(config), real=True) or 0)
 
 
 @functools.cache
-def _octaves(config: AudioConfig) -> Float[np.ndarray, "bands f"]:
-    """Gains of octaves, smooth enough that their filters end after `tail_ringing` samples."""
-    size, spread = _size(config), config.tail_ringing
+def octave_table(config: AudioConfig, size: int) -> Float[np.ndarray, "bands f"]:
+    """Gains of octaves in a transform of `size` samples, smooth enough that filters end after `tail_ringing` ones."""
+    spread = config.tail_ringing
     kernel = np.fft.irfft(octave_gains(np.fft.rfftfreq(8 * size, 1 / config.sample_rate)), 8 * size)
     place = np.minimum(np.arange(size), size - np.arange(size))
     near = np.where(place == np.arange(size), place, -place)  # samples before time 0 stand at the end

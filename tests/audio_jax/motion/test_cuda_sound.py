@@ -16,8 +16,9 @@ import pytest
 from home_mjx.audio_jax import AudioConfig, Paths
 from home_mjx.audio_jax.base import delays
 from home_mjx.audio_jax.base.shapes import shapes
-from home_mjx.audio_jax.motion import early
-from home_mjx.audio_jax.motion.cuda import launch
+from home_mjx.audio_jax.motion import early, tail
+from home_mjx.audio_jax.motion.cuda import early as sums
+from home_mjx.audio_jax.motion.cuda import kernels, late
 from home_mjx.audio_jax.motion.pairs import paired
 from home_mjx.audio_jax.motion.reads import frame_begin, sums_of
 from home_mjx.core.native import nvrtc
@@ -25,13 +26,17 @@ from home_mjx.errors import ExecutorError
 
 KERNELS = {
     "add_paths": (
-        launch.SUMS_SOURCES,
+        kernels.SUMS_SOURCES,
         "(float*)p[0], (float*)p[1], (int*)p[2], (float*)p[3], (float2*)p[4], (float*)p[5], (float*)p[6], (int*)p[7], "
         "(float*)p[8]",
     ),
     "filter_sums": (
-        launch.FILTER_SOURCES,
+        kernels.FILTER_SOURCES,
         "(float*)p[0], (float2*)p[1], (float2*)p[2], (int*)p[3], (float*)p[4]",
+    ),
+    "late_frames": (
+        kernels.LATE_SOURCES,
+        "(float*)p[0], (float*)p[1], (float*)p[2], (float*)p[3], (float2*)p[4], (int*)p[5], (float*)p[6]",
     ),
 }
 SHIM = Path(__file__).parents[2] / "helpers" / "block_shim.h"
@@ -72,14 +77,14 @@ def here(library, monkeypatch):
             result = np.full(results[0].shape, np.nan, np.float32)
             pointers = [x.ctypes.data for x in (*given, result)]
             words, threads = int(sizes["shared_mem_bytes"]) // 4, int(sizes["block_x"])
-            kernel = library(sizes["name"], threads * launch.PER_THREAD)
+            kernel = library(sizes["name"], threads * kernels.PER_THREAD)
             for x, y in itertools.product(range(int(sizes["grid_x"])), range(int(sizes["grid_y"]))):
                 kernel.run((ctypes.c_void_p * len(pointers))(*pointers), x, y, threads, words)
             return (jnp.asarray(result),)
 
         return call
 
-    monkeypatch.setattr(launch, "_ptx", lambda sources, size=0: "")
+    monkeypatch.setattr(kernels, "ptx_of", lambda sources, size: "")
     monkeypatch.setattr(jax.ffi, "ffi_call", ffi_call)
 
 
@@ -114,32 +119,46 @@ def test_paths_are_read_and_added_as_by_xla(here, rng, receiver, sources):
         reads = [early._reads(s, config.memory_length - 1, p, config, None) for s, p in zip(signal, pairs, strict=True)]
         envs.append(jax.tree.map(lambda *x: jnp.stack(x), *reads))
     wanted = jnp.stack([jax.jit(lambda x: sums_of(x, config))(reads) for reads in envs])
-    given = [jnp.stack(x) for x in zip(*(launch.read_operands(reads) for reads in envs), strict=True)]
+    given = [jnp.stack(x) for x in zip(*(sums.read_operands(reads) for reads in envs), strict=True)]
     shape, ears = envs[0].share.shape[3], envs[0].ways.ears.shape[-1]
-    (got,) = launch.run_sums(config, shape, ears, *given)
+    (got,) = sums.run_sums(config, shape, ears, *given)
     assert got.shape == wanted.shape
     # Delays of thousands of samples are rounded to some 1e-4 of a sample, in other places than XLA does.
     np.testing.assert_allclose(got, wanted, rtol=0, atol=1e-3 * np.std(wanted))
     assert np.std(got - wanted) < 1e-4 * np.std(wanted)
 
 
+@pytest.mark.parametrize("seconds", [0.0, 0.15, 0.4])
+@pytest.mark.parametrize(("sources", "channels"), [(1, 2), (2, 3)])
+def test_late_sound_is_heard_as_by_xla(here, rng, seconds, sources, channels):
+    """With no echoes of the second part, two and four; the responses of both ends have nothing in common."""
+    config = AudioConfig(motion=True, tail_seconds=seconds, response_seconds=0.2)
+    shape = (2, sources, 2, channels, config.response_length)
+    responses = jnp.float32(rng.normal(size=shape))
+    levels = jnp.float32(rng.uniform(0, 1, (2, sources, 2, config.num_tail, 7)))
+    width = config.memory_length - 1 + config.frame + config.ahead
+    signals = jnp.float32(rng.normal(size=(2, sources, width)))
+    wanted = jax.vmap(lambda *one: tail.frame_by_xla(*one, config))(signals, responses, levels)
+    (got,) = late.run_late(config, *late.late_tables(config), signals, responses, levels)
+    np.testing.assert_allclose(got, wanted, rtol=0, atol=2e-5 * np.std(wanted))
+
+
 @pytest.mark.parametrize(("count", "channels"), [(2143, 2), (250, 3), (700, 1), (1000, 4), (4500, 2)])
 def test_sums_are_filtered_as_by_numpy(here, rng, count, channels):
     """Transforms of several sizes, all radices among them; also odd numbers of channels."""
-    kernels, begin = rng.normal(size=(5, 40)).astype(np.float32), 39
-    frame = count - begin
-    sums = rng.normal(size=(2, channels, 5, count)).astype(np.float32)
-    tables = launch.filter_tables(kernels, count)
-    (got,) = launch.run_filter(begin, frame, *tables, jnp.asarray(sums))
-    wanted = [[sum(np.convolve(x, k)[begin:count] for x, k in zip(c, kernels, strict=True)) for c in e] for e in sums]
+    filters, begin = rng.normal(size=(5, 40)).astype(np.float32), 39
+    signals = rng.normal(size=(2, channels, 5, count)).astype(np.float32)
+    (got,) = sums.run_filter(begin, count - begin, *sums.filter_tables(filters, count), jnp.asarray(signals))
+    pairs = [[zip(c, filters, strict=True) for c in e] for e in signals]
+    wanted = [[sum(np.convolve(x, k)[begin:count] for x, k in c) for c in e] for e in pairs]
     np.testing.assert_allclose(got, wanted, rtol=0, atol=2e-5 * np.std(wanted))
 
 
 def test_sizes_of_transforms_have_all_radices():
     """So the test above has seen each of them."""
-    sizes = [launch.transform_size(count) for count in (2143, 250, 700, 1000, 4500)]
+    sizes = [kernels.transform_size(count) for count in (2143, 250, 700, 1000, 4500)]
     assert sizes == [2560, 256, 768, 1024, 4608]
-    assert launch.transform_size(7000) is None
+    assert kernels.transform_size(7000) is None
 
 
 def test_filters_of_the_engine_ring_out_before_the_frame():
@@ -150,7 +169,7 @@ def test_filters_of_the_engine_ring_out_before_the_frame():
 
 def test_weights_in_cuda_are_those_of_python():
     """Sixty rounded numbers that nobody compares by eye."""
-    text = launch.SUMS_SOURCES[0].read_text()
+    text = kernels.SUMS_SOURCES[0].read_text()
     rows = re.findall(r"^ +\{(-?\d.*)\},$", text, re.MULTILINE)
     table = np.array([[np.float32(x.strip("f ")) for x in row.split(",")] for row in rows], np.float32)
     np.testing.assert_array_equal(table, delays._polynomials())
@@ -158,7 +177,7 @@ def test_weights_in_cuda_are_those_of_python():
         "TAPS": 2 * delays.HALF_WIDTH,
         "READ": delays.READ,
         "FIRST": delays.FIRST,
-        "SUMS": launch.SUMS,
+        "SUMS": sums.SUMS,
     }.items():
         assert re.search(rf"constexpr int {name} = {value};", text)
 
@@ -169,5 +188,5 @@ def test_nvrtc_compiles_them():
         nvrtc.find_library()
     except ExecutorError:
         pytest.skip("there is no NVRTC here")
-    for sources in (launch.SUMS_SOURCES, launch.FILTER_SOURCES):
+    for sources in (kernels.SUMS_SOURCES, kernels.FILTER_SOURCES, kernels.LATE_SOURCES):
         assert ".entry" in nvrtc.compile_ptx(sources, 90, {"SIZE": 2560})

@@ -5,7 +5,7 @@
 
 constexpr int PER_THREAD = 8;  // values; a transform has that many times as many as a block has threads
 
-struct Complex {
+struct __align__(8) Complex {
   float re, im;
 };
 

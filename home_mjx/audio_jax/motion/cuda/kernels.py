@@ -1,0 +1,137 @@
+"""What kernels of moving sound have in common: whether they work here, their transforms, and how XLA calls them."""
+
+import functools
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array
+
+from home_mjx.core.native.platforms import PTX_TARGET, devices_of, problem_of, ptx_for_all, works
+from home_mjx.core.native.varying import varying_as
+
+FOLDER = Path(__file__).parent
+SUMS_SOURCES = (FOLDER / "sums.cu",)
+FILTER_SOURCES = (FOLDER / "fft.cuh", FOLDER / "filtered.cu")
+LATE_SOURCES = (FOLDER / "fft.cuh", FOLDER / "late.cu")
+PER_THREAD, MOST_THREADS = 8, 768  # values of a transform, as in fft.cuh, and threads
+RADICES = (8, 5, 4, 3, 2)  # in the order of fft.cuh
+WARP = 32
+# Bytes of memory that a block may share, by compute capability; of others it is a safe guess.
+SHARED_BYTES = {70: 98_304, 75: 65_536, 80: 166_912, 86: 101_376, 87: 166_912, 89: 101_376, 90: 232_448, 100: 232_448}
+LEAST_SHARED_BYTES = 49_152
+
+
+@functools.cache
+def cuda_available() -> bool:
+    """Whether the kernels work here; warns once if there is an NVIDIA GPU and they do not."""
+    return works("cuda", problem_of("cuda", _start), "moving sound is made by slower operations of XLA")
+
+
+def _start() -> None:
+    for sources in (SUMS_SOURCES, FILTER_SOURCES, LATE_SOURCES):
+        ptx_of(sources, PER_THREAD * WARP)
+
+
+@functools.cache
+def ptx_of(sources: tuple[Path, ...], size: int) -> str:
+    """PTX that all GPUs of this process can run; `size` is that of its transforms."""
+    return ptx_for_all(sources, {"SIZE": size})
+
+
+@functools.cache
+def shared_bytes() -> int:
+    """What a block may share on all GPUs of this process."""
+    found = (int(device.compute_capability.replace(".", "")) for device in devices_of("cuda"))
+    return min((SHARED_BYTES.get(x, LEAST_SHARED_BYTES) for x in found), default=LEAST_SHARED_BYTES)
+
+
+@functools.cache
+def transform_size(count: int) -> int | None:
+    """Values of the cheapest transform that holds so many and that a block can make; None if there is none.
+
+    Example:
+        >>> transform_size(2143), transform_size(7000)
+        (2560, None)
+    """
+    block = PER_THREAD * WARP
+    sizes = [size for size in range(block, PER_THREAD * MOST_THREADS + 1, block) if size >= count and _passes(size)]
+    return min(sizes, key=lambda size: size * (_passes(size) + 1), default=None)
+
+
+def turns_of(size: int) -> Array:
+    """The complex numbers that a transform multiplies by, exp(-2 pi i j / size), as pairs."""
+    return as_pairs(np.exp(-2j * np.pi * np.arange(size) / size))
+
+
+def as_pairs(values: np.ndarray) -> Array:
+    """Complex numbers as pairs of floats."""
+    return jnp.asarray(np.stack([values.real, values.imag], axis=-1), jnp.float32)
+
+
+def values_bytes(size: int) -> int:
+    """Memory for the values of a transform; see `place` in fft.cuh."""
+    return 8 * (size + size // 8)
+
+
+def chosen(slow: Callable[..., Array], fast: Callable[..., Array]) -> Callable[..., Array]:
+    """The kernel on GPUs, `slow` elsewhere and for derivatives."""
+
+    @jax.custom_jvp
+    def run(*given: Any) -> Array:
+        return jax.lax.platform_dependent(*given, cuda=fast, default=slow)
+
+    @run.defjvp
+    def derivative(primals: Any, tangents: Any) -> tuple[Array, Array]:
+        return jax.jvp(slow, primals, tangents)
+
+    return run
+
+
+def call_kernel(
+    name: str,
+    ptx: str,
+    grid: tuple[int, int],
+    threads: int,
+    shared: int,
+    operands: Sequence[Array],
+    result: jax.ShapeDtypeStruct,
+) -> tuple[Array, ...]:
+    """The result of a kernel, which XLA launches.
+
+    Args:
+        name: Of the kernel.
+        ptx: That holds it.
+        grid: Blocks along two axes.
+        threads: Of a block.
+        shared: Bytes that its threads share.
+        operands: As the kernel takes them, but for their types.
+        result: What it writes.
+    """
+    names = "grid_x", "grid_y", "grid_z", "block_x", "block_y", "block_z", "shared_mem_bytes"
+    sizes = (*grid, 1, threads, 1, 1, shared)
+    launch: dict[str, Any] = {name: np.int32(size) for name, size in zip(names, sizes, strict=True)}
+    launch |= {"name": name, "kernel_type": "ptx", "kernel_data": ptx}
+    call = jax.ffi.ffi_call(PTX_TARGET, (result,))
+    return varying_as(operands, call(*(_plain(x) for x in operands), **launch))
+
+
+def numbers(values: Sequence[float], dtype: Any = jnp.int32) -> Array:
+    """An array made inside the program: a partitioned function may not capture arrays."""
+    return jnp.concatenate([jnp.full(1, value, dtype) for value in values])
+
+
+def _plain(values: Array) -> Array:
+    return values.astype(jnp.int32 if jnp.issubdtype(values.dtype, jnp.integer) else jnp.float32)
+
+
+def _passes(size: int) -> int:
+    """Passes of a transform; 0: it has other factors than the radices."""
+    passes = 0
+    for radix in RADICES:
+        while size % radix == 0:
+            size, passes = size // radix, passes + 1
+    return passes if size == 1 else 0
