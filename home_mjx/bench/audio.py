@@ -73,8 +73,8 @@ def frame_early(settings: Settings) -> Record:
     """Of these the early part: all that moves, without the late part."""
 
     def early(source: jax.Array, old: Any, new: Any, config: AudioConfig) -> jax.Array:
-        one = jax.tree.map(lambda x: x[None], (source, old, new))
-        return filtered(moving_early(*one, config), config)
+        old, new = jax.tree.map(lambda x: x[None], (old, new))
+        return filtered(moving_early(source[None], old, new, config), config)
 
     return _stage("audio/frame-early", settings, early)
 
@@ -83,7 +83,8 @@ def frame_late(settings: Settings) -> Record:
     """And the late part alone."""
 
     def late(source: jax.Array, old: Any, new: Any, config: AudioConfig) -> jax.Array:
-        return moving_late(*jax.tree.map(lambda x: x[None], (source, old, new)), config)
+        old, new = jax.tree.map(lambda x: x[None], (old, new))
+        return moving_late(source[None], old, new, config)
 
     return _stage("audio/frame-late", settings, late)
 

@@ -29,7 +29,8 @@ def moving_frame(
         config: Options.
         head: Of the listener, where it is a measured one.
     """
-    return moving_frames(source[None], *jax.tree.map(lambda x: x[None], (old, new)), config, head)
+    first, last = jax.tree.map(lambda x: x[None], (old, new))
+    return moving_frames(source[None], first, last, config, head)
 
 
 def moving_frames(

@@ -69,7 +69,7 @@ def turns_of(size: int) -> Array:
 
 def as_pairs(values: np.ndarray) -> Array:
     """Complex numbers as pairs of floats."""
-    return jnp.asarray(np.stack([values.real, values.imag], axis=-1), jnp.float32)
+    return jnp.asarray(np.stack([np.real(values), np.imag(values)], axis=-1), jnp.float32)
 
 
 def values_bytes(size: int) -> int:
