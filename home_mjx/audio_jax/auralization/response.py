@@ -141,9 +141,14 @@ def with_late(
 
 def after_direct(late: Float[Array, "e l"], paths: Paths, config: AudioConfig) -> Float[Array, "e l"]:
     """A late part without what would overtake the direct sound."""
-    onset = (paths.distance[0] - config.receiver_radius) * jnp.float32(config.sample_rate / config.speed_of_sound)
-    heard = jnp.arange(config.response_length, dtype=jnp.int32) >= onset.astype(jnp.int32)
+    heard = jnp.arange(config.response_length, dtype=jnp.int32) >= onset_of(paths, config)
     return jnp.where(heard[None], late, 0.0)
+
+
+def onset_of(paths: Paths, config: AudioConfig) -> Int[Array, ""]:
+    """The first sample of a response in which sound can be heard."""
+    onset = (paths.distance[0] - config.receiver_radius) * jnp.float32(config.sample_rate / config.speed_of_sound)
+    return onset.astype(jnp.int32)
 
 
 def early_response(
@@ -221,7 +226,16 @@ def diffuse_response(
     energy: Float[Array, "k e bands"], draw: Draw, head_quat: Float[Array, "4"], config: AudioConfig
 ) -> Float[Array, "c l"]:
     """The same with noise that was drawn before."""
-    bins = config.num_bins
+    table = jnp.asarray(noise_bins(config))
+    subscripts = "kem,ekms->eks" if table.ndim == 4 else "kem,kms->eks"  # each channel hears noises of its own, or not
+    sound = jnp.einsum(subscripts, noise_shares(energy, draw, head_quat, config), table, precision="highest")
+    return jnp.roll(sound, -draw.start, axis=1).reshape(config.num_channels, -1)
+
+
+def noise_shares(
+    energy: Float[Array, "k e bands"], draw: Draw, head_quat: Float[Array, "4"], config: AudioConfig
+) -> Float[Array, "k c m"]:
+    """What each channel hears of `noise_bins`; the response begins with bin `draw.start`, and goes around."""
     mix = ear_mix(head_quat, config)[:, :, None] * draw.sign[None]  # (channel, noise, octave)
     power = jnp.roll(energy, draw.start, axis=0) / config.bin_samples
     power, flow = power[:, : config.num_channels], power[:, config.num_channels :]
@@ -231,11 +245,7 @@ def diffuse_response(
     if flow.shape[1]:
         shared = jnp.sign(flow)[:, :, None] * _amplitudes(common[:, 1:], draw.start) * draw.sign[0][None, None, None]
         each = each.at[:, 1:, :, 0].add(shared)
-    each = each.reshape(bins, config.num_channels, -1)
-    table = jnp.asarray(noise_bins(config))
-    own = table.ndim == 4  # each channel hears noises of its own
-    sound = jnp.einsum("kem,ekms->eks" if own else "kem,kms->eks", each, table, precision="highest")
-    return jnp.roll(sound, -draw.start, axis=1).reshape(config.num_channels, -1)
+    return each.reshape(config.num_bins, config.num_channels, -1)
 
 
 def _amplitudes(power: Float[Array, "k e bands"], first: Int[Array, ""]) -> Float[Array, "k e knots bands"]:

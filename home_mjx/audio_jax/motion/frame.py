@@ -9,8 +9,7 @@ from home_mjx.audio_jax.base.endpoints import Head
 from home_mjx.audio_jax.motion.cuda.late import late_frame
 from home_mjx.audio_jax.motion.early import early_sums, filtered, longest_step
 from home_mjx.audio_jax.motion.pairs import paired
-from home_mjx.audio_jax.motion.reception import Reception, late_part
-from home_mjx.audio_jax.motion.tail import tail_levels
+from home_mjx.audio_jax.motion.reception import Reception, late_sound
 
 
 def moving_frame(
@@ -70,10 +69,5 @@ def moving_late(
     sources: Float[Array, "n w"], old: Reception, new: Reception, config: AudioConfig
 ) -> Float[Array, "e m"]:
     """Late sound of a frame. Arguments as of `moving_frames`."""
-
-    def parts(old: Reception, new: Reception) -> tuple[Array, Array]:
-        ends = jax.tree.map(lambda a, b: jnp.stack([a, b]), old, new)
-        late = jax.vmap(lambda heard: late_part(heard, config))(ends)  # one product of matrices
-        return late, jax.vmap(lambda heard: tail_levels(heard.energy, config))(ends)
-
-    return late_frame(sources, *jax.vmap(parts)(old, new), config)
+    ends = jax.tree.map(lambda a, b: jnp.stack([a, b], axis=1), old, new)
+    return late_frame(sources, jax.vmap(jax.vmap(lambda heard: late_sound(heard, config)))(ends), config)

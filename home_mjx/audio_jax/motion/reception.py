@@ -7,11 +7,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float
 
-from home_mjx.audio_jax.auralization.response import after_direct, diffuse_response, late_energy
+from home_mjx.audio_jax.auralization.response import late_energy, noise_shares, onset_of
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.base.filters import octave_gains
-from home_mjx.audio_jax.motion.tail import tail_levels
+from home_mjx.audio_jax.motion.tail import Late, tail_levels
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.paths import Paths
 from home_mjx.audio_jax.receivers.diffuse import Draw, drawn, num_noises
@@ -59,10 +59,11 @@ def received(
     return Reception(as_many(paths, config.num_paths), head_quat, energy, drawn(key, config))
 
 
-def late_part(heard: Reception, config: AudioConfig) -> Float[Array, "e l"]:
-    """The response of each channel without the paths."""
-    late = diffuse_response(heard.energy, heard.draw, heard.quat, config)
-    return after_direct(late, heard.paths, config)
+def late_sound(heard: Reception, config: AudioConfig) -> Late:
+    """The response of each channel without the paths, and what rings on after it."""
+    shares = noise_shares(heard.energy, heard.draw, heard.quat, config)
+    shift = heard.draw.start * config.bin_samples
+    return Late(shares, shift, onset_of(heard.paths, config), tail_levels(heard.energy, config))
 
 
 def silence(config: AudioConfig) -> Reception:

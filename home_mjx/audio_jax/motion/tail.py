@@ -9,14 +9,25 @@ import functools
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Complex, Float
+from jaxtyping import Array, Complex, Float, Int
 from scipy.fft import next_fast_len
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.filters import octave_gains
+from home_mjx.audio_jax.receivers.diffuse import noise_bins
+from home_mjx.core.pytree import Pytree
 
 STEEPEST, FLATTEST = 0.5, 1e-4  # decay per bin, in natural logarithms of energy
 LEAST = 1e-30
+
+
+class Late(Pytree):
+    """Late sound at one moment: what carries it, and what rings on after its response has ended."""
+
+    share: Float[Array, "*n k e m"]  # of `noise_bins`
+    shift: Int[Array, "*n"]  # [samples], where in the noise a response begins; it goes around
+    onset: Int[Array, "*n"]  # [samples], before which nothing is heard
+    tail: Float[Array, "*n x bands"]  # see `tail_levels`
 
 
 def tail_levels(energy: Float[Array, "k e bands"], config: AudioConfig) -> Float[Array, "m bands"]:
@@ -72,23 +83,31 @@ def late_spectra(
     return jnp.stack([old, new - old])
 
 
-def frame_by_xla(
-    sources: Float[Array, "n w"], late: Float[Array, "n 2 e l"], tail: Float[Array, "n 2 m bands"], config: AudioConfig
-) -> Float[Array, "e s"]:
+def frame_by_xla(sources: Float[Array, "n w"], late: Late, config: AudioConfig) -> Float[Array, "e s"]:
     """A frame of the late sound of several sources, which fades from the first responses to the second ones.
 
     Args:
         sources: What leaves each source at 1 m, as `moving_frames` takes it.
-        late: Responses at the frame's start and end, of each channel.
-        tail: From `tail_levels`, at both.
+        late: Of each source at the frame's start and end: with leading axes of both.
         config: Options.
     """
-    each = jax.vmap(lambda source, responses, levels: late_spectra(source, responses, levels, config))
-    sound = jnp.fft.irfft(jnp.sum(each(sources, late, tail), axis=0), _size(config))
+    table = jnp.asarray(noise_bins(config))
+    subscripts = "nikem,ekms->nieks" if table.ndim == 4 else "nikem,kms->nieks"  # of its own noises, or the same ones
+    sound = jnp.einsum(subscripts, late.share, table, precision="highest")
+    sound = sound.reshape(*sound.shape[:3], -1)
+    responses = jax.vmap(jax.vmap(lambda noise, one: _in_time(noise, one, config)))(sound, late)
+    each = jax.vmap(lambda source, late, levels: late_spectra(source, late, levels, config))
+    sound = jnp.fft.irfft(jnp.sum(each(sources, responses, late.tail), axis=0), _size(config))
     begin = frame_begin(config)
     sound = sound[..., begin : begin + config.frame]
     fade = jnp.arange(1, config.frame + 1, dtype=jnp.float32)[None] / config.frame
     return sound[0] + fade * sound[1]
+
+
+def _in_time(noise: Float[Array, "e l"], late: Late, config: AudioConfig) -> Float[Array, "e l"]:
+    """A response from its beginning on, without what would overtake the direct sound."""
+    heard = jnp.arange(config.response_length, dtype=jnp.int32) >= late.onset
+    return jnp.where(heard[None], jnp.roll(noise, -late.shift, axis=1), 0.0)
 
 
 def frame_begin(config: AudioConfig) -> int:

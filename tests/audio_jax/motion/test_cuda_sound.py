@@ -21,6 +21,7 @@ from home_mjx.audio_jax.motion.cuda import early as sums
 from home_mjx.audio_jax.motion.cuda import kernels, late
 from home_mjx.audio_jax.motion.pairs import paired
 from home_mjx.audio_jax.motion.reads import frame_begin, sums_of
+from home_mjx.audio_jax.receivers.diffuse import noise_bins
 from home_mjx.core.native import nvrtc
 from home_mjx.errors import ExecutorError
 
@@ -36,7 +37,8 @@ KERNELS = {
     ),
     "late_frames": (
         kernels.LATE_SOURCES,
-        "(float*)p[0], (float*)p[1], (float*)p[2], (float*)p[3], (float2*)p[4], (int*)p[5], (float*)p[6]",
+        "(float*)p[0], (float*)p[1], (int*)p[2], (int*)p[3], (float*)p[4], (float*)p[5], (float2*)p[6], (int*)p[7], "
+        "(float*)p[8]",
     ),
 }
 SHIM = Path(__file__).parents[2] / "helpers" / "block_shim.h"
@@ -129,17 +131,24 @@ def test_paths_are_read_and_added_as_by_xla(here, rng, receiver, sources):
 
 
 @pytest.mark.parametrize("seconds", [0.0, 0.15, 0.4])
-@pytest.mark.parametrize(("sources", "channels"), [(1, 2), (2, 3)])
-def test_late_sound_is_heard_as_by_xla(here, rng, seconds, sources, channels):
-    """With no echoes of the second part, two and four; the responses of both ends have nothing in common."""
-    config = AudioConfig(motion=True, tail_seconds=seconds, response_seconds=0.2)
-    shape = (2, sources, 2, channels, config.response_length)
-    responses = jnp.float32(rng.normal(size=shape))
-    levels = jnp.float32(rng.uniform(0, 1, (2, sources, 2, config.num_tail, 7)))
-    width = config.memory_length - 1 + config.frame + config.ahead
-    signals = jnp.float32(rng.normal(size=(2, sources, width)))
-    wanted = jax.vmap(lambda *one: tail.frame_by_xla(*one, config))(signals, responses, levels)
-    (got,) = late.run_late(config, *late.late_tables(config), signals, responses, levels)
+@pytest.mark.parametrize(("sources", "receiver"), [(1, "binaural"), (2, "array")])
+def test_late_sound_is_heard_as_by_xla(here, rng, seconds, sources, receiver):
+    """With no echoes of the second part, two and four, an odd number of channels, late and early onsets."""
+    microphones = ((0.1, 0, 0), (0, 0.1, 0), (-0.1, 0, 0)) if receiver == "array" else ()
+    config = AudioConfig(
+        motion=True, tail_seconds=seconds, response_seconds=0.2, receiver=receiver, microphones=microphones
+    )
+    ends = 2, sources, 2
+    sound = tail.Late(
+        share=jnp.float32(rng.normal(size=(*ends, config.num_bins, config.num_channels, noise_bins(config).shape[-2]))),
+        shift=jnp.int32(rng.integers(0, config.num_bins, ends) * config.bin_samples),
+        onset=jnp.int32(rng.integers(-100, config.response_length // 2, ends)),
+        tail=jnp.float32(rng.uniform(0, 1, (*ends, config.num_tail, 7))),
+    )
+    signals = jnp.float32(rng.normal(size=(2, sources, config.memory_length - 1 + config.frame + config.ahead)))
+    wanted = jax.vmap(lambda *one: tail.frame_by_xla(*one, config))(signals, sound)
+    given = signals, sound.share, sound.shift, sound.onset, sound.tail
+    (got,) = late.run_late(config, *late.late_tables(config), *given)
     np.testing.assert_allclose(got, wanted, rtol=0, atol=2e-5 * np.std(wanted))
 
 

@@ -26,7 +26,7 @@ from home_mjx.audio_jax import (
     survey_room,
 )
 from home_mjx.audio_jax.motion.frame import moving_frame
-from home_mjx.audio_jax.motion.reception import ends_early, late_part, silence
+from home_mjx.audio_jax.motion.reception import ends_early, late_sound, silence
 from home_mjx.audio_jax.receivers.channels import late_gains
 from home_mjx.core.transforms import camera_quat, quat_matrix
 from home_mjx.errors import ConfigError
@@ -298,7 +298,7 @@ def test_receptions_have_as_many_channels(config):
     assert heard.energy.shape == (config.num_bins, config.num_energies, 7)
     assert config.num_energies == (7 if config.receiver == "ambisonics" else 4)
     assert jax.tree.map(jnp.shape, heard) == jax.tree.map(jnp.shape, silence(config))
-    assert late_part(heard, config).shape == (4, config.response_length)
+    assert late_sound(heard, config).share.shape[:2] == (config.num_bins, 4)
     assert bool(ends_early(heard, config))  # after 0.3 s of a room that rings for 2
 
 
