@@ -12,6 +12,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from sanitized import Program
 
 from home_mjx.audio_jax import AudioConfig, Paths
 from home_mjx.audio_jax.base import delays
@@ -44,6 +45,18 @@ KERNELS = {
 SHIM = Path(__file__).parents[2] / "helpers" / "block_shim.h"
 
 
+def program_text(name, size):
+    """C++ of a kernel whose transforms have that size, with a function `run` for one block."""
+    sources, arguments = KERNELS[name]
+    text = "".join(source.read_text() for source in sources).replace("extern __shared__ float shared[];", "")
+    return (
+        f'#define SIZE {size}\n#include "{SHIM}"\nstatic void** given;\n{text}\n'
+        f"static void go() {{ void** p = given; {name}({arguments}); }}\n"
+        'extern "C" void run(void** operands, int x, int y, int threads, int words) '
+        "{ given = operands; run_block(x, y, threads, words, go); }\n"
+    )
+
+
 @pytest.fixture(scope="module")
 def library(tmp_path_factory):
     """Makes a kernel a function that runs one block of it, for transforms of a size."""
@@ -54,15 +67,8 @@ def library(tmp_path_factory):
 
     @functools.cache
     def make(name, size):
-        sources, arguments = KERNELS[name]
-        text = "".join(source.read_text() for source in sources).replace("extern __shared__ float shared[];", "")
         main, built = folder / f"{name}{size}.cpp", folder / f"{name}{size}.so"
-        main.write_text(
-            f'#define SIZE {size}\n#include "{SHIM}"\nstatic void** p;\n{text}\n'
-            f"static void go() {{ {name}({arguments}); }}\n"
-            'extern "C" void run(void** given, int x, int y, int threads, int words) '
-            "{ p = given; run_block(x, y, threads, words, go); }\n"
-        )
+        main.write_text(program_text(name, size))
         subprocess.run([compiler, "-std=c++17", "-O1", "-shared", "-fPIC", "-w", "-o", built, main], check=True)
         return ctypes.CDLL(str(built))
 
@@ -161,6 +167,53 @@ def test_sums_are_filtered_as_by_numpy(here, rng, count, channels):
     pairs = [[zip(c, filters, strict=True) for c in e] for e in signals]
     wanted = [[sum(np.convolve(x, k)[begin:count] for x, k in c) for c in e] for e in pairs]
     np.testing.assert_allclose(got, wanted, rtol=0, atol=2e-5 * np.std(wanted))
+
+
+GARBAGE = np.array([np.nan, np.inf, -np.inf, 1e30, -1e30, 1e9, 0, -5], np.float32)
+WHOLE = (-(2**31), 2**31 - 1, 10**6, -70, 3)
+
+
+def spoilt(rng, x):
+    """Some of its numbers are none, or what no path and no noise has."""
+    x, bad = np.array(x), rng.random(x.shape) < 0.3
+    x[bad] = rng.choice(WHOLE if x.dtype == np.int32 else GARBAGE, bad.sum())
+    return jnp.asarray(x)
+
+
+@pytest.mark.parametrize("name", ["add_paths", "late_frames"])
+def test_whatever_it_is_given_a_kernel_stays_within_its_arrays(tmp_path, monkeypatch, rng, name):
+    """AddressSanitizer sees each block, with numbers from nowhere in all arrays but their sizes."""
+    config, program = AudioConfig(motion=True, tail_seconds=0.15, response_seconds=0.2), []
+
+    def ffi_call(target, results):
+        def call(*operands, **sizes):
+            threads, words = (int(sizes[key]) for key in ("block_x", "shared_mem_bytes"))
+            if not program:
+                each = f"for (int x = 0; x < a; ++x) run(p, x, 0, {threads}, {words // 4})"
+                program.append(Program(tmp_path, program_text(name, threads * kernels.PER_THREAD), each))
+            result = np.zeros(results[0].shape, np.float32)
+            program[0].add([*map(np.asarray, operands), result], int(sizes["grid_x"]))
+            return (jnp.asarray(result),)
+
+        return call
+
+    monkeypatch.setattr(kernels, "ptx_of", lambda sources, size: "")
+    monkeypatch.setattr(jax.ffi, "ffi_call", ffi_call)
+    ends = 1, 2, 2
+    for _ in range(3):
+        if name == "add_paths":
+            given = (1, 2, 2000), (1, 2, 2, 900), (1, 2, 3), (1, 2, 5, 9), (1, 2, 5, 2, 20, 2)
+            given = [jnp.float32(rng.normal(size=shape)) for shape in given]
+            given[2] = jnp.int32(rng.integers(0, 9000, (1, 2, 3)))
+            sums.run_sums(config, 20, 2, *(spoilt(rng, x) for x in given))
+        else:
+            share = jnp.float32(rng.normal(size=(*ends, config.num_bins, 2, noise_bins(config).shape[-2])))
+            signal = jnp.float32(rng.normal(size=(1, 2, config.memory_length - 1 + config.frame + config.ahead)))
+            whole = [jnp.int32(rng.integers(0, config.response_length, ends)) for _ in range(2)]
+            levels = jnp.float32(rng.normal(size=(*ends, config.num_tail, 7)))
+            given = signal, share, *whole, levels
+            late.run_late(config, *late.late_tables(config), *(spoilt(rng, x) for x in given))
+    program[0].run()
 
 
 def test_sizes_of_transforms_have_all_radices():

@@ -94,7 +94,8 @@ extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, 1) late_frames(
             [&](int i) {
               const int sample = from + i;
               if (i >= count || sample < onset) return Complex{0.0f, 0.0f};
-              const int there = sample + shift - (sample + shift < size.response ? 0 : size.response);
+              int there = sample + shift;  // held to the noise, whatever the shift
+              there = max(0, min(there < size.response ? there : there - size.response, size.response - 1));
               const float* heard = responses + (there / size.bin * rows + row) * size.bin + there % size.bin;
               return Complex{heard[0], both ? heard[size.bin] : 0.0f};
             },
