@@ -15,9 +15,9 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Head
 from home_mjx.audio_jax.base.filters import CAUSAL_SECONDS
 from home_mjx.audio_jax.base.shapes import shapes
-from home_mjx.audio_jax.motion.cuda.early import add_reads, filter_sums
+from home_mjx.audio_jax.frames.cuda.early import add_reads, filter_sums
+from home_mjx.audio_jax.frames.reads import Reads, Ways, before, frame_begin, margin, times
 from home_mjx.audio_jax.motion.pairs import Pairs
-from home_mjx.audio_jax.motion.reads import Reads, Ways, before, frame_begin, margin, times
 from home_mjx.audio_jax.receivers.channels import channel_delays
 from home_mjx.audio_jax.receivers.hrtf import to_head
 

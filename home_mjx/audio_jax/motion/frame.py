@@ -6,7 +6,7 @@ from jaxtyping import Array, Float
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Head
-from home_mjx.audio_jax.motion.cuda.late import late_frame
+from home_mjx.audio_jax.frames.cuda.late import late_frame
 from home_mjx.audio_jax.motion.early import early_sums, filtered, longest_step
 from home_mjx.audio_jax.motion.pairs import paired
 from home_mjx.audio_jax.motion.reception import Reception, late_sound

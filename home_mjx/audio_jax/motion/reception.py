@@ -11,7 +11,7 @@ from home_mjx.audio_jax.auralization.response import late_energy, noise_shares, 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.base.filters import octave_gains
-from home_mjx.audio_jax.motion.tail import Late, tail_levels
+from home_mjx.audio_jax.frames.tail import Late, tail_levels
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.paths import Paths
 from home_mjx.audio_jax.receivers.diffuse import Draw, drawn, num_noises

@@ -70,7 +70,7 @@ class Dataset:
             DatasetError: The table is broken.
 
         Example:
-            >>> drawer = dataset.joints["home_dresser_1"][0]  # doctest: +SKIP
+            >>> drawer, *others = dataset.joints["home_dresser_1"]  # doctest: +SKIP
             >>> pulled = drawer.move(dataset.load_model(drawer.model_id), drawer.high)  # doctest: +SKIP
         """
         return read_joints(self.root / "metadata")

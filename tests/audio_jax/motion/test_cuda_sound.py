@@ -17,11 +17,12 @@ from sanitized import Program
 from home_mjx.audio_jax import AudioConfig, Paths
 from home_mjx.audio_jax.base import delays
 from home_mjx.audio_jax.base.shapes import shapes
-from home_mjx.audio_jax.motion import early, tail
-from home_mjx.audio_jax.motion.cuda import early as sums
-from home_mjx.audio_jax.motion.cuda import kernels, late
+from home_mjx.audio_jax.frames import tail
+from home_mjx.audio_jax.frames.cuda import early as sums
+from home_mjx.audio_jax.frames.cuda import kernels, late
+from home_mjx.audio_jax.frames.reads import frame_begin, sums_of
+from home_mjx.audio_jax.motion import early
 from home_mjx.audio_jax.motion.pairs import paired
-from home_mjx.audio_jax.motion.reads import frame_begin, sums_of
 from home_mjx.audio_jax.receivers.diffuse import noise_bins
 from home_mjx.core.native import nvrtc
 from home_mjx.errors import ExecutorError

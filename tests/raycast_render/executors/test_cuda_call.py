@@ -80,7 +80,7 @@ class FakeLibrary:
         monkeypatch.setattr(nvrtc, "_known", lambda library, capability: capability)
         monkeypatch.setattr(nvrtc, "_compile", self.compile)
 
-    def compile(self, library, code, name, target):
+    def compile(self, library, code, name, target, options):
         self.compiled += 1
         return f"{code.decode()} for {target}"
 
@@ -96,6 +96,9 @@ def test_compiled_kernels_are_kept_until_anything_changes(monkeypatch, tmp_path)
     source.write_text("two")
     assert nvrtc.compile_ptx(source, 90) == "two for compute_90"
     assert library.compiled == 4
+    for size in (1, 2, 2):
+        nvrtc.compile_ptx(source, 90, {"SIZE": size})
+    assert library.compiled == 6
 
 
 @pytest.mark.parametrize("damage", ["cut", "empty", "bytes", "changed"])

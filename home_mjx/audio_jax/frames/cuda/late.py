@@ -8,8 +8,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.motion.cuda import kernels as cuda
-from home_mjx.audio_jax.motion.tail import Late, frame_begin, frame_by_xla, octave_table, window_width
+from home_mjx.audio_jax.frames.cuda import kernels as cuda
+from home_mjx.audio_jax.frames.tail import Late, frame_begin, frame_by_xla, octave_table, window_width
 from home_mjx.audio_jax.receivers.diffuse import noise_bins
 from home_mjx.core.native.batched import batched
 from home_mjx.schema.compiled import BANDS

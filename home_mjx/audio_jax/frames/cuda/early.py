@@ -10,8 +10,8 @@ from jaxtyping import Array, Float
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.delays import HALF_WIDTH, windowed_sinc
-from home_mjx.audio_jax.motion.cuda import kernels as cuda
-from home_mjx.audio_jax.motion.reads import Reads, before, sums_of, times
+from home_mjx.audio_jax.frames.cuda import kernels as cuda
+from home_mjx.audio_jax.frames.reads import Reads, before, sums_of, times
 from home_mjx.core.native.batched import batched
 
 SUMS, SUMS_THREADS = 20, 768  # that a thread keeps at once, and threads, as in sums.cu
