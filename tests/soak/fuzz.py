@@ -181,13 +181,17 @@ class Hunt:
         """Whether an input was read, and what was wrong in that."""
         is_read, trouble = False, ""
         _Clock.begun, _Clock.rings = time.process_time(), 0
-        signal.setitimer(signal.ITIMER_REAL, SLOW, SLOW)
         try:
-            read(data)
-            is_read = True
-        except self.target.refusals as error:
-            trouble = faults_of(str(error))
-        except Slow:
+            signal.setitimer(signal.ITIMER_REAL, SLOW, SLOW)
+            try:
+                read(data)
+                is_read = True
+            except self.target.refusals as error:
+                trouble = faults_of(str(error))
+            except Exception:
+                trouble = traceback.format_exc()
+            signal.setitimer(signal.ITIMER_REAL, 0)
+        except Slow:  # it may come as late as in the line before
             trouble = "slow"
         except BaseException:
             trouble = traceback.format_exc()

@@ -55,6 +55,20 @@ TARGETS["careless"] = Target(lambda folder: ([b"d" * 16], reads), (of_bytes,))
 def makes(rng, data):
     return b"d" * len(b"x" * (130 << 20)) if rng.random() < 0.2 else data
 
+def makes_none(rng, data):
+    return data
+
+clock, late = signal.setitimer, []
+
+def stops_late(which, seconds, interval=0.0):
+    # The bell rings once while the clock is stopped, between a reader's end and the next line.
+    clock(which, seconds, interval)
+    if seconds == 0 and late:
+        late.clear()
+        raise fuzz.Slow
+
+signal.setitimer = stops_late
+TARGETS["late"] = Target(lambda folder: ([b"d" * 16], lambda data: late.append(data)), (makes_none,))
 TARGETS["long"] = Target(lambda folder: ([b"d" * 16], reads), (makes,))
 sys.exit(fuzz.main())
 """
@@ -63,8 +77,7 @@ sys.exit(fuzz.main())
 def test_careless_readers_are_caught(tmp_path):
     """An error without a type, a signal, too much memory, too much time: each is found, and its input is kept."""
     status, found, said = fuzz("--targets", "careless", "--cases", 80, "--out", tmp_path, program=CARELESS)
-    assert status == 1
-    assert found["careless"]["cases"] == 80
+    assert (status, found.get("careless", {}).get("cases")) == (1, 80), said
     kept = [path for path in tmp_path.iterdir() if path.suffix != ".txt"]
     assert len(kept) == found["careless"]["failed"] > 4
     assert all(not path.read_bytes().startswith(b"d") for path in kept)
@@ -75,3 +88,9 @@ def test_careless_readers_are_caught(tmp_path):
 def test_what_it_takes_to_make_an_input_is_not_held_against_its_reader(tmp_path):
     status, found, said = fuzz("--targets", "long", "--cases", 20, "--out", tmp_path, program=CARELESS)
     assert (status, found["long"]["failed"], found["long"]["read"]) == (0, 0, 20), said
+
+
+def test_a_bell_that_rings_as_the_reader_ends_is_no_error_of_the_hunt(tmp_path):
+    status, found, said = fuzz("--targets", "late", "--cases", 4, "--out", tmp_path, program=CARELESS)
+    assert (status, found.get("late", {}).get("failed")) == (1, 4), said
+    assert "slow" in said
