@@ -17,7 +17,6 @@ from home_mjx.audio_jax.baking.bake import BakeOptions, bake_house
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.base.presets import audio_preset
-from home_mjx.audio_jax.motion.early import filtered
 from home_mjx.audio_jax.motion.frame import moving_early, moving_frame, moving_frames, moving_late
 from home_mjx.audio_jax.motion.reception import reception
 from home_mjx.bank.bank import HouseBank
@@ -74,7 +73,7 @@ def frame_early(settings: Settings) -> Record:
 
     def early(source: jax.Array, old: Any, new: Any, config: AudioConfig) -> jax.Array:
         old, new = jax.tree.map(lambda x: x[None], (old, new))
-        return filtered(moving_early(source[None], old, new, config), config)
+        return moving_early(source[None], old, new, config)
 
     return _stage("audio/frame-early", settings, early)
 

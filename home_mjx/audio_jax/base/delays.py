@@ -54,7 +54,7 @@ def read_weights(rest: Float[Array, "*n"]) -> list[Float[Array, "*n"]]:
         1.0
     """
     weights = []
-    for row in _polynomials():
+    for row in read_polynomials():
         weight = jnp.full_like(rest, row[-1])
         for coefficient in row[-2::-1]:
             weight = weight * rest + jnp.float32(coefficient)
@@ -84,8 +84,8 @@ def _pulses() -> Float[np.ndarray, "three read k"]:
 
 
 @functools.cache
-def _polynomials() -> Float[np.ndarray, "read degree"]:
-    """Coefficients, lowest first: the least squares over all frequencies up to 0.45 of the sample rate."""
+def read_polynomials() -> Float[np.ndarray, "read degree"]:
+    """Of `read_weights`, lowest power first: the least squares over all frequencies up to 0.45 of the sample rate."""
     rest = (np.arange(32) + 0.5) / 32
     angle = np.pi * 0.45 * np.concatenate([(np.arange(64) + 0.5) / 64, 1 - np.geomspace(1e-3, 0.1, 16)])
     power = rest[:, None] ** np.arange(DEGREE + 1)

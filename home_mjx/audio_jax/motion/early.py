@@ -14,10 +14,9 @@ from home_mjx.audio_jax.auralization.response import octave_spectra, path_weight
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Head
 from home_mjx.audio_jax.base.filters import CAUSAL_SECONDS
-from home_mjx.audio_jax.base.shapes import shapes
-from home_mjx.audio_jax.frames.cuda.early import add_reads, filter_sums
-from home_mjx.audio_jax.frames.reads import Reads, Ways, before, frame_begin, margin, times
+from home_mjx.audio_jax.frames.reads import Reads, Ways, before, margin, times
 from home_mjx.audio_jax.motion.pairs import Pairs
+from home_mjx.audio_jax.motion.synthesis import early_frame
 from home_mjx.audio_jax.receivers.channels import channel_delays
 from home_mjx.audio_jax.receivers.hrtf import to_head
 
@@ -25,10 +24,10 @@ FASTEST = 10.0  # [m/s], at which paths may grow or shrink; faster ones are fade
 SLOWEST_SOUND = 250.0  # [m/s], of all airs that can be chosen
 
 
-def early_sums(
+def early_sound(
     sources: Float[Array, "n w"], past: int, pairs: Pairs, config: AudioConfig, head: Head | None = None
-) -> Float[Array, "e s k"]:
-    """What is heard of several sources through paths that move: one sum per channel and shape, see `filtered`.
+) -> Float[Array, "e m"]:
+    """What each channel hears of several sources through paths that move.
 
     Args:
         sources: What leaves each source at 1 m, from `past` samples before the frame on and for as long as is known.
@@ -37,12 +36,7 @@ def early_sums(
         config: Options.
         head: Measured; None: a rigid sphere.
     """
-    return add_reads(jax.vmap(lambda source, pair: _reads(source, past, pair, config, head))(sources, pairs), config)
-
-
-def filtered(sums: Float[Array, "e s k"], config: AudioConfig) -> Float[Array, "e m"]:
-    """All of `shapes`, each of its sum, in the frame."""
-    return filter_sums(sums, shapes(config.sample_rate).kernel, frame_begin(config), config.frame)
+    return early_frame(jax.vmap(lambda source, pair: _reads(source, past, pair, config, head))(sources, pairs), config)
 
 
 def longest_step(config: AudioConfig) -> float:

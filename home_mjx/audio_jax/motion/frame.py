@@ -6,10 +6,10 @@ from jaxtyping import Array, Float
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Head
-from home_mjx.audio_jax.frames.cuda.late import late_frame
-from home_mjx.audio_jax.motion.early import early_sums, filtered, longest_step
+from home_mjx.audio_jax.motion.early import early_sound, longest_step
 from home_mjx.audio_jax.motion.pairs import paired
 from home_mjx.audio_jax.motion.reception import Reception, late_sound
+from home_mjx.audio_jax.motion.synthesis import late_frame
 
 
 def moving_frame(
@@ -53,16 +53,15 @@ def moving_frames(
         >>> moving_frames(jnp.zeros((2, width)), none, none, config).shape
         (2, 1600)
     """
-    early = filtered(moving_early(sources, old, new, config, head), config)
-    return early + moving_late(sources, old, new, config)
+    return moving_early(sources, old, new, config, head) + moving_late(sources, old, new, config)
 
 
 def moving_early(
     sources: Float[Array, "n w"], old: Reception, new: Reception, config: AudioConfig, head: Head | None = None
-) -> Float[Array, "e s k"]:
-    """Early sound of a frame before what sources share: see `filtered`. Arguments as of `moving_frames`."""
+) -> Float[Array, "e m"]:
+    """Early sound of a frame. Arguments as of `moving_frames`."""
     pairs = jax.vmap(lambda a, b: paired(a.paths, b.paths, a.quat, b.quat, longest_step(config)))(old, new)
-    return early_sums(sources, config.memory_length - 1, pairs, config, head)
+    return early_sound(sources, config.memory_length - 1, pairs, config, head)
 
 
 def moving_late(

@@ -61,6 +61,11 @@ def without_gradient(step: Step, name: str) -> Step:
     return guarded
 
 
+def numbers(values: Sequence[float], dtype: Any = jnp.int32) -> Array:
+    """An array made inside the program: a partitioned function may not capture arrays."""
+    return jnp.concatenate([jnp.full(1, value, dtype) for value in values])
+
+
 def _partitioned(run: Step, shared: int) -> Step:
     """Without a rule, a program on split inputs would gather them all on every device before each step."""
 

@@ -12,17 +12,16 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from moving_sound import some_late, some_reads
 from sanitized import Program
 
-from home_mjx.audio_jax import AudioConfig, Paths
+from home_mjx.audio_jax import AudioConfig
 from home_mjx.audio_jax.base import delays
 from home_mjx.audio_jax.base.shapes import shapes
 from home_mjx.audio_jax.frames import tail
 from home_mjx.audio_jax.frames.cuda import early as sums
 from home_mjx.audio_jax.frames.cuda import kernels, late
 from home_mjx.audio_jax.frames.reads import frame_begin, sums_of
-from home_mjx.audio_jax.motion import early
-from home_mjx.audio_jax.motion.pairs import paired
 from home_mjx.audio_jax.receivers.diffuse import noise_bins
 from home_mjx.core.native import nvrtc
 from home_mjx.errors import ExecutorError
@@ -97,36 +96,12 @@ def here(library, monkeypatch):
     monkeypatch.setattr(jax.ffi, "ffi_call", ffi_call)
 
 
-def some_paths(rng, count, away):
-    """Paths of all directions, a few of them silent."""
-    vector = rng.normal(size=(count, 3))
-    gain = rng.uniform(0, 1, (count, 7)) * (rng.random((count, 1)) < 0.8)
-    unit = vector / np.linalg.norm(vector, axis=1, keepdims=True)
-    return Paths(*(jnp.float32(x) for x in (rng.uniform(*away, count), gain, unit)), jnp.arange(count, dtype=jnp.int32))
-
-
-def moved(paths, rng):
-    vector = paths.distance[:, None] * paths.direction + jnp.float32(rng.normal(size=paths.direction.shape) * 0.1)
-    distance = jnp.linalg.norm(vector, axis=1)
-    return paths.replace(distance=distance, direction=vector / distance[:, None], gain=paths.gain * 0.9)
-
-
 @pytest.mark.parametrize("receiver", ["binaural", "omni", "ambisonics"])
 @pytest.mark.parametrize("sources", [1, 3])
 def test_paths_are_read_and_added_as_by_xla(here, rng, receiver, sources):
     """Of near and far ones, beyond the end of a response too, of several sources and two environments."""
     config = AudioConfig(motion=True, receiver=receiver, tail_seconds=0.0, response_seconds=0.2)
-    envs = []
-    for _ in range(2):
-        old = [some_paths(rng, 6, (0.3, 90.0)) for _ in range(sources)]
-        new = [moved(x, rng) for x in old]
-        quats = jnp.float32(rng.normal(size=(sources, 2, 4)))
-        quats = quats / jnp.linalg.norm(quats, axis=-1, keepdims=True)
-        pairs = [paired(a, b, q[0], q[1], early.longest_step(config)) for a, b, q in zip(old, new, quats, strict=True)]
-        width = config.memory_length - 1 + config.frame + config.ahead
-        signal = jnp.float32(rng.normal(size=(sources, width)))
-        reads = [early._reads(s, config.memory_length - 1, p, config, None) for s, p in zip(signal, pairs, strict=True)]
-        envs.append(jax.tree.map(lambda *x: jnp.stack(x), *reads))
+    envs = [some_reads(rng, sources, config) for _ in range(2)]
     wanted = jnp.stack([jax.jit(lambda x: sums_of(x, config))(reads) for reads in envs])
     given = [jnp.stack(x) for x in zip(*(sums.read_operands(reads) for reads in envs), strict=True)]
     shape, ears = envs[0].share.shape[3], envs[0].ways.ears.shape[-1]
@@ -145,14 +120,7 @@ def test_late_sound_is_heard_as_by_xla(here, rng, seconds, sources, receiver):
     config = AudioConfig(
         motion=True, tail_seconds=seconds, response_seconds=0.2, receiver=receiver, microphones=microphones
     )
-    ends = 2, sources, 2
-    sound = tail.Late(
-        share=jnp.float32(rng.normal(size=(*ends, config.num_bins, config.num_channels, noise_bins(config).shape[-2]))),
-        shift=jnp.int32(rng.integers(0, config.num_bins, ends) * config.bin_samples),
-        onset=jnp.int32(rng.integers(-100, config.response_length // 2, ends)),
-        tail=jnp.float32(rng.uniform(0, 1, (*ends, config.num_tail, 7))),
-    )
-    signals = jnp.float32(rng.normal(size=(2, sources, config.memory_length - 1 + config.frame + config.ahead)))
+    signals, sound = some_late(rng, 2, sources, config)
     wanted = jax.vmap(lambda *one: tail.frame_by_xla(*one, config))(signals, sound)
     given = signals, sound.share, sound.shift, sound.onset, sound.tail
     (got,) = late.run_late(config, *late.late_tables(config), *given)
@@ -235,7 +203,7 @@ def test_weights_in_cuda_are_those_of_python():
     text = kernels.SUMS_SOURCES[0].read_text()
     rows = re.findall(r"^ +\{(-?\d.*)\},$", text, re.MULTILINE)
     table = np.array([[np.float32(x.strip("f ")) for x in row.split(",")] for row in rows], np.float32)
-    np.testing.assert_array_equal(table, delays._polynomials())
+    np.testing.assert_array_equal(table, delays.read_polynomials())
     for name, value in {
         "TAPS": 2 * delays.HALF_WIDTH,
         "READ": delays.READ,

@@ -8,9 +8,9 @@ import pytest
 from numba import njit, types
 from soup import f32, i32, in_jit, random_rays, random_soup
 
+from home_mjx.core.native import lanes
 from home_mjx.core.native.memory import pointer_to
 from home_mjx.raycast_render.casting.cast import cast, occluded
-from home_mjx.raycast_render.executors.native import lanes
 
 pointer = pointer_to(types.float32)
 

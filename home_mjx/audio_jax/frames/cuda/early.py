@@ -1,4 +1,4 @@
-"""Early sound of moving frames: paths read and added up, and the sums filtered; kernels on GPUs, XLA elsewhere."""
+"""Early sound of moving frames on GPUs: paths read and added up, and the sums filtered."""
 
 import functools
 from collections.abc import Callable
@@ -10,42 +10,27 @@ from jaxtyping import Array, Float
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.delays import HALF_WIDTH, windowed_sinc
+from home_mjx.audio_jax.base.shapes import shapes
 from home_mjx.audio_jax.frames.cuda import kernels as cuda
-from home_mjx.audio_jax.frames.reads import Reads, before, sums_of, times
-from home_mjx.core.native.batched import batched
+from home_mjx.audio_jax.frames.reads import Reads, before, frame_begin, times
+from home_mjx.core.native.batched import batched, numbers
 
 SUMS, SUMS_THREADS = 20, 768  # that a thread keeps at once, and threads, as in sums.cu
 
 
-def add_reads(reads: Reads, config: AudioConfig) -> Float[Array, "e s k"]:
-    """`reads.sums_of`, by the kernel where there is one and its memory suffices.
-
-    Args:
-        reads: With a leading axis of sources.
-        config: Options.
-    """
-    slow = functools.partial(sums_of, config=config)
-    if not cuda.cuda_available() or _sums_bytes(*(x[None] for x in read_operands(reads))) > cuda.shared_bytes():
-        return slow(reads)
-    return cuda.chosen(slow, functools.partial(_add_reads, config=config))(reads)
+def available(reads: Reads, config: AudioConfig) -> bool:
+    """Whether there is a GPU on which the kernels work, whose blocks have the memory that these arrays need."""
+    if not cuda.cuda_available():
+        return False
+    size, most = cuda.transform_size(times(config).shape[0]), cuda.shared_bytes()
+    fits = size is not None and filter_bytes(size) <= most
+    return fits and _sums_bytes(*(x[None] for x in read_operands(reads))) <= most
 
 
-def filter_sums(
-    sums: Float[Array, "e s k"], kernels: Float[np.ndarray, "s t"], begin: int, frame: int
-) -> Float[Array, "e m"]:
-    """Each of some sums through its filter, all of them added up.
-
-    Args:
-        sums: Per channel.
-        kernels: Filters.
-        begin: Sample of the results that is wanted first; filters are no longer than the samples before it.
-        frame: Samples that are wanted.
-    """
-    how = {"kernels": kernels, "begin": begin, "frame": frame}
-    size = cuda.transform_size(sums.shape[-1])
-    if not cuda.cuda_available() or size is None or filter_bytes(size) > cuda.shared_bytes():
-        return _filter_by_xla(sums, **how)
-    return cuda.chosen(functools.partial(_filter_by_xla, **how), functools.partial(_filter_sums, **how))(sums)
+def early_frame(reads: Reads, config: AudioConfig) -> Float[Array, "e m"]:
+    """`motion.synthesis.early_frame` by two kernels."""
+    kernels, begin = shapes(config.sample_rate).kernel, frame_begin(config)
+    return _filter_sums(_add_reads(reads, config), kernels, begin, config.frame)
 
 
 def _add_reads(reads: Reads, config: AudioConfig) -> Float[Array, "e s k"]:
@@ -74,8 +59,8 @@ def run_sums(config: AudioConfig, shapes: int, ears: int, *given: Array) -> tupl
     sizes = (*source.shape[1:], filtered.shape[3], way.shape[2], ears, channels, shapes, count)
     taps = windowed_sinc(np.arange(-HALF_WIDTH, HALF_WIDTH) + 0.5).tolist()
     rate = config.sample_rate / config.speed_of_sound
-    tables = cuda.numbers(taps, jnp.float32), cuda.numbers([rate], jnp.float32)
-    operands = (*given, *tables, cuda.numbers((*sizes, config.frame, before(config))))
+    tables = numbers(taps, jnp.float32), numbers([rate], jnp.float32)
+    operands = (*given, *tables, numbers((*sizes, config.frame, before(config))))
     result = jax.ShapeDtypeStruct((source.shape[0], channels, shapes, count), jnp.float32)
     ptx, grid = cuda.ptx_of(cuda.SUMS_SOURCES, 0), (source.shape[0], 1)
     return cuda.call_kernel("add_paths", ptx, grid, SUMS_THREADS, _sums_bytes(*given), operands, result)
@@ -85,15 +70,6 @@ def _sums_bytes(source: Array, filtered: Array, _: Array, way: Array, share: Arr
     """Memory that a block needs: half samples, paths, and shares."""
     halves = 2 * (filtered[0, 0].size + source.shape[2])
     return 4 * (halves + way[0, 0].size + share[0, 0].size + 2 * HALF_WIDTH + way.shape[2])
-
-
-def _filter_by_xla(
-    sums: Float[Array, "e s k"], kernels: Float[np.ndarray, "s t"], begin: int, frame: int
-) -> Float[Array, "e m"]:
-    size = sums.shape[-1]
-    spectra = jnp.asarray(np.fft.rfft(kernels, size).astype(np.complex64))
-    whole = jnp.sum(jnp.fft.rfft(sums, size) * spectra[None], axis=1)
-    return jnp.fft.irfft(whole, size)[:, begin : begin + frame]
 
 
 def _filter_sums(
@@ -121,7 +97,7 @@ def run_filter(begin: int, frame: int, *given: Array) -> tuple[Array, ...]:
     spectra, turns, sums = given
     envs, channels, shapes, count = sums.shape
     size = turns.shape[0]
-    operands = sums, spectra, turns, cuda.numbers((channels, shapes, count, begin, frame))
+    operands = sums, spectra, turns, numbers((channels, shapes, count, begin, frame))
     result = jax.ShapeDtypeStruct((envs, channels, frame), jnp.float32)
     ptx, grid, threads = cuda.ptx_of(cuda.FILTER_SOURCES, size), (envs, -(-channels // 2)), size // cuda.PER_THREAD
     return cuda.call_kernel("filter_sums", ptx, grid, threads, filter_bytes(size), operands, result)

@@ -1,7 +1,7 @@
 """What kernels of moving sound have in common: whether they work here, their transforms, and how XLA calls them."""
 
 import functools
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -77,20 +77,6 @@ def values_bytes(size: int) -> int:
     return 8 * (size + size // 8)
 
 
-def chosen(slow: Callable[..., Array], fast: Callable[..., Array]) -> Callable[..., Array]:
-    """The kernel on GPUs, `slow` elsewhere and for derivatives."""
-
-    @jax.custom_jvp
-    def run(*given: Any) -> Array:
-        return jax.lax.platform_dependent(*given, cuda=fast, default=slow)
-
-    @run.defjvp
-    def derivative(primals: Any, tangents: Any) -> tuple[Array, Array]:
-        return jax.jvp(slow, primals, tangents)
-
-    return run
-
-
 def call_kernel(
     name: str,
     ptx: str,
@@ -117,11 +103,6 @@ def call_kernel(
     launch |= {"name": name, "kernel_type": "ptx", "kernel_data": ptx}
     call = jax.ffi.ffi_call(PTX_TARGET, (result,))
     return varying_as(operands, call(*(_plain(x) for x in operands), **launch))
-
-
-def numbers(values: Sequence[float], dtype: Any = jnp.int32) -> Array:
-    """An array made inside the program: a partitioned function may not capture arrays."""
-    return jnp.concatenate([jnp.full(1, value, dtype) for value in values])
 
 
 def _plain(values: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Late sound of moving frames: a kernel on GPUs, XLA elsewhere."""
+"""Late sound of moving frames on GPUs."""
 
 import functools
 from collections.abc import Callable
@@ -9,24 +9,22 @@ from jaxtyping import Array, Float
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.frames.cuda import kernels as cuda
-from home_mjx.audio_jax.frames.tail import Late, frame_begin, frame_by_xla, octave_table, window_width
+from home_mjx.audio_jax.frames.tail import Late, frame_begin, octave_table, window_width
 from home_mjx.audio_jax.receivers.diffuse import noise_bins
-from home_mjx.core.native.batched import batched
+from home_mjx.core.native.batched import batched, numbers
 from home_mjx.schema.compiled import BANDS
 
 NUM_TABLES = 3
 
 
-def late_frame(sources: Float[Array, "n w"], late: Late, config: AudioConfig) -> Float[Array, "e s"]:
-    """`tail.frame_by_xla`, by the kernel where there is one and its memory suffices. Arguments as there."""
-    slow = functools.partial(frame_by_xla, config=config)
+def available(config: AudioConfig) -> bool:
+    """Whether there is a GPU on which the kernel works, whose blocks have the memory that it needs."""
     size = cuda.transform_size(window_width(config))
-    if not cuda.cuda_available() or size is None or _bytes(size) > cuda.shared_bytes():
-        return slow(sources, late)
-    return cuda.chosen(slow, functools.partial(_late_frame, config=config))(sources, late)
+    return cuda.cuda_available() and size is not None and _bytes(size) <= cuda.shared_bytes()
 
 
-def _late_frame(sources: Float[Array, "n w"], late: Late, config: AudioConfig) -> Float[Array, "e s"]:
+def late_frame(sources: Float[Array, "n w"], late: Late, config: AudioConfig) -> Float[Array, "e s"]:
+    """`frames.tail.frame_by_xla` by a kernel."""
     given = sources, late.share, late.shift, late.onset, late.tail
     return _op(config)(*late_tables(config), *(x[None] for x in given))[0][0]
 
@@ -56,7 +54,7 @@ def run_late(config: AudioConfig, *given: Array) -> tuple[Array, ...]:
     start = config.memory_length - first - config.tail_ringing
     sizes = (count, length, channels, config.response_length, first, half, config.num_tail, start)
     sizes = (*sizes, window_width(config), frame_begin(config), config.frame, config.bin_samples, envs)
-    operands = sources, responses, shift, onset, tail, octaves, turns, cuda.numbers(sizes)
+    operands = sources, responses, shift, onset, tail, octaves, turns, numbers(sizes)
     result = jax.ShapeDtypeStruct((envs, channels, config.frame), jnp.float32)
     ptx, grid, threads = cuda.ptx_of(cuda.LATE_SOURCES, size), (envs, -(-channels // 2)), size // cuda.PER_THREAD
     return cuda.call_kernel("late_frames", ptx, grid, threads, _bytes(size), operands, result)

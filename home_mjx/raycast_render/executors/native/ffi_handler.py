@@ -7,12 +7,11 @@ import llvmlite.binding
 import numpy as np
 from numba import cfunc, njit, types
 
-from home_mjx.core.native import ffi
+from home_mjx.core.native import ffi, lanes
 from home_mjx.core.native import memory as native_memory
 from home_mjx.core.native.kept import with_checked_cache
 from home_mjx.core.native.memory import call, stack_of, symbol_address
 from home_mjx.raycast_render.executors.native import intersect as native_intersect
-from home_mjx.raycast_render.executors.native import lanes
 from home_mjx.raycast_render.executors.native import packet as native_packet
 from home_mjx.raycast_render.executors.native import traverse as native
 from home_mjx.raycast_render.scene import constants as limits

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple, no_type_check
 import numpy as np
 from numba import njit
 
-from home_mjx.raycast_render.executors.native.lanes import any_lane, greatest, least, magnitude, spread, where
+from home_mjx.core.native.lanes import any_lane, greatest, least, magnitude, spread, where
 from home_mjx.raycast_render.scene import constants as limits
 
 # As float32, since Numba would otherwise compute in float64.

@@ -6,9 +6,9 @@ from typing import NamedTuple, no_type_check
 import numpy as np
 from numba import njit, types
 
+from home_mjx.core.native.lanes import LANES, load, spread, store, where
 from home_mjx.core.native.memory import pointer_to, stack_of
 from home_mjx.raycast_render.executors.native.intersect import INF, ONE, ZERO, Lane
-from home_mjx.raycast_render.executors.native.lanes import LANES, load, spread, store, where
 from home_mjx.raycast_render.scene import constants as limits
 
 TILE = 4  # pixels in a row of the image that a packet casts

@@ -17,6 +17,7 @@ from typing import Any, NamedTuple, no_type_check
 import numpy as np
 from numba import njit, types
 
+from home_mjx.core.native.lanes import FLOATS, any_lane, count, spread, where
 from home_mjx.core.native.memory import pointer_to, stack_of
 from home_mjx.raycast_render.executors.native.intersect import (
     INF,
@@ -29,7 +30,6 @@ from home_mjx.raycast_render.executors.native.intersect import (
     slab,
     test,
 )
-from home_mjx.raycast_render.executors.native.lanes import FLOATS, any_lane, count, spread, where
 from home_mjx.raycast_render.executors.native.packet import Sizes, known, lane_rows, place, read, write
 from home_mjx.scene_compile.geometry.bvh import EMPTY, MAX_DEPTH
 

@@ -151,6 +151,42 @@ def magnitude(typing_context, x) -> Any:
 
 @intrinsic
 @no_type_check
+def multiply_add(typing_context, a, b, c) -> Any:
+    """A * b + c, rounded once where the processor can; `a` and `b` may be scalars."""
+
+    @no_type_check
+    def lower(context, builder, sig, args):
+        a, b, c = (_spread(builder, x) for x in args)
+        kind = ir.FunctionType(c.type, [c.type] * 3)
+        return builder.call(
+            cgutils.get_or_insert_function(builder.module, kind, f"llvm.fmuladd.v{LANES}f32"), [a, b, c]
+        )
+
+    return FLOATS(*(x if isinstance(x, Lanes) else FLOATS.item for x in (a, b)), c), lower
+
+
+@intrinsic
+@no_type_check
+def total(typing_context, x) -> Any:
+    """The sum of all lanes, halves upon halves."""
+
+    @no_type_check
+    def lower(context, builder, sig, args):
+        value, width = args[0], LANES
+        while width > 1:
+            width //= 2
+            upper = [ir.Constant(ir.IntType(32), width + i) for i in range(width)]
+            lower_ = [ir.Constant(ir.IntType(32), i) for i in range(width)]
+            kind = ir.VectorType(ir.IntType(32), width)
+            halves = [builder.shuffle_vector(value, value, ir.Constant(kind, x)) for x in (lower_, upper)]
+            value = builder.fadd(*halves)
+        return builder.extract_element(value, ir.Constant(ir.IntType(32), 0))
+
+    return FLOATS.item(x), lower
+
+
+@intrinsic
+@no_type_check
 def spread(typing_context, x) -> Any:
     """A scalar in all lanes."""
     return Lanes(x)(x), lambda context, builder, sig, args: _spread(builder, args[0])

@@ -1,0 +1,78 @@
+"""Moving frames on CPUs, as JAX calls them; compiled on first use."""
+
+import functools
+from collections.abc import Callable
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.shapes import shapes
+from home_mjx.audio_jax.frames.cpu.fft import fast_size
+from home_mjx.audio_jax.frames.cpu.operands import EARLY
+from home_mjx.audio_jax.frames.reads import Reads, before, frame_begin, times
+from home_mjx.core.native.batched import batched, numbers
+from home_mjx.core.native.forked import note_start
+from home_mjx.core.native.lanes import LANES
+from home_mjx.core.native.platforms import problem_of, works
+from home_mjx.core.native.varying import varying_as
+
+TARGET = "home_mjx_frames"
+
+_kept: list[object] = []  # compiled functions that XLA may call until the process ends
+
+
+@functools.cache
+def cpu_available() -> bool:
+    """Whether the compiled code works here; warns once if there is a CPU backend and it does not."""
+    return works("cpu", problem_of("cpu", _start), "moving sound is made by slower operations of XLA")
+
+
+def _start() -> None:
+    note_start()
+    from home_mjx.audio_jax.frames.cpu.handler import build_handler
+
+    compiled = build_handler()
+    _kept.extend(compiled)
+    jax.ffi.register_ffi_target(TARGET, jax.ffi.pycapsule(compiled[-1].ctypes), platform="cpu", api_version=1)
+
+
+def early_frame(reads: Reads, config: AudioConfig) -> Float[Array, "e m"]:
+    """`motion.synthesis.early_frame`; arguments as there."""
+    ways, share = reads.ways, jnp.moveaxis(reads.share, -1, -2)
+    lengths = (x[..., None] for x in (ways.old, ways.new, ways.bend))
+    way = jnp.concatenate([*lengths, ways.ears.reshape(*ways.old.shape, -1)], axis=-1)
+    share = jnp.pad(share, [(0, 0)] * 4 + [(0, max(LANES - share.shape[-1], 0))])
+    given = reads.source, reads.filtered, reads.start, way, share
+    return _early_op(config)(*_early_tables(config), *(x[None] for x in given))[0][0]
+
+
+def _early_tables(config: AudioConfig) -> tuple[Float[Array, "two size s"], Float[Array, "two size"]]:
+    """Spectra of the filters, for sums that are as many as a vector has lanes at least, and turns of transforms."""
+    kernels, size = shapes(config.sample_rate).kernel.astype(np.float64), fast_size(times(config).shape[0])
+    spectra = np.fft.fft(kernels, size).T / size
+    spectra = np.pad(spectra, [(0, 0), (0, max(LANES - spectra.shape[1], 0))])
+    return _parts(spectra), _parts(np.exp(-2j * np.pi * np.arange(size) / size))
+
+
+def _parts(values: np.ndarray) -> Array:
+    return jnp.asarray(np.stack([np.real(values), np.imag(values)]), jnp.float32)
+
+
+@functools.cache
+def _early_op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
+    def run(spectra: Array, turns: Array, *given: Array) -> tuple[Array, ...]:
+        sizes = numbers((EARLY, frame_begin(config), before(config), times(config).shape[0]))
+        rate = numbers([config.sample_rate / config.speed_of_sound], jnp.float32)
+        return _call(config, sizes, spectra, turns, rate, *given)
+
+    return batched(run, 2, 1)
+
+
+def _call(config: AudioConfig, *operands: Array) -> tuple[Array, ...]:
+    plain = [x.astype(jnp.int32 if jnp.issubdtype(x.dtype, jnp.integer) else jnp.float32) for x in operands]
+    envs, channels = plain[-1].shape[0], config.num_channels
+    result = jax.ShapeDtypeStruct((envs, channels, config.frame), jnp.float32)
+    return varying_as(operands, jax.ffi.ffi_call(TARGET, (result,))(*plain))

@@ -1,0 +1,66 @@
+"""The waveforms of a frame: by own kernels on the platforms that have them, by operations of XLA elsewhere."""
+
+import functools
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.shapes import shapes
+from home_mjx.audio_jax.frames.cpu import calls as cpu
+from home_mjx.audio_jax.frames.cuda import early as cuda_early
+from home_mjx.audio_jax.frames.cuda import late as cuda_late
+from home_mjx.audio_jax.frames.reads import Reads, frame_begin, sums_of
+from home_mjx.audio_jax.frames.tail import Late, frame_by_xla
+from home_mjx.core.native.platforms import cover_all
+
+
+def early_frame(reads: Reads, config: AudioConfig) -> Float[Array, "e m"]:
+    """What each channel hears of several sources through paths that move.
+
+    Args:
+        reads: With a leading axis of sources.
+        config: Options.
+    """
+    fast: dict[str, Callable[..., Array]] = {}
+    if cpu.cpu_available():
+        fast["cpu"] = functools.partial(cpu.early_frame, config=config)
+    if cuda_early.available(reads, config):
+        fast["cuda"] = functools.partial(cuda_early.early_frame, config=config)
+    return _chosen(functools.partial(early_by_xla, config=config), fast)(reads)
+
+
+def early_by_xla(reads: Reads, config: AudioConfig) -> Float[Array, "e m"]:
+    """The same in operations of XLA. Arguments as of `early_frame`."""
+    sums = sums_of(reads, config)
+    size, begin = sums.shape[-1], frame_begin(config)
+    spectra = jnp.asarray(np.fft.rfft(shapes(config.sample_rate).kernel, size).astype(np.complex64))
+    whole = jnp.sum(jnp.fft.rfft(sums, size) * spectra[None], axis=1)
+    return jnp.fft.irfft(whole, size)[:, begin : begin + config.frame]
+
+
+def late_frame(sources: Float[Array, "n w"], late: Late, config: AudioConfig) -> Float[Array, "e s"]:
+    """What each channel hears of the late sound of several sources. Arguments as of `tail.frame_by_xla`."""
+    fast: dict[str, Callable[..., Array]] = {}
+    if cuda_late.available(config):
+        fast["cuda"] = functools.partial(cuda_late.late_frame, config=config)
+    return _chosen(functools.partial(frame_by_xla, config=config), fast)(sources, late)
+
+
+def _chosen(slow: Callable[..., Array], fast: dict[str, Callable[..., Array]]) -> Callable[..., Array]:
+    """A function by platform; `slow` on those that are not in `fast`, and for derivatives."""
+    default = None if cover_all(fast) else slow  # branches that cannot be chosen are traced, too
+
+    @jax.custom_jvp
+    def run(*given: Any) -> Array:
+        return jax.lax.platform_dependent(*given, default=default, **fast) if fast else slow(*given)
+
+    @run.defjvp
+    def derivative(primals: Any, tangents: Any) -> tuple[Array, Array]:
+        return jax.jvp(slow, primals, tangents)
+
+    return run

@@ -1,0 +1,54 @@
+"""Paths and late sound of all kinds, as moving frames are made of."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from home_mjx.audio_jax import AudioConfig, Paths
+from home_mjx.audio_jax.frames import tail
+from home_mjx.audio_jax.frames.reads import Reads
+from home_mjx.audio_jax.motion import early
+from home_mjx.audio_jax.motion.pairs import paired
+from home_mjx.audio_jax.receivers.diffuse import noise_bins
+
+
+def some_paths(rng, count, away):
+    """Paths of all directions, a few of them silent."""
+    vector = rng.normal(size=(count, 3))
+    gain = rng.uniform(0, 1, (count, 7)) * (rng.random((count, 1)) < 0.8)
+    unit = vector / np.linalg.norm(vector, axis=1, keepdims=True)
+    return Paths(*(jnp.float32(x) for x in (rng.uniform(*away, count), gain, unit)), jnp.arange(count, dtype=jnp.int32))
+
+
+def moved(paths, rng):
+    """The same a moment later."""
+    vector = paths.distance[:, None] * paths.direction + jnp.float32(rng.normal(size=paths.direction.shape) * 0.1)
+    distance = jnp.linalg.norm(vector, axis=1)
+    return paths.replace(distance=distance, direction=vector / distance[:, None], gain=paths.gain * 0.9)
+
+
+def some_reads(rng, sources: int, config: AudioConfig) -> Reads:
+    """What a frame reads of several sources: near and far ones, beyond the end of a response too."""
+    old = [some_paths(rng, 6, (0.3, 90.0)) for _ in range(sources)]
+    new = [moved(x, rng) for x in old]
+    quats = jnp.float32(rng.normal(size=(sources, 2, 4)))
+    quats = quats / jnp.linalg.norm(quats, axis=-1, keepdims=True)
+    pairs = [paired(a, b, q[0], q[1], early.longest_step(config)) for a, b, q in zip(old, new, quats, strict=True)]
+    past = config.memory_length - 1
+    signal = jnp.float32(rng.normal(size=(sources, past + config.frame + config.ahead)))
+    reads = [early._reads(s, past, p, config, None) for s, p in zip(signal, pairs, strict=True)]
+    return jax.tree.map(lambda *x: jnp.stack(x), *reads)
+
+
+def some_late(rng, envs: int, sources: int, config: AudioConfig):
+    """Signals and late sound of several environments and sources, with late and early onsets."""
+    ends = envs, sources, 2
+    share = rng.normal(size=(*ends, config.num_bins, config.num_channels, noise_bins(config).shape[-2]))
+    sound = tail.Late(
+        share=jnp.float32(share),
+        shift=jnp.int32(rng.integers(0, config.num_bins, ends) * config.bin_samples),
+        onset=jnp.int32(rng.integers(-100, config.response_length // 2, ends)),
+        tail=jnp.float32(rng.uniform(0, 1, (*ends, config.num_tail, 7))),
+    )
+    width = config.memory_length - 1 + config.frame + config.ahead
+    return jnp.float32(rng.normal(size=(envs, sources, width))), sound
