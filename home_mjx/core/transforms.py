@@ -4,6 +4,21 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 
+def sum3(parts: Float[Array, "*n 3"]) -> Float[Array, "*n"]:
+    """The sum over the last axis, written out: XLA makes calls of a library of short sums on CPUs, ten times as slow.
+
+    Example:
+        >>> sum3(jnp.array([[1.0, 2.0, 4.0]])).tolist()
+        [7.0]
+    """
+    return parts[..., 0] + parts[..., 1] + parts[..., 2]
+
+
+def length3(vector: Float[Array, "*n 3"]) -> Float[Array, "*n"]:
+    """Euclidean lengths, in the same way."""
+    return jnp.sqrt(sum3(vector * vector))
+
+
 def wrap_angle(angle: Float[Array, "*n"]) -> Float[Array, "*n"]:
     """The same angle from -pi to pi [rad]."""
     return (angle + jnp.pi) % (2 * jnp.pi) - jnp.pi

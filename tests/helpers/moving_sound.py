@@ -9,7 +9,7 @@ from home_mjx.audio_jax.frames import tail
 from home_mjx.audio_jax.frames.reads import Reads
 from home_mjx.audio_jax.motion import early
 from home_mjx.audio_jax.motion.pairs import paired
-from home_mjx.audio_jax.receivers.diffuse import noise_bins
+from home_mjx.audio_jax.receivers.diffuse import KNOTS, Shares, num_noises
 
 
 def some_paths(rng, count, away):
@@ -42,10 +42,13 @@ def some_reads(rng, sources: int, config: AudioConfig) -> Reads:
 
 def some_late(rng, envs: int, sources: int, config: AudioConfig):
     """Signals and late sound of several environments and sources, with late and early onsets."""
-    ends = envs, sources, 2
-    share = rng.normal(size=(*ends, config.num_bins, config.num_channels, noise_bins(config).shape[-2]))
+    ends, bands = (envs, sources, 2), 7
+    channels = config.num_channels
+    common = channels - 1 if config.receiver == "ambisonics" else 0
+    shares = (config.num_bins, channels, KNOTS, bands), (channels, num_noises(config), bands)
+    shares = *shares, (config.num_bins, common, KNOTS, bands)
     sound = tail.Late(
-        share=jnp.float32(share),
+        share=Shares(*(jnp.float32(rng.normal(size=(*ends, *shape))) for shape in shares)),
         shift=jnp.int32(rng.integers(0, config.num_bins, ends) * config.bin_samples),
         onset=jnp.int32(rng.integers(-100, config.response_length // 2, ends)),
         tail=jnp.float32(rng.uniform(0, 1, (*ends, config.num_tail, 7))),

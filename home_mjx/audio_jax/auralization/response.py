@@ -19,7 +19,7 @@ from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.paths import Paths
 from home_mjx.audio_jax.propagation.tracing import Trace, spread, trace
 from home_mjx.audio_jax.receivers.channels import channel_delays, channel_values, late_gains
-from home_mjx.audio_jax.receivers.diffuse import KNOTS, Draw, drawn, ear_mix, noise_bins
+from home_mjx.audio_jax.receivers.diffuse import KNOTS, Draw, Shares, drawn, ear_mix, noise_bins
 from home_mjx.audio_jax.receivers.hrtf import to_head
 from home_mjx.core.transforms import is_unit
 from home_mjx.raycast_render.scene.types import Scene
@@ -228,24 +228,21 @@ def diffuse_response(
     """The same with noise that was drawn before."""
     table = jnp.asarray(noise_bins(config))
     subscripts = "kem,ekms->eks" if table.ndim == 4 else "kem,kms->eks"  # each channel hears noises of its own, or not
-    sound = jnp.einsum(subscripts, noise_shares(energy, draw, head_quat, config), table, precision="highest")
+    sound = jnp.einsum(subscripts, noise_shares(energy, draw, head_quat, config).of_bins(), table, precision="highest")
     return jnp.roll(sound, -draw.start, axis=1).reshape(config.num_channels, -1)
 
 
 def noise_shares(
     energy: Float[Array, "k e bands"], draw: Draw, head_quat: Float[Array, "4"], config: AudioConfig
-) -> Float[Array, "k c m"]:
+) -> Shares:
     """What each channel hears of `noise_bins`; the response begins with bin `draw.start`, and goes around."""
     mix = ear_mix(head_quat, config)[:, :, None] * draw.sign[None]  # (channel, noise, octave)
     power = jnp.roll(energy, draw.start, axis=0) / config.bin_samples
     power, flow = power[:, : config.num_channels], power[:, config.num_channels :]
     common = flow**2 / jnp.maximum(power[:, :1], TINY)
     common = jnp.pad(jnp.minimum(common, power[:, 1 : 1 + flow.shape[1]]), [(0, 0), (1, 0), (0, 0)])
-    each = _amplitudes(power - common, draw.start)[:, :, :, None] * mix[None, :, None]
-    if flow.shape[1]:
-        shared = jnp.sign(flow)[:, :, None] * _amplitudes(common[:, 1:], draw.start) * draw.sign[0][None, None, None]
-        each = each.at[:, 1:, :, 0].add(shared)
-    return each.reshape(config.num_bins, config.num_channels, -1)
+    shared = jnp.sign(flow)[:, :, None] * _amplitudes(common[:, 1:], draw.start) * draw.sign[0][None, None, None]
+    return Shares(_amplitudes(power - common, draw.start), mix, shared)
 
 
 def _amplitudes(power: Float[Array, "k e bands"], first: Int[Array, ""]) -> Float[Array, "k e knots bands"]:

@@ -14,7 +14,7 @@ from scipy.fft import next_fast_len
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.filters import octave_gains
-from home_mjx.audio_jax.receivers.diffuse import noise_bins
+from home_mjx.audio_jax.receivers.diffuse import Shares, noise_bins
 from home_mjx.core.pytree import Pytree
 
 STEEPEST, FLATTEST = 0.5, 1e-4  # decay per bin, in natural logarithms of energy
@@ -24,7 +24,7 @@ LEAST = 1e-30
 class Late(Pytree):
     """Late sound at one moment: what carries it, and what rings on after its response has ended."""
 
-    share: Float[Array, "*n k e m"]  # of `noise_bins`
+    share: Shares
     shift: Int[Array, "*n"]  # [samples], where in the noise a response begins; it goes around
     onset: Int[Array, "*n"]  # [samples], before which nothing is heard
     tail: Float[Array, "*n x bands"]  # see `tail_levels`
@@ -93,7 +93,7 @@ def frame_by_xla(sources: Float[Array, "n w"], late: Late, config: AudioConfig) 
     """
     table = jnp.asarray(noise_bins(config))
     subscripts = "nikem,ekms->nieks" if table.ndim == 4 else "nikem,kms->nieks"  # of its own noises, or the same ones
-    sound = jnp.einsum(subscripts, late.share, table, precision="highest")
+    sound = jnp.einsum(subscripts, late.share.of_bins(), table, precision="highest")
     sound = sound.reshape(*sound.shape[:3], -1)
     responses = jax.vmap(jax.vmap(lambda noise, one: _in_time(noise, one, config)))(sound, late)
     each = jax.vmap(lambda source, late, levels: late_spectra(source, late, levels, config))

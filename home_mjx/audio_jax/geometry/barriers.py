@@ -9,6 +9,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.audio_jax.geometry.wedge import Bend
 from home_mjx.core.pytree import Pytree
+from home_mjx.core.transforms import length3, sum3
 from home_mjx.schema.edges import edge_number
 
 LEAST = 0.01  # [m], distances from edges are taken as at least this
@@ -71,17 +72,17 @@ def nearest_boxes(boxes: Boxes, source: Float[Array, "3"], listener: Float[Array
     way = listener - source
 
     def local(point: Float[Array, "#n 3"]) -> Float[Array, "n 3"]:
-        return jnp.sum(boxes.axis * (point - boxes.center)[:, None], axis=2)
+        return sum3(boxes.axis * (point - boxes.center)[:, None])
 
     def closer(place: Float[Array, "n 3"], _: None) -> tuple[Float[Array, "n 3"], None]:
         """From points of the boxes to the line, and back to the boxes."""
-        share = jnp.sum((place - source[None]) * way[None], axis=1) / jnp.maximum(jnp.sum(way * way), LEAST**2)
+        share = sum3((place - source[None]) * way[None]) / jnp.maximum(sum3(way * way), LEAST**2)
         on_line = source[None] + jnp.clip(share, 0.0, 1.0)[:, None] * way[None]
         inside = jnp.clip(local(on_line), -boxes.half, boxes.half)
-        return boxes.center + jnp.sum(boxes.axis * inside[:, :, None], axis=1), None
+        return boxes.center + sum3(jnp.swapaxes(boxes.axis * inside[:, :, None], 1, 2)), None
 
     place, _ = jax.lax.scan(closer, boxes.center, None, length=3)
-    longer = jnp.linalg.norm(place - source[None], axis=1) + jnp.linalg.norm(place - listener[None], axis=1)
+    longer = length3(place - source[None]) + length3(place - listener[None])
     longer = jnp.where(jnp.any(boxes.exposed, axis=1), longer, jnp.inf)
     _, nearest = jax.lax.top_k(-longer, min(count, longer.size))
     return jax.tree.map(lambda x: x[nearest], boxes)
@@ -131,7 +132,7 @@ def strings(boxes: Boxes, source: Float[Array, "3"], listener: Float[Array, "3"]
 
     def place(u: Array, z: Array) -> Array:
         local = jnp.stack([u + LEAST * jnp.sign(u), jnp.full_like(u, LEAST), z], axis=-1)
-        return frame.middle + jnp.sum(frame.axes * local[..., None], axis=-2)
+        return frame.middle + sum3(jnp.swapaxes(frame.axes * local[..., None], -1, -2))
 
     met, owner = (jnp.broadcast_to(x[:, None], reach.shape) for x in (_meets(frame), boxes.object_id))
     places = place(course.first, z_first), place(course.last, z_last), place(course.first, crossing)
@@ -196,6 +197,6 @@ def _frame(boxes: Boxes, source: Float[Array, "3"], listener: Float[Array, "3"])
     middle = boxes.center[:, None] + axes[:, :, 1] * half[:, :, 1, None]
 
     def local(point: Float[Array, "3"]) -> Float[Array, "n e 3"]:
-        return jnp.sum(axes * (point[None, None] - middle)[:, :, None], axis=-1)
+        return sum3(axes * (point[None, None] - middle)[:, :, None])
 
     return _Frame(local(source), local(listener), half, axes, middle, boxes.exposed[:, _SIDES])

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.core.pytree import Pytree
+from home_mjx.core.transforms import length3, sum3
 
 NOWHERE = 1e-6  # [m], distances from planes that count as none
 TOUCH = 1e-4  # [m], within which a path into a corner meets both of its sides, one way and the other
@@ -90,7 +91,7 @@ def _of_order(
         points.append(at)
     rest = jnp.broadcast_to(source, (count, highest - order, 3))
     normals = jnp.stack([mirror.normal for mirror in met[::-1]], axis=1)
-    length = jnp.linalg.norm(image[-1] - listener[None], axis=1)
+    length = length3(image[-1] - listener[None])
     return Images(
         jnp.where(valid, length, jnp.inf),
         jnp.concatenate([jnp.stack(points, axis=1), rest], axis=1),
@@ -109,13 +110,13 @@ def nearest_mirrors(mirrors: Mirrors, source: Float[Array, "3"], listener: Float
     before = jnp.maximum(_height(mirrors, source[None]), 0), jnp.maximum(_height(mirrors, listener[None]), 0)
     share = before[1] / jnp.maximum(before[0] + before[1], NOWHERE)
     point = listener[None] + share[:, None] * (source - listener)[None] - mirrors.center
-    size = [jnp.sum(half * half, axis=1) for half in (mirrors.u, mirrors.v)]
+    size = [sum3(half * half) for half in (mirrors.u, mirrors.v)]
     place = [
-        jnp.clip(jnp.sum(point * half, axis=1) / jnp.maximum(s, NOWHERE), -1, 1)[:, None] * half
+        jnp.clip(sum3(point * half) / jnp.maximum(s, NOWHERE), -1, 1)[:, None] * half
         for half, s in zip((mirrors.u, mirrors.v), size, strict=True)
     ]
     point = mirrors.center + place[0] + place[1]
-    length = jnp.linalg.norm(point - source[None], axis=1) + jnp.linalg.norm(point - listener[None], axis=1)
+    length = length3(point - source[None]) + length3(point - listener[None])
     length = jnp.where(mirrors.valid & (before[0] + before[1] > 0), length, jnp.inf)
     shortest, kept = jax.lax.top_k(-length, min(count, length.size))
     found = jax.tree.map(lambda x: x[kept], mirrors)
@@ -123,12 +124,12 @@ def nearest_mirrors(mirrors: Mirrors, source: Float[Array, "3"], listener: Float
 
 
 def _height(mirror: Mirrors, point: Float[Array, "#i 3"]) -> Float[Array, " i"]:
-    return jnp.sum((point - mirror.center) * mirror.normal, axis=1)
+    return sum3((point - mirror.center) * mirror.normal)
 
 
 def _within(mirror: Mirrors, point: Float[Array, "i 3"]) -> Bool[Array, " i"]:
     def along(half: Float[Array, "i 3"]) -> Bool[Array, " i"]:
-        size = jnp.linalg.norm(half, axis=1)
-        return jnp.abs(jnp.sum((point - mirror.center) * half, axis=1)) <= size * (size + TOUCH)
+        size = length3(half)
+        return jnp.abs(sum3((point - mirror.center) * half)) <= size * (size + TOUCH)
 
     return along(mirror.u) & along(mirror.v)

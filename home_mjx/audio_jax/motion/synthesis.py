@@ -46,6 +46,8 @@ def early_by_xla(reads: Reads, config: AudioConfig) -> Float[Array, "e m"]:
 def late_frame(sources: Float[Array, "n w"], late: Late, config: AudioConfig) -> Float[Array, "e s"]:
     """What each channel hears of the late sound of several sources. Arguments as of `tail.frame_by_xla`."""
     fast: dict[str, Callable[..., Array]] = {}
+    if cpu.cpu_available() and cpu.hears(late, config):
+        fast["cpu"] = functools.partial(cpu.late_frame, config=config)
     if cuda_late.available(config):
         fast["cuda"] = functools.partial(cuda_late.late_frame, config=config)
     return _chosen(functools.partial(frame_by_xla, config=config), fast)(sources, late)

@@ -137,14 +137,18 @@ def noise_bins(config: AudioConfig) -> Float[np.ndarray, "*own k m s"]:
     A sum of these with amplitudes at the start, the middle and the end of a bin is noise whose amplitude runs linearly
     between them; so a response is one product of matrices.
     """
-    place = (np.arange(config.bin_samples) + 0.5) / config.bin_samples
-    middle = 1 - np.abs(2 * place - 1)
-    knots = np.stack([np.clip(1 - 2 * place, 0, 1), middle, np.clip(2 * place - 1, 0, 1)])
-    whole = noise(config)
+    knots, whole = knot_hats(config), noise(config)
     own = whole.shape[:-3]
     parts = whole.reshape(*own, -1, config.num_bins, config.bin_samples)
     table = np.moveaxis(parts, -2, -3)[..., None, :, :] * knots[:, None]
     return np.ascontiguousarray(table.reshape(*own, config.num_bins, -1, config.bin_samples), np.float32)
+
+
+def knot_hats(config: AudioConfig) -> Float[np.ndarray, "knots s"]:
+    """How much of the amplitude at each knot there is in each sample of a bin."""
+    place = (np.arange(config.bin_samples) + 0.5) / config.bin_samples
+    middle = 1 - np.abs(2 * place - 1)
+    return np.stack([np.clip(1 - 2 * place, 0, 1), middle, np.clip(2 * place - 1, 0, 1)])
 
 
 class Draw(Pytree):
@@ -159,3 +163,18 @@ def drawn(key: Array, config: AudioConfig) -> Draw:
     place, signs = jax.random.split(key)
     sign = jax.random.rademacher(signs, (num_noises(config), len(BANDS)), jnp.float32)
     return Draw(jax.random.randint(place, (), 0, config.num_bins, jnp.int32), sign)
+
+
+class Shares(Pytree):
+    """What channels hear of noises, in parts; `of_bins` puts them together."""
+
+    amplitude: Float[Array, "*n k e knots bands"]  # in each bin of the noise
+    mix: Float[Array, "*n e c bands"]  # of noises
+    common: Float[Array, "*n k x knots bands"]  # of the first noise too, in the channels after the first; or of none
+
+    def of_bins(self) -> Float[Array, "*n k e m"]:
+        """Weights of `noise_bins`."""
+        each = self.amplitude[..., None, :] * self.mix[..., None, :, None, :, :]
+        if self.common.shape[-3]:
+            each = each.at[..., 1:, :, 0, :].add(self.common)
+        return each.reshape(*each.shape[:-3], -1)

@@ -4,14 +4,15 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from moving_sound import some_reads
+from moving_sound import some_late, some_reads
 from numba import njit
 
 from home_mjx.audio_jax import AudioConfig
 from home_mjx.audio_jax.frames.cpu import calls
 from home_mjx.audio_jax.frames.cpu.fft import RADICES, fast_size, transform
 from home_mjx.audio_jax.frames.cpu.operands import float_pointer
-from home_mjx.audio_jax.motion.synthesis import early_by_xla, early_frame
+from home_mjx.audio_jax.frames.tail import frame_by_xla
+from home_mjx.audio_jax.motion.synthesis import early_by_xla, early_frame, late_frame
 from home_mjx.schema.timing import Timing
 
 
@@ -69,19 +70,57 @@ def test_paths_are_heard_as_by_xla(rng, rate, receiver, sources):
     np.testing.assert_array_equal(got[:3], got[5:2:-1])  # whatever else is in the chunk
 
 
-def test_numbers_from_nowhere_stay_in_their_environment(rng):
+@pytest.mark.parametrize(
+    ("rate", "receiver", "sources", "seconds"),
+    [(16000, "binaural", 1, 1.5), (16000, "binaural", 2, 0.15), (16000, "binaural", 1, 0.0), (16000, "omni", 1, 0.4),
+     (16000, "array", 2, 0.3), (8000, "binaural", 1, 0.4), (48000, "binaural", 1, 0.2)],
+)  # fmt: skip
+def test_late_sound_is_heard_as_by_xla(rng, rate, receiver, sources, seconds):
+    """No echoes of the second part, odd and even numbers of them, more environments than a chunk, late onsets."""
+    microphones = ((0.1, 0, 0), (0, 0.1, 0), (-0.1, 0, 0)) if receiver == "array" else ()
+    others = {"timing": Timing(sample_rate=rate), "tail_seconds": seconds, "response_seconds": 0.2}
+    config = AudioConfig(motion=True, receiver=receiver, microphones=microphones, **others)
+    given = some_late(rng, 11, sources, config)
+    assert calls.hears(given[1], config)
+    wanted = jax.jit(jax.vmap(lambda *x: frame_by_xla(*x, config)))(*given)
+    got = jax.jit(jax.vmap(lambda *x: late_frame(*x, config)))(*given)
+    assert not np.array_equal(got, wanted)
+    np.testing.assert_allclose(got, wanted, rtol=0, atol=2e-5 * np.std(wanted))
+
+
+def test_noises_with_something_in_common_are_made_by_xla(rng):
+    config = AudioConfig(motion=True, receiver="ambisonics", tail_seconds=0.0, response_seconds=0.2)
+    signals, sound = jax.tree.map(lambda x: x[0], some_late(rng, 1, 1, config))
+    assert not calls.hears(sound, config)
+    wanted = jax.jit(lambda *x: frame_by_xla(*x, config))(signals, sound)
+    np.testing.assert_array_equal(jax.jit(lambda *x: late_frame(*x, config))(signals, sound), wanted)
+
+
+GARBAGE = np.array([np.nan, np.inf, -np.inf, 1e30, -1e30, 1e9, -5], np.float32)
+
+
+def spoilt(rng, x):
+    x, bad = np.array(x), rng.random(x.shape) < 0.1
+    x[bad] = rng.choice([-(2**31), 2**31 - 1, -70] if x.dtype == np.int32 else GARBAGE, bad.sum())
+    return x
+
+
+@pytest.mark.parametrize("make", [early_frame, late_frame])
+def test_numbers_from_nowhere_stay_in_their_environment(rng, make):
     """Infinite delays, places far outside: none is read there, and no other environment hears of it."""
-    config = AudioConfig(motion=True, tail_seconds=0.0, response_seconds=0.2)
-    good = some_reads(rng, 1, config)
-    heard = jax.jit(lambda x: early_frame(x, config))(good)
-    garbage = np.array([np.nan, np.inf, -np.inf, 1e30, -1e30, 1e9, -5], np.float32)
+    config = AudioConfig(motion=True, tail_seconds=0.15, response_seconds=0.2)
+    if make is early_frame:
+        good = (some_reads(rng, 1, config),)
+    else:
+        good = jax.tree.map(lambda x: x[0], some_late(rng, 1, 1, config))
+    program = jax.jit(jax.vmap(lambda *x: make(*x, config)))
+    three = [jax.tree.map(lambda x: jnp.stack([x, x, x]), good)]
     for _ in range(5):
-        bad = jax.tree.map(lambda x: np.array(x), good)
-        for x in jax.tree.leaves(bad):
-            spoilt = rng.random(x.shape) < 0.1
-            x[spoilt] = rng.choice([-(2**31), 2**31 - 1, -70] if x.dtype == np.int32 else garbage, spoilt.sum())
-        both = jax.tree.map(lambda a, b: jnp.stack([a, b, a]), bad, good)
-        np.testing.assert_array_equal(jax.jit(jax.vmap(lambda x: early_frame(x, config)))(both)[1], heard)
+        three.append(jax.tree.map(lambda x: jnp.stack([spoilt(rng, x), x, x]), good))
+    heard = [program(*x) for x in three]
+    for other in heard[1:]:
+        np.testing.assert_array_equal(other[1:], heard[0][1:])
+    assert not np.isfinite(heard[1][0]).all()
 
 
 def test_there_are_gradients(rng):

@@ -122,7 +122,7 @@ def test_late_sound_is_heard_as_by_xla(here, rng, seconds, sources, receiver):
     )
     signals, sound = some_late(rng, 2, sources, config)
     wanted = jax.vmap(lambda *one: tail.frame_by_xla(*one, config))(signals, sound)
-    given = signals, sound.share, sound.shift, sound.onset, sound.tail
+    given = signals, sound.share.of_bins(), sound.shift, sound.onset, sound.tail
     (got,) = late.run_late(config, *late.late_tables(config), *given)
     np.testing.assert_allclose(got, wanted, rtol=0, atol=2e-5 * np.std(wanted))
 

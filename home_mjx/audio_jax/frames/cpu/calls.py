@@ -11,15 +11,20 @@ from jaxtyping import Array, Float
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.shapes import shapes
 from home_mjx.audio_jax.frames.cpu.fft import fast_size
-from home_mjx.audio_jax.frames.cpu.operands import EARLY
+from home_mjx.audio_jax.frames.cpu.operands import EARLY, LATE
 from home_mjx.audio_jax.frames.reads import Reads, before, frame_begin, times
+from home_mjx.audio_jax.frames.tail import Late, octave_table, window_width
+from home_mjx.audio_jax.frames.tail import frame_begin as late_begin
+from home_mjx.audio_jax.receivers.diffuse import knot_hats, noise
 from home_mjx.core.native.batched import batched, numbers
 from home_mjx.core.native.forked import note_start
 from home_mjx.core.native.lanes import LANES
 from home_mjx.core.native.platforms import problem_of, works
 from home_mjx.core.native.varying import varying_as
+from home_mjx.schema.compiled import BANDS
 
 TARGET = "home_mjx_frames"
+NUM_EARLY_TABLES, NUM_LATE_TABLES = 2, 4  # that all environments share
 
 _kept: list[object] = []  # compiled functions that XLA may call until the process ends
 
@@ -68,7 +73,38 @@ def _early_op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
         rate = numbers([config.sample_rate / config.speed_of_sound], jnp.float32)
         return _call(config, sizes, spectra, turns, rate, *given)
 
-    return batched(run, 2, 1)
+    return batched(run, NUM_EARLY_TABLES, 1)
+
+
+def hears(late: Late, config: AudioConfig) -> bool:
+    """Whether the compiled code makes such late sound: of channels whose noises have nothing in common."""
+    return late.share.common.shape[-3] == 0 and config.bin_samples >= LANES
+
+
+def late_frame(sources: Float[Array, "n w"], late: Late, config: AudioConfig) -> Float[Array, "e s"]:
+    """`motion.synthesis.late_frame`; arguments as there."""
+    given = sources, late.share.amplitude, late.share.mix, late.shift, late.onset, late.tail
+    return _late_op(config)(*_late_tables(config), *(x[None] for x in given))[0][0]
+
+
+def _late_tables(config: AudioConfig) -> tuple[Array, ...]:
+    """Noise, weights of the knots of its amplitude, gains of octaves, and turns of transforms."""
+    size = fast_size(window_width(config))
+    gains = octave_table(config, size) if config.num_tail else np.zeros((len(BANDS), size // 2 + 1))
+    tables = (jnp.asarray(x, jnp.float32) for x in (noise(config), knot_hats(config), gains))
+    return *tables, _parts(np.exp(-2j * np.pi * np.arange(size) / size))
+
+
+@functools.cache
+def _late_op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
+    first, half = config.response_length - config.half_length, config.half_length
+    start = config.memory_length - first - config.tail_ringing
+    sizes = (LATE, first, half, config.num_tail, start, window_width(config), late_begin(config))
+
+    def run(*given: Array) -> tuple[Array, ...]:
+        return _call(config, numbers(sizes), *given)
+
+    return batched(run, NUM_LATE_TABLES, 1)
 
 
 def _call(config: AudioConfig, *operands: Array) -> tuple[Array, ...]:

@@ -9,6 +9,7 @@ from home_mjx.audio_jax.base.delays import HALF_WIDTH, READ
 from home_mjx.audio_jax.frames.cpu.fft import transform
 from home_mjx.audio_jax.frames.cpu.operands import (
     BYTES,
+    complex_pair,
     complex_table,
     constant,
     dim,
@@ -200,16 +201,10 @@ def _make_room(size, points):
         float_pointer(padded),
         float_pointer(rest),
         float_pointer(rest + BYTES * BLOCK),
-        _pair(ends, whole),
-        _pair(ends + 2 * BYTES * whole, whole),
-        _pair(ends + 4 * BYTES * whole, lanes),
-        _pair(ends + 4 * BYTES * whole + 2 * BYTES * lanes, lanes),
+        complex_pair(ends, whole),
+        complex_pair(ends + 2 * BYTES * whole, whole),
+        complex_pair(ends + 4 * BYTES * whole, lanes),
+        complex_pair(ends + 4 * BYTES * whole + 2 * BYTES * lanes, lanes),
         int_pointer(ints),
         int_pointer(ints + BYTES * BLOCK),
     )
-
-
-@compiled
-@no_type_check
-def _pair(address, count):
-    return float_pointer(address), float_pointer(address + BYTES * count)

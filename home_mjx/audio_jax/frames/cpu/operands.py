@@ -12,7 +12,7 @@ BYTES = 4  # of a number
 CHUNK = 8  # environments that a thread takes at once
 CONSTANTS = 0  # operand: what is to be made, and sizes that no shape tells
 EARLY, LATE = range(2)  # what can be made
-float_pointer, int_pointer = pointer_to(types.float32), pointer_to(types.int32)
+float_pointer, int_pointer, word_pointer = map(pointer_to, (types.float32, types.int32, types.int64))
 compiled = njit(error_model="numpy")
 
 
@@ -41,8 +41,7 @@ def table(frame, index):
 @no_type_check
 def complex_table(frame, index, count):
     """The same, of real parts and imaginary ones."""
-    address = ffi.data(frame, ffi.OPERANDS, index)
-    return float_pointer(address), float_pointer(address + BYTES * count)
+    return complex_pair(ffi.data(frame, ffi.OPERANDS, index), count)
 
 
 @compiled
@@ -64,6 +63,13 @@ def int_row(frame, index, env):
 def result_row(frame, env):
     """What is made for one environment."""
     return float_pointer(_address(frame, ffi.RESULTS, 0, env))
+
+
+@compiled
+@no_type_check
+def complex_pair(address, count):
+    """Real parts at an address, and so many imaginary ones after them."""
+    return float_pointer(address), float_pointer(address + BYTES * count)
 
 
 @compiled

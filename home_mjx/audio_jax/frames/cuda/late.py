@@ -25,7 +25,7 @@ def available(config: AudioConfig) -> bool:
 
 def late_frame(sources: Float[Array, "n w"], late: Late, config: AudioConfig) -> Float[Array, "e s"]:
     """`frames.tail.frame_by_xla` by a kernel."""
-    given = sources, late.share, late.shift, late.onset, late.tail
+    given = sources, late.share.of_bins(), late.shift, late.onset, late.tail
     return _op(config)(*late_tables(config), *(x[None] for x in given))[0][0]
 
 
