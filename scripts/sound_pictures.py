@@ -21,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "benchmarks"))
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "helpers"))
 
 import acoustic_rooms as rooms
-from acoustics import PRESETS, UPRIGHT, config_of, heard
+from acoustics import UPRIGHT, config_of, heard
 from decay_oracle import fly
 
 from home_mjx.audio_jax import (
@@ -52,6 +52,7 @@ ROOT = Path(__file__).resolve().parent.parent
 GENERATED = "procedural:1?seed=91001"
 OCTAVES = {125: 0, 1000: 3, 8000: 6}
 KHZ = OCTAVES[1000]
+DECAYS = {"fast, traced": "fast-traced", "balanced, traced": "balanced-traced", "baked": "baked"}
 EARS = np.array([0.0, 0.0, 1.5])
 DPI = 80
 
@@ -79,14 +80,14 @@ def saved(figure, folder, name):
 
 
 def decays(args):
-    """Decays in two coupled rooms at 1 kHz: the oracle, presets and baked sound."""
+    """Decays in two coupled rooms at 1 kHz: the oracle, presets as they are traced, and baked sound."""
     case, seconds = rooms.coupled(), 1.5
     bank = with_late_sound(HouseBank.from_compiled([case.house]), [case.house], BakeOptions())
     dt = AudioConfig().bin_seconds
     truth = fly(case.blocks, case.source, case.listeners, seconds, dt, 40_000, radius=0.5).energy
     curves = {"Monte Carlo": truth[:, KHZ]}
-    for preset in (name for name in PRESETS if name != "reference"):
-        curves[preset] = heard(case, bank, config_of(preset, seconds), 1)[0, :, KHZ]
+    for label, preset in DECAYS.items():
+        curves[label] = heard(case, bank, config_of(preset, seconds), 1)[0, :, KHZ]
     figure, axes = plt.subplots(1, 2, figsize=(10, 4), sharey=True)
     for axis, name, group in zip(
         axes, ("the source's room", "the other room"), (slice(0, 3), slice(3, 6)), strict=True

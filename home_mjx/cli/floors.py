@@ -1,5 +1,6 @@
 """What is heard all over the storey on which something sounds, as pictures."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +14,7 @@ if TYPE_CHECKING:
 
 APART = 0.4  # [m], between listeners
 OCTAVES = slice(2, 4)  # 500 Hz and 1 kHz, of which ISO 3382-1 takes the mean
-RAYS, BOUNCES = 256, 60  # per listener
+RAYS, BOUNCES = 256, 60  # per listener; rays that carry one octave each: so many of each
 
 
 def storey_pictures(scene: "Scene", source: np.ndarray, config: "AudioConfig") -> dict[str, np.ndarray]:
@@ -24,8 +25,6 @@ def storey_pictures(scene: "Scene", source: np.ndarray, config: "AudioConfig") -
         source: (3,) [m].
         config: Options; where rays are traced, fewer are than it says.
     """
-    from dataclasses import replace
-
     import jax
     import jax.numpy as jnp
 
@@ -34,7 +33,7 @@ def storey_pictures(scene: "Scene", source: np.ndarray, config: "AudioConfig") -
     from home_mjx.viz.sound_map import sound_map
 
     room, free, place = _lattice(scene.bank, source)
-    few = replace(config, num_rays=min(RAYS, config.num_rays), num_bounces=min(BOUNCES, config.num_bounces))
+    few = fewer_rays(config)
     hear = jax.jit(floor_sound, static_argnames="config")
     points = jnp.asarray(place[free], jnp.float32)
     found = hear(scene, Source(jnp.asarray(source, jnp.float32)), points, jax.random.key(0), few)
@@ -45,6 +44,12 @@ def storey_pictures(scene: "Scene", source: np.ndarray, config: "AudioConfig") -
         picture[free] = np.asarray(values)[:, OCTAVES].mean(axis=1)
         shown[name] = sound_map(picture, room, np.array(at), caption)
     return shown
+
+
+def fewer_rays(config: "AudioConfig") -> "AudioConfig":
+    """Options for many listeners: fewer rays, but enough of each octave for places that few of them come to."""
+    rays = min(RAYS * config.ray_groups, config.num_rays)
+    return replace(config, num_rays=rays, num_bounces=min(BOUNCES, config.num_bounces))
 
 
 def _lattice(bank: HouseBank, source: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -2,15 +2,18 @@
 
 import json
 import wave
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
 
+from home_mjx.audio_jax.measures.survey import SURVEY
 from home_mjx.bank.bank import HouseBank
 from home_mjx.cli import main
 from home_mjx.cli.commands.render import CUT_WALL, MARGIN
+from home_mjx.cli.floors import fewer_rays
 from home_mjx.cli.viewpoint import EYE_HEIGHT, _lowest_ceiling, longest_view
 from home_mjx.datasets.procedural.dataset import generate_dataset
 from home_mjx.scene_compile.cache import house_cache
@@ -242,6 +245,12 @@ def test_listen_draws_level_and_decay_over_the_floor(houses: Path, tmp_path: Pat
         shapes.append(picture.shape)
         assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 10
     assert shapes[0] == shapes[1]
+
+
+def test_the_map_has_as_many_rays_of_each_octave_as_if_one_carried_all():
+    """A survey's rays carry one octave each; with as few of each as their share, far rooms heard nothing."""
+    shared = replace(SURVEY, octave_rays=False)
+    assert fewer_rays(SURVEY).num_rays == 7 * fewer_rays(shared).num_rays < SURVEY.num_rays
 
 
 def test_places_outside_of_the_house_are_refused(houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture):
