@@ -2,7 +2,7 @@
 
 import jax
 import numpy as np
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Bool, Float, Int
 from scipy.sparse.csgraph import dijkstra
 
 from home_mjx.audio_jax.baking.cells import Cells
@@ -16,6 +16,8 @@ REACH = 1.7  # [sizes of a cell], within which a cell matters
 PLACE = 0.2  # [m], between the places at which weights are kept
 EARS = 1.4  # [m], above the floor, from which places see cells
 WITNESSES = 5  # cells from whose middles one looks for free points of a cell
+FROM_EACH = 6  # free points of each of them, from which one looks for what their middles do not see
+ROUNDS = 4  # in which that is done: so many corners may be looked around
 AT_ONCE = 1 << 15  # rays between points
 CANDIDATES = 8  # points of a cell that are tried for one that is clear
 
@@ -35,7 +37,8 @@ def start_points(
 ) -> tuple[Float[np.ndarray, "n r 3"], Float[np.ndarray, " n"]]:
     """Random points in the free part of each cell, and how large that part is.
 
-    Free is what the middle of the cell sees, or one of those of the nearest cells of its room.
+    Free is what the middle of the cell sees, or one of those of the nearest cells of its room, and what such points
+    see: there is air behind a screen and above a cupboard, too.
     """
     points, free = [], []
     tried = np.stack([random_points(cells, cell, 2 * count, rng) for cell in range(len(cells.room))])
@@ -44,11 +47,33 @@ def start_points(
     nearest = np.argsort(apart, axis=1, kind="stable")[:, :WITNESSES]
     nearest = np.where(np.isfinite(np.take_along_axis(apart, nearest, 1)), nearest, np.arange(len(apart))[:, None])
     free_points = np.any([_own_view(scene, cells.center[column], tried) for column in nearest.T], axis=0)
+    free_points = _around_corners(scene, tried, free_points, nearest, rng)
     for seen, some in zip(free_points, tried, strict=True):
         good = some[seen] if seen.any() else some
         points.append(good[np.arange(count) % len(good)])
         free.append(max(seen.mean(), 0.1))
     return np.stack(points), np.array(free)
+
+
+def _around_corners(
+    scene: Scene,
+    points: Float[np.ndarray, "n r 3"],
+    free: Bool[np.ndarray, "n r"],
+    nearest: Int[np.ndarray, "n w"],
+    rng: np.random.Generator,
+) -> Bool[np.ndarray, "n r"]:
+    """Which points of cells are free, or seen from free ones of the nearest cells, or from points seen from these."""
+    free, own = free.copy(), np.arange(len(free))[:, None]
+    for _ in range(ROUNDS):
+        drawn = np.argsort(-np.where(free, rng.random(free.shape), 0.0), axis=1)[:, :FROM_EACH]
+        witness = points[own, drawn][nearest].reshape(len(points), -1, 3)
+        known = free[own, drawn][nearest].reshape(len(points), -1)
+        cell, hidden = np.nonzero(~free)
+        seen = (_see(scene, witness[cell], points[cell, hidden][:, None]) & known[cell]).any(axis=1)
+        if not seen.any():
+            break
+        free[cell[seen], hidden[seen]] = True
+    return free
 
 
 def random_points(cells: Cells, cell: int, count: int, rng: np.random.Generator) -> Float[np.ndarray, "r 3"]:
