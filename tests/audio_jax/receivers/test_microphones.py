@@ -298,7 +298,7 @@ def test_receptions_have_as_many_channels(config):
     assert heard.energy.shape == (config.num_bins, config.num_energies, 7)
     assert config.num_energies == (7 if config.receiver == "ambisonics" else 4)
     assert jax.tree.map(jnp.shape, heard) == jax.tree.map(jnp.shape, silence(config))
-    assert late_sound(heard, config).share.shape[:2] == (config.num_bins, 4)
+    assert late_sound(heard, config).share.of_bins().shape[:2] == (config.num_bins, 4)
     assert bool(ends_early(heard, config))  # after 0.3 s of a room that rings for 2
 
 
