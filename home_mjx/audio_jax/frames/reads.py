@@ -58,6 +58,12 @@ def part_sizes(reads: Reads) -> tuple[int, ...]:
     return (*[2 * reads.filtered.shape[-1]] * FILTERED, 2 * reads.source.shape[-1])
 
 
+def way_rows(ways: Ways) -> Float[Array, "*n p w"]:
+    """Numbers of each path side by side, as kernels read them: lengths at both ends, the bend, delays of ears."""
+    lengths = (x[..., None] for x in (ways.old, ways.new, ways.bend))
+    return jnp.concatenate([*lengths, ways.ears.reshape(*ways.old.shape, -1)], axis=-1)
+
+
 def way_delays(
     way: Ways, time: Float[Array, " k"], config: AudioConfig
 ) -> tuple[Int[Array, " k"], Float[Array, "d k"]]:

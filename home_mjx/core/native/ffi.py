@@ -26,7 +26,7 @@ BUFFER_DATA, BUFFER_RANK, BUFFER_DIMS, SCALAR_VALUE = 3, 4, 5, 1
 API_DESTROY_ERROR, API_SCHEDULE, API_NUM_THREADS = 8, 17, 18
 JOB_NEXT, JOB_DONE, JOB_USERS, JOB_CHUNKS, JOB_FRAME = range(5)
 JOB_WORDS = 5
-WORD = 8  # [bytes]
+WORD, NUMBER = 8, 4  # [bytes]
 
 words, halves = pointer_to(types.int64), pointer_to(types.int32)
 argument_words = stack_of(types.int64, 5)
@@ -137,6 +137,16 @@ def dim(frame, kind, index, axis):
 def num_dims(frame, kind, index):
     """Number of axes of an operand or a result."""
     return words(_buffer(frame, kind, index))[BUFFER_RANK]
+
+
+@compiled
+@no_type_check
+def row(frame, kind, index, number):
+    """Address of a row of an operand or a result that has numbers of four bytes."""
+    size = NUMBER
+    for axis in range(1, num_dims(frame, kind, index)):
+        size *= dim(frame, kind, index, axis)
+    return data(frame, kind, index) + number * size
 
 
 @compiled

@@ -53,7 +53,6 @@ from home_mjx.physics.native.step import load_agents, load_house, scale_bodies, 
 
 CHUNK = 16  # environments that a thread takes at once
 WORK, TASK = "home_mjx_step_work", "home_mjx_step_task"
-BYTES = 4  # of a number
 NUM_NUMBERS = len(Numbers._fields)
 
 float_pointer, int_pointer = pointer_to(types.float32), pointer_to(types.int32)
@@ -170,7 +169,7 @@ def _step_chunk(frame, chunk):
             _results(frame, PUSH, env),
             _flags(frame, OTHER, env),
         )
-        held = int_pointer(_row(frame, ffi.OPERANDS, HELD, env))
+        held = int_pointer(ffi.row(frame, ffi.OPERANDS, HELD, env))
         control = _floats(frame, ACTION, env), held, _floats(frame, GRIP, env), _floats(frame, GOAL, env)
         ground = floor[own], _floats(frame, RAMP, own), ramps
         step_env(work, given, ground, before, control, after, report)
@@ -185,7 +184,7 @@ def _load_house(frame, work, house):
         _floats(frame, COLLIDER_QUAT, house),
         _floats(frame, COLLIDER_HALF, house),
     )
-    valid = int_pointer(_row(frame, ffi.OPERANDS, BODY_VALID, house))
+    valid = int_pointer(ffi.row(frame, ffi.OPERANDS, BODY_VALID, house))
     bodies = (
         valid,
         _floats(frame, BODY_SIZE, house),
@@ -204,32 +203,22 @@ def _operand_dim(frame, index, axis):
 
 @compiled
 @no_type_check
-def _row(frame, kind, index, row):
-    """Address of a row of an operand or a result; all have numbers of four bytes."""
-    size = BYTES
-    for axis in range(1, ffi.num_dims(frame, kind, index)):
-        size *= ffi.dim(frame, kind, index, axis)
-    return ffi.data(frame, kind, index) + row * size
-
-
-@compiled
-@no_type_check
 def _floats(frame, index, row):
     """A row of an operand."""
-    return float_pointer(_row(frame, ffi.OPERANDS, index, row))
+    return float_pointer(ffi.row(frame, ffi.OPERANDS, index, row))
 
 
 @compiled
 @no_type_check
 def _results(frame, index, row):
-    return float_pointer(_row(frame, ffi.RESULTS, index, row))
+    return float_pointer(ffi.row(frame, ffi.RESULTS, index, row))
 
 
 @compiled
 @no_type_check
 def _flags(frame, index, row):
     """A row of a result of whole numbers."""
-    return int_pointer(_row(frame, ffi.RESULTS, index, row))
+    return int_pointer(ffi.row(frame, ffi.RESULTS, index, row))
 
 
 @compiled

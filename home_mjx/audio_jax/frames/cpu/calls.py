@@ -12,7 +12,7 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.shapes import shapes
 from home_mjx.audio_jax.frames.cpu.fft import fast_size
 from home_mjx.audio_jax.frames.cpu.operands import EARLY, LATE
-from home_mjx.audio_jax.frames.reads import Reads, before, frame_begin, times
+from home_mjx.audio_jax.frames.reads import Reads, before, frame_begin, times, way_rows
 from home_mjx.audio_jax.frames.tail import Late, octave_table, window_width
 from home_mjx.audio_jax.frames.tail import frame_begin as late_begin
 from home_mjx.audio_jax.receivers.diffuse import knot_hats, noise
@@ -46,11 +46,9 @@ def _start() -> None:
 
 def early_frame(reads: Reads, config: AudioConfig) -> Float[Array, "e m"]:
     """`motion.synthesis.early_frame`; arguments as there."""
-    ways, share = reads.ways, jnp.moveaxis(reads.share, -1, -2)
-    lengths = (x[..., None] for x in (ways.old, ways.new, ways.bend))
-    way = jnp.concatenate([*lengths, ways.ears.reshape(*ways.old.shape, -1)], axis=-1)
+    share = jnp.moveaxis(reads.share, -1, -2)
     share = jnp.pad(share, [(0, 0)] * 4 + [(0, max(LANES - share.shape[-1], 0))])
-    given = reads.source, reads.filtered, reads.start, way, share
+    given = reads.source, reads.filtered, reads.start, way_rows(reads.ways), share
     return _early_op(config)(*_early_tables(config), *(x[None] for x in given))[0][0]
 
 
@@ -59,7 +57,11 @@ def _early_tables(config: AudioConfig) -> tuple[Float[Array, "two size s"], Floa
     kernels, size = shapes(config.sample_rate).kernel.astype(np.float64), fast_size(times(config).shape[0])
     spectra = np.fft.fft(kernels, size).T / size
     spectra = np.pad(spectra, [(0, 0), (0, max(LANES - spectra.shape[1], 0))])
-    return _parts(spectra), _parts(np.exp(-2j * np.pi * np.arange(size) / size))
+    return _parts(spectra), _turns(size)
+
+
+def _turns(size: int) -> Array:
+    return _parts(np.exp(-2j * np.pi * np.arange(size) / size))
 
 
 def _parts(values: np.ndarray) -> Array:
@@ -92,7 +94,7 @@ def _late_tables(config: AudioConfig) -> tuple[Array, ...]:
     size = fast_size(window_width(config))
     gains = octave_table(config, size) if config.num_tail else np.zeros((len(BANDS), size // 2 + 1))
     tables = (jnp.asarray(x, jnp.float32) for x in (noise(config), knot_hats(config), gains))
-    return *tables, _parts(np.exp(-2j * np.pi * np.arange(size) / size))
+    return *tables, _turns(size)
 
 
 @functools.cache

@@ -8,7 +8,6 @@ from numba import njit
 from home_mjx.audio_jax.base.delays import HALF_WIDTH, READ
 from home_mjx.audio_jax.frames.cpu.fft import transform
 from home_mjx.audio_jax.frames.cpu.operands import (
-    BYTES,
     complex_pair,
     complex_table,
     constant,
@@ -21,11 +20,12 @@ from home_mjx.audio_jax.frames.cpu.operands import (
     table,
 )
 from home_mjx.audio_jax.frames.cpu.paths import BLOCK, WAY, ZERO, Sizes, add_block, double, hear_block
+from home_mjx.audio_jax.frames.reads import FILTERED
 from home_mjx.core.native import ffi
+from home_mjx.core.native.ffi import NUMBER
 from home_mjx.core.native.lanes import LANES, load, multiply_add, spread, total
 from home_mjx.core.native.memory import address_of, shifted
 
-FILTERED = 2  # ways that are read from what filters made, see `reads`
 _, SPECTRA, TURNS, RATE, SOURCE, FILTERS, START, WAYS, SHARE = range(9)  # operands
 _, FRAME_BEGIN, BEFORE, COUNT = range(4)  # constants
 compiled = njit(error_model="numpy")
@@ -62,8 +62,7 @@ def make_early(frame, first, end):
             for side in range(2):
                 _add_all(frame, env, left + side, size, points, room, room.values[side])
             _filter(frame, points, size, turns, env - first, room)
-        moved = transform(points, LANES, turns, room.spectra, room.unused)
-        made = room.unused if moved else room.spectra
+        made = transform(points, LANES, turns, room.spectra, room.unused)
         for env in range(first, end):
             _write(frame, env, left, env - first, size, made)
     ffi.release(address_of(room.on))
@@ -138,8 +137,7 @@ def _hear_all(frame, env, ear, begin, count, size, room):
 def _filter(frame, points, size, turns, lane, room):
     """All sums through their filters, added up: the spectrum of a pair of channels, conjugated."""
     filters = complex_table(frame, SPECTRA, points * size.shapes)
-    moved = transform(points, size.shapes, turns, room.values, room.spare)
-    re, im = room.spare if moved else room.values
+    re, im = transform(points, size.shapes, turns, room.values, room.spare)
     whole = size.shapes // LANES * LANES
     for k in range(points):
         first, real, imaginary = k * size.shapes, spread(ZERO), spread(ZERO)
@@ -189,22 +187,22 @@ def _make_room(size, points):
     signals, ways = size.sources * (FILTERED * size.filtered + size.length), size.sources * size.rows
     longest, whole, lanes = max(size.filtered, size.length), points * size.shapes, points * LANES
     counts = (signals, signals, longest + 2 * HALF_WIDTH + LANES, BLOCK, ways * BLOCK)
-    at = ffi.allocate(BYTES * (sum(counts) + 4 * whole + 4 * lanes + BLOCK + 1 + ways))
-    ends = at + BYTES * sum(counts)
-    between = at + BYTES * signals
-    padded = between + BYTES * signals
-    rest = padded + BYTES * counts[2]
-    ints = ends + BYTES * 4 * (whole + lanes)
+    at = ffi.allocate(NUMBER * (sum(counts) + 4 * whole + 4 * lanes + BLOCK + 1 + ways))
+    ends = at + NUMBER * sum(counts)
+    between = at + NUMBER * signals
+    padded = between + NUMBER * signals
+    rest = padded + NUMBER * counts[2]
+    ints = ends + NUMBER * 4 * (whole + lanes)
     return Room(
         float_pointer(at),
         float_pointer(between),
         float_pointer(padded),
         float_pointer(rest),
-        float_pointer(rest + BYTES * BLOCK),
+        float_pointer(rest + NUMBER * BLOCK),
         complex_pair(ends, whole),
-        complex_pair(ends + 2 * BYTES * whole, whole),
-        complex_pair(ends + 4 * BYTES * whole, lanes),
-        complex_pair(ends + 4 * BYTES * whole + 2 * BYTES * lanes, lanes),
+        complex_pair(ends + 2 * NUMBER * whole, whole),
+        complex_pair(ends + 4 * NUMBER * whole, lanes),
+        complex_pair(ends + 4 * NUMBER * whole + 2 * NUMBER * lanes, lanes),
         int_pointer(ints),
-        int_pointer(ints + BYTES * BLOCK),
+        int_pointer(ints + NUMBER * BLOCK),
     )

@@ -11,14 +11,12 @@ from typing import no_type_check
 import numpy as np
 from numba import njit
 
+from home_mjx.audio_jax.frames.passes import num_passes
 from home_mjx.core.native.lanes import LANES, load, multiply_add, store
 
 HALF = np.float32(np.sqrt(0.5))
 THIRD = np.float32(np.sqrt(0.75))  # sine of a third of a turn
-FIFTHS = [np.float32(f(2 * np.pi * k / 5)) for k in (1, 2) for f in (np.cos, np.sin)]
-COS_1, SIN_1, COS_2, SIN_2 = FIFTHS
-TWO = np.float32(2.0)
-RADICES = (8, 5, 4, 3, 2)  # in this order
+COS_1, SIN_1, COS_2, SIN_2 = (np.float32(f(2 * np.pi * k / 5)) for k in (1, 2) for f in (np.cos, np.sin))
 compiled = njit(error_model="numpy")
 inlined = njit(error_model="numpy", forceinline=True)
 
@@ -31,27 +29,18 @@ def fast_size(count: int) -> int:
         >>> fast_size(2143), fast_size(6143)
         (2560, 6144)
     """
-    sizes = [size for size in range(count, 2 * count + 2) if _passes(size)]
-    return min(sizes, key=lambda size: size * (_passes(size) + 1))
-
-
-def _passes(size: int) -> int:
-    """Passes of a transform; 0: it has other factors than the radices."""
-    passes = 0
-    for radix in RADICES:
-        while size % radix == 0:
-            size, passes = size // radix, passes + 1
-    return passes if size == 1 else 0
+    sizes = [size for size in range(count, 2 * count + 2) if num_passes(size)]
+    return min(sizes, key=lambda size: size * (num_passes(size) + 1))
 
 
 @compiled
 @no_type_check
 def transform(size, lanes, turns, values, spare):
-    """Transforms of `values`, two arrays (size, lanes); returns whether the results are in `spare`, which is as large.
+    """Transforms of `values`, two arrays (size, lanes); returns these or `spare`, as large, whichever has the results.
 
     `turns` are exp(-2 pi i j / size), real and imaginary parts; there are at least `LANES` lanes.
     """
-    left, stride, swapped = size, lanes, False
+    left, stride = size, lanes
     here, there = values, spare
     while left > 1:
         if left % 8 == 0:
@@ -69,8 +58,8 @@ def transform(size, lanes, turns, values, spare):
         else:
             _pass_2(size, left, stride, turns, here, there)
             left, stride = left // 2, stride * 2
-        here, there, swapped = there, here, not swapped
-    return swapped
+        here, there = there, here
+    return here
 
 
 @inlined

@@ -7,10 +7,11 @@ import llvmlite.binding
 from numba import cfunc, njit, types
 
 from home_mjx.audio_jax.base import delays
+from home_mjx.audio_jax.frames import reads
 from home_mjx.audio_jax.frames.cpu import early, fft, late, operands, paths
 from home_mjx.audio_jax.frames.cpu.early import make_early
 from home_mjx.audio_jax.frames.cpu.late import make_late
-from home_mjx.audio_jax.frames.cpu.operands import CHUNK, EARLY, constant
+from home_mjx.audio_jax.frames.cpu.operands import CHUNK, EARLY, WHAT, constant
 from home_mjx.core.native import ffi, lanes, memory
 from home_mjx.core.native.kept import with_checked_cache
 from home_mjx.core.native.memory import call, symbol_address
@@ -28,7 +29,7 @@ def build_handler() -> tuple[Any, Any, Any]:
     The others call the work at its address: each would else be compiled with a copy of it, which takes as long again.
     """
     # The cache watches this file only. That the functions name the digest makes it tell versions of the rest apart.
-    parts: tuple[Any, ...] = (ffi, lanes, memory, delays, early, fft, late, operands, paths)
+    parts: tuple[Any, ...] = (ffi, lanes, memory, delays, early, fft, late, operands, paths, reads)
     digest = ffi.digest(*(part.__file__ for part in parts))
 
     @cfunc(types.intp(types.intp), cache=True)
@@ -73,7 +74,7 @@ def _work(job):
             return
         frame = ffi.frame_of(job)
         first, end = chunk * CHUNK, min((chunk + 1) * CHUNK, ffi.dim(frame, ffi.RESULTS, 0, 0))
-        if constant(frame, 0) == EARLY:
+        if constant(frame, WHAT) == EARLY:
             make_early(frame, first, end)
         else:
             make_late(frame, first, end)

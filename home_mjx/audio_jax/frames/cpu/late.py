@@ -8,7 +8,6 @@ from numba import njit
 
 from home_mjx.audio_jax.frames.cpu.fft import transform
 from home_mjx.audio_jax.frames.cpu.operands import (
-    BYTES,
     complex_pair,
     complex_table,
     constant,
@@ -21,7 +20,7 @@ from home_mjx.audio_jax.frames.cpu.operands import (
     word_pointer,
 )
 from home_mjx.core.native import ffi
-from home_mjx.core.native.ffi import WORD
+from home_mjx.core.native.ffi import NUMBER, WORD
 from home_mjx.core.native.lanes import LANES, load, multiply_add, spread, store
 from home_mjx.core.native.memory import address_of, shifted
 
@@ -86,12 +85,10 @@ def make_late(frame, first, end):
                 for i in range(count):
                     _prepare(frame, begin + i, source, left, i, size, room)
                 _interleave(count, size, room)
-                moved = transform(size.points, size.together * size.each, turns, room.values, room.spare)
-                heard = room.spare if moved else room.values
+                heard = transform(size.points, size.together * size.each, turns, room.values, room.spare)
                 for i in range(count):
                     _add_spectra(frame, begin + i, source, i * size.each, 2 * (begin - first + i), heard, size, room)
-        moved = transform(size.points, LANES, turns, room.spectra, room.unused)
-        made = room.unused if moved else room.spectra
+        made = transform(size.points, LANES, turns, room.spectra, room.unused)
         for env in range(first, end):
             _write(frame, env, left, 2 * (env - first), made, size)
     ffi.release(address_of(room.responses))
@@ -113,7 +110,7 @@ def _prepare(frame, env, source, left, place, size, room):
                 _silence(to, most)
             for part in range(PARTS):
                 stream = place * size.each + PARTS * end + part
-                room.streams[2 * stream + side] = address_of(to) + BYTES * size.first * part
+                room.streams[2 * stream + side] = address_of(to) + NUMBER * size.first * part
                 room.lengths[stream] = size.half if part else size.first
     ahead, whole = _padding(size)
     padded = shifted(room.padded, place * whole)
@@ -126,7 +123,7 @@ def _prepare(frame, env, source, left, place, size, room):
         back = size.first + (window - 1) * size.half if window else 0
         there = window < 2 + size.echoes
         begin = ahead + size.start - back if there else size.length + ahead  # silence
-        room.streams[2 * stream + window % 2] = address_of(padded) + BYTES * begin
+        room.streams[2 * stream + window % 2] = address_of(padded) + NUMBER * begin
         room.lengths[stream] = size.width
 
 
@@ -327,20 +324,20 @@ def _make_room(size):
     padded = size.together * _padding(size)[1]
     levels = ENDS * size.echoes * (size.points // 2 + 1)
     whole, kept = size.points * lanes, size.points * LANES
-    at = ffi.allocate(BYTES * (responses + padded + levels + 4 * whole + 4 * kept) + WORD * 3 * (lanes + 1))
-    pads = at + BYTES * responses
-    loud = pads + BYTES * padded
-    values = loud + BYTES * levels
-    spectra = values + 4 * BYTES * whole
-    words = (spectra + 4 * BYTES * kept + WORD - 1) // WORD * WORD
+    at = ffi.allocate(NUMBER * (responses + padded + levels + 4 * whole + 4 * kept) + WORD * 3 * (lanes + 1))
+    pads = at + NUMBER * responses
+    loud = pads + NUMBER * padded
+    values = loud + NUMBER * levels
+    spectra = values + 4 * NUMBER * whole
+    words = (spectra + 4 * NUMBER * kept + WORD - 1) // WORD * WORD
     return Room(
         float_pointer(at),
         float_pointer(pads),
         float_pointer(loud),
         complex_pair(values, whole),
-        complex_pair(values + 2 * BYTES * whole, whole),
+        complex_pair(values + 2 * NUMBER * whole, whole),
         complex_pair(spectra, kept),
-        complex_pair(spectra + 2 * BYTES * kept, kept),
+        complex_pair(spectra + 2 * NUMBER * kept, kept),
         word_pointer(words),
         word_pointer(words + 2 * WORD * lanes),
     )

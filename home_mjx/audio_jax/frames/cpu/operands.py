@@ -1,17 +1,18 @@
-"""How compiled code reads operands and writes results: addresses of rows, whose numbers have four bytes each."""
-# ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
+"""How compiled code reads operands and writes results."""
+# ruff: noqa: ANN001, ANN201  (Numba infers the types)
 
 from typing import no_type_check
 
 from numba import njit, types
 
 from home_mjx.core.native import ffi
+from home_mjx.core.native.ffi import NUMBER
 from home_mjx.core.native.memory import pointer_to
 
-BYTES = 4  # of a number
 CHUNK = 8  # environments that a thread takes at once
 CONSTANTS = 0  # operand: what is to be made, and sizes that no shape tells
-EARLY, LATE = range(2)  # what can be made
+WHAT = 0  # constant: what is to be made
+EARLY, LATE = range(2)  # what can be
 float_pointer, int_pointer, word_pointer = map(pointer_to, (types.float32, types.int32, types.int64))
 compiled = njit(error_model="numpy")
 
@@ -48,34 +49,25 @@ def complex_table(frame, index, count):
 @no_type_check
 def row(frame, index, env):
     """An operand's numbers of one environment."""
-    return float_pointer(_address(frame, ffi.OPERANDS, index, env))
+    return float_pointer(ffi.row(frame, ffi.OPERANDS, index, env))
 
 
 @compiled
 @no_type_check
 def int_row(frame, index, env):
     """The same of whole numbers."""
-    return int_pointer(_address(frame, ffi.OPERANDS, index, env))
+    return int_pointer(ffi.row(frame, ffi.OPERANDS, index, env))
 
 
 @compiled
 @no_type_check
 def result_row(frame, env):
     """What is made for one environment."""
-    return float_pointer(_address(frame, ffi.RESULTS, 0, env))
+    return float_pointer(ffi.row(frame, ffi.RESULTS, 0, env))
 
 
 @compiled
 @no_type_check
 def complex_pair(address, count):
     """Real parts at an address, and so many imaginary ones after them."""
-    return float_pointer(address), float_pointer(address + BYTES * count)
-
-
-@compiled
-@no_type_check
-def _address(frame, kind, index, env):
-    size = BYTES
-    for axis in range(1, ffi.num_dims(frame, kind, index)):
-        size *= ffi.dim(frame, kind, index, axis)
-    return ffi.data(frame, kind, index) + env * size
+    return float_pointer(address), float_pointer(address + NUMBER * count)

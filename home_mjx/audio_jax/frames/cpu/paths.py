@@ -16,7 +16,7 @@ from home_mjx.core.native.memory import shifted
 
 BLOCK = 512  # samples at a time
 WAY = 3  # numbers of a path before those of its ears: length at both ends, bend
-ZERO, HALF, ONE, TWO, FOUR = (np.float32(x) for x in (0.0, 0.5, 1.0, 2.0, 4.0))
+ZERO, ONE, TWO, FOUR = (np.float32(x) for x in (0.0, 1.0, 2.0, 4.0))
 LEAST = np.float32(1e-6)
 TAPS = tuple(np.float32(x) for x in windowed_sinc(np.arange(-HALF_WIDTH, HALF_WIDTH) + 0.5))
 TABLE = tuple(tuple(np.float32(x) for x in row) for row in read_polynomials())  # lowest power first

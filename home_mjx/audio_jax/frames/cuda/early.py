@@ -12,7 +12,7 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.delays import HALF_WIDTH, windowed_sinc
 from home_mjx.audio_jax.base.shapes import shapes
 from home_mjx.audio_jax.frames.cuda import kernels as cuda
-from home_mjx.audio_jax.frames.reads import Reads, before, frame_begin, times
+from home_mjx.audio_jax.frames.reads import Reads, before, frame_begin, times, way_rows
 from home_mjx.core.native.batched import batched, numbers
 
 SUMS, SUMS_THREADS = 20, 768  # that a thread keeps at once, and threads, as in sums.cu
@@ -40,11 +40,8 @@ def _add_reads(reads: Reads, config: AudioConfig) -> Float[Array, "e s k"]:
 
 def read_operands(reads: Reads) -> tuple[Array, ...]:
     """The arrays of one environment that the kernel reads, in its order."""
-    ways = reads.ways
-    lengths = (x[..., None] for x in (ways.old, ways.new, ways.bend))
-    way = jnp.concatenate([*lengths, ways.ears.reshape(*ways.old.shape, -1)], axis=-1)
     share = jnp.pad(reads.share, [(0, 0)] * 3 + [(0, -reads.share.shape[3] % SUMS), (0, 0)])
-    return reads.source, reads.filtered, reads.start, way, share
+    return reads.source, reads.filtered, reads.start, way_rows(reads.ways), share
 
 
 @functools.cache

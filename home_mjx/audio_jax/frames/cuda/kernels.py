@@ -10,6 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
 
+from home_mjx.audio_jax.frames.passes import num_passes
 from home_mjx.core.native.platforms import PTX_TARGET, devices_of, problem_of, ptx_for_all, works
 from home_mjx.core.native.varying import varying_as
 
@@ -18,7 +19,6 @@ SUMS_SOURCES = (FOLDER / "sums.cu",)
 FILTER_SOURCES = (FOLDER / "fft.cuh", FOLDER / "filtered.cu")
 LATE_SOURCES = (FOLDER / "fft.cuh", FOLDER / "late.cu")
 PER_THREAD, MOST_THREADS = 8, 768  # values of a transform, as in fft.cuh, and threads
-RADICES = (8, 5, 4, 3, 2)  # in the order of fft.cuh
 WARP = 32
 # Bytes of memory that a block may share, by compute capability; of others it is a safe guess.
 SHARED_BYTES = {70: 98_304, 75: 65_536, 80: 166_912, 86: 101_376, 87: 166_912, 89: 101_376, 90: 232_448, 100: 232_448}
@@ -58,8 +58,8 @@ def transform_size(count: int) -> int | None:
         (2560, None)
     """
     block = PER_THREAD * WARP
-    sizes = [size for size in range(block, PER_THREAD * MOST_THREADS + 1, block) if size >= count and _passes(size)]
-    return min(sizes, key=lambda size: size * (_passes(size) + 1), default=None)
+    sizes = [size for size in range(block, PER_THREAD * MOST_THREADS + 1, block) if size >= count and num_passes(size)]
+    return min(sizes, key=lambda size: size * (num_passes(size) + 1), default=None)
 
 
 def turns_of(size: int) -> Array:
@@ -107,12 +107,3 @@ def call_kernel(
 
 def _plain(values: Array) -> Array:
     return values.astype(jnp.int32 if jnp.issubdtype(values.dtype, jnp.integer) else jnp.float32)
-
-
-def _passes(size: int) -> int:
-    """Passes of a transform; 0: it has other factors than the radices."""
-    passes = 0
-    for radix in RADICES:
-        while size % radix == 0:
-            size, passes = size // radix, passes + 1
-    return passes if size == 1 else 0
