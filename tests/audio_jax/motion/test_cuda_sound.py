@@ -22,7 +22,6 @@ from home_mjx.audio_jax.frames import tail
 from home_mjx.audio_jax.frames.cuda import early as sums
 from home_mjx.audio_jax.frames.cuda import kernels, late
 from home_mjx.audio_jax.frames.reads import frame_begin, sums_of
-from home_mjx.audio_jax.receivers.diffuse import noise_bins
 from home_mjx.core.native import nvrtc
 from home_mjx.errors import ExecutorError
 
@@ -35,6 +34,10 @@ KERNELS = {
     "filter_sums": (
         kernels.FILTER_SOURCES,
         "(float*)p[0], (float2*)p[1], (float2*)p[2], (int*)p[3], (float*)p[4]",
+    ),
+    "carry_noise": (
+        kernels.NOISE_SOURCES,
+        "(float*)p[0], (float*)p[1], (float*)p[2], (float*)p[3], (int*)p[4], (float*)p[5]",
     ),
     "late_frames": (
         kernels.LATE_SOURCES,
@@ -75,6 +78,11 @@ def library(tmp_path_factory):
     return make
 
 
+def compiled_for(name, given, threads):
+    """What a kernel's SIZE is: how many noises there are, or values of a transform."""
+    return given[0].shape[1] if name == "carry_noise" else threads * kernels.PER_THREAD
+
+
 @pytest.fixture
 def here(library, monkeypatch):
     """Calls of XLA run those functions instead."""
@@ -85,7 +93,7 @@ def here(library, monkeypatch):
             result = np.full(results[0].shape, np.nan, np.float32)
             pointers = [x.ctypes.data for x in (*given, result)]
             words, threads = int(sizes["shared_mem_bytes"]) // 4, int(sizes["block_x"])
-            kernel = library(sizes["name"], threads * kernels.PER_THREAD)
+            kernel = library(sizes["name"], compiled_for(sizes["name"], given, threads))
             for x, y in itertools.product(range(int(sizes["grid_x"])), range(int(sizes["grid_y"]))):
                 kernel.run((ctypes.c_void_p * len(pointers))(*pointers), x, y, threads, words)
             return (jnp.asarray(result),)
@@ -113,7 +121,7 @@ def test_paths_are_read_and_added_as_by_xla(here, rng, receiver, sources):
 
 
 @pytest.mark.parametrize("seconds", [0.0, 0.15, 0.4])
-@pytest.mark.parametrize(("sources", "receiver"), [(1, "binaural"), (2, "array")])
+@pytest.mark.parametrize(("sources", "receiver"), [(1, "binaural"), (2, "array"), (1, "ambisonics"), (1, "omni")])
 def test_late_sound_is_heard_as_by_xla(here, rng, seconds, sources, receiver):
     """With no echoes of the second part, two and four, an odd number of channels, late and early onsets."""
     microphones = ((0.1, 0, 0), (0, 0.1, 0), (-0.1, 0, 0)) if receiver == "array" else ()
@@ -122,7 +130,8 @@ def test_late_sound_is_heard_as_by_xla(here, rng, seconds, sources, receiver):
     )
     signals, sound = some_late(rng, 2, sources, config)
     wanted = jax.vmap(lambda *one: tail.frame_by_xla(*one, config))(signals, sound)
-    given = signals, sound.share.of_bins(), sound.shift, sound.onset, sound.tail
+    share = sound.share
+    given = signals, share.amplitude, share.mix, share.common, sound.shift, sound.onset, sound.tail
     (got,) = late.run_late(config, *late.late_tables(config), *given)
     np.testing.assert_allclose(got, wanted, rtol=0, atol=2e-5 * np.std(wanted))
 
@@ -149,7 +158,7 @@ def spoilt(rng, x):
     return jnp.asarray(x)
 
 
-@pytest.mark.parametrize("name", ["add_paths", "late_frames"])
+@pytest.mark.parametrize("name", ["add_paths", "carry_noise", "late_frames"])
 def test_whatever_it_is_given_a_kernel_stays_within_its_arrays(tmp_path, monkeypatch, rng, name):
     """AddressSanitizer sees each block, with numbers from nowhere in all arrays but their sizes."""
     config, program = AudioConfig(motion=True, tail_seconds=0.15, response_seconds=0.2), []
@@ -157,11 +166,13 @@ def test_whatever_it_is_given_a_kernel_stays_within_its_arrays(tmp_path, monkeyp
     def ffi_call(target, results):
         def call(*operands, **sizes):
             threads, words = (int(sizes[key]) for key in ("block_x", "shared_mem_bytes"))
+            given, result = [np.asarray(x) for x in operands], np.zeros(results[0].shape, np.float32)
+            if sizes["name"] != name:
+                return (jnp.asarray(result),)
             if not program:
-                each = f"for (int x = 0; x < a; ++x) run(p, x, 0, {threads}, {words // 4})"
-                program.append(Program(tmp_path, program_text(name, threads * kernels.PER_THREAD), each))
-            result = np.zeros(results[0].shape, np.float32)
-            program[0].add([*map(np.asarray, operands), result], int(sizes["grid_x"]))
+                each = f"for (int i = 0; i < a * b; ++i) run(p, i % a, i / a, {threads}, {words // 4})"
+                program.append(Program(tmp_path, program_text(name, compiled_for(name, given, threads)), each))
+            program[0].add([*given, result], int(sizes["grid_x"]), int(sizes["grid_y"]))
             return (jnp.asarray(result),)
 
         return call
@@ -176,11 +187,12 @@ def test_whatever_it_is_given_a_kernel_stays_within_its_arrays(tmp_path, monkeyp
             given[2] = jnp.int32(rng.integers(0, 9000, (1, 2, 3)))
             sums.run_sums(config, 20, 2, *(spoilt(rng, x) for x in given))
         else:
-            share = jnp.float32(rng.normal(size=(*ends, config.num_bins, 2, noise_bins(config).shape[-2])))
+            share = (config.num_bins, 2, 3, 7), (2, 5, 7), (config.num_bins, 1, 3, 7)
+            share = [jnp.float32(rng.normal(size=(*ends, *shape))) for shape in share]
             signal = jnp.float32(rng.normal(size=(1, 2, config.memory_length - 1 + config.frame + config.ahead)))
             whole = [jnp.int32(rng.integers(0, config.response_length, ends)) for _ in range(2)]
             levels = jnp.float32(rng.normal(size=(*ends, config.num_tail, 7)))
-            given = signal, share, *whole, levels
+            given = signal, *share, *whole, levels
             late.run_late(config, *late.late_tables(config), *(spoilt(rng, x) for x in given))
     program[0].run()
 
@@ -219,5 +231,5 @@ def test_nvrtc_compiles_them():
         nvrtc.find_library()
     except ExecutorError:
         pytest.skip("there is no NVRTC here")
-    for sources in (kernels.SUMS_SOURCES, kernels.FILTER_SOURCES, kernels.LATE_SOURCES):
+    for sources in (kernels.SUMS_SOURCES, kernels.FILTER_SOURCES, kernels.NOISE_SOURCES, kernels.LATE_SOURCES):
         assert ".entry" in nvrtc.compile_ptx(sources, 90, {"SIZE": 2560})

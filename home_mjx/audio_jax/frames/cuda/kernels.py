@@ -17,6 +17,7 @@ from home_mjx.core.native.varying import varying_as
 FOLDER = Path(__file__).parent
 SUMS_SOURCES = (FOLDER / "sums.cu",)
 FILTER_SOURCES = (FOLDER / "fft.cuh", FOLDER / "filtered.cu")
+NOISE_SOURCES = (FOLDER / "noise.cu",)
 LATE_SOURCES = (FOLDER / "fft.cuh", FOLDER / "late.cu")
 PER_THREAD, MOST_THREADS = 8, 768  # values of a transform, as in fft.cuh, and threads
 WARP = 32
@@ -34,11 +35,12 @@ def cuda_available() -> bool:
 def _start() -> None:
     for sources in (SUMS_SOURCES, FILTER_SOURCES, LATE_SOURCES):
         ptx_of(sources, PER_THREAD * WARP)
+    ptx_of(NOISE_SOURCES, 1)
 
 
 @functools.cache
 def ptx_of(sources: tuple[Path, ...], size: int) -> str:
-    """PTX that all GPUs of this process can run; `size` is that of its transforms."""
+    """PTX that all GPUs of this process can run; `size` is that of its transforms, or how many noises there are."""
     return ptx_for_all(sources, {"SIZE": size})
 
 

@@ -7,7 +7,7 @@ constexpr int HALF = SIZE / 2 + 1;  // values of a real signal's spectrum
 struct Sizes {
   // `first` and `half`: samples of a response's parts; `echoes`: how often the second is heard again; `start`: sample of
   // the source with which the window of the first begins, `width` samples long; `begin`: where the frame begins in sums.
-  int sources, length, channels, response, first, half, echoes, start, width, begin, frame, bin, environments;
+  int sources, length, channels, response, first, half, echoes, start, width, begin, frame;
 };
 
 // Windows of the source, two at a time as one complex signal: those of both parts, then those of echoes.
@@ -26,7 +26,7 @@ __device__ __forceinline__ float echo_level(const float* levels, const float* oc
 
 extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, 1) late_frames(
     const float* __restrict__ sources,    // (environments, sources, length)
-    const float* __restrict__ responses,  // (bins, environments, sources, ENDS, channels, bin)
+    const float* __restrict__ responses,  // (environments, sources, ENDS, channels, response), of the noise
     const int* __restrict__ shifts,       // (environments, sources, ENDS): sample with which a response begins
     const int* __restrict__ onsets,       // (environments, sources, ENDS): sample of it before which nothing is heard
     const float* __restrict__ levels,     // (environments, sources, ENDS, echoes, BANDS)
@@ -85,7 +85,6 @@ extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, 1) late_frames(
     for (int end = 0; end < ENDS; ++end) {
       const int shift = shifts[one * ENDS + end], onset = onsets[one * ENDS + end];
       const size_t row = (one * ENDS + end) * size.channels + left;
-      const size_t rows = size_t(size.environments) * size.sources * ENDS * size.channels;
       for (int part = 0; part < 2; ++part) {
         const Complex* spectrum = part ? later[end] : now;
         const int from = part ? size.first : 0, count = part ? size.half : size.first;
@@ -96,8 +95,8 @@ extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, 1) late_frames(
               if (i >= count || sample < onset) return Complex{0.0f, 0.0f};
               int there = sample + shift;  // held to the noise, whatever the shift
               there = max(0, min(there < size.response ? there : there - size.response, size.response - 1));
-              const float* heard = responses + (there / size.bin * rows + row) * size.bin + there % size.bin;
-              return Complex{heard[0], both ? heard[size.bin] : 0.0f};
+              const float* heard = responses + row * size.response + there;
+              return Complex{heard[0], both ? heard[size.response] : 0.0f};
             },
             [&](int slot, int i, Complex value) {
               const Complex heard = i < HALF ? spectrum[i] : conjugate(spectrum[SIZE - i]);

@@ -1,6 +1,7 @@
 """Late sound of moving frames on GPUs."""
 
 import functools
+import math
 from collections.abc import Callable
 
 import jax
@@ -10,11 +11,12 @@ from jaxtyping import Array, Float
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.frames.cuda import kernels as cuda
 from home_mjx.audio_jax.frames.tail import Late, frame_begin, octave_table, window_width
-from home_mjx.audio_jax.receivers.diffuse import noise_bins
+from home_mjx.audio_jax.receivers.diffuse import noise
 from home_mjx.core.native.batched import batched, numbers
 from home_mjx.schema.compiled import BANDS
 
 NUM_TABLES = 3
+ROWS, KNOT, NOISE_THREADS = 64, 8, 256  # of a block, numbers of a knot, and threads, as in noise.cu
 
 
 def available(config: AudioConfig) -> bool:
@@ -24,19 +26,21 @@ def available(config: AudioConfig) -> bool:
 
 
 def late_frame(sources: Float[Array, "n w"], late: Late, config: AudioConfig) -> Float[Array, "e s"]:
-    """`frames.tail.frame_by_xla` by a kernel."""
-    given = sources, late.share.of_bins(), late.shift, late.onset, late.tail
+    """`frames.tail.frame_by_xla` by two kernels."""
+    share = late.share
+    given = sources, share.amplitude, share.mix, share.common, late.shift, late.onset, late.tail
     return _op(config)(*late_tables(config), *(x[None] for x in given))[0][0]
 
 
 def late_tables(
     config: AudioConfig,
-) -> tuple[Float[Array, "*own k m s"], Float[Array, "bands f"], Float[Array, "size two"]]:
+) -> tuple[Float[Array, "own c bands n"], Float[Array, "bands f"], Float[Array, "size two"]]:
     """Noise, gains of octaves, and the turns of the transform."""
     size = cuda.transform_size(window_width(config))
     assert size is not None
     gains = octave_table(config, size) if config.num_tail else jnp.zeros((len(BANDS), size // 2 + 1), jnp.float32)
-    return jnp.asarray(noise_bins(config)), jnp.asarray(gains), cuda.turns_of(size)
+    whole = jnp.asarray(noise(config))
+    return whole.reshape(-1, *whole.shape[-3:]), jnp.asarray(gains), cuda.turns_of(size)
 
 
 @functools.cache
@@ -45,19 +49,35 @@ def _op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
 
 
 def run_late(config: AudioConfig, *given: Array) -> tuple[Array, ...]:
-    """The kernel for environments (e ...), all of which share the first operands, see `late_tables`."""
-    noise, octaves, turns, sources, share, shift, onset, tail = given
-    subscripts = "xnikem,ekms->kxnies" if noise.ndim == 4 else "xnikem,kms->kxnies"
-    responses = jnp.einsum(subscripts, share, noise, precision="highest")  # as the product of matrices leaves them
-    (envs, count, length), channels, size = sources.shape, responses.shape[-2], turns.shape[0]
+    """The kernels for environments (e ...), all of which share the first operands, see `late_tables`."""
+    table, octaves, turns, sources, amplitude, mix, common, shift, onset, tail = given
+    (responses,) = carry_noise(config, table, amplitude, mix, common)
+    (envs, count, length), channels, size = sources.shape, config.num_channels, turns.shape[0]
     first, half = config.response_length - config.half_length, config.half_length
     start = config.memory_length - first - config.tail_ringing
     sizes = (count, length, channels, config.response_length, first, half, config.num_tail, start)
-    sizes = (*sizes, window_width(config), frame_begin(config), config.frame, config.bin_samples, envs)
+    sizes = (*sizes, window_width(config), frame_begin(config), config.frame)
     operands = sources, responses, shift, onset, tail, octaves, turns, numbers(sizes)
     result = jax.ShapeDtypeStruct((envs, channels, config.frame), jnp.float32)
     ptx, grid, threads = cuda.ptx_of(cuda.LATE_SOURCES, size), (envs, -(-channels // 2)), size // cuda.PER_THREAD
     return cuda.call_kernel("late_frames", ptx, grid, threads, _bytes(size), operands, result)
+
+
+def carry_noise(
+    config: AudioConfig,
+    table: Float[Array, "own c bands n"],
+    amplitude: Float[Array, "*n k e knots bands"],
+    mix: Float[Array, "*n e c bands"],
+    common: Float[Array, "*n k x knots bands"],
+) -> tuple[Float[Array, "*n e l"]]:
+    """Responses of noise that carries what `Shares` say, in the noise's own time."""
+    (*ends, bins, channels, knots, bands), (own, noises, *_) = amplitude.shape, table.shape
+    sizes = (math.prod(ends), bins, channels, config.bin_samples, common.shape[-3], own)
+    result = jax.ShapeDtypeStruct((*ends, channels, config.response_length), jnp.float32)
+    grid, weights = (channels * -(-sizes[0] // ROWS), bins), -(-noises * bands // 4) * 4
+    rows = weights + 2 * knots * KNOT
+    ptx, operands = cuda.ptx_of(cuda.NOISE_SOURCES, noises), (table, amplitude, mix, common, numbers(sizes))
+    return cuda.call_kernel("carry_noise", ptx, grid, NOISE_THREADS, 4 * ROWS * rows, operands, result)
 
 
 def _bytes(size: int) -> int:
