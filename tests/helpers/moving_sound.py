@@ -9,7 +9,8 @@ from home_mjx.audio_jax.frames import tail
 from home_mjx.audio_jax.frames.reads import Reads
 from home_mjx.audio_jax.motion import early
 from home_mjx.audio_jax.motion.pairs import paired
-from home_mjx.audio_jax.receivers.diffuse import KNOTS, Shares, num_noises
+from home_mjx.audio_jax.receivers.diffuse import num_noises
+from home_mjx.audio_jax.receivers.shares import Shares
 
 
 def some_paths(rng, count, away):
@@ -45,11 +46,11 @@ def some_late(rng, envs: int, sources: int, config: AudioConfig):
     ends, bands = (envs, sources, 2), 7
     channels = config.num_channels
     common = channels - 1 if config.receiver == "ambisonics" else 0
-    shares = (config.num_bins, channels, KNOTS, bands), (channels, num_noises(config), bands)
-    shares = *shares, (config.num_bins, common, KNOTS, bands)
+    shares = (config.num_bins, channels, bands), (channels, num_noises(config), bands), (config.num_bins, common, bands)
+    power, mix, shared = (jnp.float32(rng.normal(size=(*ends, *shape))) for shape in shares)
+    start = jnp.int32(rng.integers(0, config.num_bins, ends))
     sound = tail.Late(
-        share=Shares(*(jnp.float32(rng.normal(size=(*ends, *shape))) for shape in shares)),
-        shift=jnp.int32(rng.integers(0, config.num_bins, ends) * config.bin_samples),
+        share=Shares(jnp.abs(power), mix, shared, start),
         onset=jnp.int32(rng.integers(-100, config.response_length // 2, ends)),
         tail=jnp.float32(rng.uniform(0, 1, (*ends, config.num_tail, 7))),
     )

@@ -19,14 +19,14 @@ from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.paths import Paths
 from home_mjx.audio_jax.propagation.tracing import Trace, spread, trace
 from home_mjx.audio_jax.receivers.channels import channel_delays, channel_values, late_gains
-from home_mjx.audio_jax.receivers.diffuse import KNOTS, Draw, Shares, drawn, ear_mix, noise_bins
+from home_mjx.audio_jax.receivers.diffuse import Draw, drawn, noise_bins
 from home_mjx.audio_jax.receivers.hrtf import to_head
+from home_mjx.audio_jax.receivers.shares import noise_shares
 from home_mjx.core.transforms import is_unit
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS
 
 EVERYWHERE = 64  # directions whose mean stands for all
-TINY = 1e-36  # power of nothing
 BEFORE = 2 * HALF_WIDTH + 3  # samples by which kernels of paths begin before their sound
 
 
@@ -230,34 +230,6 @@ def diffuse_response(
     subscripts = "kem,ekms->eks" if table.ndim == 4 else "kem,kms->eks"  # each channel hears noises of its own, or not
     sound = jnp.einsum(subscripts, noise_shares(energy, draw, head_quat, config).of_bins(), table, precision="highest")
     return jnp.roll(sound, -draw.start, axis=1).reshape(config.num_channels, -1)
-
-
-def noise_shares(
-    energy: Float[Array, "k e bands"], draw: Draw, head_quat: Float[Array, "4"], config: AudioConfig
-) -> Shares:
-    """What each channel hears of `noise_bins`; the response begins with bin `draw.start`, and goes around."""
-    mix = ear_mix(head_quat, config)[:, :, None] * draw.sign[None]  # (channel, noise, octave)
-    power = jnp.roll(energy, draw.start, axis=0) / config.bin_samples
-    power, flow = power[:, : config.num_channels], power[:, config.num_channels :]
-    common = flow**2 / jnp.maximum(power[:, :1], TINY)
-    common = jnp.pad(jnp.minimum(common, power[:, 1 : 1 + flow.shape[1]]), [(0, 0), (1, 0), (0, 0)])
-    shared = jnp.sign(flow)[:, :, None] * _amplitudes(common[:, 1:], draw.start) * draw.sign[0][None, None, None]
-    return Shares(_amplitudes(power - common, draw.start), mix, shared)
-
-
-def _amplitudes(power: Float[Array, "k e bands"], first: Int[Array, ""]) -> Float[Array, "k e knots bands"]:
-    """Amplitudes at the start, the middle and the end of bins, of which `first` is where a response begins.
-
-    Between knots they run linearly, which is less than the root of a power that does; each bin is made up for it.
-    """
-    number = jnp.arange(power.shape[0], dtype=jnp.int32)[:, None, None]
-    before = jnp.where(number == first, power, jnp.roll(power, 1, axis=0))
-    after = jnp.where(number == (first - 1) % power.shape[0], power, jnp.roll(power, -1, axis=0))
-    knots = jnp.sqrt(jnp.stack([(before + power) / 2, power, (power + after) / 2], axis=2))
-    low, mid, high = (knots[:, :, i] for i in range(KNOTS))
-    here = (low * low + low * mid + 2 * mid * mid + mid * high + high * high) / 6
-    there = (before + 6 * power + after) / 8
-    return knots * jnp.sqrt(there / jnp.maximum(here, TINY))[:, :, None]
 
 
 def octave_spectra(gain: Float[Array, "p bands"], size: int, config: AudioConfig) -> Complex[Array, "p f"]:

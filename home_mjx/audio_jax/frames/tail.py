@@ -14,7 +14,8 @@ from scipy.fft import next_fast_len
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.filters import octave_gains
-from home_mjx.audio_jax.receivers.diffuse import Shares, noise_bins
+from home_mjx.audio_jax.receivers.diffuse import noise_bins
+from home_mjx.audio_jax.receivers.shares import Shares
 from home_mjx.core.pytree import Pytree
 
 STEEPEST, FLATTEST = 0.5, 1e-4  # decay per bin, in natural logarithms of energy
@@ -25,7 +26,6 @@ class Late(Pytree):
     """Late sound at one moment: what carries it, and what rings on after its response has ended."""
 
     share: Shares
-    shift: Int[Array, "*n"]  # [samples], where in the noise a response begins; it goes around
     onset: Int[Array, "*n"]  # [samples], before which nothing is heard
     tail: Float[Array, "*n x bands"]  # see `tail_levels`
 
@@ -107,7 +107,7 @@ def frame_by_xla(sources: Float[Array, "n w"], late: Late, config: AudioConfig) 
 def _in_time(noise: Float[Array, "e l"], late: Late, config: AudioConfig) -> Float[Array, "e l"]:
     """A response from its beginning on, without what would overtake the direct sound."""
     heard = jnp.arange(config.response_length, dtype=jnp.int32) >= late.onset
-    return jnp.where(heard[None], jnp.roll(noise, -late.shift, axis=1), 0.0)
+    return jnp.where(heard[None], jnp.roll(noise, -late.share.start * config.bin_samples, axis=1), 0.0)
 
 
 def frame_begin(config: AudioConfig) -> int:

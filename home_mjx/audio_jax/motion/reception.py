@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float
 
-from home_mjx.audio_jax.auralization.response import late_energy, noise_shares, onset_of
+from home_mjx.audio_jax.auralization.response import late_energy, onset_of
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.base.filters import octave_gains
@@ -15,6 +15,7 @@ from home_mjx.audio_jax.frames.tail import Late, tail_levels
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.paths import Paths
 from home_mjx.audio_jax.receivers.diffuse import Draw, drawn, num_noises
+from home_mjx.audio_jax.receivers.shares import noise_shares
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS
@@ -62,8 +63,7 @@ def received(
 def late_sound(heard: Reception, config: AudioConfig) -> Late:
     """The response of each channel without the paths, and what rings on after it."""
     shares = noise_shares(heard.energy, heard.draw, heard.quat, config)
-    shift = heard.draw.start * config.bin_samples
-    return Late(shares, shift, onset_of(heard.paths, config), tail_levels(heard.energy, config))
+    return Late(shares, onset_of(heard.paths, config), tail_levels(heard.energy, config))
 
 
 def silence(config: AudioConfig) -> Reception:

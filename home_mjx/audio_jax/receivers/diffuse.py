@@ -163,18 +163,3 @@ def drawn(key: Array, config: AudioConfig) -> Draw:
     place, signs = jax.random.split(key)
     sign = jax.random.rademacher(signs, (num_noises(config), len(BANDS)), jnp.float32)
     return Draw(jax.random.randint(place, (), 0, config.num_bins, jnp.int32), sign)
-
-
-class Shares(Pytree):
-    """What channels hear of noises, in parts; `of_bins` puts them together."""
-
-    amplitude: Float[Array, "*n k e knots bands"]  # in each bin of the noise
-    mix: Float[Array, "*n e c bands"]  # of noises
-    common: Float[Array, "*n k x knots bands"]  # of the first noise too, in the channels after the first; or of none
-
-    def of_bins(self) -> Float[Array, "*n k e m"]:
-        """Weights of `noise_bins`."""
-        each = self.amplitude[..., None, :] * self.mix[..., None, :, None, :, :]
-        if self.common.shape[-3]:
-            each = each.at[..., 1:, :, 0, :].add(self.common)
-        return each.reshape(*each.shape[:-3], -1)

@@ -80,12 +80,13 @@ def _early_op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
 
 def hears(late: Late, config: AudioConfig) -> bool:
     """Whether the compiled code makes such late sound: of channels whose noises have nothing in common."""
-    return late.share.common.shape[-3] == 0 and config.bin_samples >= LANES
+    return late.share.common.shape[-2] == 0 and config.bin_samples >= LANES
 
 
 def late_frame(sources: Float[Array, "n w"], late: Late, config: AudioConfig) -> Float[Array, "e s"]:
     """`motion.synthesis.late_frame`; arguments as there."""
-    given = sources, late.share.amplitude, late.share.mix, late.shift, late.onset, late.tail
+    share = late.share
+    given = sources, share.amplitude(), share.mix, share.start, late.onset, late.tail
     return _late_op(config)(*_late_tables(config), *(x[None] for x in given))[0][0]
 
 

@@ -24,7 +24,7 @@ from home_mjx.core.native.ffi import NUMBER, WORD
 from home_mjx.core.native.lanes import LANES, load, multiply_add, spread, store
 from home_mjx.core.native.memory import address_of, shifted
 
-_, NOISE, HATS, OCTAVES, TURNS, SOURCE, AMPLITUDE, MIX, SHIFT, ONSET, TAIL = range(11)  # operands
+_, NOISE, HATS, OCTAVES, TURNS, SOURCE, AMPLITUDE, MIX, BEGUN, ONSET, TAIL = range(11)  # operands
 _, FIRST, HALF, ECHOES, START, WIDTH, FRAME_BEGIN = range(7)  # constants
 FOUR = 4  # vectors
 ENDS, PARTS = 2, 2  # start and end of the frame; halves of a response
@@ -153,13 +153,13 @@ def _make_response(frame, number, channel, response, size):
     hats = table(frame, HATS)
     mix = shifted(row(frame, MIX, 0), (number * size.channels + channel) * noises * bands)
     amplitudes = shifted(row(frame, AMPLITUDE, 0), (number * size.bins * size.channels + channel) * size.knots * bands)
-    begun = int_row(frame, SHIFT, 0)[number] // size.bin
+    begun = int_row(frame, BEGUN, 0)[number]
     onset = min(max(int_row(frame, ONSET, 0)[number], 0), length)
     for i in range(onset):
         response[i] = ZERO
     for b in range(onset // size.bin, size.bins):
         k = (b + begun) % size.bins
-        amplitude = shifted(amplitudes, k * size.channels * size.knots * bands)
+        amplitude = shifted(amplitudes, b * size.channels * size.knots * bands)
         for first in range(0, size.bin, FOUR * LANES):
             _make_piece(
                 amplitude, mix, shifted(noise, k * size.bin), hats, first, size, shifted(response, b * size.bin)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.frames.cuda import kernels as cuda
@@ -16,7 +16,7 @@ from home_mjx.core.native.batched import batched, numbers
 from home_mjx.schema.compiled import BANDS
 
 NUM_TABLES = 3
-ROWS, KNOT, NOISE_THREADS = 64, 8, 256  # of a block, numbers of a knot, and threads, as in noise.cu
+ROWS, LOUD, NOISE_THREADS = 64, 32, 256  # of a block, numbers of their loudness, and threads, as in noise.cu
 
 
 def available(config: AudioConfig) -> bool:
@@ -28,7 +28,7 @@ def available(config: AudioConfig) -> bool:
 def late_frame(sources: Float[Array, "n w"], late: Late, config: AudioConfig) -> Float[Array, "e s"]:
     """`frames.tail.frame_by_xla` by two kernels."""
     share = late.share
-    given = sources, share.amplitude, share.mix, share.common, late.shift, late.onset, late.tail
+    given = sources, share.power, share.mix, share.common, share.start, late.onset, late.tail
     return _op(config)(*late_tables(config), *(x[None] for x in given))[0][0]
 
 
@@ -50,14 +50,14 @@ def _op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
 
 def run_late(config: AudioConfig, *given: Array) -> tuple[Array, ...]:
     """The kernels for environments (e ...), all of which share the first operands, see `late_tables`."""
-    table, octaves, turns, sources, amplitude, mix, common, shift, onset, tail = given
-    (responses,) = carry_noise(config, table, amplitude, mix, common)
+    table, octaves, turns, sources, *shares, begun, onset, tail = given
+    (responses,) = carry_noise(config, table, *shares, begun)
     (envs, count, length), channels, size = sources.shape, config.num_channels, turns.shape[0]
     first, half = config.response_length - config.half_length, config.half_length
     start = config.memory_length - first - config.tail_ringing
     sizes = (count, length, channels, config.response_length, first, half, config.num_tail, start)
     sizes = (*sizes, window_width(config), frame_begin(config), config.frame)
-    operands = sources, responses, shift, onset, tail, octaves, turns, numbers(sizes)
+    operands = sources, responses, begun * config.bin_samples, onset, tail, octaves, turns, numbers(sizes)
     result = jax.ShapeDtypeStruct((envs, channels, config.frame), jnp.float32)
     ptx, grid, threads = cuda.ptx_of(cuda.LATE_SOURCES, size), (envs, -(-channels // 2)), size // cuda.PER_THREAD
     return cuda.call_kernel("late_frames", ptx, grid, threads, _bytes(size), operands, result)
@@ -66,18 +66,19 @@ def run_late(config: AudioConfig, *given: Array) -> tuple[Array, ...]:
 def carry_noise(
     config: AudioConfig,
     table: Float[Array, "own c bands n"],
-    amplitude: Float[Array, "*n k e knots bands"],
+    power: Float[Array, "*n k e bands"],
     mix: Float[Array, "*n e c bands"],
-    common: Float[Array, "*n k x knots bands"],
+    common: Float[Array, "*n k x bands"],
+    start: Int[Array, "*n"],
 ) -> tuple[Float[Array, "*n e l"]]:
     """Responses of noise that carries what `Shares` say, in the noise's own time."""
-    (*ends, bins, channels, knots, bands), (own, noises, *_) = amplitude.shape, table.shape
-    sizes = (math.prod(ends), bins, channels, config.bin_samples, common.shape[-3], own)
+    (*ends, bins, channels, bands), (own, noises, *_) = power.shape, table.shape
+    sizes = (math.prod(ends), bins, channels, config.bin_samples, common.shape[-2], own)
     result = jax.ShapeDtypeStruct((*ends, channels, config.response_length), jnp.float32)
     grid, weights = (channels * -(-sizes[0] // ROWS), bins), -(-noises * bands // 4) * 4
-    rows = weights + 2 * knots * KNOT
-    ptx, operands = cuda.ptx_of(cuda.NOISE_SOURCES, noises), (table, amplitude, mix, common, numbers(sizes))
-    return cuda.call_kernel("carry_noise", ptx, grid, NOISE_THREADS, 4 * ROWS * rows, operands, result)
+    shared = 4 * ROWS * (weights + LOUD * (2 if sizes[4] else 1))
+    ptx, operands = cuda.ptx_of(cuda.NOISE_SOURCES, noises), (table, power, mix, common, start, numbers(sizes))
+    return cuda.call_kernel("carry_noise", ptx, grid, NOISE_THREADS, shared, operands, result)
 
 
 def _bytes(size: int) -> int:

@@ -1,76 +1,110 @@
-// Noise that carries the energy of responses: octaves of a few noises, mixed for each channel, in bins whose amplitude
-// runs straight from knot to knot. What `diffuse.Shares.of_bins` and a product with `noise_bins` give, but octaves are
-// mixed before they get their amplitude. One block per bin and ROWS responses; a thread keeps its sample of all noises.
+// Noise that carries the energy of responses: octaves of a few noises, mixed for each channel, as loud as bins are, with
+// amplitudes that run straight from knot to knot. What `shares.Shares` and a product with `noise_bins` give, but octaves
+// are mixed before they get their amplitudes. One block per bin of the noise, and ROWS ends of frames in one channel; a
+// thread keeps two samples of all noises, half a bin apart.
 //
 // SIZE, how many noises there are, is given when this is compiled.
 
-constexpr int NOISES = SIZE, BANDS = 7, KNOTS = 3, ROWS = 64;
+constexpr int NOISES = SIZE, BANDS = 7, ROWS = 64;
 constexpr int MIX = (NOISES * BANDS + 3) / 4 * 4;  // numbers of a row, padded so that four are read at once
-constexpr int KNOT = 8, AMPLITUDE = KNOTS * KNOT;
+constexpr int PART = 8, LOUD = 4 * PART;  // octaves, padded: at the start of each half of a bin, and what comes until its end
+constexpr float TINY = 1e-36f;
 
 __device__ __forceinline__ float at(float4 x, int i) { return i == 0 ? x.x : i == 1 ? x.y : i == 2 ? x.z : x.w; }
 
-extern "C" __global__ void __launch_bounds__(256, 3) carry_noise(
-    const float* __restrict__ noise,       // (own, NOISES, BANDS, response)
-    const float* __restrict__ amplitudes,  // (ends, bins, channels, KNOTS, BANDS), of all ends of all environments
-    const float* __restrict__ mixes,       // (ends, channels, NOISES, BANDS)
-    const float* __restrict__ commons,     // (ends, bins, common, KNOTS, BANDS)
-    const int* __restrict__ sizes,         // ends, bins, channels, samples of a bin, common channels, own noises
-    float* __restrict__ responses) {       // (ends, channels, response)
+// Amplitudes of a bin, as `shares.amplitudes` has them, where its power is `power` and its neighbours' are these.
+__device__ __forceinline__ void put_knots(float* loud, float before, float power, float after) {
+  const float low = sqrtf((before + power) / 2), mid = sqrtf(power), high = sqrtf((power + after) / 2);
+  const float here = (low * low + low * mid + 2 * mid * mid + mid * high + high * high) / 6;
+  const float scale = sqrtf(((before + 6 * power + after) / 8) / fmaxf(here, TINY));
+  loud[0] = scale * low, loud[PART] = scale * (mid - low);
+  loud[2 * PART] = scale * mid, loud[3 * PART] = scale * (high - mid);
+}
+
+// Of one octave and channel in three bins, `stride` numbers apart; responses end at both ends.
+__device__ __forceinline__ void read_knots(float* loud, const float* power, int bin, int bins, int stride) {
+  const float own = power[0], before = power[bin > 0 ? -stride : 0], after = power[bin + 1 < bins ? stride : 0];
+  put_knots(loud, fabsf(before), fabsf(own), fabsf(after));
+  const float sign = own < 0.0f ? -1.0f : own > 0.0f ? 1.0f : own;  // of what has none it is none
+  for (int i = 0; i < 4; ++i) loud[i * PART] *= sign;
+}
+
+// Adds what octaves carry at `place`, from 0 to 1, of a half of a bin.
+__device__ __forceinline__ void carry(const float* loud, const float* octaves, float place, float& sum) {
+#pragma unroll
+  for (int i = 0; i < PART / 4; ++i) {
+    const float4 start = ((const float4*)loud)[i], more = ((const float4*)(loud + PART))[i];
+#pragma unroll
+    for (int j = 4 * i; j < 4 * i + 4; ++j)
+      if (j < BANDS) sum += (at(start, j - 4 * i) + place * at(more, j - 4 * i)) * octaves[j];
+  }
+}
+
+extern "C" __global__ void __launch_bounds__(256, 2) carry_noise(
+    const float* __restrict__ noise,    // (own, NOISES, BANDS, response)
+    const float* __restrict__ powers,   // (ends, bins, channels, BANDS), of all ends of all environments
+    const float* __restrict__ mixes,    // (ends, channels, NOISES, BANDS)
+    const float* __restrict__ commons,  // (ends, bins, common, BANDS)
+    const int* __restrict__ starts,     // (ends): bin of the noise with which a response begins
+    const int* __restrict__ sizes,      // ends, bins, channels, samples of a bin, common channels, own noises
+    float* __restrict__ responses) {    // (ends, channels, response), in the noise's time
   extern __shared__ float shared[];
   const int ends = sizes[0], bins = sizes[1], channels = sizes[2], bin = sizes[3], common = sizes[4], own = sizes[5];
-  const int which = blockIdx.y, thread = threadIdx.x, threads = blockDim.x, response = bins * bin;
+  const int which = blockIdx.y, thread = threadIdx.x, threads = blockDim.x, response = bins * bin, half = bin / 2;
   float* mix = shared;
-  float* amplitude = mix + ROWS * MIX;
-  float* together = amplitude + ROWS * AMPLITUDE;
-  // Rows of a block are of one channel, which may have noises of its own.
+  float* loud = mix + ROWS * MIX;
+  float* together = loud + ROWS * LOUD;
   const int channel = blockIdx.x % channels, first = blockIdx.x / channels * ROWS, count = min(ROWS, ends - first);
   for (int i = thread; i < count * NOISES * BANDS; i += threads) {
     const int row = i / (NOISES * BANDS), j = i - row * NOISES * BANDS;
     mix[row * MIX + j] = mixes[(size_t(first + row) * channels + channel) * NOISES * BANDS + j];
   }
-  for (int i = thread; i < count * KNOTS * BANDS; i += threads) {
-    const int row = i / (KNOTS * BANDS), j = i - row * KNOTS * BANDS, to = row * AMPLITUDE + j / BANDS * KNOT + j % BANDS;
-    const size_t cell = size_t(first + row) * bins + which;
-    amplitude[to] = amplitudes[(cell * channels + channel) * KNOTS * BANDS + j];
-    if (common) together[to] = channel ? commons[(cell * common + channel - 1) * KNOTS * BANDS + j] : 0.0f;
+  for (int i = thread; i < count * BANDS; i += threads) {
+    const int row = i / BANDS, octave = i - row * BANDS;
+    int mine = (which - starts[first + row]) % bins;
+    mine += mine < 0 ? bins : 0;
+    const size_t cell = size_t(first + row) * bins + mine;
+    float* to = loud + row * LOUD + octave;
+    read_knots(to, powers + (cell * channels + channel) * BANDS + octave, mine, bins, channels * BANDS);
+    if (!common) continue;
+    to = together + row * LOUD + octave;
+    if (channel)
+      read_knots(to, commons + (cell * common + channel - 1) * BANDS + octave, mine, bins, common * BANDS);
+    else
+      put_knots(to, 0.0f, 0.0f, 0.0f);
   }
   __syncthreads();
-  const int lanes = threads / bin > 0 ? threads / bin : 1, lane = thread / bin;
+  const int lanes = max(threads / half, 1), lane = thread / half;
   if (lane >= lanes) return;
-  for (int sample = thread - lane * bin; sample < bin; sample += threads) {
-    float heard[NOISES][BANDS];
+  for (int sample = thread - lane * half; sample < half; sample += threads) {
+    float heard[2][NOISES * BANDS];
     const float* here = noise + size_t(own > 1 ? channel : 0) * NOISES * BANDS * response + which * bin + sample;
 #pragma unroll
-    for (int i = 0; i < NOISES * BANDS; ++i) heard[i / BANDS][i % BANDS] = here[size_t(i) * response];
-    const float place = 2.0f * (float(sample) + 0.5f) / float(bin);  // in halves of a bin
-    const int half = place >= 1.0f;
-    const float after = place - float(half), before = 1.0f - after;
+    for (int i = 0; i < NOISES * BANDS; ++i) {
+      heard[0][i] = here[size_t(i) * response];
+      heard[1][i] = here[size_t(i) * response + half];
+    }
+    const float place = (float(sample) + 0.5f) / float(half);
     for (int row = lane; row < count; row += lanes) {
-      const float4* weight = (const float4*)(mix + row * MIX);
-      const float4* low = (const float4*)(amplitude + row * AMPLITUDE + half * KNOT);
-      float mixed[BANDS] = {};
+      float mixed[2][BANDS] = {};
 #pragma unroll
       for (int i = 0; i < MIX / 4; ++i) {
-        const float4 four = weight[i];
+        const float4 four = ((const float4*)(mix + row * MIX))[i];
 #pragma unroll
-        for (int j = 4 * i; j < 4 * i + 4; ++j)
-          if (j < NOISES * BANDS) mixed[j % BANDS] += at(four, j - 4 * i) * heard[j / BANDS][j % BANDS];
+        for (int j = 4 * i; j < 4 * i + 4; ++j) {
+          if (j >= NOISES * BANDS) continue;
+          mixed[0][j % BANDS] += at(four, j - 4 * i) * heard[0][j];
+          mixed[1][j % BANDS] += at(four, j - 4 * i) * heard[1][j];
+        }
       }
-      float sum = 0.0f;
+      float* out = responses + (size_t(first + row) * channels + channel) * response + which * bin + sample;
 #pragma unroll
-      for (int i = 0; i < KNOT / 4; ++i) {
-        const float4 a = low[i], b = low[i + KNOT / 4];
-#pragma unroll
-        for (int j = 4 * i; j < 4 * i + 4; ++j)
-          if (j < BANDS) sum += (before * at(a, j - 4 * i) + after * at(b, j - 4 * i)) * mixed[j];
+      for (int i = 0; i < 2; ++i) {
+        float sum = 0.0f;
+        carry(loud + row * LOUD + i * 2 * PART, mixed[i], place, sum);
+        if (common) carry(together + row * LOUD + i * 2 * PART, heard[i], place, sum);
+        out[i * half] = sum;
       }
-      if (common) {
-        const float* mine = together + row * AMPLITUDE + half * KNOT;
-#pragma unroll
-        for (int j = 0; j < BANDS; ++j) sum += (before * mine[j] + after * mine[KNOT + j]) * heard[0][j];
-      }
-      responses[(size_t(first + row) * channels + channel) * response + which * bin + sample] = sum;
     }
   }
 }
