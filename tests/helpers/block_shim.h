@@ -16,6 +16,7 @@ using std::min;
 #define __restrict__
 #define __align__(n) alignas(n)
 
+inline void sincosf(float x, float* s, float* c) { *s = std::sin(x), *c = std::cos(x); }
 inline float __fdividef(float a, float b) { return a / b; }
 
 struct float2 { float x, y; };

@@ -6,6 +6,7 @@ import numpy as np
 
 from home_mjx.audio_jax import AudioConfig, Paths
 from home_mjx.audio_jax.frames import tail
+from home_mjx.audio_jax.frames.first import longest_step
 from home_mjx.audio_jax.frames.reads import Reads
 from home_mjx.audio_jax.motion import early
 from home_mjx.audio_jax.motion.pairs import paired
@@ -34,7 +35,7 @@ def some_reads(rng, sources: int, config: AudioConfig) -> Reads:
     new = [moved(x, rng) for x in old]
     quats = jnp.float32(rng.normal(size=(sources, 2, 4)))
     quats = quats / jnp.linalg.norm(quats, axis=-1, keepdims=True)
-    pairs = [paired(a, b, q[0], q[1], early.longest_step(config)) for a, b, q in zip(old, new, quats, strict=True)]
+    pairs = [paired(a, b, q[0], q[1], longest_step(config)) for a, b, q in zip(old, new, quats, strict=True)]
     past = config.memory_length - 1
     signal = jnp.float32(rng.normal(size=(sources, past + config.frame + config.ahead)))
     reads = [early._reads(s, past, p, config, None) for s, p in zip(signal, pairs, strict=True)]

@@ -5,15 +5,15 @@ import math
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Complex, Float, Int
+from jaxtyping import Array, Float, Int
 
 from home_mjx.audio_jax.baked.reading import Arrivals, baked_sound
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.delays import HALF_WIDTH, WIDTH, delay_kernel
 from home_mjx.audio_jax.base.directivity import mean_energy
 from home_mjx.audio_jax.base.endpoints import Head, Listener, Source, given_toward
-from home_mjx.audio_jax.base.filters import CAUSAL_SECONDS, causal_octaves
-from home_mjx.audio_jax.base.shapes import QUIETEST, SOFTEST, num_taps, octave_shapes, shapes
+from home_mjx.audio_jax.base.filters import CAUSAL_SECONDS
+from home_mjx.audio_jax.base.shapes import num_taps, octave_shapes, octave_spectra, shapes
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.histogram import energy_histogram
 from home_mjx.audio_jax.propagation.paths import Paths
@@ -167,7 +167,7 @@ def early_response(
     kernels = _kernels(weight, late - more, config)
     begin = jnp.clip((whole[:, None] + more).astype(jnp.int32) + (reach - BEFORE), 0, length + reach)
     kernels = jnp.where((whole < length)[:, None, None], kernels, 0.0)
-    own = octave_spectra(paths.gain[:1], _long(config), config)
+    own = octave_spectra(paths.gain[:1], _long(config), config.sample_rate)
     direct = jnp.fft.rfft(kernels[0], _long(config)) * own
     blank = jnp.zeros(length + reach + _long(config), jnp.float32)
 
@@ -230,18 +230,6 @@ def diffuse_response(
     subscripts = "kem,ekms->eks" if table.ndim == 4 else "kem,kms->eks"  # each channel hears noises of its own, or not
     sound = jnp.einsum(subscripts, noise_shares(energy, draw, head_quat, config).of_bins(), table, precision="highest")
     return jnp.roll(sound, -draw.start, axis=1).reshape(config.num_channels, -1)
-
-
-def octave_spectra(gain: Float[Array, "p bands"], size: int, config: AudioConfig) -> Complex[Array, "p f"]:
-    """Causal filters with these gains per octave, at the frequencies of a transform of `size` samples."""
-    loudest = jnp.max(gain, axis=1, keepdims=True)
-    level = jnp.log(jnp.maximum(gain, jnp.maximum(QUIETEST * loudest, SOFTEST)))
-    table = causal_octaves(size, config.sample_rate)
-    real, phase = (
-        jnp.matmul(level, jnp.asarray(t, jnp.float32), precision="highest") for t in (np.real(table), np.imag(table))
-    )
-    amplitude = jnp.where(loudest > SOFTEST, jnp.exp(real), 0.0)
-    return jax.lax.complex(amplitude * jnp.cos(phase), amplitude * jnp.sin(phase))
 
 
 def _reach(config: AudioConfig) -> int:

@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Array, Complex, Float
 
 from home_mjx.audio_jax.base.delays import HALF_WIDTH, windowed_sinc
-from home_mjx.audio_jax.base.filters import octave_gains
+from home_mjx.audio_jax.base.filters import causal_octaves, octave_gains
 from home_mjx.schema.compiled import BANDS
 
 LOW, STEP = 1100.0, 540.0  # [Hz]: up to the one there are two frequencies per octave, beyond it one per so many
@@ -130,3 +130,21 @@ def _at(
     """Spectra of kernels at `FINER` times the rate."""
     time = np.arange(kernel.shape[1]) / (FINER * sample_rate)
     return kernel @ np.exp(-2j * np.pi * time[:, None] * frequency[None])
+
+
+def octave_levels(gain: Float[Array, "p bands"]) -> tuple[Float[Array, "p bands"], Float[Array, " p"]]:
+    """Logarithms of gains per octave, none far below the loudest; and 1 where something sounds, else 0."""
+    loudest = jnp.max(gain, axis=1, keepdims=True)
+    level = jnp.log(jnp.maximum(gain, jnp.maximum(QUIETEST * loudest, SOFTEST)))
+    return level, (loudest[:, 0] > SOFTEST).astype(jnp.float32)
+
+
+def octave_spectra(gain: Float[Array, "p bands"], size: int, sample_rate: int) -> Complex[Array, "p f"]:
+    """Causal filters with these gains per octave, at the frequencies of a transform of `size` samples."""
+    level, sounds = octave_levels(gain)
+    table = causal_octaves(size, sample_rate)
+    real, phase = (
+        jnp.matmul(level, jnp.asarray(t, jnp.float32), precision="highest") for t in (np.real(table), np.imag(table))
+    )
+    amplitude = jnp.where(sounds[:, None] > 0, jnp.exp(real), 0.0)
+    return jax.lax.complex(amplitude * jnp.cos(phase), amplitude * jnp.sin(phase))

@@ -8,20 +8,16 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
-from scipy.fft import next_fast_len
 
-from home_mjx.audio_jax.auralization.response import octave_spectra, path_weights
+from home_mjx.audio_jax.auralization.response import path_weights
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Head
-from home_mjx.audio_jax.base.filters import CAUSAL_SECONDS
-from home_mjx.audio_jax.frames.reads import Reads, Ways, before, margin, times
+from home_mjx.audio_jax.frames.first import slack
+from home_mjx.audio_jax.frames.reads import Reads, Ways, before, margin
 from home_mjx.audio_jax.motion.pairs import Pairs
-from home_mjx.audio_jax.motion.synthesis import early_frame
+from home_mjx.audio_jax.motion.synthesis import early_frame, filtered_first
 from home_mjx.audio_jax.receivers.channels import channel_delays
 from home_mjx.audio_jax.receivers.hrtf import to_head
-
-FASTEST = 10.0  # [m/s], at which paths may grow or shrink; faster ones are faded
-SLOWEST_SOUND = 250.0  # [m/s], of all airs that can be chosen
 
 
 def early_sound(
@@ -37,11 +33,6 @@ def early_sound(
         head: Measured; None: a rigid sphere.
     """
     return early_frame(jax.vmap(lambda source, pair: _reads(source, past, pair, config, head))(sources, pairs), config)
-
-
-def longest_step(config: AudioConfig) -> float:
-    """[m], by which a path may grow or shrink in a frame."""
-    return FASTEST * config.frame / config.sample_rate
 
 
 def _reads(source: Float[Array, " n"], past: int, pairs: Pairs, config: AudioConfig, head: Head | None) -> Reads:
@@ -99,13 +90,6 @@ def _filtered(
         ways: The same, as they run.
         config: Options.
     """
-    taps, count = int(np.ceil(CAUSAL_SECONDS * config.sample_rate)), times(config).shape[0]
-    spread = 2 * config.lead_seconds  # by which delays differ, and change by turns of the head, in one frame
-    slack = int(np.ceil((count / config.frame * longest_step(config) / SLOWEST_SOUND + spread) * config.sample_rate))
-    length = count + 2 * slack + 2 * margin(config)
-    size = int(next_fast_len(length + taps, real=True) or 0)
     way = (ways.new[0] * jnp.float32(config.sample_rate / config.speed_of_sound)).astype(jnp.int32)
-    begin = jnp.clip(start - way - slack - margin(config), -slack, padded.shape[0])
-    window = jax.lax.dynamic_slice_in_dim(jnp.pad(padded, (taps + slack, size)), begin + slack, size)
-    filters = octave_spectra(jnp.stack([pairs.old.gain[0], pairs.new.gain[0]]), size, config)
-    return jnp.fft.irfft(jnp.fft.rfft(window, size)[None] * filters, size)[:, taps : taps + length], begin
+    begin = jnp.clip(start - way - slack(config) - margin(config), -slack(config), padded.shape[0])
+    return filtered_first(padded, begin, jnp.stack([pairs.old.gain[0], pairs.new.gain[0]]), config), begin

@@ -6,7 +6,8 @@ from jaxtyping import Array, Float
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Head
-from home_mjx.audio_jax.motion.early import early_sound, longest_step
+from home_mjx.audio_jax.frames.first import longest_step
+from home_mjx.audio_jax.motion.early import early_sound
 from home_mjx.audio_jax.motion.pairs import paired
 from home_mjx.audio_jax.motion.reception import Reception, late_sound
 from home_mjx.audio_jax.motion.synthesis import late_frame

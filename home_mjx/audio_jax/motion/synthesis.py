@@ -7,16 +7,28 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.shapes import shapes
 from home_mjx.audio_jax.frames.cpu import calls as cpu
 from home_mjx.audio_jax.frames.cuda import early as cuda_early
+from home_mjx.audio_jax.frames.cuda import first as cuda_first
 from home_mjx.audio_jax.frames.cuda import late as cuda_late
+from home_mjx.audio_jax.frames.first import filtered_by_xla
 from home_mjx.audio_jax.frames.reads import Reads, frame_begin, sums_of
 from home_mjx.audio_jax.frames.tail import Late, frame_by_xla
 from home_mjx.core.native.platforms import cover_all
+
+
+def filtered_first(
+    source: Float[Array, " n"], begin: Int[Array, ""], gain: Float[Array, "ends bands"], config: AudioConfig
+) -> Float[Array, "ends m"]:
+    """What the first path's own filters make of its source. Arguments as of `first.filtered_by_xla`."""
+    fast: dict[str, Callable[..., Array]] = {}
+    if cuda_first.available(config):
+        fast["cuda"] = functools.partial(cuda_first.filtered, config=config)
+    return _chosen(functools.partial(filtered_by_xla, config=config), fast)(source, begin, gain)
 
 
 def early_frame(reads: Reads, config: AudioConfig) -> Float[Array, "e m"]:

@@ -17,15 +17,20 @@ from sanitized import Program
 
 from home_mjx.audio_jax import AudioConfig
 from home_mjx.audio_jax.base import delays
-from home_mjx.audio_jax.base.shapes import shapes
-from home_mjx.audio_jax.frames import tail
+from home_mjx.audio_jax.base.shapes import octave_levels, octave_spectra, shapes
+from home_mjx.audio_jax.frames import first, tail
 from home_mjx.audio_jax.frames.cuda import early as sums
+from home_mjx.audio_jax.frames.cuda import first as cuda_first
 from home_mjx.audio_jax.frames.cuda import kernels, late
 from home_mjx.audio_jax.frames.reads import frame_begin, sums_of
 from home_mjx.core.native import nvrtc
 from home_mjx.errors import ExecutorError
 
 KERNELS = {
+    "filter_first": (
+        kernels.FIRST_SOURCES,
+        "(float*)p[0], (int*)p[1], (float*)p[2], (float*)p[3], (float2*)p[4], (float2*)p[5], (int*)p[6], (float*)p[7]",
+    ),
     "add_paths": (
         kernels.SUMS_SOURCES,
         "(float*)p[0], (float*)p[1], (int*)p[2], (float*)p[3], (float2*)p[4], (float*)p[5], (float*)p[6], (int*)p[7], "
@@ -120,6 +125,27 @@ def test_paths_are_read_and_added_as_by_xla(here, rng, receiver, sources):
     assert np.std(got - wanted) < 1e-4 * np.std(wanted)
 
 
+def test_the_first_path_is_filtered_as_by_convolution(here, rng):
+    """Before a source begins, within it and after its end; one end or both without a sound. So it is by XLA."""
+    config = AudioConfig(motion=True, tail_seconds=0.0, response_seconds=0.2)
+    source = jnp.float32(rng.normal(size=(5, 6000)))
+    gain = jnp.float32(10 ** rng.uniform(-1.5, 0, (5, 2, 7))).at[1, 0].set(0.0).at[2].set(0.0)
+    begin = jnp.int32([-first.slack(config), 300, 1000, 5000, 6000])
+    levels = jax.vmap(octave_levels)(gain)
+    (got,) = cuda_first.run_first(config, *cuda_first.first_tables(config), source, begin, *levels)
+    by_xla = jax.vmap(lambda *one: first.filtered_by_xla(*one, config))(source, begin, gain)
+    size, ahead, (*_, made) = 1 << 15, 1 << 14, got.shape
+    filters = np.fft.irfft(octave_spectra(gain.reshape(10, 7), size, config.sample_rate), size).reshape(5, 2, size)
+    wanted = np.zeros(got.shape)
+    for i, signal in enumerate(np.pad(source, [(0, 0), (ahead, ahead)])):
+        part = signal[ahead + begin[i] - first.num_ringing(config) :][: first.num_ringing(config) + made]
+        for end in range(2):
+            wanted[i, end] = np.convolve(part, filters[i, end])[first.num_ringing(config) :][:made]
+    for each, most in ((got, 1e-5), (by_xla, 1e-3)):  # filters ring out within what XLA transforms, but for that much
+        np.testing.assert_allclose(each, wanted, rtol=0, atol=most * np.std(wanted))
+    assert not np.any(got[2])
+
+
 @pytest.mark.parametrize("seconds", [0.0, 0.15, 0.4])
 @pytest.mark.parametrize(("sources", "receiver"), [(1, "binaural"), (2, "array"), (1, "ambisonics"), (1, "omni")])
 def test_late_sound_is_heard_as_by_xla(here, rng, seconds, sources, receiver):
@@ -158,7 +184,7 @@ def spoilt(rng, x):
     return jnp.asarray(x)
 
 
-@pytest.mark.parametrize("name", ["add_paths", "carry_noise", "late_frames"])
+@pytest.mark.parametrize("name", ["filter_first", "add_paths", "carry_noise", "late_frames"])
 def test_whatever_it_is_given_a_kernel_stays_within_its_arrays(tmp_path, monkeypatch, rng, name):
     """AddressSanitizer sees each block, with numbers from nowhere in all arrays but their sizes."""
     config, program = AudioConfig(motion=True, tail_seconds=0.15, response_seconds=0.2), []
@@ -181,7 +207,11 @@ def test_whatever_it_is_given_a_kernel_stays_within_its_arrays(tmp_path, monkeyp
     monkeypatch.setattr(jax.ffi, "ffi_call", ffi_call)
     ends = 1, 2, 2
     for _ in range(3):
-        if name == "add_paths":
+        if name == "filter_first":
+            signal, begin = jnp.float32(rng.normal(size=(2, 2000))), jnp.int32(rng.integers(-500, 2000, 2))
+            given = signal, begin, *(jnp.float32(rng.normal(size=shape)) for shape in ((2, 2, 7), (2, 2)))
+            cuda_first.run_first(config, *cuda_first.first_tables(config), *(spoilt(rng, x) for x in given))
+        elif name == "add_paths":
             given = (1, 2, 2000), (1, 2, 2, 900), (1, 2, 3), (1, 2, 5, 9), (1, 2, 5, 2, 20, 2)
             given = [jnp.float32(rng.normal(size=shape)) for shape in given]
             given[2] = jnp.int32(rng.integers(0, 9000, (1, 2, 3)))
@@ -231,5 +261,5 @@ def test_nvrtc_compiles_them():
         nvrtc.find_library()
     except ExecutorError:
         pytest.skip("there is no NVRTC here")
-    for sources in (kernels.SUMS_SOURCES, kernels.FILTER_SOURCES, kernels.NOISE_SOURCES, kernels.LATE_SOURCES):
+    for sources, _ in KERNELS.values():
         assert ".entry" in nvrtc.compile_ptx(sources, 90, {"SIZE": 2560})

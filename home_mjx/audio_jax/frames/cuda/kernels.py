@@ -15,6 +15,7 @@ from home_mjx.core.native.platforms import PTX_TARGET, devices_of, problem_of, p
 from home_mjx.core.native.varying import varying_as
 
 FOLDER = Path(__file__).parent
+FIRST_SOURCES = (FOLDER / "fft.cuh", FOLDER / "first.cu")
 SUMS_SOURCES = (FOLDER / "sums.cu",)
 FILTER_SOURCES = (FOLDER / "fft.cuh", FOLDER / "filtered.cu")
 NOISE_SOURCES = (FOLDER / "noise.cu",)
@@ -33,7 +34,7 @@ def cuda_available() -> bool:
 
 
 def _start() -> None:
-    for sources in (SUMS_SOURCES, FILTER_SOURCES, LATE_SOURCES):
+    for sources in (FIRST_SOURCES, SUMS_SOURCES, FILTER_SOURCES, LATE_SOURCES):
         ptx_of(sources, PER_THREAD * WARP)
     ptx_of(NOISE_SOURCES, 1)
 

@@ -1,0 +1,72 @@
+// A source through the causal octave filters of both ends of a frame, see `frames/first.py`; one block per source.
+//
+// SIZE, of transforms, is given when this is compiled. Both filters are real, so what they make are the real and the
+// imaginary part of one signal.
+
+constexpr int BANDS = 7, HALF = SIZE / 2 + 1;  // octaves, and values of a real filter's spectrum
+
+// exp of octaves' levels times logarithms of their least-phase filters; nothing where `on` is 0.
+__device__ __forceinline__ Complex filter_at(const float* levels, float on, const float2* octaves, int k) {
+  float size = 0.0f, phase = 0.0f, sine, cosine;
+  for (int band = 0; band < BANDS; ++band) {
+    const float2 one = octaves[band * HALF + k];
+    size += levels[band] * one.x;
+    phase += levels[band] * one.y;
+  }
+  sincosf(phase, &sine, &cosine);
+  const float amplitude = on * expf(size);
+  return {amplitude * cosine, amplitude * sine};
+}
+
+extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, 2) filter_first(
+    const float* __restrict__ sources,   // (sources, length)
+    const int* __restrict__ begins,      // (sources): sample with which what is made begins
+    const float* __restrict__ levels,    // (sources, 2, BANDS): logarithms of gains
+    const float* __restrict__ sounds,    // (sources, 2): 0 where nothing sounds, else 1
+    const float2* __restrict__ octaves,  // (BANDS, HALF)
+    const float2* __restrict__ turns,    // (SIZE)
+    const int* __restrict__ sizes,       // length, samples that filters ring, and that are made
+    float* __restrict__ filtered) {      // (sources, 2, made)
+  extern __shared__ float shared[];
+  constexpr int THREADS = SIZE / PER_THREAD, SLOTS = num_slots<SIZE>();
+  const int length = sizes[0], ringing = sizes[1], made = sizes[2], number = blockIdx.x, thread = threadIdx.x;
+  Complex* values = (Complex*)shared;
+  Complex* filter[2] = {values + place(SIZE), values + place(SIZE) + HALF};
+  const Complex* table = (const Complex*)turns;
+  const float* source = sources + size_t(number) * length;
+  const int begin = max(-ringing - made, min(begins[number], length)) - ringing;
+  for (int i = thread; i < 2 * HALF; i += THREADS) {
+    const int end = i >= HALF, row = 2 * number + end;
+    filter[end][i - end * HALF] = filter_at(levels + row * BANDS, sounds[row], octaves, i - end * HALF);
+  }
+  __syncthreads();
+  Complex whole[SLOTS];
+  transform<SIZE>(
+      values, table,
+      [&](int i) {
+        const int from = begin + i;
+        return Complex{i < ringing + made && from >= 0 && from < length ? source[from] : 0.0f, 0.0f};
+      },
+      [&](int slot, int i, Complex value) {
+        const int k = i < HALF ? i : SIZE - i;
+        Complex first = filter[0][k], last = filter[1][k];
+        if (i >= HALF) first = conjugate(first), last = conjugate(last);
+        whole[slot] = conjugate(value * Complex{first.re - last.im, first.im + last.re});
+      });
+  // The way back is the way there of what is conjugated, before and after.
+  __syncthreads();
+#pragma unroll
+  for (int slot = 0; slot < SLOTS; ++slot) {
+    const int i = slot_value<SIZE>(slot);
+    if (i >= 0) values[place(i)] = whole[slot];
+  }
+  __syncthreads();
+  float* out = filtered + size_t(number) * 2 * made - ringing;
+  transform<SIZE>(
+      values, table, [&](int i) { return values[place(i)]; },
+      [&](int, int i, Complex value) {
+        if (i < ringing || i >= ringing + made) return;
+        out[i] = value.re / SIZE;
+        out[made + i] = -value.im / SIZE;
+      });
+}
