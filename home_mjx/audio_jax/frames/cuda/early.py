@@ -1,6 +1,7 @@
 """Early sound of moving frames on GPUs: paths read and added up, and the sums filtered."""
 
 import functools
+import math
 from collections.abc import Callable
 
 import jax
@@ -15,7 +16,8 @@ from home_mjx.audio_jax.frames.cuda import kernels as cuda
 from home_mjx.audio_jax.frames.reads import Reads, before, frame_begin, times, way_rows
 from home_mjx.core.native.batched import batched, numbers
 
-SUMS, SUMS_THREADS = 20, 768  # that a thread keeps at once, and threads, as in sums.cu
+WINDOW = 0.08  # [s]
+SUMS, SUMS_THREADS = 20, 384  # that a thread keeps at once, and threads, as in sums.cu
 
 
 def available(reads: Reads, config: AudioConfig) -> bool:
@@ -24,7 +26,7 @@ def available(reads: Reads, config: AudioConfig) -> bool:
         return False
     size, most = cuda.transform_size(times(config).shape[0]), cuda.shared_bytes()
     fits = size is not None and filter_bytes(size) <= most
-    return fits and _sums_bytes(*(x[None] for x in read_operands(reads))) <= most
+    return fits and _sums_bytes(config, *(x[None] for x in read_operands(reads))) <= most
 
 
 def early_frame(reads: Reads, config: AudioConfig) -> Float[Array, "e m"]:
@@ -57,16 +59,21 @@ def run_sums(config: AudioConfig, shapes: int, ears: int, *given: Array) -> tupl
     taps = windowed_sinc(np.arange(-HALF_WIDTH, HALF_WIDTH) + 0.5).tolist()
     rate = config.sample_rate / config.speed_of_sound
     tables = numbers(taps, jnp.float32), numbers([rate], jnp.float32)
-    operands = (*given, *tables, numbers((*sizes, config.frame, before(config))))
+    operands = (*given, *tables, numbers((*sizes, config.frame, before(config), _window(config))))
     result = jax.ShapeDtypeStruct((source.shape[0], channels, shapes, count), jnp.float32)
     ptx, grid = cuda.ptx_of(cuda.SUMS_SOURCES, 0), (source.shape[0], 1)
-    return cuda.call_kernel("add_paths", ptx, grid, SUMS_THREADS, _sums_bytes(*given), operands, result)
+    return cuda.call_kernel("add_paths", ptx, grid, SUMS_THREADS, _sums_bytes(config, *given), operands, result)
 
 
-def _sums_bytes(source: Array, filtered: Array, _: Array, way: Array, share: Array) -> int:
-    """Memory that a block needs: half samples, paths, and shares."""
-    halves = 2 * (filtered[0, 0].size + source.shape[2])
-    return 4 * (halves + way[0, 0].size + share[0, 0].size + 2 * HALF_WIDTH + way.shape[2])
+def _window(config: AudioConfig) -> int:
+    """Samples of a source that are kept at a time: what a frame hears of paths of which none is longer by 25 m."""
+    return times(config).shape[0] + math.ceil(WINDOW * config.sample_rate)
+
+
+def _sums_bytes(config: AudioConfig, source: Array, filtered: Array, _: Array, way: Array, share: Array) -> int:
+    """Memory that a block needs: signals at twice their rate, paths, when each is read, and shares."""
+    signals = 2 * (filtered[0, 0].size + _window(config)) + 3 * 2 * HALF_WIDTH
+    return 4 * (signals + way[0, 0].size + share[0, 0].size + 2 * HALF_WIDTH + 4 * way.shape[2] + 2)
 
 
 def _filter_sums(

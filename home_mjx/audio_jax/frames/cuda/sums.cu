@@ -1,6 +1,6 @@
 // Paths of a frame, read at their delays and added up with weights of their own; one block per environment.
 //
-// What `early.heard_sums` does, all of it between shared memory and registers: half samples of the source and of what
+// What `reads.sums_of` does, all of it between shared memory and registers: half samples of the source and of what
 // the first path's filters make, an interpolated value per path, channel and sample, and its share in each sum.
 
 constexpr int SUMS = 20;      // that a thread keeps at once
@@ -9,6 +9,8 @@ constexpr int READ = 8;       // half samples that are read for one value
 constexpr int FIRST = -3;     // the first of them
 constexpr int WAY = 3;        // numbers of a path before those of its ears: length at both ends, bend
 constexpr int FILTERED = 2;   // rows that are read from what filters made
+constexpr int BORDER = TAPS / 2;  // samples around those that are read
+constexpr int NEVER = -1, LATER = -2;  // of turns
 
 // Weight of half sample FIRST + I: `delays.read_weights`, whose numbers these are (a test compares them).
 template <int I>
@@ -27,45 +29,46 @@ __device__ __forceinline__ float weight(float rest) {
   return ((((F * rest + E) * rest + D) * rest + C) * rest + B) * rest + A;
 }
 
-// Half samples, those on samples and those between them apart, so that neighbours read neighbours.
+// Samples of a signal and what lies between each two of them, apart, so that neighbours read neighbours.
 struct Signal {
-  const float* half;
-  int count;  // of samples, after which those between them follow
+  float *on, *between;
+  int count;  // of samples; on both sides of them lie BORDER more
 
-  __device__ __forceinline__ float at(int place, float rest) const {  // `place`: of the first that is read
-    const int odd = place & 1, j = place >> 1;
-    const float* a = half + j + odd * count;
-    const float* b = half + j + odd + (1 - odd) * count;
+  __device__ __forceinline__ float at(int place, float rest) const {  // `place`: half sample that is read first
+    const int j = place >> 1;
+    const float* a = place & 1 ? between + j : on + j;
+    const float* b = place & 1 ? on + j + 1 : between + j;
     return weight<0>(rest) * a[0] + weight<1>(rest) * b[0] + weight<2>(rest) * a[1] + weight<3>(rest) * b[1] +
            weight<4>(rest) * a[2] + weight<5>(rest) * b[2] + weight<6>(rest) * a[3] + weight<7>(rest) * b[3];
   }
 };
 
 struct Sizes {
-  int sources, length, filtered, rows, ears, channels, shapes, count, frame, before;
+  int sources, length, filtered, rows, ears, channels, shapes, count, frame, before, window;
 };
 
-// A signal and what lies between each two of its samples; silence before and after it. The filter is symmetric.
-__device__ void double_rate(const float* signal, int count, const float* half_taps, float* on, float* between) {
-  for (int i = threadIdx.x; i < count; i += blockDim.x) on[i] = signal[i];
-  __syncthreads();
+__device__ __forceinline__ Signal signal_at(float* memory, int count) {
+  return {memory + BORDER, memory + 2 * BORDER + count, count};
+}
+
+// Reads samples of a source from `begin` on; silence before and after it.
+__device__ __forceinline__ void fill(const Signal& signal, const float* source, int length, int begin, int count) {
+  for (int i = int(threadIdx.x) - BORDER; i < count + BORDER; i += blockDim.x) {
+    const int from = begin + i;
+    signal.on[i] = from >= 0 && from < length ? source[from] : 0.0f;
+  }
+}
+
+// Makes what lies between samples. The filter is symmetric.
+__device__ __forceinline__ void double_rate(const Signal& signal, int count, const float* half_taps) {
   float tap[TAPS / 2];
 #pragma unroll
   for (int t = 0; t < TAPS / 2; ++t) tap[t] = half_taps[t];
   for (int i = threadIdx.x; i < count; i += blockDim.x) {
-    const bool inside = i >= TAPS / 2 - 1 && i + TAPS / 2 < count;
     float sum = 0.0f;
 #pragma unroll
-    for (int t = 0; t < TAPS / 2; ++t) {
-      const int before = i + t - (TAPS / 2 - 1), after = i + TAPS / 2 - t;
-      if (inside) {
-        sum += tap[t] * (on[before] + on[after]);
-      } else {
-        if (before >= 0) sum += tap[t] * on[before];
-        if (after < count) sum += tap[t] * on[after];
-      }
-    }
-    between[i] = sum;
+    for (int t = 0; t < TAPS / 2; ++t) sum += tap[t] * (signal.on[i + t - (TAPS / 2 - 1)] + signal.on[i + TAPS / 2 - t]);
+    signal.between[i] = sum;
   }
 }
 
@@ -79,7 +82,39 @@ __device__ __forceinline__ float rest_of(const float* way, int ear, int ears, fl
   return -2.0f * (samples - low + start + time * (end - start) + 4.0f * curve * (middle - (start + end) / 2.0f));
 }
 
-extern "C" __global__ void __launch_bounds__(768, 1) add_paths(
+// Which samples of its source a path reads: its image moves evenly, so no delay differs from the first by more.
+__device__ __forceinline__ void find_reach(const float* way, const Sizes& size, int start, float rate, int* low, int* high) {
+  const float change = way[1] - way[0], moved = sqrtf(change * change + fabsf(way[2])), length = float(size.length);
+  const float most = fmaxf(float(size.before), float(size.count - size.before)) / float(size.frame);
+  float late = 0.0f;
+  for (int i = 0; i < 3 * size.ears; ++i) late = fmaxf(late, fabsf(way[WAY + i]));
+  const float middle = 0.5f * float(start) - way[0] * rate, spread = most * moved * rate + 3.0f * late + READ;
+  *low = int(fmaxf(0.0f, fminf(middle - spread, length)));
+  *high = int(fmaxf(0.0f, fminf(middle + float(size.count) + spread, length)));
+}
+
+// In which turn each path is read, -1 never: as many in one turn as read the same window. Returns how many turns.
+__device__ int plan(const Sizes& size, const int* low, const int* high, int* turn, int* begin) {
+  int turns = 0;
+  for (int left = 1; left;) {
+    int first = -1;
+    for (int row = FILTERED; row < size.rows; ++row)
+      if (turn[row] == LATER && (first < 0 || low[row] < low[first])) first = row;
+    begin[turns] = first < 0 ? 0 : low[first];
+    left = 0;
+    for (int row = FILTERED; row < size.rows; ++row) {
+      if (turn[row] != LATER) continue;
+      if (row == first || high[row] <= begin[turns] + size.window)
+        turn[row] = turns;
+      else
+        left = 1;
+    }
+    ++turns;
+  }
+  return turns;
+}
+
+extern "C" __global__ void __launch_bounds__(384, 3) add_paths(
     const float* __restrict__ sources,   // (environments, sources, length)
     const float* __restrict__ filtered,  // (environments, sources, FILTERED, filtered)
     const int* __restrict__ starts,      // (environments, sources, 3): half sample of each that is heard without delay
@@ -91,69 +126,88 @@ extern "C" __global__ void __launch_bounds__(768, 1) add_paths(
     float* __restrict__ sums) {          // (environments, channels, shapes, count)
   extern __shared__ float shared[];
   const Sizes size = *(const Sizes*)numbers;
-  const int all = FILTERED * size.filtered + size.length, thread = threadIdx.x, threads = blockDim.x;
+  const int thread = threadIdx.x, threads = blockDim.x;
   const int way_size = WAY + 3 * size.ears, whole_shapes = (size.shapes + SUMS - 1) / SUMS * SUMS;
-  const int share = size.rows * size.channels * whole_shapes;
+  const int share = size.rows * size.channels * whole_shapes, memory = 2 * (size.filtered + BORDER);
   float2* shares = (float2*)shared;
-  float* on = (float*)(shares + share);
-  float* between = on + all;
-  float* way = between + all;
-  float* kernel = way + size.rows * way_size;
-  int* sounds = (int*)(kernel + TAPS);
-  const Signal signal = {on, all};
+  float* kernel = (float*)(shares + share);
+  float* way = kernel + TAPS;
+  int* turn = (int*)(way + size.rows * way_size);
+  int *low = turn + size.rows, *high = low + size.rows, *begin = high + size.rows, *turns = begin + size.rows + 1;
+  float* signals = (float*)(turns + 1);
+  Signal part[FILTERED + 1];
+#pragma unroll
+  for (int i = 0; i <= FILTERED; ++i)
+    part[i] = signal_at(signals + i * memory, i < FILTERED ? size.filtered : size.window);
   const float rate = rates[0];
   float* out = sums + size_t(blockIdx.x) * size.channels * size.shapes * size.count;
   for (int i = thread; i < TAPS; i += threads) kernel[i] = taps[i];
   for (int source = 0; source < size.sources; ++source) {
     const size_t number = size_t(blockIdx.x) * size.sources + source;
     __syncthreads();
-    for (int i = thread; i < size.rows; i += threads) sounds[i] = 0;
+    for (int i = thread; i < size.rows; i += threads) turn[i] = NEVER;
     __syncthreads();
     for (int i = thread; i < share; i += threads) {
       shares[i] = weights[number * share + i];
-      if (shares[i].x != 0.0f || shares[i].y != 0.0f) sounds[i * size.rows / share] = 1;
+      const int row = i * size.rows / share;
+      if (shares[i].x != 0.0f || shares[i].y != 0.0f) turn[row] = row < FILTERED ? 0 : LATER;
     }
     for (int i = thread; i < size.rows * way_size; i += threads) way[i] = ways[number * size.rows * way_size + i];
-    for (int part = 0; part <= FILTERED; ++part) {
-      const int begin = part * size.filtered;
-      const float* from = part < FILTERED ? filtered + (number * FILTERED + part) * size.filtered
-                                          : sources + number * size.length;
-      double_rate(from, part < FILTERED ? size.filtered : size.length, kernel, on + begin, between + begin);
-    }
+#pragma unroll
+    for (int i = 0; i < FILTERED; ++i)
+      fill(part[i], filtered + (number * FILTERED + i) * size.filtered, size.filtered, 0, size.filtered);
     __syncthreads();
-    for (int item = thread; item < size.channels * size.count; item += threads) {
-      const int channel = item / size.count, k = item - channel * size.count;
-      const int ear = size.ears == 1 ? 0 : channel;
-      const float time = float(k - size.before) / float(size.frame), fade = fminf(fmaxf(time, 0.0f), 1.0f);
-      for (int base = 0; base < size.shapes; base += SUMS) {
-        float sum[SUMS];
+    const int heard_first = starts[number * 3 + FILTERED] - 2 * FILTERED * size.filtered;
+    for (int row = thread; row < size.rows; row += threads)
+      find_reach(way + row * way_size, size, heard_first, rate, low + row, high + row);
 #pragma unroll
-        for (int s = 0; s < SUMS; ++s) sum[s] = 0.0f;
-        for (int row = 0; row < size.rows; ++row) {
-          if (!sounds[row]) continue;
-          const int part = row < FILTERED ? row : FILTERED, begin = 2 * part * size.filtered;
-          const int last = begin + 2 * (part < FILTERED ? size.filtered : size.length) - READ;
-          int whole;
-          const float rest = rest_of(way + row * way_size, ear, size.ears, time, rate, &whole), low = floorf(rest);
-          int place = starts[number * 3 + part] + 2 * (k - whole) + int(low) + FIRST;
-          place = max(begin, min(place, last));
-          const float heard = signal.at(place, rest - low), faded = heard * fade;
-          const float4* mine = (const float4*)(shares + (row * size.channels + channel) * whole_shapes + base);
+    for (int i = 0; i < FILTERED; ++i) double_rate(part[i], size.filtered, kernel);
+    __syncthreads();
+    if (thread == 0) *turns = plan(size, low, high, turn, begin);
+    __syncthreads();
+    for (int now = 0; now < *turns; ++now) {
+      const int first = begin[now];
+      fill(part[FILTERED], sources + number * size.length, size.length, first, size.window);
+      __syncthreads();
+      double_rate(part[FILTERED], size.window, kernel);
+      __syncthreads();
+      for (int item = thread; item < size.channels * size.count; item += threads) {
+        const int channel = item / size.count, k = item - channel * size.count;
+        const int ear = size.ears == 1 ? 0 : channel;
+        const float time = float(k - size.before) / float(size.frame), fade = fminf(fmaxf(time, 0.0f), 1.0f);
+        for (int base = 0; base < size.shapes; base += SUMS) {
+          float sum[SUMS];
 #pragma unroll
-          for (int s = 0; s < SUMS / 2; ++s) {
-            const float4 pair = mine[s];
-            sum[2 * s] += heard * pair.x + faded * pair.y;
-            sum[2 * s + 1] += heard * pair.z + faded * pair.w;
+          for (int s = 0; s < SUMS; ++s) sum[s] = 0.0f;
+          for (int row = 0; row < size.rows; ++row) {
+            if (turn[row] != now) continue;
+            const bool own = row < FILTERED;
+            const Signal signal = row == 0 ? part[0] : row == 1 ? part[1] : part[FILTERED];
+            int whole;
+            const float rest = rest_of(way + row * way_size, ear, size.ears, time, rate, &whole), below = floorf(rest);
+            const int half = own ? starts[number * 3 + row] - 2 * row * size.filtered : heard_first;
+            int place = half + 2 * (k - whole) + int(below) + FIRST;
+            if (!own) place = max(0, min(place, 2 * size.length - READ)) - 2 * first;
+            place = max(0, min(place, 2 * signal.count - READ));
+            const float heard = signal.at(place, rest - below), faded = heard * fade;
+            const float4* mine = (const float4*)(shares + (row * size.channels + channel) * whole_shapes + base);
+#pragma unroll
+            for (int s = 0; s < SUMS / 2; ++s) {
+              const float4 pair = mine[s];
+              sum[2 * s] += heard * pair.x + faded * pair.y;
+              sum[2 * s + 1] += heard * pair.z + faded * pair.w;
+            }
           }
-        }
 #pragma unroll
-        for (int s = 0; s < SUMS; ++s) {
-          if (base + s < size.shapes) {
-            float* to = out + size_t(channel * size.shapes + base + s) * size.count + k;
-            *to = source ? *to + sum[s] : sum[s];
+          for (int s = 0; s < SUMS; ++s) {
+            if (base + s < size.shapes) {
+              float* to = out + size_t(channel * size.shapes + base + s) * size.count + k;
+              *to = source + now ? *to + sum[s] : sum[s];
+            }
           }
         }
       }
+      __syncthreads();
     }
   }
 }
