@@ -1,6 +1,6 @@
 """What transforms of frames are made of, on GPUs and on CPUs."""
 
-RADICES = (8, 5, 4, 3, 2)  # of passes, in this order, which `cuda/fft.cuh` and `cpu/fft.py` have too
+RADICES = (8, 5, 4, 3, 2)  # of passes, the largest that divides a size first, as in `cuda/fft.cuh` and `cpu/fft.py`
 
 
 def num_passes(size: int) -> int:

@@ -5,6 +5,11 @@
 
 constexpr int PER_THREAD = 8;  // values; a transform has that many times as many as a block has threads
 
+template <int VALUE>
+struct Number {
+  static constexpr int value = VALUE;
+};
+
 struct __align__(8) Complex {
   float re, im;
 };
@@ -82,15 +87,41 @@ __device__ __forceinline__ void butterfly<8>(Complex* v) {
 }
 
 // Where value i lies: a gap after every eight keeps threads that write every eighth one out of each other's way.
-__device__ constexpr int place(int i) { return i + i / 8; }
+__device__ constexpr int place(int i) { return i + (i >> 3); }
 
-__device__ constexpr int radix_of(int left) {
+// Of value i + MORE, which is where `at` says that value i lies: compilers do not see that eights stay eights.
+template <int MORE>
+__device__ __forceinline__ int further(int at, int i) {
+  if constexpr (MORE % 8 == 0)
+    return at + place(MORE);
+  else
+    return place(i + MORE);
+}
+
+// Calls `work(r)` for r from 0 to R, each of them known when this is compiled.
+template <int R, int FROM = 0, class Work>
+__device__ __forceinline__ void each(Work work) {
+  if constexpr (FROM < R) {
+    work(Number<FROM>{});
+    each<R, FROM + 1>(work);
+  }
+}
+
+__device__ constexpr int largest_radix(int left) {
   return left % 8 == 0 ? 8 : left % 5 == 0 ? 5 : left % 4 == 0 ? 4 : left % 3 == 0 ? 3 : 2;
+}
+
+// The next radix, of N values of which groups of DONE are transforms: a large one first, after which eights stay eights
+// (see `further`), then small ones, so that each thread ends with eight values.
+__device__ constexpr int radix_of(int n, int done) {
+  int left = n / done;
+  while (done > 1 && left != largest_radix(left)) left /= largest_radix(left);
+  return largest_radix(left);
 }
 
 template <int N, int DONE = 1>
 __device__ constexpr int last_radix() {
-  constexpr int R = radix_of(N / DONE);
+  constexpr int R = radix_of(N, DONE);
   if constexpr (DONE * R < N)
     return last_radix<N, DONE * R>();
   else
@@ -114,7 +145,7 @@ __device__ __forceinline__ int slot_value(int slot) {
 // One pass over N values, of which groups of DONE are transforms already, and all that come after it.
 template <int N, int DONE, class Load, class Store>
 __device__ __forceinline__ void passes(Complex* values, const Complex* turns, Load load, Store store) {
-  constexpr int R = radix_of(N / DONE), COUNT = N / R, THREADS = N / PER_THREAD;
+  constexpr int R = radix_of(N, DONE), COUNT = N / R, THREADS = N / PER_THREAD;
   constexpr int MOST = (COUNT + THREADS - 1) / THREADS;
   constexpr bool LAST = DONE * R == N;
   int thread = threadIdx.x;
@@ -122,13 +153,16 @@ __device__ __forceinline__ void passes(Complex* values, const Complex* turns, Lo
   Complex held[MOST][R];
 #pragma unroll
   for (int b = 0; b < MOST; ++b) {
-    const int i = thread + b * THREADS;
+    const int i = thread + b * THREADS, at = place(i);
     if (COUNT % THREADS == 0 || i < COUNT) {
-      Complex turn = turns[(i % DONE) * (COUNT / DONE)], power = turn;
+      each<R>([&](auto r) {
+        constexpr int K = decltype(r)::value;
+        held[b][K] = DONE == 1 ? load(i + K * COUNT) : values[further<K * COUNT>(at, i)];
+      });
+      if constexpr (DONE > 1) {
+        Complex turn = turns[(unsigned(i) % DONE) * (COUNT / DONE)], power = turn;
 #pragma unroll
-      for (int r = 0; r < R; ++r) {
-        held[b][r] = DONE == 1 ? load(i + r * COUNT) : values[place(i + r * COUNT)];
-        if (DONE > 1 && r > 0) {
+        for (int r = 1; r < R; ++r) {
           held[b][r] = power * held[b][r];
           power = power * turn;
         }
@@ -141,14 +175,16 @@ __device__ __forceinline__ void passes(Complex* values, const Complex* turns, Lo
   for (int b = 0; b < MOST; ++b) {
     const int i = thread + b * THREADS;
     if (COUNT % THREADS == 0 || i < COUNT) {
-      const int inner = i % DONE, first = (i - inner) * R + inner;
-#pragma unroll
-      for (int r = 0; r < R; ++r) {
-        if (LAST)
-          store(b * R + r, first + r * DONE, held[b][r]);
+      const int inner = unsigned(i) % DONE, first = (i - inner) * R + inner, at = place(first);
+      each<R>([&](auto r) {
+        constexpr int K = decltype(r)::value;
+        if constexpr (LAST)
+          store(b * R + K, first + K * DONE, held[b][K]);
+        else if constexpr (DONE == 1 && R == 8)
+          values[at + K] = held[b][K];  // eight between gaps
         else
-          values[place(first + r * DONE)] = held[b][r];
-      }
+          values[further<K * DONE>(at, first)] = held[b][K];
+      });
     }
   }
   if constexpr (!LAST) {

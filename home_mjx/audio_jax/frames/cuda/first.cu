@@ -66,7 +66,7 @@ extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, 2) filter_first(
       values, table, [&](int i) { return values[place(i)]; },
       [&](int, int i, Complex value) {
         if (i < ringing || i >= ringing + made) return;
-        out[i] = value.re / SIZE;
-        out[made + i] = -value.im / SIZE;
+        out[i] = value.re * (1.0f / SIZE);
+        out[made + i] = -value.im * (1.0f / SIZE);
       });
 }

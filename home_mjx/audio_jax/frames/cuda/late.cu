@@ -109,6 +109,7 @@ extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, 1) late_frames(
 
   // The way back is the way there of what is conjugated, before and after; the frame fades from one end to the other.
   float* out = frames + size_t(env * size.channels + left) * size.frame;
+  const float step = 1.0f / float(size.frame);
 #pragma unroll
   for (int end = 0; end < ENDS; ++end) {
     __syncthreads();
@@ -123,7 +124,7 @@ extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, 1) late_frames(
         [&](int, int i, Complex value) {
           const int sample = i - size.begin;
           if (sample < 0 || sample >= size.frame) return;
-          const float fade = float(sample + 1) / float(size.frame), share = (end ? fade : 1.0f - fade) / SIZE;
+          const float fade = float(sample + 1) * step, share = (end ? fade : 1.0f - fade) * (1.0f / SIZE);
           out[sample] = (end ? out[sample] : 0.0f) + share * value.re;
           if (both) out[size.frame + sample] = (end ? out[size.frame + sample] : 0.0f) - share * value.im;
         });
