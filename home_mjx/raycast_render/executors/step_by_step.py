@@ -37,6 +37,6 @@ def step_by_step(
         return (start, jnp.where(met, end, -jnp.inf), jnp.where(met & (object_id >= 0), object_id, exclude)), hit
 
     never = varying_false(house, moving, rays)  # all that the loop carries varies over a mesh as this does
-    ahead = (jnp.where(never, jnp.zeros_like(x), x) for x in (whole.t_min, whole.t_max, whole.exclude))
-    _, hits = jax.lax.scan(step, tuple(ahead), length=query.steps)
+    start, end, exclude = (jnp.where(never, jnp.zeros_like(x), x) for x in (whole.t_min, whole.t_max, whole.exclude))
+    _, hits = jax.lax.scan(step, (start, end, exclude), length=query.steps)
     return jax.tree.map(lambda x: jnp.moveaxis(x, 0, 2), hits)
