@@ -1,4 +1,5 @@
-// Lets a C++ compiler take cast.cu for a CPU: warps and blocks of one thread, no fused arithmetic.
+// Lets a C++ compiler take cast.cu for a CPU: warps and blocks of one thread, no fused arithmetic. See also warp_shim.h.
+#pragma once
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -6,7 +7,9 @@
 using std::max;
 using std::min;
 
+#ifndef WARP_SIZE
 #define WARP_SIZE 1
+#endif
 #define __device__
 #define __forceinline__ inline
 #define __global__
@@ -32,9 +35,11 @@ inline int __float_as_int(float x) { int y; std::memcpy(&y, &x, 4); return y; }
 inline float __int_as_float(int x) { float y; std::memcpy(&y, &x, 4); return y; }
 inline int __ffs(unsigned x) { return __builtin_ffs(int(x)); }
 inline float fast_reciprocal(float x) { return 1 / x; }
+#if WARP_SIZE == 1
 inline float warp_min(float x) { return x; }
 inline float warp_max(float x) { return x; }
 inline unsigned warp_ballot(bool x) { return x; }
+#endif
 
 using Place = int2*;
 inline Place place_of(int2* entry) { return entry; }

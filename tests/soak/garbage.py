@@ -37,6 +37,7 @@ from odd_numbers import garbled  # noqa: E402
 from home_mjx import HouseBank, physics  # noqa: E402
 from home_mjx.bank.records.gpu_geometry import gpu_geometry  # noqa: E402
 from home_mjx.raycast_render import Scene, cast, make_scene, occluded  # noqa: E402
+from home_mjx.raycast_render.casting.cast import cast_through  # noqa: E402
 
 SCENES = 16  # of a call
 INTACT = 20  # every so many calls one has no garbage
@@ -118,7 +119,7 @@ def numbers_in(found: Sequence[np.ndarray]) -> int:
 
 
 def rays(backend: str) -> tuple[Callable[..., Tree], Tree, Tree]:
-    """Casts of both kinds; of images, so that packets and tiles of rays are as in use."""
+    """Casts of all kinds; of images, so that packets and tiles of rays are as in use."""
     from handmade import shoebox, two_rooms
 
     bank = HouseBank.from_compiled([shoebox(), two_rooms()])
@@ -143,7 +144,8 @@ def rays(backend: str) -> tuple[Callable[..., Tree], Tree, Tree]:
     def run(shared: Tree, own: Tree) -> Tree:
         def one(house: jax.Array, moving: Tree, beam: dict[str, jax.Array]) -> Tree:
             scene = Scene(bank=rest.replace(geometry=shared), house=house, moving=moving)
-            return cast(scene, **beam, executor=backend), occluded(scene, **beam, executor=backend)
+            every = cast_through(scene, **beam, steps=4, skin=1e-4, executor=backend)
+            return cast(scene, **beam, executor=backend), occluded(scene, **beam, executor=backend), every
 
         return jax.vmap(one)(*own)
 

@@ -1,5 +1,6 @@
 """Early sound: the direct path, through what stands in its way, and first-order reflections."""
 
+import functools
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -13,7 +14,8 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, Source
 from home_mjx.audio_jax.propagation.surfaces import surface_at
 from home_mjx.core.pytree import Pytree
-from home_mjx.raycast_render.casting.cast import cast, occluded
+from home_mjx.core.transforms import length3, sum3
+from home_mjx.raycast_render.casting.cast import cast, cast_through, occluded
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS, Ray
 
@@ -77,40 +79,40 @@ def cross(scene: Scene, source: Source, listener: Listener, config: AudioConfig)
         listener: Who hears.
         config: Options.
     """
-    exclude, emitter = jnp.int32(listener.body), jnp.int32(source.body)
     offset = source.pos - listener.pos
-    distance = jnp.maximum(jnp.linalg.norm(offset), NEAREST)
-    direction = (offset / distance)[None]
+    distance = jnp.maximum(length3(offset), NEAREST)
+    direction = offset / distance
+    # Leaving out the object just met spares the steps for its other faces.
+    hit = cast_through(
+        scene,
+        listener.pos,
+        direction,
+        steps=config.max_crossings,
+        skin=SKIN,
+        t_max=distance - SKIN,
+        exclude=listener.body,
+        mask=int(Ray.SOUND),
+    )
+    met, blocked = surface_at(scene, jnp.broadcast_to(direction, (*hit.t.shape, 3)), hit), hit.instance >= 0
+    is_object, barrier = met.object_id >= 0, met.barrier
+    own = is_object & ((met.object_id == listener.body) | (met.object_id == source.body))
+    repeats = (barrier >= 0) & equals_earlier(blocked[None] & (barrier[:, None] == barrier[None]))
+    counts, silent = blocked & ~own & ~repeats, blocked[-1]
+    partition, item = counts & ~is_object, counts & is_object
+    return Straight(
+        distance,
+        direction,
+        partitions=_let_through(met.transmission, partition),
+        objects=_let_through(met.transmission, item),
+        within=~jnp.any(partition),
+        clear=~jnp.any(counts) & ~silent,
+        silent=silent,
+    )
 
-    def step(carry: tuple, index: Array) -> tuple[tuple, None]:
-        start, skipped, seen, energy, met_any, _ = carry
-        hit = cast(
-            scene,
-            listener.pos[None],
-            direction,
-            t_min=start,
-            t_max=distance - SKIN,
-            exclude=skipped,
-            mask=int(Ray.SOUND),
-        )
-        met = surface_at(scene, direction, hit)
-        barrier, object_id, blocked = met.barrier[0], met.object_id[0], hit.instance[0] >= 0
-        own = (object_id >= 0) & ((object_id == exclude) | (object_id == emitter))
-        counts = blocked & ~own & ~((barrier >= 0) & jnp.any(seen == barrier))
-        kinds = counts & jnp.stack([object_id < 0, object_id >= 0])
-        energy = jnp.where(kinds[:, None], energy * met.transmission, energy)
-        seen = jnp.where(jnp.arange(seen.size, dtype=jnp.int32) == index, jnp.where(blocked, barrier, -1), seen)
-        start = jnp.where(blocked, hit.t[0] + SKIN, distance)
-        # Leaving out the object just met spares the casts for its other faces; architecture has to be marched through.
-        skipped = jnp.where(blocked & (object_id >= 0), object_id, skipped)
-        return (start, skipped, seen, energy, met_any | kinds, blocked), None
 
-    steps = config.max_crossings
-    seen = jnp.full(steps, -1, jnp.int32)
-    nothing, everything = jnp.zeros(2, bool), jnp.ones((2, len(BANDS)), jnp.float32)
-    start = (jnp.float32(0), exclude, seen, everything, nothing, jnp.bool_(True))
-    (_, _, _, energy, kinds, silent), _ = jax.lax.scan(step, start, jnp.arange(steps, dtype=jnp.int32))
-    return Straight(distance, direction[0], *energy, within=~kinds[0], clear=~jnp.any(kinds) & ~silent, silent=silent)
+def _let_through(transmission: Float[Array, "n bands"], counts: Bool[Array, " n"]) -> Float[Array, " bands"]:
+    """What is left of energy after surfaces, one after the other: so all platforms round alike."""
+    return functools.reduce(jnp.multiply, jnp.where(counts[:, None], transmission, 1.0))
 
 
 def direct_path(scene: Scene, source: Source, listener: Listener, config: AudioConfig) -> Paths:
@@ -152,8 +154,8 @@ def reflected_paths(scene: Scene, source: Source, listener: Listener, config: Au
         return no_paths()
     start, end = source.pos, listener.pos
     point, distance, plane = _nearest_mirrors(scene, start, end, config.num_reflections)
-    to_listener = jnp.linalg.norm(point - end[None], axis=1)
-    to_source = jnp.linalg.norm(point - start[None], axis=1)
+    to_listener = length3(point - end[None])
+    to_source = length3(point - start[None])
     direction = (point - end[None]) / jnp.maximum(to_listener, NEAREST)[:, None]
     departure = (point - start[None]) / jnp.maximum(to_source, NEAREST)[:, None]
     possible = jnp.isfinite(distance)
@@ -187,18 +189,18 @@ def _nearest_mirrors(
     """Points where the shortest reflections meet their planes, their path lengths, inf for none, and the planes."""
     planes = scene.bank.acoustics
     center, normal = planes.plane_center[scene.house], planes.plane_normal[scene.house]
-    before_source = jnp.sum((source[None] - center) * normal, axis=1)
-    before_listener = jnp.sum((listener[None] - center) * normal, axis=1)
+    before_source = sum3((source[None] - center) * normal)
+    before_listener = sum3((listener[None] - center) * normal)
     image = source[None] - 2 * before_source[:, None] * normal
     share = before_listener / jnp.maximum(before_listener + before_source, 1e-9)
     point = listener[None] + share[:, None] * (image - listener[None])
     inside = _within(point - center, planes.plane_u[scene.house]) & _within(point - center, planes.plane_v[scene.house])
     valid = planes.plane_valid[scene.house] & (before_source > 0) & (before_listener > 0) & inside
-    distance = jnp.where(valid, jnp.linalg.norm(image - listener[None], axis=1), jnp.inf)
+    distance = jnp.where(valid, length3(image - listener[None]), jnp.inf)
     _, nearest = jax.lax.top_k(-distance, min(count, distance.size))
     return point[nearest], distance[nearest], nearest.astype(jnp.int32)
 
 
 def _within(offset: Float[Array, "p 3"], half: Float[Array, "p 3"]) -> Bool[Array, " p"]:
     """Whether offsets from rectangles' middles lie within their half extent vectors."""
-    return jnp.abs(jnp.sum(offset * half, axis=1)) <= jnp.sum(half * half, axis=1)
+    return jnp.abs(sum3(offset * half)) <= sum3(half * half)

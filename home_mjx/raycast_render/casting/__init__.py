@@ -1,1 +1,1 @@
-"""`cast` and `occluded`: batching, partitioning, gradients."""
+"""`cast`, `occluded` and `cast_through`: batching, partitioning, gradients."""

@@ -11,7 +11,7 @@ from home_mjx.bank.records import Geometry
 from home_mjx.core.native.forked import refuse_forked
 from home_mjx.raycast_render.casting.flat import flat_cast
 from home_mjx.raycast_render.casting.hit_gradient import differentiable
-from home_mjx.raycast_render.scene.types import Hit, Moving, Rays, Scene
+from home_mjx.raycast_render.scene.types import CLOSEST, Hit, Moving, Query, Rays, Scene
 from home_mjx.schema.compiled import Ray
 
 Distance = Float[Array, "..."] | float
@@ -59,11 +59,7 @@ def cast(
     """
     rays = _rays(origin, direction, t_min, t_max, exclude, mask)
     shared = _shared(origin, t_min, t_max, exclude, mask)
-    t, instance, triangle, u, v, front = _run(scene, rays, shared, executor, any_hit=False)
-    t, u, v = differentiable(scene, rays, instance, triangle, t, u, v)
-    t = jnp.where(instance < 0, jnp.inf, t)
-    shape = rays.t_min.shape
-    return Hit(*(x.reshape(shape) for x in (t, instance, triangle, u, v, front)))
+    return _hit(scene, rays, _run(scene, rays, shared, executor, CLOSEST))
 
 
 def occluded(
@@ -84,8 +80,66 @@ def occluded(
     """
     rays = _rays(origin, direction, t_min, t_max, exclude, mask)
     shared = _shared(origin, t_min, t_max, exclude, mask)
-    _, instance, *_ = _run(scene, rays, shared, executor, any_hit=True)
+    _, instance, *_ = _run(scene, rays, shared, executor, Query(any_hit=True))
     return (instance >= 0).reshape(rays.t_min.shape)
+
+
+def cast_through(
+    scene: Scene,
+    origin: Float[Array, "*#rays 3"],
+    direction: Float[Array, "*#rays 3"],
+    steps: int,
+    skin: float,
+    t_min: Distance = 0.0,
+    t_max: Distance = float("inf"),
+    exclude: Id = -1,
+    mask: Id = Ray.CAMERA,
+    executor: str | None = None,
+) -> Hit:
+    """The hits along rays, one after the other: what `cast` would find if each cast began behind the hit before it.
+
+    Once a ray has met an object, it leaves that one out, and no other, until it meets the next: one hit stands for all
+    its faces. The architecture has no such id, so a ray meets both faces of a wall. On a GPU this is one kernel call.
+    For use within the package. Gradients are those of `cast`.
+
+    Args:
+        scene: The environment.
+        origin: [m], world; one for all rays is read once, which is quicker.
+        direction: World; t counts in units of its length.
+        steps: How many hits, at least 1.
+        skin: How far behind a hit, in units of t, the next cast begins.
+        t_min: Start of the part of the ray that counts, as in `cast`.
+        t_max: Its end.
+        exclude: Object id that the ray ignores until it meets another; -1 none.
+        mask: `Ray` bits.
+        executor: As in `cast`.
+
+    Returns:
+        The hits, with the leading shape of `origin` and a last axis of `steps`: from a ray's first miss on all are
+        misses.
+
+    Raises:
+        ConfigError: There is no such executor.
+        ExecutorError: The executor cannot run in this process.
+
+    Example:
+        >>> hit = cast_through(scene, eye, ahead, steps=4, skin=1e-4)  # doctest: +SKIP
+        >>> hit.t  # doctest: +SKIP
+        Array([1.2, 1.3, 2.95, inf], dtype=float32)
+    """
+    rays = _rays(origin, direction, t_min, t_max, exclude, mask)
+    shared = _shared(origin, t_min, t_max, exclude, mask)
+    hits = _run(scene, rays, shared, executor, Query(steps=steps, skin=skin))
+    each = jax.tree.map(lambda x: jnp.repeat(jnp.expand_dims(x, rays.t_min.ndim), steps, rays.t_min.ndim), rays)
+    return _hit(scene, each, hits)
+
+
+def _hit(scene: Scene, rays: Rays, hits: tuple[Array, ...]) -> Hit:
+    """Executors' results, of one hit per ray, with gradients and in the rays' shape."""
+    t, instance, triangle, u, v, front = (x.reshape(-1) for x in hits)
+    t, u, v = differentiable(scene, rays, instance, triangle, t, u, v)
+    t = jnp.where(instance < 0, jnp.inf, t)
+    return Hit(*(x.reshape(rays.t_min.shape) for x in (t, instance, triangle, u, v, front)))
 
 
 def _rays(origin: Array, direction: Array, t_min: Distance, t_max: Distance, exclude: Id, mask: Id) -> Rays:
@@ -114,15 +168,15 @@ def _shared(origin: Array, t_min: Distance, t_max: Distance, exclude: Id, mask: 
     return (*(name for name, x in given.items() if jnp.ndim(x) == 0), *(("origin",) if origin.ndim == 1 else ()))
 
 
-def _run(scene: Scene, rays: Rays, shared: tuple[str, ...], executor: str | None, any_hit: bool) -> tuple[Array, ...]:
-    """Hits of shape (rays,); the executor gets one value of each `shared` field, which saves memory bandwidth."""
+def _run(scene: Scene, rays: Rays, shared: tuple[str, ...], executor: str | None, query: Query) -> tuple[Array, ...]:
+    """Hits of shape (rays,) or (rays, steps); the executor gets one value of each `shared` field: less to read."""
     refuse_forked("cast rays")
     count = rays.t_min.size
     flat = jax.tree.map(lambda x: x.reshape(1, count, *x.shape[rays.t_min.ndim :]), rays)
     flat = flat.replace(**{name: getattr(flat, name)[:, :1] for name in shared})
     house, moving = scene.geometry.known_house(scene.house), _known(scene.geometry, scene.moving)
     args = scene.geometry, house[None], jax.tree.map(lambda x: x[None], moving), flat
-    hits = flat_cast(executor or scene.executor, any_hit)(*jax.tree.map(lax.stop_gradient, args))
+    hits = flat_cast(executor or scene.executor, query)(*jax.tree.map(lax.stop_gradient, args))
     return tuple(x[0] for x in hits)
 
 

@@ -12,19 +12,19 @@ from jaxtyping import Array
 from home_mjx.bank.records import Geometry
 from home_mjx.raycast_render.casting.partition import partitioned
 from home_mjx.raycast_render.executors.choose import Executor, find_executor
-from home_mjx.raycast_render.scene.types import Moving, RawHit, Rays
+from home_mjx.raycast_render.scene.types import Moving, Query, RawHit, Rays
 
 Flat = Callable[[Geometry, Array, Moving, Rays], RawHit]
 
 
 @functools.cache
-def flat_cast(executor: str | None, any_hit: bool) -> Flat:
+def flat_cast(executor: str | None, query: Query) -> Flat:
     """Casts rays (e r ...) in environments (e ...) that share one geometry; `vmap` adds to e or to r."""
     run = find_executor(executor)
 
     @partitioned
     def spread(geometry: Geometry, house: Array, moving: Moving, rays: Rays) -> RawHit:
-        return run(geometry, house, moving, rays, any_hit)
+        return run(geometry, house, moving, rays, query)
 
     @custom_vmap
     def cast(geometry: Geometry, house: Array, moving: Moving, rays: Rays) -> RawHit:
@@ -36,14 +36,14 @@ def flat_cast(executor: str | None, any_hit: bool) -> Flat:
         if size == 0:
             hits = _no_hits(cast, tuple(batched), (geometry, house, moving, rays))
         elif _any(geometry_batched):
-            hits = _one_by_one(run, any_hit, size, tuple(batched), (geometry, house, moving, rays))
+            hits = _one_by_one(run, query, size, tuple(batched), (geometry, house, moving, rays))
         elif _any((house_batched, moving_batched)):
             places = _broadcast(size, (house, moving, rays), (house_batched, moving_batched, rays_batched))
             hits = cast(geometry, *jax.tree.map(_merge, places))
-            hits = jax.tree.map(lambda x: x.reshape(size, x.shape[0] // size, x.shape[1]), hits)
+            hits = jax.tree.map(lambda x: x.reshape(size, x.shape[0] // size, *x.shape[1:]), hits)
         else:
             hits = cast(geometry, house, moving, _more_rays(size, rays, rays_batched))
-            hits = jax.tree.map(lambda x: jnp.swapaxes(x.reshape(x.shape[0], size, x.shape[1] // size), 0, 1), hits)
+            hits = jax.tree.map(lambda x: jnp.moveaxis(_split(x, size), 1, 0), hits)
         return hits, jax.tree.map(lambda _: True, hits)
 
     return cast
@@ -55,12 +55,12 @@ def _no_hits(cast: Flat, batched: Any, args: Any) -> RawHit:
     return jax.tree.map(lambda x: jnp.zeros((0, *x.shape), x.dtype), jax.eval_shape(cast, *one))
 
 
-def _one_by_one(run: Executor, any_hit: bool, size: int, batched: Any, args: Any) -> RawHit:
+def _one_by_one(run: Executor, query: Query, size: int, batched: Any, args: Any) -> RawHit:
     """Environments with different geometries: they cannot share a cast."""
 
     def one(args: tuple[Geometry, Array, Moving, Rays]) -> RawHit:
         geometry, house, moving, rays = args
-        return run(geometry, house, moving, rays, any_hit)
+        return run(geometry, house, moving, rays, query)
 
     return jax.lax.map(one, _broadcast(size, args, batched))
 
@@ -90,3 +90,8 @@ def _broadcast(size: int, values: Any, batched: Any) -> Any:
 def _merge(x: Array, axis: int = 0) -> Array:
     """Merges an axis with the next one."""
     return x.reshape(*x.shape[:axis], x.shape[axis] * x.shape[axis + 1], *x.shape[axis + 2 :])
+
+
+def _split(x: Array, size: int) -> Array:
+    """Hits (e size*r ...) as (e size r ...)."""
+    return x.reshape(x.shape[0], size, x.shape[1] // size, *x.shape[2:])

@@ -45,7 +45,8 @@ def _sharding_rule(mesh: Any, operands: Sequence[ir.Type], results: Sequence[ir.
         " ".join((*names, *(f"x{i}y{axis}" for axis in range(len(names), len(_shape(operand))))))
         for i, (names, operand) in enumerate(zip(shared, operands, strict=True))
     ]
-    return ", ".join(rule) + " -> " + ", ".join("e r" for _ in results)
+    steps = "".join(f" step{axis}" for axis in range(2, len(_shape(results[0]))))
+    return ", ".join(rule) + " -> " + ", ".join(f"e r{steps}" for _ in results)
 
 
 def _shape(operand: ir.Type) -> list[int]:

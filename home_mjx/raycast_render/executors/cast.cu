@@ -431,27 +431,46 @@ INLINE Ray load(const Rays& rays, const int* own, int env, long long row, float&
 // A number times zero is zero: what is infinite or no number is not, and such a ray hits nothing.
 INLINE bool is_finite(const Ray& ray) { return (ray.ox + ray.oy + ray.oz + ray.dx + ray.dy + ray.dz) * 0 == 0; }
 
-// Offsets to this thread's environment and ray; false for threads that have none. `size` holds the number of
-// environments, rays per environment, static and moving instances per environment, pixels in a row, for each field of
-// the rays whether it has a value for each of them, then nodes, triangles, materials and houses.
-template <bool ANY_HIT>
-INLINE bool run(Operands world, const int* __restrict__ house_root, const int* __restrict__ house, const Rays& rays,
-                const int* __restrict__ size, long long& row, Best& best) {
+// What a thread casts
+struct Task {
+  long long row;  // of the ray and of its results; -1: none, the thread takes part in what its warp does together
+  Ray ray;
+  float t_max;
+};
+
+INLINE bool can_hit(const Task& task) { return task.row >= 0 && is_finite(task.ray) && task.ray.t_min <= task.t_max; }
+
+// Finds this thread's environment and ray; false for blocks that have none. `size` holds the number of environments,
+// rays per environment, static and moving instances per environment, pixels in a row, for each field of the rays
+// whether it has a value for each of them, nodes, triangles, materials and houses, then a query's steps and bits of its
+// skin.
+INLINE bool find_task(Operands& world, const int* __restrict__ house_root, const int* __restrict__ house,
+                      const Rays& rays, const int* __restrict__ size, Task& task) {
   int env = blockIdx.y + gridDim.y * blockIdx.z;
   if (env >= __ldg(size)) return false;
   int number = ray_of_thread(__ldg(size + 1), __ldg(size + 4));
   int at = min(max(__ldg(house + env), 0), __ldg(size + 14) - 1);
-  row = (long long)env * __ldg(size + 1) + max(number, 0);
+  long long row = (long long)env * __ldg(size + 1) + max(number, 0);
+  task.row = number < 0 ? -1 : row;
   world.instances = __ldg(size + 2), world.num_moving = __ldg(size + 3);
   world.nodes = __ldg(size + 11), world.triangles = __ldg(size + 12), world.materials = __ldg(size + 13);
   world.root = __ldg(house_root + at);
   world.fixed += 4ll * at * world.instances;
   world.moving += 4ll * env * world.num_moving;
   world.box += 3ll * env * world.num_moving;
-  float t_max;
-  Ray ray = load(rays, size + 5, env, row, t_max);
-  best = cast<ANY_HIT>(world, number >= 0 && is_finite(ray) && ray.t_min <= t_max, ray, t_max);
-  return number >= 0;
+  task.ray = load(rays, size + 5, env, row, task.t_max);
+  return true;
+}
+
+// Object id of an instance that was hit: of what moves under its number, else of the house's
+INLINE int object_of(const Operands& world, int instance) {
+  int object = -1;
+  if (instance < world.instances) object = __ldg(reinterpret_cast<const int4*>(world.fixed + 4 * instance + 3)).z;
+  for (int i = 0; i < world.num_moving; ++i) {
+    int4 record = __ldg(reinterpret_cast<const int4*>(world.moving + 4 * i + 3));
+    if (record.y == instance) object = record.z;
+  }
+  return object;
 }
 
 // Operands as cuda.py gives them
@@ -463,12 +482,9 @@ INLINE bool run(Operands world, const int* __restrict__ house_root, const int* _
   Operands { node, corner, material_mask, fixed, moving, box, 0, 0, 0, 0, 0, 0 }
 #define RAYS \
   Rays { origin, direction, t_min, t_max, exclude, mask }
+#define RESULTS float *t, int *instance, int *triangle, float *u, float *v, bool *front
 
-extern "C" __global__ void __launch_bounds__(BLOCK, BLOCKS_PER_SM)
-    cast_closest(OPERANDS, float* t, int* instance, int* triangle, float* u, float* v, bool* front) {
-  long long row;
-  Best best;
-  if (!run<false>(WORLD, house_root, house, RAYS, size, row, best)) return;
+INLINE void store(const Best& best, long long row, RESULTS) {
   t[row] = best.instance < 0 ? MISS : best.t;
   instance[row] = best.instance;
   triangle[row] = best.triangle;
@@ -477,8 +493,38 @@ extern "C" __global__ void __launch_bounds__(BLOCK, BLOCKS_PER_SM)
   front[row] = best.front;
 }
 
+extern "C" __global__ void __launch_bounds__(BLOCK, BLOCKS_PER_SM) cast_closest(OPERANDS, RESULTS) {
+  Operands world = WORLD;
+  Task task;
+  if (!find_task(world, house_root, house, RAYS, size, task)) return;
+  Best best = cast<false>(world, can_hit(task), task.ray, task.t_max);
+  if (task.row >= 0) store(best, task.row, t, instance, triangle, u, v, front);
+}
+
 extern "C" __global__ void __launch_bounds__(BLOCK, BLOCKS_PER_SM) cast_any(OPERANDS, int* instance) {
-  long long row;
-  Best best;
-  if (run<true>(WORLD, house_root, house, RAYS, size, row, best)) instance[row] = best.instance;
+  Operands world = WORLD;
+  Task task;
+  if (!find_task(world, house_root, house, RAYS, size, task)) return;
+  Best best = cast<true>(world, can_hit(task), task.ray, task.t_max);
+  if (task.row >= 0) instance[task.row] = best.instance;
+}
+
+// The hits along a ray: each cast begins behind the hit before it and leaves out the object met last, whose other faces
+// are not looked for; the architecture has to be walked through. Warps go on until all their rays are over.
+extern "C" __global__ void __launch_bounds__(BLOCK, BLOCKS_PER_SM) cast_through(OPERANDS, RESULTS) {
+  Operands world = WORLD;
+  Task task;
+  if (!find_task(world, house_root, house, RAYS, size, task)) return;
+  bool goes_on = true;
+  for (int step = 0, steps = __ldg(size + 15); step < steps; ++step) {
+    Best best{0, -1, -1, 0, 0, 1, false};
+    goes_on = goes_on && can_hit(task);
+    if (warp_ballot(goes_on)) best = cast<false>(world, goes_on, task.ray, task.t_max);
+    if (task.row >= 0) store(best, task.row * steps + step, t, instance, triangle, u, v, front);
+    goes_on = best.instance >= 0;
+    if (!goes_on) continue;
+    int object = object_of(world, best.instance);
+    if (object >= 0) task.ray.exclude = object;
+    task.ray.t_min = __fadd_rn(best.t, __int_as_float(__ldg(size + 16)));
+  }
 }

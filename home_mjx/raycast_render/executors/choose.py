@@ -12,20 +12,20 @@ from home_mjx.core.native.platforms import cover_all
 from home_mjx.raycast_render.executors.cpu import cast_cpu, cpu_available
 from home_mjx.raycast_render.executors.cuda import cast_cuda, cuda_available
 from home_mjx.raycast_render.executors.xla import cast_xla
-from home_mjx.raycast_render.scene.types import Moving, RawHit, Rays
+from home_mjx.raycast_render.scene.types import Moving, Query, RawHit, Rays
 
-Executor = Callable[[Geometry, Array, Moving, Rays, bool], RawHit]
-"""(geometry, house (e), moving (e ...), rays (e r ...), any_hit) -> hits (e r).
+Executor = Callable[[Geometry, Array, Moving, Rays, Query], RawHit]
+"""(geometry, house (e), moving (e ...), rays (e r ...), query) -> hits (e r), or (e r steps).
 
-Ray [e, r] belongs to environment e. With `any_hit` a ray may stop at the first triangle that it meets.
+Ray [e, r] belongs to environment e.
 """
 
 
-def cast_auto(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, any_hit: bool) -> RawHit:
+def cast_auto(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, query: Query) -> RawHit:
     """The best executor of the platform that the program is lowered for."""
-    branches = {name: functools.partial(cast, any_hit=any_hit) for name, cast in _special().items()}
+    branches = {name: functools.partial(cast, query=query) for name, cast in _special().items()}
     # Tracing `xla` where it cannot be chosen would double the start of a program.
-    default = None if cover_all(branches) else functools.partial(cast_xla, any_hit=any_hit)
+    default = None if cover_all(branches) else functools.partial(cast_xla, query=query)
     return jax.lax.platform_dependent(geometry, house, moving, rays, default=default, **branches)
 
 

@@ -13,14 +13,15 @@ from home_mjx.core.native.platforms import devices_of, problem_of, works
 from home_mjx.core.native.varying import varying_false
 from home_mjx.errors import ExecutorError
 from home_mjx.raycast_render.executors.probe import probe
-from home_mjx.raycast_render.scene.types import Moving, RawHit, Rays
+from home_mjx.raycast_render.executors.step_by_step import step_by_step
+from home_mjx.raycast_render.scene.types import Moving, Query, RawHit, Rays
 
 TARGET = "home_mjx_cast"
 
 _kept: list[object] = []  # compiled functions that XLA may call until the process ends
 
 
-def cast_cpu(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, any_hit: bool) -> RawHit:
+def cast_cpu(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, query: Query) -> RawHit:
     """Casts rays of shape (environments, rays per environment); see `executors.Executor`.
 
     Raises:
@@ -29,7 +30,7 @@ def cast_cpu(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: 
     problem = cpu_problem()
     if problem:
         raise ExecutorError(f"the `cpu` executor does not work here: {problem}", hint="Use executor='xla'.")
-    return _call(geometry, house, moving, rays, any_hit)
+    return _call(geometry, house, moving, rays, query)
 
 
 @functools.cache
@@ -55,7 +56,9 @@ def _start() -> str | None:
         return probe(_call)
 
 
-def _call(geometry: Geometry, house: Array, moving: Moving, rays: Rays, any_hit: bool) -> RawHit:
+def _call(geometry: Geometry, house: Array, moving: Moving, rays: Rays, query: Query) -> RawHit:
+    if query.steps:
+        return step_by_step(_call, geometry, house, moving, rays, query)
     shape = rays.shape
     float_, int_ = jax.ShapeDtypeStruct(shape, jnp.float32), jax.ShapeDtypeStruct(shape, jnp.int32)
     results = (float_, int_, int_, float_, float_, jax.ShapeDtypeStruct(shape, jnp.bool_))
@@ -87,6 +90,7 @@ def _call(geometry: Geometry, house: Array, moving: Moving, rays: Rays, any_hit:
         rays.mask,
     )
     operands = (x.astype(jnp.float32 if jnp.issubdtype(x.dtype, jnp.floating) else jnp.int32) for x in operands)
-    hits = RawHit(*jax.ffi.ffi_call(TARGET, results)(*operands, any_hit=np.int32(any_hit), width=np.int32(rays.width)))
+    attributes = {"any_hit": np.int32(query.any_hit), "width": np.int32(rays.width)}
+    hits = RawHit(*jax.ffi.ffi_call(TARGET, results)(*operands, **attributes))
     never = varying_false(house, moving, rays)
     return jax.tree.map(lambda x: jnp.where(never, jnp.zeros_like(x), x), hits)

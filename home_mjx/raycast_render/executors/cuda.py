@@ -16,7 +16,7 @@ from home_mjx.core.native.varying import varying_false
 from home_mjx.errors import ExecutorError
 from home_mjx.raycast_render.executors.probe import probe
 from home_mjx.raycast_render.scene.constants import MISS
-from home_mjx.raycast_render.scene.types import Moving, RawHit, Rays
+from home_mjx.raycast_render.scene.types import CLOSEST, Moving, Query, RawHit, Rays
 
 TARGET = PTX_TARGET
 SOURCE = Path(__file__).with_name("cast.cu")
@@ -26,7 +26,7 @@ TILE = (8, 4)  # pixels in a row and rows that a warp casts, as in cast.cu
 MAX_GRID = 65535  # blocks along the second and third axis
 
 
-def cast_cuda(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, any_hit: bool) -> RawHit:
+def cast_cuda(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, query: Query) -> RawHit:
     """Casts rays of shape (environments, rays per environment); see `executors.Executor`.
 
     Raises:
@@ -35,7 +35,7 @@ def cast_cuda(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays:
     problem = cuda_problem()
     if problem:
         raise ExecutorError(f"the `cuda` executor does not work here: {problem}", hint="Use executor='xla'.")
-    return _call(geometry, house, moving, rays, any_hit)
+    return _call(geometry, house, moving, rays, query)
 
 
 @functools.cache
@@ -61,18 +61,19 @@ def _start() -> str | None:
         return probe(_call)
 
 
-def _call(geometry: Geometry, house: Array, moving: Moving, rays: Rays, any_hit: bool) -> RawHit:
-    shape = rays.shape
+def _call(geometry: Geometry, house: Array, moving: Moving, rays: Rays, query: Query) -> RawHit:
+    shape = (*rays.shape, query.steps) if query.steps else rays.shape
     floats, ints = jax.ShapeDtypeStruct(shape, jnp.float32), jax.ShapeDtypeStruct(shape, jnp.int32)
-    results = (ints,) if any_hit else (floats, ints, ints, floats, floats, jax.ShapeDtypeStruct(shape, jnp.bool_))
+    results = (ints,) if query.any_hit else (floats, ints, ints, floats, floats, jax.ShapeDtypeStruct(shape, jnp.bool_))
     if 0 in shape:
         hits = tuple(jnp.zeros(x.shape, x.dtype) for x in results)
     else:
-        launch = _launch("cast_any" if any_hit else "cast_closest", rays)
-        hits = jax.ffi.ffi_call(TARGET, results)(*operands(geometry, house, moving, rays), **launch)
+        name = "cast_any" if query.any_hit else "cast_through" if query.steps else "cast_closest"
+        call = jax.ffi.ffi_call(TARGET, results)
+        hits = call(*operands(geometry, house, moving, rays, query), **_launch(name, rays))
     never = varying_false(house, moving, rays)
     hits = [jnp.where(never, jnp.zeros_like(x), x) for x in hits]
-    return _any(hits[0]) if any_hit else RawHit(*hits)
+    return _any(hits[0]) if query.any_hit else RawHit(*hits)
 
 
 def _any(instance: Int[Array, "e r"]) -> RawHit:
@@ -81,7 +82,7 @@ def _any(instance: Int[Array, "e r"]) -> RawHit:
     return RawHit(jnp.where(instance < 0, MISS, zero), instance, jnp.minimum(instance, 0), zero, zero, zero > 0)
 
 
-def operands(geometry: Geometry, house: Array, moving: Moving, rays: Rays) -> tuple[Array, ...]:
+def operands(geometry: Geometry, house: Array, moving: Moving, rays: Rays, query: Query = CLOSEST) -> tuple[Array, ...]:
     """The arrays that the kernels read, in their order."""
     gpu = gpu_geometry(geometry) if geometry.gpu is None else geometry.gpu
     low, high = (moving.box[..., i, :].astype(jnp.float32) for i in range(2))
@@ -91,7 +92,8 @@ def operands(geometry: Geometry, house: Array, moving: Moving, rays: Rays) -> tu
     own = (int(x.shape[1] == rays.shape[1]) for x in fields)  # one value per ray, or one per environment
     tiled = tile_width(rays.shape[1], rays.width)
     rows = (x.shape[0] for x in (gpu.node, gpu.triangle, geometry.material_mask, geometry.house_root))
-    size = (*rays.shape, gpu.instance.shape[1], moving.instance.shape[1], tiled, *own, *rows)
+    walk = query.steps, int(np.float32(query.skin).view(np.int32))
+    size = (*rays.shape, gpu.instance.shape[1], moving.instance.shape[1], tiled, *own, *rows, *walk)
     return (
         gpu.node,
         gpu.triangle,

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from home_mjx.bank.records import Geometry
-from home_mjx.raycast_render.scene.types import Moving, Rays
+from home_mjx.raycast_render.scene.types import CLOSEST, Moving, Rays
 
 T = TypeVar("T")
 
@@ -19,7 +19,7 @@ def probe(executor: Callable) -> str | None:
     Four rays run along +z: through the static triangle at z = 1, through the moving one at z = 2, past both, and
     towards the static one, ending before it.
     """
-    hits = jax.jit(lambda *args: executor(*args, False))(_geometry(), jnp.zeros(1, jnp.int32), _moving(), _rays())
+    hits = jax.jit(lambda *args: executor(*args, CLOSEST))(_geometry(), jnp.zeros(1, jnp.int32), _moving(), _rays())
     t, instance, triangle, u, v, front = (np.asarray(x)[0] for x in hits)
     right = (
         np.allclose(t[:2], [1, 2], atol=1e-5)

@@ -17,8 +17,9 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.records import Geometry
 from home_mjx.core.native.varying import varying_false
+from home_mjx.raycast_render.executors.step_by_step import step_by_step
 from home_mjx.raycast_render.scene.constants import FAR_SLACK, MISS, TINY
-from home_mjx.raycast_render.scene.types import Moving, RawHit, Rays
+from home_mjx.raycast_render.scene.types import Moving, Query, RawHit, Rays
 from home_mjx.scene_compile.geometry.bvh import EMPTY, MAX_DEPTH
 
 LEAF = 4  # triangles tested at once
@@ -58,8 +59,10 @@ class _Operands(NamedTuple):
     rays: Rays
 
 
-def cast_xla(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, any_hit: bool) -> RawHit:
+def cast_xla(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, query: Query) -> RawHit:
     """Casts rays of shape (environments, rays per environment); see `executors.Executor`."""
+    if query.steps:
+        return step_by_step(cast_xla, geometry, house, moving, rays, query)
     rays, shape = rays.expanded(), rays.shape
     total = rays.t_min.size
     chunk = min(CHUNK_CPU if jax.default_backend() == "cpu" else CHUNK, max(total, 1))
@@ -75,7 +78,7 @@ def cast_xla(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: 
     env = lax.broadcasted_iota(jnp.int32, shape, 0) + zero
     # Padding rays end before they begin: t_min 1, t_max 0.
     chunks = jax.tree.map(split, rays).replace(t_min=split(rays.t_min, 1))
-    hits = lax.map(lambda c: _cast_chunk(_Operands(geometry, house, moving, any_hit, *c)), (split(env), chunks))
+    hits = lax.map(lambda c: _cast_chunk(_Operands(geometry, house, moving, query.any_hit, *c)), (split(env), chunks))
     return RawHit(*(x.reshape(count * chunk)[:total].reshape(shape) for x in hits))
 
 

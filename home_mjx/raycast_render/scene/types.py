@@ -92,8 +92,19 @@ class Rays(Pytree):
         return jax.tree.map(lambda x: jnp.broadcast_to(x, (*self.shape, *x.shape[2:])), self)
 
 
+class Query(NamedTuple):
+    """What rays are cast for; a program is made for each."""
+
+    any_hit: bool = False  # only whether there is a hit: a ray may stop at the first triangle that it meets
+    steps: int = 0  # if not 0: so many hits of each ray, one after the other, as `cast_through` says
+    skin: float = 0.0  # then, in units of |direction|: each step begins so far behind the hit before it
+
+
+CLOSEST = Query()
+
+
 class RawHit(NamedTuple):
-    """What executors return, of shape (environments, rays per environment).
+    """What executors return, of shape (environments, rays per environment), and steps if the query has some.
 
     After casting for any hit only `instance` counts, and of that only whether it is >= 0.
     """

@@ -12,7 +12,7 @@ from soup import Placed, Soup, f32, i32, needs_gpu, random_pose, random_rays, ra
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.native import nvrtc
 from home_mjx.errors import ExecutorError
-from home_mjx.raycast_render.casting.cast import cast, occluded
+from home_mjx.raycast_render.casting.cast import cast, cast_through, occluded
 from home_mjx.raycast_render.executors import cuda
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.types import Scene
@@ -66,6 +66,21 @@ def test_any_hit_is_a_kernel_of_its_own_and_no_rays_are_no_call(monkeypatch):
     assert 'name = "cast_any"' in text
     text = look.trace(scene, f32(origin[:0]), f32(direction[:0])).lower(lowering_platforms=("cuda",)).as_text()
     assert cuda.TARGET not in text
+
+
+def test_hits_one_after_the_other_are_one_call(monkeypatch):
+    pretend(monkeypatch)
+    rng = np.random.default_rng(0)
+    scene, (origin, direction) = random_soup(rng).scene(), random_rays(rng, 4 * 3)
+    moving = jax.tree.map(lambda x: jnp.stack([x] * 4), scene.moving)
+    through = lambda m, o, d: cast_through(scene.replace(moving=m), o, d, 16, 1e-4, executor="cuda")  # noqa: E731
+    shaped = [f32(x.reshape(4, 3, 3)) for x in (origin, direction)]
+    look = jax.jit(jax.vmap(jax.vmap(through, (None, 0, 0))))
+    text = look.trace(moving, *shaped).lower(lowering_platforms=("cuda",)).as_text()
+    calls = [line for line in text.splitlines() if cuda.TARGET in line]
+    assert len(calls) == 1
+    for said in ('name = "cast_through"', "grid_x = 1 : i32", "grid_y = 4 : i32", "tensor<4x3x16xf32>"):
+        assert said in calls[0]
 
 
 class FakeLibrary:

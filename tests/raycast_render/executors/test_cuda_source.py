@@ -22,11 +22,12 @@ from home_mjx.errors import ExecutorError
 from home_mjx.raycast_render.casting.cast import cast, occluded
 from home_mjx.raycast_render.executors import cuda
 from home_mjx.raycast_render.scene import constants as limits
-from home_mjx.raycast_render.scene.types import Rays
+from home_mjx.raycast_render.scene.types import Query, Rays
 from home_mjx.scene_compile.geometry import bvh
 
 N = 1500
 CALLS = 450  # with garbage; call 412 has found what the first three hundred had not
+STEPS = 5  # of rays that are followed through what they meet
 TYPES = (np.float32, np.int32, np.int32, np.float32, np.float32, np.bool_)
 
 
@@ -44,7 +45,7 @@ def library(tmp_path_factory):
         f'#include "{shim}"\n'
         + cuda.SOURCE.read_text().replace("constexpr int BLOCK = 64;", "constexpr int BLOCK = 1;")
         + """
-extern "C" void run(void** p, int count, int environments, bool any) {
+extern "C" void run(void** p, int count, int environments, int kind) {
   gridDim = {unsigned(count), unsigned(environments), 1};
   for (unsigned e = 0; e < unsigned(environments); ++e)
     for (unsigned r = 0; r < unsigned(count); ++r) {
@@ -52,8 +53,10 @@ extern "C" void run(void** p, int count, int environments, bool any) {
 #define IN (const float4*)p[0], (const float4*)p[1], (const int*)p[2], (const float4*)p[3], (const float4*)p[4], \\
     (const float2*)p[5], (const int*)p[6], (const int*)p[7], (const float*)p[8], (const float*)p[9], \\
     (const float*)p[10], (const float*)p[11], (const int*)p[12], (const int*)p[13], (const int*)p[14]
-      if (any) cast_any(IN, (int*)p[15]);
-      else cast_closest(IN, (float*)p[15], (int*)p[16], (int*)p[17], (float*)p[18], (float*)p[19], (bool*)p[20]);
+#define OUT (float*)p[15], (int*)p[16], (int*)p[17], (float*)p[18], (float*)p[19], (bool*)p[20]
+      if (kind == 0) cast_closest(IN, OUT);
+      else if (kind == 1) cast_any(IN, (int*)p[15]);
+      else cast_through(IN, OUT);
     }
 }
 """
@@ -77,7 +80,7 @@ def run(library, scene, origin, direction, t_min=0.0, t_max=np.inf, exclude=-1, 
     outputs = [np.full((2, count), 77, kind) for kind in TYPES]
     results = outputs[1:2] if any_hit else outputs
     pointers = [x.ctypes.data for x in inputs + results]
-    library.run((ctypes.c_void_p * len(pointers))(*pointers), count, 2, any_hit)
+    library.run((ctypes.c_void_p * len(pointers))(*pointers), count, 2, int(any_hit))
     for x in results:
         np.testing.assert_array_equal(x[0], x[1])
     return outputs[1][0] >= 0 if any_hit else [x[0] for x in outputs]
@@ -102,11 +105,13 @@ def six_scenes(rng):
 def test_garbage_in_every_array_stays_within_the_arrays(library, tmp_path):
     """A bank and six scenes in each call; see tests/soak/garbage.py."""
     program, (given, results) = checked(library, tmp_path), six_scenes(np.random.default_rng(11))
-    read = jax.jit(cuda.operands)
+    read = jax.jit(lambda *x: cuda.operands(*x, Query(steps=STEPS, skin=1e-4)))
+    many = [np.zeros((*x.shape, STEPS), x.dtype) for x in results]
     for number in range(CALLS):
         inputs = jax.device_get(read(*(garbled(f"cuda:{number}", *given) if number else given)))
         any_hit = number % 2
         program.add([*inputs, *(results[1:2] if any_hit else results)], 6, any_hit)
+        program.add([*inputs, *many], 6, 2)
     program.run()
 
 
@@ -116,7 +121,8 @@ def test_trees_that_fill_the_stack_stay_within_it(library, tmp_path):
     What waits are leaves or empty ones, of houses or of models; at the chain's end lies a leaf, or an empty one.
     """
     program, (given, results) = checked(library, tmp_path), six_scenes(np.random.default_rng(12))
-    inputs = [np.array(x) for x in jax.device_get(jax.jit(cuda.operands)(*given))]
+    read = jax.jit(lambda *x: cuda.operands(*x, Query(steps=1)))
+    inputs = [np.array(x) for x in jax.device_get(read(*given))]
     leaf, num_nodes = ~(0 << 4 | 2), 4 * (2 * bvh.MAX_DEPTH + 4)
     whole, size = np.float32([0, 0, 0, 1e6, 1e6, 1e6]), inputs[14]
     size[11] = num_nodes
@@ -132,6 +138,7 @@ def test_trees_that_fill_the_stack_stay_within_it(library, tmp_path):
             call[number][..., 12] = np.int32(model_root).view(np.float32)
         program.add([*call, *results], 6, 0)
         program.add([*call, results[1]], 6, 1)
+        program.add([*call, *results], 6, 2)  # of one step
     program.run()
 
 
@@ -270,4 +277,5 @@ def test_nvrtc_compiles_it(tmp_path, monkeypatch, capability):
     ptx = nvrtc.compile_ptx(cuda.SOURCE, capability)
     assert ".entry cast_closest" in ptx
     assert ".entry cast_any" in ptx
+    assert ".entry cast_through" in ptx
     assert f".target sm_{capability}" in ptx
