@@ -74,14 +74,14 @@ def nearest_boxes(boxes: Boxes, source: Float[Array, "3"], listener: Float[Array
     def local(point: Float[Array, "#n 3"]) -> Float[Array, "n 3"]:
         return sum3(boxes.axis * (point - boxes.center)[:, None])
 
-    def closer(place: Float[Array, "n 3"], _: None) -> tuple[Float[Array, "n 3"], None]:
+    def closer(place: Float[Array, "n 3"]) -> Float[Array, "n 3"]:
         """From points of the boxes to the line, and back to the boxes."""
         share = sum3((place - source[None]) * way[None]) / jnp.maximum(sum3(way * way), LEAST**2)
         on_line = source[None] + jnp.clip(share, 0.0, 1.0)[:, None] * way[None]
         inside = jnp.clip(local(on_line), -boxes.half, boxes.half)
-        return boxes.center + sum3(jnp.swapaxes(boxes.axis * inside[:, :, None], 1, 2)), None
+        return boxes.center + sum3(jnp.swapaxes(boxes.axis * inside[:, :, None], 1, 2))
 
-    place, _ = jax.lax.scan(closer, boxes.center, None, length=3)
+    place = closer(closer(closer(boxes.center)))
     longer = length3(place - source[None]) + length3(place - listener[None])
     longer = jnp.where(jnp.any(boxes.exposed, axis=1), longer, jnp.inf)
     _, nearest = jax.lax.top_k(-longer, min(count, longer.size))

@@ -5,11 +5,6 @@
 
 constexpr int PER_THREAD = 8;  // values; a transform has that many times as many as a block has threads
 
-template <int VALUE>
-struct Number {
-  static constexpr int value = VALUE;
-};
-
 struct __align__(8) Complex {
   float re, im;
 };
@@ -89,22 +84,9 @@ __device__ __forceinline__ void butterfly<8>(Complex* v) {
 // Where value i lies: a gap after every eight keeps threads that write every eighth one out of each other's way.
 __device__ constexpr int place(int i) { return i + (i >> 3); }
 
-// Of value i + MORE, which is where `at` says that value i lies: compilers do not see that eights stay eights.
-template <int MORE>
-__device__ __forceinline__ int further(int at, int i) {
-  if constexpr (MORE % 8 == 0)
-    return at + place(MORE);
-  else
-    return place(i + MORE);
-}
-
-// Calls `work(r)` for r from 0 to R, each of them known when this is compiled.
-template <int R, int FROM = 0, class Work>
-__device__ __forceinline__ void each(Work work) {
-  if constexpr (FROM < R) {
-    work(Number<FROM>{});
-    each<R, FROM + 1>(work);
-  }
+// Of value i + more, where value i lies at `at`: compilers do not see by themselves that eights stay eights.
+__device__ __forceinline__ int further(int at, int i, int more) {
+  return more % 8 == 0 ? at + place(more) : place(i + more);
 }
 
 __device__ constexpr int largest_radix(int left) {
@@ -155,10 +137,9 @@ __device__ __forceinline__ void passes(Complex* values, const Complex* turns, Lo
   for (int b = 0; b < MOST; ++b) {
     const int i = thread + b * THREADS, at = place(i);
     if (COUNT % THREADS == 0 || i < COUNT) {
-      each<R>([&](auto r) {
-        constexpr int K = decltype(r)::value;
-        held[b][K] = DONE == 1 ? load(i + K * COUNT) : values[further<K * COUNT>(at, i)];
-      });
+#pragma unroll
+      for (int r = 0; r < R; ++r)
+        held[b][r] = DONE == 1 ? load(i + r * COUNT) : values[further(at, i, r * COUNT)];
       if constexpr (DONE > 1) {
         Complex turn = turns[(unsigned(i) % DONE) * (COUNT / DONE)], power = turn;
 #pragma unroll
@@ -176,15 +157,15 @@ __device__ __forceinline__ void passes(Complex* values, const Complex* turns, Lo
     const int i = thread + b * THREADS;
     if (COUNT % THREADS == 0 || i < COUNT) {
       const int inner = unsigned(i) % DONE, first = (i - inner) * R + inner, at = place(first);
-      each<R>([&](auto r) {
-        constexpr int K = decltype(r)::value;
+#pragma unroll
+      for (int r = 0; r < R; ++r) {
         if constexpr (LAST)
-          store(b * R + K, first + K * DONE, held[b][K]);
+          store(b * R + r, first + r * DONE, held[b][r]);
         else if constexpr (DONE == 1 && R == 8)
-          values[at + K] = held[b][K];  // eight between gaps
+          values[at + r] = held[b][r];  // eight between gaps
         else
-          values[further<K * DONE>(at, first)] = held[b][K];
-      });
+          values[further(at, first, r * DONE)] = held[b][r];
+      }
     }
   }
   if constexpr (!LAST) {
