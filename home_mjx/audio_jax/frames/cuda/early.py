@@ -84,7 +84,7 @@ def _filter_sums(
 
 def filter_tables(
     kernels: Float[np.ndarray, "s t"], count: int
-) -> tuple[Float[Array, "s size two"], Float[Array, "size two"]]:
+) -> tuple[Float[Array, "s size two"], Float[Array, "turns two"]]:
     """Spectra of filters, and the turns of the transform that is made of so many samples."""
     size = cuda.transform_size(count)
     assert size is not None
@@ -100,7 +100,7 @@ def run_filter(begin: int, frame: int, *given: Array) -> tuple[Array, ...]:
     """The kernel for sums of environments (e ...), the last operand; all share the tables before it."""
     spectra, turns, sums = given
     envs, channels, shapes, count = sums.shape
-    size = turns.shape[0]
+    size = spectra.shape[1]
     operands = sums, spectra, turns, numbers((channels, shapes, count, begin, frame))
     result = jax.ShapeDtypeStruct((envs, channels, frame), jnp.float32)
     ptx, grid, threads = cuda.ptx_of(cuda.FILTER_SOURCES, size), (envs, -(-channels // 2)), size // cuda.PER_THREAD
@@ -109,4 +109,4 @@ def run_filter(begin: int, frame: int, *given: Array) -> tuple[Array, ...]:
 
 def filter_bytes(size: int) -> int:
     """Memory that a block needs for a transform and its table."""
-    return cuda.values_bytes(size) + 8 * size
+    return cuda.transform_bytes(size)

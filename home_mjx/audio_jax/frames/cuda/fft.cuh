@@ -81,24 +81,29 @@ __device__ __forceinline__ void butterfly<8>(Complex* v) {
   }
 }
 
-// Where value i lies: a gap after every eight keeps threads that write every eighth one out of each other's way.
-__device__ constexpr int place(int i) { return i + (i >> 3); }
+// Where value i lies: such that threads next to each other, and those that write every eighth value, use all banks.
+__device__ constexpr int place(int i) { return i ^ (i >> 4 & 15); }
 
-// Of value i + more, where value i lies at `at`: compilers do not see by themselves that eights stay eights.
-__device__ __forceinline__ int further(int at, int i, int more) {
-  return more % 8 == 0 ? at + place(more) : place(i + more);
-}
+// Of value i + more, where value i lies at `at`: compilers do not see by themselves what stays the same.
+__device__ __forceinline__ int further(int at, int i, int more) { return more % 256 == 0 ? at + more : place(i + more); }
 
 __device__ constexpr int largest_radix(int left) {
   return left % 8 == 0 ? 8 : left % 5 == 0 ? 5 : left % 4 == 0 ? 4 : left % 3 == 0 ? 3 : 2;
 }
 
-// The next radix, of N values of which groups of DONE are transforms: a large one first, after which eights stay eights
-// (see `further`), then small ones, so that each thread ends with eight values.
+// The next radix, of n values of which groups of `done` are transforms: a large one first, then small ones, so that each
+// thread ends with eight values.
 __device__ constexpr int radix_of(int n, int done) {
   int left = n / done;
   while (done > 1 && left != largest_radix(left)) left /= largest_radix(left);
   return largest_radix(left);
+}
+
+// Turns of passes before the one that joins groups of `until`: one for each value of their groups.
+__device__ constexpr int num_turns(int n, int until) {
+  int sum = 0;
+  for (int done = radix_of(n, 1); done < until; done *= radix_of(n, done)) sum += done;
+  return sum;
 }
 
 template <int N, int DONE = 1>
@@ -141,7 +146,7 @@ __device__ __forceinline__ void passes(Complex* values, const Complex* turns, Lo
       for (int r = 0; r < R; ++r)
         held[b][r] = DONE == 1 ? load(i + r * COUNT) : values[further(at, i, r * COUNT)];
       if constexpr (DONE > 1) {
-        Complex turn = turns[(unsigned(i) % DONE) * (COUNT / DONE)], power = turn;
+        Complex turn = turns[num_turns(N, DONE) + unsigned(i) % DONE], power = turn;
 #pragma unroll
         for (int r = 1; r < R; ++r) {
           held[b][r] = power * held[b][r];
@@ -161,8 +166,6 @@ __device__ __forceinline__ void passes(Complex* values, const Complex* turns, Lo
       for (int r = 0; r < R; ++r) {
         if constexpr (LAST)
           store(b * R + r, first + r * DONE, held[b][r]);
-        else if constexpr (DONE == 1 && R == 8)
-          values[at + r] = held[b][r];  // eight between gaps
         else
           values[further(at, first, r * DONE)] = held[b][r];
       }
@@ -175,9 +178,15 @@ __device__ __forceinline__ void passes(Complex* values, const Complex* turns, Lo
 }
 
 // Of what `load(i)` gives, by all N / PER_THREAD threads; results go to `store(slot, i, value)`, each thread's slots
-// being the same every time. `values` hold place(N); nobody may touch them before the next barrier.
-// `turns`: exp(-2 pi i j / N).
+// being the same every time. `values` hold N; nobody may touch them before the next barrier. `turns`: of all passes but the
+// first, num_turns(N, N); a pass of radix R on groups of D has exp(-2 pi i j / (D R)) for j from 0 to D.
 template <int N, class Load, class Store>
 __device__ __forceinline__ void transform(Complex* values, const Complex* turns, Load load, Store store) {
   passes<N, 1>(values, turns, load, store);
+}
+
+// Copies turns to where a block's threads read them.
+template <int N>
+__device__ __forceinline__ void copy_turns(Complex* here, const float2* turns) {
+  for (int i = threadIdx.x; i < num_turns(N, N); i += N / PER_THREAD) here[i] = Complex{turns[i].x, turns[i].y};
 }

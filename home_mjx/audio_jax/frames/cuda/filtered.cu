@@ -8,20 +8,18 @@ constexpr int BLOCKS = SIZE / PER_THREAD <= 640 ? 3 : 1;
 extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, BLOCKS) filter_sums(
     const float* __restrict__ sums,       // (environments, channels, shapes, count)
     const float2* __restrict__ spectra,   // (shapes, SIZE), divided by SIZE
-    const float2* __restrict__ turns,     // (SIZE)
+    const float2* __restrict__ turns,     // of all passes, see `transform`
     const int* __restrict__ sizes,        // channels, shapes, count, begin, frame
     float* __restrict__ frames) {         // (environments, channels, frame)
   extern __shared__ float shared[];
   const int channels = sizes[0], shapes = sizes[1], count = sizes[2], begin = sizes[3], frame = sizes[4];
-  constexpr int THREADS = SIZE / PER_THREAD;
-  const int thread = threadIdx.x;
   Complex* values = (Complex*)shared;
-  Complex* table = values + place(SIZE);
+  Complex* table = values + SIZE;
   const int left = 2 * blockIdx.y, env = blockIdx.x;
   const bool both = left + 1 < channels;
   const float* here = sums + size_t(env * channels + left) * shapes * count;
   const float* there = both ? here + size_t(shapes) * count : here;
-  for (int i = thread; i < SIZE; i += THREADS) table[i] = Complex{turns[i].x, turns[i].y};
+  copy_turns<SIZE>(table, turns);
   Complex whole[num_slots<SIZE>()];
 #pragma unroll
   for (Complex& one : whole) one = Complex{0.0f, 0.0f};

@@ -24,17 +24,18 @@ extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, 2) filter_first(
     const float* __restrict__ levels,    // (sources, 2, BANDS): logarithms of gains
     const float* __restrict__ sounds,    // (sources, 2): 0 where nothing sounds, else 1
     const float2* __restrict__ octaves,  // (BANDS, HALF)
-    const float2* __restrict__ turns,    // (SIZE)
+    const float2* __restrict__ turns,    // of all passes, see `transform`
     const int* __restrict__ sizes,       // length, samples that filters ring, and that are made
     float* __restrict__ filtered) {      // (sources, 2, made)
   extern __shared__ float shared[];
   constexpr int THREADS = SIZE / PER_THREAD, SLOTS = num_slots<SIZE>();
   const int length = sizes[0], ringing = sizes[1], made = sizes[2], number = blockIdx.x, thread = threadIdx.x;
   Complex* values = (Complex*)shared;
-  Complex* filter[2] = {values + place(SIZE), values + place(SIZE) + HALF};
-  const Complex* table = (const Complex*)turns;
+  Complex* table = values + SIZE;
+  Complex* filter[2] = {table + num_turns(SIZE, SIZE), table + num_turns(SIZE, SIZE) + HALF};
   const float* source = sources + size_t(number) * length;
   const int begin = max(-ringing - made, min(begins[number], length)) - ringing;
+  copy_turns<SIZE>(table, turns);
   for (int i = thread; i < 2 * HALF; i += THREADS) {
     const int end = i >= HALF, row = 2 * number + end;
     filter[end][i - end * HALF] = filter_at(levels + row * BANDS, sounds[row], octaves, i - end * HALF);

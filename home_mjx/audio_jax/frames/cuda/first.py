@@ -31,7 +31,7 @@ def filtered(
     return _op(config)(*first_tables(config), *(x[None] for x in given))[0][0]
 
 
-def first_tables(config: AudioConfig) -> tuple[Float[Array, "bands f two"], Float[Array, "size two"]]:
+def first_tables(config: AudioConfig) -> tuple[Float[Array, "bands f two"], Float[Array, "turns two"]]:
     """Logarithms of the filters of octaves, and the turns of the transform."""
     size = _size(config)
     assert size is not None
@@ -46,7 +46,7 @@ def _op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
 def run_first(config: AudioConfig, *given: Array) -> tuple[Array, ...]:
     """The kernel for sources (e ...), which share the first operands, see `first_tables`."""
     octaves, turns, source, begin, level, sounds = given
-    (count, length), size = source.shape, turns.shape[0]
+    (count, length), size = source.shape, 2 * (octaves.shape[1] - 1)
     sizes = numbers((length, num_ringing(config), num_filtered(config)))
     operands = source, begin, level, sounds, octaves, turns, sizes
     result = jax.ShapeDtypeStruct((count, ENDS, num_filtered(config)), jnp.float32)
@@ -60,4 +60,4 @@ def _size(config: AudioConfig) -> int | None:
 
 def _bytes(size: int) -> int:
     """Memory that a block needs: a transform, and the spectra of two real filters."""
-    return cuda.values_bytes(size) + ENDS * 8 * (size // 2 + 1)
+    return cuda.transform_bytes(size) + ENDS * 8 * (size // 2 + 1)

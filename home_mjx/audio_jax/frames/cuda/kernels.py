@@ -1,6 +1,7 @@
 """What kernels of moving sound have in common: whether they work here, their transforms, and how XLA calls them."""
 
 import functools
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
 
-from home_mjx.audio_jax.frames.passes import num_passes
+from home_mjx.audio_jax.frames.passes import num_passes, radices
 from home_mjx.core.native.platforms import PTX_TARGET, devices_of, problem_of, ptx_for_all, works
 from home_mjx.core.native.varying import varying_as
 
@@ -66,8 +67,16 @@ def transform_size(count: int) -> int | None:
 
 
 def turns_of(size: int) -> Array:
-    """The complex numbers that a transform multiplies by, exp(-2 pi i j / size), as pairs."""
-    return as_pairs(np.exp(-2j * np.pi * np.arange(size) / size))
+    """The complex numbers that passes of a transform multiply by, see `transform` in fft.cuh, as pairs."""
+    turns = [np.exp(-2j * np.pi * np.arange(done) / (done * radix)) for done, radix in _joined(size)]
+    return as_pairs(np.concatenate(turns))
+
+
+def _joined(size: int) -> list[tuple[int, int]]:
+    """How many values are transformed together before each pass but the first, and its radix: see `radix_of` there."""
+    first, *others = radices(size)
+    order = (first, *others[::-1])
+    return [(math.prod(order[:i]), radix) for i, radix in enumerate(order) if i]
 
 
 def as_pairs(values: np.ndarray) -> Array:
@@ -75,9 +84,9 @@ def as_pairs(values: np.ndarray) -> Array:
     return jnp.asarray(np.stack([np.real(values), np.imag(values)], axis=-1), jnp.float32)
 
 
-def values_bytes(size: int) -> int:
-    """Memory for the values of a transform; see `place` in fft.cuh."""
-    return 8 * (size + size // 8)
+def transform_bytes(size: int) -> int:
+    """Memory for the values of a transform and its turns."""
+    return 8 * (size + sum(done for done, _ in _joined(size)))
 
 
 def call_kernel(

@@ -31,7 +31,7 @@ extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, 1) late_frames(
     const int* __restrict__ onsets,       // (environments, sources, ENDS): sample of it before which nothing is heard
     const float* __restrict__ levels,     // (environments, sources, ENDS, echoes, BANDS)
     const float* __restrict__ octaves,    // (BANDS, HALF)
-    const float2* __restrict__ turns,     // (SIZE)
+    const float2* __restrict__ turns,     // of all passes, see `transform`
     const int* __restrict__ numbers,      // Sizes
     float* __restrict__ frames) {         // (environments, channels, frame)
   extern __shared__ float shared[];
@@ -39,10 +39,12 @@ extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, 1) late_frames(
   const Sizes size = *(const Sizes*)numbers;
   const int left = 2 * blockIdx.y, env = blockIdx.x, thread = threadIdx.x;
   const bool both = left + 1 < size.channels;
-  const Complex* table = (const Complex*)turns;
   Complex* values = (Complex*)shared;
-  Complex* now = values + place(SIZE);  // spectrum of what the first part hears; of the second part at both ends
+  Complex* table = values + SIZE;
+  Complex* now = table + num_turns(SIZE, SIZE);  // spectrum of what the first part hears; of the second part at both ends
   Complex* later[ENDS] = {now + HALF, now + 2 * HALF};
+  copy_turns<SIZE>(table, turns);
+  __syncthreads();
   Complex whole[ENDS][SLOTS];
 #pragma unroll
   for (int slot = 0; slot < SLOTS; ++slot) whole[0][slot] = whole[1][slot] = Complex{0.0f, 0.0f};

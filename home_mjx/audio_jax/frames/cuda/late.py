@@ -16,7 +16,7 @@ from home_mjx.core.native.batched import batched, numbers
 from home_mjx.schema.compiled import BANDS
 
 NUM_TABLES = 3
-ROWS, LOUD, NOISE_THREADS = 64, 32, 256  # of a block, numbers of their loudness, and threads, as in noise.cu
+ROWS, LOUD, NOISE_THREADS = 64, 32, 128  # of a block, numbers of their loudness, and threads, as in noise.cu
 
 
 def available(config: AudioConfig) -> bool:
@@ -34,7 +34,7 @@ def late_frame(sources: Float[Array, "n w"], late: Late, config: AudioConfig) ->
 
 def late_tables(
     config: AudioConfig,
-) -> tuple[Float[Array, "own c bands n"], Float[Array, "bands f"], Float[Array, "size two"]]:
+) -> tuple[Float[Array, "own c bands n"], Float[Array, "bands f"], Float[Array, "turns two"]]:
     """Noise, gains of octaves, and the turns of the transform."""
     size = cuda.transform_size(window_width(config))
     assert size is not None
@@ -52,7 +52,7 @@ def run_late(config: AudioConfig, *given: Array) -> tuple[Array, ...]:
     """The kernels for environments (e ...), all of which share the first operands, see `late_tables`."""
     table, octaves, turns, sources, *shares, begun, onset, tail = given
     (responses,) = carry_noise(config, table, *shares, begun)
-    (envs, count, length), channels, size = sources.shape, config.num_channels, turns.shape[0]
+    (envs, count, length), channels, size = sources.shape, config.num_channels, 2 * (octaves.shape[1] - 1)
     first, half = config.response_length - config.half_length, config.half_length
     start = config.memory_length - first - config.tail_ringing
     sizes = (count, length, channels, config.response_length, first, half, config.num_tail, start)
@@ -75,7 +75,8 @@ def carry_noise(
     (*ends, bins, channels, bands), (own, noises, *_) = power.shape, table.shape
     sizes = (math.prod(ends), bins, channels, config.bin_samples, common.shape[-2], own)
     result = jax.ShapeDtypeStruct((*ends, channels, config.response_length), jnp.float32)
-    grid, weights = (channels * -(-sizes[0] // ROWS), bins), -(-noises * bands // 4) * 4
+    pieces, weights = -(-config.bin_samples // (2 * NOISE_THREADS)), -(-noises * bands // 4) * 4
+    grid = channels * -(-sizes[0] // ROWS), bins * pieces
     shared = 4 * ROWS * (weights + LOUD * (2 if sizes[4] else 1))
     ptx, operands = cuda.ptx_of(cuda.NOISE_SOURCES, noises), (table, power, mix, common, start, numbers(sizes))
     return cuda.call_kernel("carry_noise", ptx, grid, NOISE_THREADS, shared, operands, result)
@@ -83,4 +84,4 @@ def carry_noise(
 
 def _bytes(size: int) -> int:
     """Memory that a block needs: a transform, and three spectra of real signals."""
-    return cuda.values_bytes(size) + 3 * 8 * (size // 2 + 1)
+    return cuda.transform_bytes(size) + 3 * 8 * (size // 2 + 1)
