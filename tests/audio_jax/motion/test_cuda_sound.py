@@ -146,20 +146,29 @@ def test_the_first_path_is_filtered_as_by_convolution(here, rng):
     assert not np.any(got[2])
 
 
-@pytest.mark.parametrize("seconds", [0.0, 0.15, 0.4])
-@pytest.mark.parametrize(("sources", "receiver"), [(1, "binaural"), (2, "array"), (1, "ambisonics"), (1, "omni")])
-def test_late_sound_is_heard_as_by_xla(here, rng, seconds, sources, receiver):
-    """With no echoes of the second part, two and four, an odd number of channels, late and early onsets."""
-    microphones = ((0.1, 0, 0), (0, 0.1, 0), (-0.1, 0, 0)) if receiver == "array" else ()
-    config = AudioConfig(
-        motion=True, tail_seconds=seconds, response_seconds=0.2, receiver=receiver, microphones=microphones
-    )
+def check_late_sound(rng, sources, **options):
+    """Against XLA's."""
+    config = AudioConfig(motion=True, response_seconds=0.2, **options)
     signals, sound = some_late(rng, 2, sources, config)
     wanted = jax.vmap(lambda *one: tail.frame_by_xla(*one, config))(signals, sound)
     share = sound.share
     given = signals, share.power, share.mix, share.common, share.start, sound.onset, sound.tail
     (got,) = late.run_late(config, *late.late_tables(config), *given)
     np.testing.assert_allclose(got, wanted, rtol=0, atol=2e-5 * np.std(wanted))
+
+
+@pytest.mark.parametrize("seconds", [0.0, 0.15, 0.4])
+@pytest.mark.parametrize(("sources", "receiver"), [(1, "binaural"), (2, "array"), (1, "ambisonics"), (1, "omni")])
+def test_late_sound_is_heard_as_by_xla(here, rng, seconds, sources, receiver):
+    """With no echoes of the second part, two and four, an odd number of channels, late and early onsets."""
+    microphones = ((0.1, 0, 0), (0, 0.1, 0), (-0.1, 0, 0)) if receiver == "array" else ()
+    check_late_sound(rng, sources, tail_seconds=seconds, receiver=receiver, microphones=microphones)
+
+
+@pytest.mark.parametrize("bin_seconds", [0.0005, 0.00625, 0.02])
+def test_bins_may_be_short_and_long(here, rng, bin_seconds):
+    """Shorter than a warp, and longer than a block has threads; numbers of bins that no block divides."""
+    check_late_sound(rng, 1, tail_seconds=0.0, bin_seconds=bin_seconds)
 
 
 @pytest.mark.parametrize(("count", "channels"), [(2143, 2), (250, 3), (700, 1), (1000, 4), (4500, 2)])

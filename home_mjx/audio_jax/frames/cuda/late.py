@@ -16,7 +16,7 @@ from home_mjx.core.native.batched import batched, numbers
 from home_mjx.schema.compiled import BANDS
 
 NUM_TABLES = 3
-ROWS, LOUD, NOISE_THREADS = 64, 32, 128  # of a block, numbers of their loudness, and threads, as in noise.cu
+ROWS, RUN, LOUD, NOISE_THREADS = 64, 5, 32, 64  # of a block, its bins, numbers of a row, and threads, as in noise.cu
 
 
 def available(config: AudioConfig) -> bool:
@@ -76,7 +76,7 @@ def carry_noise(
     sizes = (math.prod(ends), bins, channels, config.bin_samples, common.shape[-2], own)
     result = jax.ShapeDtypeStruct((*ends, channels, config.response_length), jnp.float32)
     pieces, weights = -(-config.bin_samples // (2 * NOISE_THREADS)), -(-noises * bands // 4) * 4
-    grid = channels * -(-sizes[0] // ROWS), bins * pieces
+    grid = channels * -(-sizes[0] // ROWS), -(-bins // RUN) * pieces
     shared = 4 * ROWS * (weights + LOUD * (2 if sizes[4] else 1))
     ptx, operands = cuda.ptx_of(cuda.NOISE_SOURCES, noises), (table, power, mix, common, start, numbers(sizes))
     return cuda.call_kernel("carry_noise", ptx, grid, NOISE_THREADS, shared, operands, result)
