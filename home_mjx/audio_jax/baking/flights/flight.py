@@ -9,11 +9,11 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.audio_jax.baking.cells import FROM_FLOOR
-from home_mjx.audio_jax.baking.split import share_out
+from home_mjx.audio_jax.baking.flights.grid import Grid
+from home_mjx.audio_jax.baking.flights.split import share_out
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.propagation.paths import SKIN, air_energy
 from home_mjx.audio_jax.propagation.surfaces import AcousticSurface, surface_at
-from home_mjx.core.pytree import Pytree, static
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import ARCHITECTURE, BANDS, Ray
@@ -25,20 +25,6 @@ BEHIND = (0.08, 0.15, 0.25, 0.4)  # [m], from a surface to points that may be in
 HALVINGS = 5  # of a segment, to find where it comes into another room
 FLOORS = 2.0  # times as thick as walls may floors be
 FEW = 0.1  # share of what has grown old that may be left when a flight ends
-
-
-class Grid(Pytree):
-    """Which cell holds a point: `baking.cells` on the device."""
-
-    lookup: Int[Array, "levels rows columns"]
-    origin: Float[Array, " 2"]
-    low: Float[Array, " n"]
-    high: Float[Array, " n"]
-    volume: Float[Array, " n"]
-    room: Int[Array, " n"]
-    joined: Bool[Array, "r r"]  # which rooms have a portal in common
-    rooms: int = static()
-    step: float = static()  # [m]
 
 
 class Rays(NamedTuple):
@@ -53,18 +39,24 @@ class Rays(NamedTuple):
     last: Int[Array, " n"]  # before whose surface it was last reflected
 
 
-class Flown(NamedTuple):
+class Gave(NamedTuple):
     """What the rays of one source gave, or several."""
 
-    energy: Float[Array, "bands c k"]  # re the free field of the source at 1 m, per octave, cell and time bin
-    way: Float[Array, "c k 3"]  # directions in which it came, by energy; over all octaves
-    went: Float[Array, "bands r r k"]  # energy that went from room to room, when; diagonal: that grew old
+    energy: Float[Array, "*s bands c k"]  # re the free field of the source at 1 m, per octave, cell and time bin
+    way: Float[Array, "*s c k 3"]  # directions in which it came, by energy; over all octaves
+    went: Float[Array, "*s bands r r k"]  # energy that went from room to room, when; diagonal: that grew old
+    lived: Float[Array, "*s bands r"]  # energy times way [m] in each room
+    lost: Float[Array, "*s bands r"]  # energy that surfaces and air have taken
+    moved: Float[Array, "*s bands r r"]  # that went from room to room
+    through: Float[Array, "*s bands r r"]  # that walls would have let through
+
+
+class Flown(NamedTuple):
+    """A flight of the rays of one source, or several."""
+
+    gave: Gave
     gone: "Gone"  # rays that went to another room
     aged: "Gone"  # that grew old
-    lived: Float[Array, "bands r"]  # energy times way [m] in each room
-    lost: Float[Array, "bands r"]  # energy that surfaces and air have taken
-    moved: Float[Array, "bands r r"]  # that went from room to room
-    through: Float[Array, "bands r r"]  # that walls would have let through
 
 
 class _Sums(NamedTuple):
@@ -191,7 +183,8 @@ class _Walk(NamedTuple):
         energy = sums.heard.reshape(len(BANDS), cells, -1) * scale[None, :, None]
         way = sums.way.reshape(cells, -1, 3) * scale[:, None, None]
         went = _put(sums.went, self.octave, ray.room, ray.room, ray.travelled / self.metres, ray.energy)
-        return Flown(energy, way, went * share, end.gone, left, *(x * share for x in sums[3:]))
+        gave = Gave(energy, way, went * share, *(x * share for x in sums[3:]))
+        return Flown(gave, end.gone, left)
 
     def bounce(self, carry: "_Carry", key: Array) -> "_Carry":
         """One segment, heard on its way, and the reflection at its end."""

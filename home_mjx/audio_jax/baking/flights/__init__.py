@@ -1,0 +1,1 @@
+"""Rays that fly through a house from its cells and gates."""
