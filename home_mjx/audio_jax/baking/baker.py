@@ -39,8 +39,7 @@ class Baker:
         """
         pool, met, aged = Pool(), Pool(), Pool()
         cells = self._fly([[self._source(p, int(r))] for p, r in zip(points, room, strict=True)], True, YOUNG, pool)
-        went = _went(cells)
-        gates = gates_of(went.sum(axis=(0, 1, 4)))
+        gates = gates_of(cells.whole(lambda gave: np.asarray(gave.went).sum(axis=(1, 4))).sum(axis=0))
         oldest, old, entering = gates.kinds()
         sizes = [(flights, points.shape[1]) for flights in FLIGHTS]
         starts = pool.starts(gates.rooms[entering], gates.number, entering.start, sizes[2], self.rng)
@@ -55,7 +54,7 @@ class Baker:
         after = self._fly(starts, False, YOUNG)
         count = len(gates.rooms) + len(rooms)
         every = (last, gates.older), (middle, gates.older), (between, first), (after, second)
-        given = through(went, gates.number, count)
+        given = cells.whole(lambda gave: through(np.asarray(gave.went), gates.number, count))
         passed = np.concatenate([through(_went(heard), number, count) for heard, number in every])
         return join(self.tally, cells, together([heard for heard, _ in every]), given, passed)
 

@@ -54,8 +54,8 @@ def _hear(
 ) -> None:
     """One octave."""
     own, after = (x.whole(lambda gave: gave.energy[:, band, : len(tally.room)]) for x in (cells, gates))
-    heard = own + add_up(given, passed, after)
-    tally.add(band, np.maximum(heard, 0), float(tally.bins * tally.metres))
+    own += add_up(given, passed, after)
+    tally.add(band, np.maximum(own, 0, out=own), float(tally.bins * tally.metres))
 
 
 def _along(

@@ -11,6 +11,7 @@ a gate before the next one, and K what goes from gate to gate, all hear D + G H 
 equation, solved by its Fourier transform.
 """
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +20,8 @@ from jaxtyping import Complex, Float, Int
 MINOR = 0.05  # share of what comes into a room below which a gate is none of its own
 LONGER = 1.25  # times as long as what is transformed is the transform
 DAMPING = 1e-6  # of time before it is transformed, over the transform: what wraps around is so small
+ALONE = 1 << 16  # multiplications of a product that BLAS leaves to one thread: octaves have threads of their own
+FEWEST = 4  # cells at once
 
 
 class Gates(NamedTuple):
@@ -107,13 +110,19 @@ def add_up(
         heard: Of each gate by each cell.
     """
     bins = given.shape[-1]
-    source, between, cells = (_spectrum(x) for x in (given, passed, heard))
+    source, between = _spectrum(given), _spectrum(passed)
     rate = np.linalg.solve(np.eye(len(passed)) - np.swapaxes(between, 1, 2), np.swapaxes(source, 1, 2))
-    found = np.ascontiguousarray(np.swapaxes(rate, 1, 2)) @ cells
-    over_time = np.fft.irfft(np.ascontiguousarray(np.moveaxis(found, 0, -1)), int(LONGER * bins))
-    return over_time[..., :bins] / _damping(bins)
+    rate = np.ascontiguousarray(np.swapaxes(rate, 1, 2))
+    out = np.empty((len(given), *heard.shape[1:]))
+    block = max(ALONE // max(rate[0].size, 1), FEWEST)
+    for some in (slice(first, first + block) for first in range(0, out.shape[1], block)):
+        found = np.moveaxis(rate @ _spectrum(heard[:, some]), 0, -1)
+        over_time = np.fft.irfft(np.ascontiguousarray(found), int(LONGER * bins))
+        np.divide(over_time[..., :bins], _damping(bins), out=out[:, some])
+    return out
 
 
+@lru_cache
 def _damping(bins: int) -> Float[np.ndarray, " k"]:
     return DAMPING ** (np.arange(bins) / int(LONGER * bins))
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -45,7 +45,7 @@ class Heard(NamedTuple):
             out[rows] = some[: len(rows)]
         return out
 
-    def on_host(self) -> Self:
+    def on_host(self) -> "Heard":
         """The same, no longer on the device."""
         return self._replace(parts=jax.device_get(self.parts))
 
@@ -113,6 +113,7 @@ class Flights:
                 found, gone = _fly(self.scene, self.grid, *rays, *limits, keys[here], self.config, self.bins)
                 gave = _added(gave, found, *_shares(rows, source, some, self.at_once))
                 ended.append((gone, source[some]))
+                jax.block_until_ready(ended[-2:-1])  # one may wait while another flies: each has its memory
             jax.tree.map(lambda x: x.copy_to_host_async(), gave)
             parts.append((rows, gave))
         for gone, of in ended if keep else ():
@@ -122,7 +123,7 @@ class Flights:
     def _blocks(self, source: Int[np.ndarray, " f"]) -> list[Int[np.ndarray, " s"]]:
         """Sources of so many flights as fly together, but at least one."""
         rows, flights = np.unique(source, return_counts=True)
-        return _chunks(rows, max(self.at_once // max(flights, default=1), 1))
+        return _chunks(rows, max(self.at_once // max(flights.tolist(), default=1), 1))
 
 
 def _chunks(values: Int[np.ndarray, " n"], size: int) -> list[Int[np.ndarray, " _"]]:
