@@ -18,6 +18,7 @@ from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import ARCHITECTURE, BANDS, Ray
 
+FLIGHTS = "flights"  # name of the axis over which flights are mapped
 STAMPS = 6  # times at which one segment can be heard; longer ones are heard there by so many
 FAR = 1e4  # [m]
 INWARD = 0.1  # [m], from a surface to a point that is in the room before it
@@ -114,6 +115,8 @@ def fly(
         key: Random key.
         config: `bin_seconds` and the air.
         bins: Number of time bins.
+
+    It is mapped over flights that fly together, along the axis `FLIGHTS`.
     """
     count = start.shape[0]
     octave = jnp.repeat(jnp.arange(len(BANDS), dtype=jnp.int32), count // len(BANDS))
@@ -129,13 +132,13 @@ def fly(
     walk = _Walk(scene, grid, octave, air, fresh, age, mirrors, hear, metres)
 
     def step(carry: _Carry) -> _Carry:
-        return walk.bounce(carry, jax.random.fold_in(draws, carry.bounces))
+        return _goes_on(walk, carry, jax.random.fold_in(draws, carry.bounces))
 
-    end = jax.lax.while_loop(
-        lambda carry: (carry.bounces < bounces) & _flies(carry),
-        step,
-        _Carry(jnp.int32(0), first, nobody, nobody, _no_sums(grid, bins)),
-    )
+    def any_flies(carry: _Carry) -> Bool[Array, ""]:
+        # Were it only this flight, each bounce would copy the sums of all that are mapped, to keep those that ended.
+        return (carry.bounces < bounces) & (jax.lax.pmax(_flies(carry).astype(jnp.int32), FLIGHTS) > 0)
+
+    end = jax.lax.while_loop(any_flies, step, _Carry(jnp.int32(0), first, nobody, nobody, _no_sums(grid, bins)))
     return walk.flown(end, jax.random.uniform(turn, (count,), jnp.float32))
 
 
@@ -157,6 +160,14 @@ def _flies(carry: _Carry) -> Bool[Array, ""]:
     """Whether in any octave more flies than the few that others are not to wait for."""
     left, old = (x.reshape(len(BANDS), -1).sum(axis=1) for x in (carry.ray.energy, carry.aged.ray.energy))
     return jnp.any(left > FEW * old)
+
+
+def _goes_on(walk: "_Walk", carry: _Carry, key: Array) -> _Carry:
+    """A bounce of a flight; of one that has ended nothing, while others fly on."""
+    flies = _flies(carry)
+    ray = carry.ray._replace(energy=jnp.where(flies, carry.ray.energy, 0.0))
+    after = walk.bounce(carry._replace(ray=ray), key)
+    return after._replace(ray=jax.tree.map(lambda new, old: jnp.where(flies, new, old), after.ray, carry.ray))
 
 
 class _Walk(NamedTuple):

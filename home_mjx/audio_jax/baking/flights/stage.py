@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int, UInt32
 
-from home_mjx.audio_jax.baking.flights.flight import Gave, Gone, fly
+from home_mjx.audio_jax.baking.flights.flight import FLIGHTS, Flown, Gave, Gone, fly
 from home_mjx.audio_jax.baking.flights.grid import Grid
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.raycast_render.scene.types import Scene
@@ -168,9 +168,12 @@ def _fly(
     bins: int,
 ) -> tuple[Gave, Gone]:
     """What several flights gave at once, and the rays of each (f, 2, n) that ended in another room or old."""
-    found = jax.vmap(lambda p, d, t, r, k: fly(scene, grid, p, d, t, r, fresh, bounces, age, k, config, bins))(
-        origin, direction, travelled, room, jax.random.wrap_key_data(keys)
-    )
+
+    def one(*ray: Array) -> Flown:
+        *start, key = ray
+        return fly(scene, grid, *start, fresh, bounces, age, key, config, bins)
+
+    found = jax.vmap(one, axis_name=FLIGHTS)(origin, direction, travelled, room, jax.random.wrap_key_data(keys))
     return found.gave, jax.tree.map(lambda a, b: jnp.stack([a, b], axis=1), found.gone, found.aged)
 
 
