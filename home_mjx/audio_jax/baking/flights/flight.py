@@ -308,20 +308,18 @@ def _hear(
     heard, way = sums.heard, sums.way
     cells = grid.volume.shape[0]
     bins = heard.shape[0] // cells // len(BANDS)
-    first = jnp.ceil(ray.travelled / metres - late)
-    for stamp in range(STAMPS):
-        index = first + stamp
-        along = (index + late) * metres - ray.travelled
-        point = ray.origin + along[:, None] * ray.direction
-        cell = _cell_at(point, grid)
-        inside = (along < length) & (cell >= 0) & (index < bins) & (ray.counts > 0)
-        inside = inside & (point[:, 2] >= grid.low[cell]) & (point[:, 2] < grid.high[cell])
-        energy = jnp.where(inside, ray.energy * jnp.exp(-air * along), 0.0)
-        index = index.astype(jnp.int32)
-        place = (octave * cells + cell) * bins + index
-        heard = heard.at[jnp.where(inside, place, heard.shape[0])].add(energy, mode="drop")
-        place = jnp.where(inside, cell * bins + index, way.shape[0])
-        way = way.at[place].add(energy[:, None] * ray.direction, mode="drop")
+    index = jnp.ceil(ray.travelled / metres - late) + jnp.arange(STAMPS, dtype=jnp.float32)[:, None]
+    along = (index + late) * metres - ray.travelled
+    point = ray.origin + along[..., None] * ray.direction
+    cell = _cell_at(point.reshape(-1, 3), grid).reshape(along.shape)
+    inside = (along < length) & (cell >= 0) & (index < bins) & (ray.counts > 0)
+    inside = inside & (point[..., 2] >= grid.low[cell]) & (point[..., 2] < grid.high[cell])
+    energy = jnp.where(inside, ray.energy * jnp.exp(-air * along), 0.0)
+    index = index.astype(jnp.int32)
+    place = (octave * cells + cell) * bins + index
+    heard = heard.at[jnp.where(inside, place, heard.shape[0])].add(energy, mode="drop")
+    place = jnp.where(inside, cell * bins + index, way.shape[0])
+    way = way.at[place].add(energy[..., None] * ray.direction, mode="drop")
     return sums._replace(heard=heard, way=way)
 
 
