@@ -87,8 +87,9 @@ def through(
     """Energy that went from room to room, by gates, which are alike for all sources or given by source."""
     out = np.zeros((*went.shape[:2], count, went.shape[-1]), went.dtype)
     each = np.broadcast_to(number, (len(went), *number.shape[-2:]))
-    for source, left, entered in np.argwhere(each >= 0):
-        out[source, :, each[source, left, entered]] += went[source, :, left, entered]
+    for left, entered in np.argwhere((each >= 0).any(axis=0)):
+        rows = np.flatnonzero(each[:, left, entered] >= 0)
+        out[rows, :, each[rows, left, entered]] += went[rows, :, left, entered]
     return out
 
 
@@ -113,7 +114,7 @@ def add_up(
     source, between = _spectrum(given), _spectrum(passed)
     rate = np.linalg.solve(np.eye(len(passed)) - np.swapaxes(between, 1, 2), np.swapaxes(source, 1, 2))
     rate = np.ascontiguousarray(np.swapaxes(rate, 1, 2))
-    out = np.empty((len(given), *heard.shape[1:]))
+    out = np.empty((len(given), heard.shape[1], bins))
     block = max(ALONE // max(rate[0].size, 1), FEWEST)
     for some in (slice(first, first + block) for first in range(0, out.shape[1], block)):
         found = np.moveaxis(rate @ _spectrum(heard[:, some]), 0, -1)

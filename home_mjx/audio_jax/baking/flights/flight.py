@@ -102,6 +102,8 @@ def fly(
     directly flies on there. It went through the gate where it came into that room, and has flown on from there when it
     starts anew: else far walls would answer at once.
 
+    It is mapped over flights that fly together, along the axis `FLIGHTS`.
+
     Args:
         scene: The house.
         grid: Its cells.
@@ -115,8 +117,6 @@ def fly(
         key: Random key.
         config: `bin_seconds` and the air.
         bins: Number of time bins.
-
-    It is mapped over flights that fly together, along the axis `FLIGHTS`.
     """
     count = start.shape[0]
     octave = jnp.repeat(jnp.arange(len(BANDS), dtype=jnp.int32), count // len(BANDS))

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import partial, reduce
 from typing import NamedTuple
 
 import jax
@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int, UInt32
 
-from home_mjx.audio_jax.baking.flights.flight import FLIGHTS, Flown, Gave, Gone, fly
+from home_mjx.audio_jax.baking.flights.flight import FLIGHTS, Gave, Gone, fly
 from home_mjx.audio_jax.baking.flights.grid import Grid
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.raycast_render.scene.types import Scene
@@ -100,30 +100,38 @@ class Flights:
             keep: Gets the rays that went through gates, those of flights (f, 2, n) that left a room and that grew old
                 there, on the host, and the source of each flight.
         """
-        limits = np.bool_(fresh), np.int32(bounces), np.float32(age)
         source = np.repeat(np.arange(len(starts)), [len(some) for some in starts])
-        every = [one for some in starts for one in some]
-        keys = _keys(seed, len(every))
+        every, keys = [one for some in starts for one in some], _keys(seed, len(source))
+        limits = np.bool_(fresh), np.int32(bounces), np.float32(age)
         parts, ended = [(source[:0], _nothing(self.grid, self.bins))], []
         for rows in self._blocks(source):
-            gave = None
+            gave = ()
             for some in _chunks(np.flatnonzero(np.isin(source, rows)), self.at_once):
-                here = some[np.minimum(np.arange(self.at_once), len(some) - 1)]
+                here = some[np.minimum(np.arange(self.at_once), len(some) - 1)]  # as many each time: one program
                 rays = _stacked([every[flight] for flight in here])
                 found, gone = _fly(self.scene, self.grid, *rays, *limits, keys[here], self.config, self.bins)
-                gave = _added(gave, found, *_shares(rows, source, some, self.at_once))
                 ended.append((gone, source[some]))
+                if keep:
+                    _fetch(gone)
+                gave = (_added(gave, found, *_shares(rows, source, some, self.at_once)),)
                 jax.block_until_ready(ended[-2:-1])  # one may wait while another flies: each has its memory
-            jax.tree.map(lambda x: x.copy_to_host_async(), gave)
-            parts.append((rows, gave))
-        for gone, of in ended if keep else ():
-            keep(jax.tree.map(lambda x, of=of: x[: len(of)], jax.device_get(gone)), of)
+            _fetch(*gave)
+            parts.append((rows, *gave))
+        if keep:
+            for gone, of in ended:
+                keep(jax.tree.map(lambda x, of=of: x[: len(of)], jax.device_get(gone)), of)
         return Heard(len(starts), tuple(parts))
 
     def _blocks(self, source: Int[np.ndarray, " f"]) -> list[Int[np.ndarray, " s"]]:
         """Sources of so many flights as fly together, but at least one."""
         rows, flights = np.unique(source, return_counts=True)
         return _chunks(rows, max(self.at_once // max(flights.tolist(), default=1), 1))
+
+
+def _fetch(*arrays: Gave | Gone) -> None:
+    """Begins to, the last ones first: none waits for what is heard, which is most and needed last."""
+    for array in reversed(jax.tree.leaves(arrays)):
+        array.copy_to_host_async()
 
 
 def _chunks(values: Int[np.ndarray, " n"], size: int) -> list[Int[np.ndarray, " _"]]:
@@ -168,25 +176,21 @@ def _fly(
     bins: int,
 ) -> tuple[Gave, Gone]:
     """What several flights gave at once, and the rays of each (f, 2, n) that ended in another room or old."""
-
-    def one(*ray: Array) -> Flown:
-        *start, key = ray
-        return fly(scene, grid, *start, fresh, bounces, age, key, config, bins)
-
-    found = jax.vmap(one, axis_name=FLIGHTS)(origin, direction, travelled, room, jax.random.wrap_key_data(keys))
+    found = jax.vmap(
+        lambda p, d, t, r, k: fly(scene, grid, p, d, t, r, fresh, bounces, age, k, config, bins), axis_name=FLIGHTS
+    )(origin, direction, travelled, room, jax.random.wrap_key_data(keys))
     return found.gave, jax.tree.map(lambda a, b: jnp.stack([a, b], axis=1), found.gone, found.aged)
 
 
 @jax.jit
-def _added(before: Gave | None, gave: Gave, flight: Int[Array, "s m"], weight: Float[Array, "s m"]) -> Gave:
+def _added(before: tuple[Gave, ...], gave: Gave, flight: Int[Array, "s m"], weight: Float[Array, "s m"]) -> Gave:
     """Adds to what sources gave their flights' shares, one after the other: the same sum every time."""
 
-    def add(new: Array, total: Array | float) -> Array:
-        for nth in range(flight.shape[1]):
-            total = total + weight[:, nth].reshape(-1, *(new.ndim - 1) * [1]) * new[flight[:, nth]]
-        return total
+    def add(new: Array, *total: Array) -> Array:
+        share = weight.T.reshape(*weight.T.shape, *(new.ndim - 1) * [1])
+        return reduce(jnp.add, (*total, *(share[nth] * new[row] for nth, row in enumerate(flight.T))))
 
-    return jax.tree.map(add, gave, jax.tree.map(lambda _: 0.0, gave) if before is None else before)
+    return jax.tree.map(add, gave, *before)
 
 
 def _nothing(grid: Grid, bins: int) -> Gave:
@@ -194,4 +198,4 @@ def _nothing(grid: Grid, bins: int) -> Gave:
     bands, cells, rooms = len(BANDS), grid.volume.shape[0], grid.rooms
     pair = bands, rooms, rooms
     shapes = (bands, cells, bins), (cells, bins, 3), (*pair, bins), pair[:2], pair[:2], pair, pair
-    return Gave(*(np.zeros((0, *shape), np.float32) for shape in shapes))
+    return Gave(*(jax.device_put(np.zeros((0, *shape), np.float32)) for shape in shapes))
