@@ -8,8 +8,8 @@ from jaxtyping import Bool
 
 from home_mjx.audio_jax.baked.spans import BINS, at_knots
 from home_mjx.audio_jax.baking.baker import Baker
-from home_mjx.audio_jax.baking.cells import divide
 from home_mjx.audio_jax.baking.fit import Tally
+from home_mjx.audio_jax.baking.flights.cells import divide
 from home_mjx.audio_jax.baking.flights.grid import grid_of
 from home_mjx.audio_jax.baking.flights.stage import Flights
 from home_mjx.audio_jax.baking.flow import flow_of

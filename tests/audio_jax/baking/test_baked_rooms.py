@@ -25,8 +25,8 @@ from home_mjx.audio_jax import (
 )
 from home_mjx.audio_jax.auralization.response import late_energy
 from home_mjx.audio_jax.baking.bake import bake_house, open_scene
-from home_mjx.audio_jax.baking.cells import divide
 from home_mjx.audio_jax.baking.fit import Tally
+from home_mjx.audio_jax.baking.flights.cells import divide
 from home_mjx.audio_jax.baking.late_field import LateField, stacked
 from home_mjx.audio_jax.base.filters import octave_gains
 from home_mjx.bank.bank import HouseBank

@@ -11,8 +11,8 @@ from handmade import shoebox
 
 from home_mjx.audio_jax.baked.reading import _delayed
 from home_mjx.audio_jax.baked.spans import BINS, FINE, KNOTS, SPANS, at_knots, between, span_of
-from home_mjx.audio_jax.baking.cells import FROM_CEILING, FROM_FLOOR, MOST_CELLS, divide
 from home_mjx.audio_jax.baking.fit import Tally, alike, apart, neighbours
+from home_mjx.audio_jax.baking.flights.cells import FROM_CEILING, FROM_FLOOR, MOST_CELLS, divide
 from home_mjx.audio_jax.baking.flights.split import share_out
 
 

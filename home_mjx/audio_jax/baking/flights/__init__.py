@@ -1,1 +1,1 @@
-"""Rays that fly through a house from its cells and gates."""
+"""Cells of a house, and rays that fly through it from them and from gates."""

@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from home_mjx.audio_jax.baking.cells import FROM_FLOOR
+from home_mjx.audio_jax.baking.flights.cells import FROM_FLOOR
 from home_mjx.audio_jax.baking.flights.grid import Grid
 from home_mjx.audio_jax.baking.flights.split import share_out
 from home_mjx.audio_jax.base.config import AudioConfig

@@ -4,12 +4,12 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from home_mjx.audio_jax.baking.cells import Cells
+from home_mjx.audio_jax.baking.flights.cells import Cells
 from home_mjx.core.pytree import Pytree, static
 
 
 class Grid(Pytree):
-    """`baking.cells` on the device."""
+    """`Cells` on the device."""
 
     lookup: Int[Array, "levels rows columns"]
     origin: Float[Array, " 2"]
