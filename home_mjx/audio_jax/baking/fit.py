@@ -1,7 +1,5 @@
 """From what cells heard to a late field: spans of time, shapes of decays, and what lies beyond the traced time."""
 
-from collections.abc import Iterator
-
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
@@ -12,7 +10,7 @@ PRIOR = 0.05  # share of a pair's energy that is spread over the spans as betwee
 
 
 class Tally:
-    """Sums over sources: one call of `add` for each cell that sounded.
+    """Sums over cells: one call of `add` for each octave.
 
     Args:
         room: Of each cell.
@@ -32,24 +30,27 @@ class Tally:
         self.shape = np.zeros((rooms, rooms, bands, bins))
         self.valid: list[int] = []
 
-    def add(self, source: int, heard: Float[np.ndarray, "bands n k"], flown: float) -> None:
-        """Energy from one cell to all, up to a distance that nearly all rays flew [m]."""
+    def add(self, octave: int, heard: Float[np.ndarray, "n n k"], flown: float) -> None:
+        """Energy from all cells to all, up to a distance that nearly all rays flew [m]."""
         self.valid.append(int((flown - self.distance.max()) / self.metres))
-        for cell, after in enumerate(self._after(source, heard)):
-            self.pair[source, cell] = np.add.reduceat(after, SPANS, axis=1).T
-            self.shape[self.room[source], self.room[cell]] += after
+        after = self._after(heard)
+        self.pair[..., octave] = np.add.reduceat(after, SPANS, axis=2)
+        member = np.eye(len(self.shape))[self.room]
+        self.shape[:, :, octave] = np.einsum("ia,ijk,jb->abk", member, after, member, optimize=True)
 
-    def spans(self, source: int, heard: Float[np.ndarray, "x n k"]) -> Float[np.ndarray, "n x s"]:
-        """Sums over each span of what all cells hear of one."""
-        return np.stack([np.add.reduceat(after, SPANS, axis=1) for after in self._after(source, heard)])
+    def spans(self, heard: Float[np.ndarray, "n n k"]) -> Float[np.ndarray, "n n s"]:
+        """Sums over each span of what all cells hear of all."""
+        return np.add.reduceat(self._after(heard), SPANS, axis=2)
 
-    def _after(self, source: int, heard: Float[np.ndarray, "x n k"]) -> Iterator[Float[np.ndarray, "x k"]]:
-        """What each cell hears from the first possible arrival on; what seems to be earlier comes then."""
-        for cell, late in enumerate(self.arrival[source]):
-            after = np.zeros(heard.shape[::2])
-            after[:, : heard.shape[2] - late] = heard[:, cell, late:]
-            after[:, 0] += heard[:, cell, :late].sum(axis=1)
-            yield after
+    def _after(self, heard: Float[np.ndarray, "n n k"]) -> Float[np.ndarray, "n n k"]:
+        """What cells hear from the first possible arrival on; what seems to be earlier comes then."""
+        after = np.zeros(heard.shape)
+        for late in np.unique(self.arrival):
+            pairs = np.nonzero(self.arrival == late)
+            found = heard[pairs]
+            after[*pairs, : self.bins - late] = found[:, late:]
+            after[*pairs, 0] += found[:, :late].sum(axis=1)
+        return after
 
     def finish(
         self, seen: Bool[np.ndarray, "n n"] | None = None

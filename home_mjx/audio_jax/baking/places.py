@@ -5,8 +5,8 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 from scipy.sparse.csgraph import dijkstra
 
-from home_mjx.audio_jax.baking.cells import Cells
 from home_mjx.audio_jax.baking.fit import neighbours
+from home_mjx.audio_jax.baking.flights.cells import Cells
 from home_mjx.raycast_render.casting.cast import occluded
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import CompiledHouse, Ray

@@ -11,26 +11,17 @@ a gate before the next one, and K what goes from gate to gate, all hear D + G H 
 equation, solved by its Fourier transform.
 """
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Complex, Float, Int
 
-from home_mjx.audio_jax.baking.flight import Flown, Rays
-from home_mjx.schema.compiled import BANDS
-
 MINOR = 0.05  # share of what comes into a room below which a gate is none of its own
 LONGER = 1.25  # times as long as what is transformed is the transform
 DAMPING = 1e-6  # of time before it is transformed, over the transform: what wraps around is so small
-
-
-class Start(NamedTuple):
-    """Rays of one flight, octave after octave, equally many of each."""
-
-    origin: Float[np.ndarray, "n 3"]
-    direction: Float[np.ndarray, "n 3"]
-    travelled: Float[np.ndarray, " n"]  # since the bin began in which it went through a gate [m]
-    room: int
+ALONE = 1 << 16  # multiplications of a product that BLAS leaves to one thread: octaves have threads of their own
+FEWEST = 4  # cells at once
 
 
 class Gates(NamedTuple):
@@ -90,80 +81,15 @@ def gates_after(
     return rooms, number, np.where(before[:, None, None] >= 0, number[before], gates.number)
 
 
-class Pool:
-    """Rays that went through gates, to start anew from them."""
-
-    def __init__(self) -> None:
-        self.rays: list[tuple[np.ndarray, ...]] = []
-
-    def add(self, flown: Flown, source: int = 0) -> None:
-        """Keeps where rays of a flight of a source went; its arrays are on the host, and one flight's."""
-        for gone in (flown.gone, flown.aged):
-            self._keep(gone.ray, np.asarray(gone.entered), source)
-
-    def _keep(self, rays: Rays, entered: Int[np.ndarray, " n"], source: int) -> None:
-        kept = np.flatnonzero(np.asarray(rays.energy) > 0)
-        octave = kept // (len(entered) // len(BANDS))
-        values = (rays.origin, rays.direction, rays.travelled, rays.energy, rays.room)
-        self.rays.append((*(np.asarray(x)[kept] for x in values), entered[kept], octave, np.full(len(kept), source)))
-
-    def starts(
-        self,
-        rooms: Int[np.ndarray, "g 2"],
-        number: Int[np.ndarray, "*s r r"],
-        first: int,
-        size: tuple[int, int],
-        rng: np.random.Generator,
-    ) -> list[list[Start]]:
-        """Of each of some gates flights of rays, drawn by energy from those of the same octave.
-
-        Args:
-            rooms: Of these gates.
-            number: Of all gates, alike for all sources or by source.
-            first: Number of the first of these.
-            size: How many flights, and rays per octave in each.
-            rng: Random numbers.
-        """
-        if not self.rays:
-            return [[] for _ in rooms]
-        origin, direction, travelled, energy, room, entered, octave, source = (
-            np.concatenate(x) for x in zip(*self.rays, strict=True)
-        )
-        gate = number[source, room, entered] if number.ndim == 3 else number[room, entered]
-        flights, count = size
-        out = []
-        for index, here in enumerate(rooms[:, 1], first):
-            mine = np.flatnonzero(gate == index)
-            if not mine.size:  # nothing is left that could start
-                out.append([])
-                continue
-            picks = []
-            for band in range(len(BANDS)):
-                own = mine[octave[mine] == band]
-                picks.append(_draw(own if own.size else mine, energy, count * flights, rng))
-            drawn = np.stack(picks).reshape(len(BANDS), flights, count)
-            every = np.moveaxis(drawn, 1, 0).reshape(flights, -1)
-            out.append([Start(origin[pick], direction[pick], travelled[pick], int(here)) for pick in every])
-        return out
-
-
-def _draw(
-    rows: Int[np.ndarray, " n"], energy: Float[np.ndarray, " m"], count: int, rng: np.random.Generator
-) -> Int[np.ndarray, " count"]:
-    """Systematic sampling by energy, in random order."""
-    parts = np.cumsum(energy[rows].astype(float))
-    place = (np.arange(count) + rng.random()) / count * parts[-1]
-    return rng.permutation(rows[np.minimum(np.searchsorted(parts, place, side="right"), len(rows) - 1)])
-
-
 def through(
     went: Float[np.ndarray, "s bands r r k"], number: Int[np.ndarray, "*s r r"], count: int
 ) -> Float[np.ndarray, "s bands g k"]:
     """Energy that went from room to room, by gates, which are alike for all sources or given by source."""
     out = np.zeros((*went.shape[:2], count, went.shape[-1]), went.dtype)
     each = np.broadcast_to(number, (len(went), *number.shape[-2:]))
-    for source, left, entered in np.argwhere(each >= 0):
-        out[source, :, each[source, left, entered]] += went[source, :, left, entered]
+    for left, entered in np.argwhere((each >= 0).any(axis=0)):
+        rows = np.flatnonzero(each[:, left, entered] >= 0)
+        out[rows, :, each[rows, left, entered]] += went[rows, :, left, entered]
     return out
 
 
@@ -185,13 +111,19 @@ def add_up(
         heard: Of each gate by each cell.
     """
     bins = given.shape[-1]
-    source, between, cells = (_spectrum(x) for x in (given, passed, heard))
+    source, between = _spectrum(given), _spectrum(passed)
     rate = np.linalg.solve(np.eye(len(passed)) - np.swapaxes(between, 1, 2), np.swapaxes(source, 1, 2))
-    found = np.ascontiguousarray(np.swapaxes(rate, 1, 2)) @ cells
-    over_time = np.fft.irfft(np.ascontiguousarray(np.moveaxis(found, 0, -1)), int(LONGER * bins))
-    return over_time[..., :bins] / _damping(bins)
+    rate = np.ascontiguousarray(np.swapaxes(rate, 1, 2))
+    out = np.empty((len(given), heard.shape[1], bins))
+    block = max(ALONE // max(rate[0].size, 1), FEWEST)
+    for some in (slice(first, first + block) for first in range(0, out.shape[1], block)):
+        found = np.moveaxis(rate @ _spectrum(heard[:, some]), 0, -1)
+        over_time = np.fft.irfft(np.ascontiguousarray(found), int(LONGER * bins))
+        np.divide(over_time[..., :bins], _damping(bins), out=out[:, some])
+    return out
 
 
+@lru_cache
 def _damping(bins: int) -> Float[np.ndarray, " k"]:
     return DAMPING ** (np.arange(bins) / int(LONGER * bins))
 

@@ -24,9 +24,9 @@ from home_mjx.audio_jax import (
     survey_room,
 )
 from home_mjx.audio_jax.auralization.response import late_energy
-from home_mjx.audio_jax.baking import bake
 from home_mjx.audio_jax.baking.bake import bake_house, open_scene
-from home_mjx.audio_jax.baking.cells import divide
+from home_mjx.audio_jax.baking.fit import Tally
+from home_mjx.audio_jax.baking.flights.cells import divide
 from home_mjx.audio_jax.baking.late_field import LateField, stacked
 from home_mjx.audio_jax.base.filters import octave_gains
 from home_mjx.bank.bank import HouseBank
@@ -126,19 +126,18 @@ def test_what_is_read_is_as_early_as_what_rays_gave(monkeypatch):
     half a bin, 2 ms, late: EDT of a room of 0.25 s was 5 % long.
     """
     found = {}
-    join = bake._Baker._join
+    add = Tally.add
 
-    def keep(baker, cells, gates, given, passed):
-        sums = join(baker, cells, gates, given, passed)
-        found["heard"] = cells.energy[:, MID]
-        return sums
+    def keep(tally, octave, heard, flown):
+        found[octave] = heard
+        add(tally, octave, heard, flown)
 
-    monkeypatch.setattr(bake._Baker, "_join", keep)
+    monkeypatch.setattr(Tally, "add", keep)
     house = shoebox((6.0, 5.0, 3.0), absorption=0.5)
     scene = baked(house, BakeOptions(size=1.5, rays=100, bounces=40))
     middle = jnp.asarray(divide(house, 1.5).center, jnp.float32)
     read = jax.vmap(jax.vmap(lambda a, b: baked_sound(scene, a, b, CONFIG).energy[:, MID], (None, 0)), (0, None))
-    ours, exact = np.asarray(jax.jit(read)(middle, middle)), found["heard"]
+    ours, exact = np.asarray(jax.jit(read)(middle, middle)), found[MID]
     times = [(x.sum(axis=(0, 1)) @ np.arange(x.shape[2])) / x.sum() for x in (ours, exact)]
     assert 1000 * DT * (times[0] - times[1]) == pytest.approx(0, abs=0.5)
 

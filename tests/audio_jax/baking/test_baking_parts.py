@@ -11,9 +11,9 @@ from handmade import shoebox
 
 from home_mjx.audio_jax.baked.reading import _delayed
 from home_mjx.audio_jax.baked.spans import BINS, FINE, KNOTS, SPANS, at_knots, between, span_of
-from home_mjx.audio_jax.baking.cells import FROM_CEILING, FROM_FLOOR, MOST_CELLS, divide
 from home_mjx.audio_jax.baking.fit import Tally, alike, apart, neighbours
-from home_mjx.audio_jax.baking.split import share_out
+from home_mjx.audio_jax.baking.flights.cells import FROM_CEILING, FROM_FLOOR, MOST_CELLS, divide
+from home_mjx.audio_jax.baking.flights.split import share_out
 
 
 def test_cells_fill_the_rooms():
@@ -35,9 +35,9 @@ def test_no_cell_lies_in_two_rooms_and_there_are_never_too_many():
 def exponentials(rates: np.ndarray, flown: int, bins: int = 400) -> Tally:
     """A tally of one room of four cells that hear a decay per octave, only as long as rays flew."""
     tally = Tally(np.zeros(4, int), np.zeros((4, 4)), len(rates), bins, 1.0)
-    decay = np.exp(-rates[:, None] * np.arange(bins)) * (np.arange(bins) < flown)
-    for source in range(4):
-        tally.add(source, np.repeat(decay[:, None], 4, axis=1), float(flown))
+    for octave, rate in enumerate(rates):
+        decay = np.exp(-rate * np.arange(bins)) * (np.arange(bins) < flown)
+        tally.add(octave, np.tile(decay, (4, 4, 1)), float(flown))
     return tally
 
 
@@ -62,9 +62,7 @@ def test_a_late_slope_is_as_loud_as_between_its_own_cells():
     time, near = np.arange(BINS), np.array([1.0, 1.0, 2.0, 2.0])
     decay = np.exp(-0.22 * time) + 0.003 * np.outer(near, near)[:, :, None] * np.exp(-0.045 * time)
     tally = Tally(np.zeros(4, int), np.zeros((4, 4)), 1, BINS, 1.0)
-    for of in decay:
-        tally.add(0, of[None], float(BINS))
-    tally.pair[:, :, :, 0] = np.add.reduceat(decay, SPANS, axis=2)
+    tally.add(0, decay, float(BINS))
     level, shape = tally.finish()
     read = np.exp(level[..., span_of(BINS), 0]) * shape[0, 0, 0]
     late = slice(2 * FINE, 200)
@@ -97,7 +95,7 @@ def test_the_last_slope_goes_on_after_the_last_knot():
 def test_arrivals_count_from_the_first_possible_one():
     """What comes 30 bins late between cells 30 bins apart is in the first span."""
     tally = Tally(np.zeros(2, int), np.array([[0.0, 30.0], [30.0, 0.0]]), 1, 100, 1.0)
-    heard = np.zeros((1, 2, 100))
+    heard = np.zeros((2, 2, 100))
     heard[0, 1, 31] = 5.0
     tally.add(0, heard, 100.0)
     assert tally.pair[0, 1].ravel().tolist() == [5, 0, 0, 0, 0]

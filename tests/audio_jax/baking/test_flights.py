@@ -5,7 +5,9 @@ import pytest
 from handmade import shoebox
 
 from home_mjx.audio_jax import BakeOptions
-from home_mjx.audio_jax.baking import bake
+from home_mjx.audio_jax.baking import baker
+from home_mjx.audio_jax.baking.bake import bake_house
+from home_mjx.audio_jax.baking.join import join
 from home_mjx.audio_jax.base.config import AudioConfig
 
 METRES = AudioConfig.bin_seconds * AudioConfig().speed_of_sound  # of a time bin
@@ -18,15 +20,14 @@ def test_rays_grow_old_by_the_way_that_they_flew(monkeypatch):
     """
     found = {}
 
-    def keep(baker, cells, gates, given, passed):
-        found["went"] = cells.went.sum(axis=(0, 1, 2, 3))
-        return join(baker, cells, gates, given, passed)
+    def keep(tally, cells, *others):
+        found["went"] = cells.whole(lambda gave: gave.went).sum(axis=(0, 1, 2, 3))
+        return join(tally, cells, *others)
 
-    join = bake._Baker._join
-    monkeypatch.setattr(bake._Baker, "_join", keep)
-    bake.bake_house(shoebox((2.0, 1.6, 2.4), absorption=0.02), BakeOptions(rays=40, bounces=60))
+    monkeypatch.setattr(baker, "join", keep)
+    bake_house(shoebox((2.0, 1.6, 2.4), absorption=0.02), BakeOptions(rays=40, bounces=60))
     went = found["went"]
-    early = went[: int(bake.YOUNG / METRES)].sum() / went.sum()
+    early = went[: int(baker.YOUNG / METRES)].sum() / went.sum()
     assert went.sum() > 0
     assert early == pytest.approx(0, abs=0.15)
-    assert np.flatnonzero(went)[-1] < 2 * bake.YOUNG / METRES
+    assert np.flatnonzero(went)[-1] < 2 * baker.YOUNG / METRES

@@ -4,7 +4,7 @@ import numpy as np
 from handmade import Furniture, shoebox
 
 from home_mjx.audio_jax.baking.bake import open_scene
-from home_mjx.audio_jax.baking.cells import divide
+from home_mjx.audio_jax.baking.flights.cells import divide
 from home_mjx.audio_jax.baking.places import start_points
 from home_mjx.bank.bank import HouseBank
 

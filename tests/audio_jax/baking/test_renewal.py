@@ -1,10 +1,12 @@
 """What is heard through gates: against chains of rooms whose energies are powers of a matrix."""
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
-from home_mjx.audio_jax.baking.flight import Flown, Gone, Rays, _put, _since
-from home_mjx.audio_jax.baking.renewal import Pool, add_up, flux, gates_after, gates_of, through
+from home_mjx.audio_jax.baking.flights.flight import Gone, Rays, _put, _since
+from home_mjx.audio_jax.baking.flights.pool import Pool
+from home_mjx.audio_jax.baking.renewal import add_up, flux, gates_after, gates_of, through
 from home_mjx.schema.compiled import BANDS
 
 BINS = 200
@@ -115,7 +117,7 @@ def test_rays_start_as_often_as_they_have_energy_in_their_own_octave():
     energy = np.tile([0.0, 1.0, 3.0, 6.0], len(BANDS))
     gone, none = ended(energy, 0, 1), ended(np.zeros(len(energy)), 0, 0)
     pool = Pool()
-    pool.add(Flown(*np.zeros((3, 1)), gone, none, *np.zeros((4, 1))))
+    pool.add(jax.tree.map(lambda a, b: np.stack([a, b])[None], gone, none), np.zeros(1, int))
     gates = gates_of(np.array([[0.0, 1.0], [0.0, 0.0]]))
     entering = gates.kinds()[2]
     (flights,) = pool.starts(gates.rooms[entering], gates.number, entering.start, (2, 100), rng)

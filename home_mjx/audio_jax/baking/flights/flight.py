@@ -8,16 +8,17 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from home_mjx.audio_jax.baking.cells import FROM_FLOOR
-from home_mjx.audio_jax.baking.split import share_out
+from home_mjx.audio_jax.baking.flights.cells import FROM_FLOOR
+from home_mjx.audio_jax.baking.flights.grid import Grid
+from home_mjx.audio_jax.baking.flights.split import share_out
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.propagation.paths import SKIN, air_energy
 from home_mjx.audio_jax.propagation.surfaces import AcousticSurface, surface_at
-from home_mjx.core.pytree import Pytree, static
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import ARCHITECTURE, BANDS, Ray
 
+FLIGHTS = "flights"  # name of the axis over which flights are mapped
 STAMPS = 6  # times at which one segment can be heard; longer ones are heard there by so many
 FAR = 1e4  # [m]
 INWARD = 0.1  # [m], from a surface to a point that is in the room before it
@@ -25,20 +26,6 @@ BEHIND = (0.08, 0.15, 0.25, 0.4)  # [m], from a surface to points that may be in
 HALVINGS = 5  # of a segment, to find where it comes into another room
 FLOORS = 2.0  # times as thick as walls may floors be
 FEW = 0.1  # share of what has grown old that may be left when a flight ends
-
-
-class Grid(Pytree):
-    """Which cell holds a point: `baking.cells` on the device."""
-
-    lookup: Int[Array, "levels rows columns"]
-    origin: Float[Array, " 2"]
-    low: Float[Array, " n"]
-    high: Float[Array, " n"]
-    volume: Float[Array, " n"]
-    room: Int[Array, " n"]
-    joined: Bool[Array, "r r"]  # which rooms have a portal in common
-    rooms: int = static()
-    step: float = static()  # [m]
 
 
 class Rays(NamedTuple):
@@ -53,18 +40,24 @@ class Rays(NamedTuple):
     last: Int[Array, " n"]  # before whose surface it was last reflected
 
 
-class Flown(NamedTuple):
+class Gave(NamedTuple):
     """What the rays of one source gave, or several."""
 
-    energy: Float[Array, "bands c k"]  # re the free field of the source at 1 m, per octave, cell and time bin
-    way: Float[Array, "c k 3"]  # directions in which it came, by energy; over all octaves
-    went: Float[Array, "bands r r k"]  # energy that went from room to room, when; diagonal: that grew old
+    energy: Float[Array, "*s bands c k"]  # re the free field of the source at 1 m, per octave, cell and time bin
+    way: Float[Array, "*s c k 3"]  # directions in which it came, by energy; over all octaves
+    went: Float[Array, "*s bands r r k"]  # energy that went from room to room, when; diagonal: that grew old
+    lived: Float[Array, "*s bands r"]  # energy times way [m] in each room
+    lost: Float[Array, "*s bands r"]  # energy that surfaces and air have taken
+    moved: Float[Array, "*s bands r r"]  # that went from room to room
+    through: Float[Array, "*s bands r r"]  # that walls would have let through
+
+
+class Flown(NamedTuple):
+    """A flight of the rays of one source, or several."""
+
+    gave: Gave
     gone: "Gone"  # rays that went to another room
     aged: "Gone"  # that grew old
-    lived: Float[Array, "bands r"]  # energy times way [m] in each room
-    lost: Float[Array, "bands r"]  # energy that surfaces and air have taken
-    moved: Float[Array, "bands r r"]  # that went from room to room
-    through: Float[Array, "bands r r"]  # that walls would have let through
 
 
 class _Sums(NamedTuple):
@@ -109,6 +102,8 @@ def fly(
     directly flies on there. It went through the gate where it came into that room, and has flown on from there when it
     starts anew: else far walls would answer at once.
 
+    It is mapped over flights that fly together, along the axis `FLIGHTS`.
+
     Args:
         scene: The house.
         grid: Its cells.
@@ -137,13 +132,13 @@ def fly(
     walk = _Walk(scene, grid, octave, air, fresh, age, mirrors, hear, metres)
 
     def step(carry: _Carry) -> _Carry:
-        return walk.bounce(carry, jax.random.fold_in(draws, carry.bounces))
+        return _goes_on(walk, carry, jax.random.fold_in(draws, carry.bounces))
 
-    end = jax.lax.while_loop(
-        lambda carry: (carry.bounces < bounces) & _flies(carry),
-        step,
-        _Carry(jnp.int32(0), first, nobody, nobody, _no_sums(grid, bins)),
-    )
+    def any_flies(carry: _Carry) -> Bool[Array, ""]:
+        # Were it only this flight, each bounce would copy the sums of all that are mapped, to keep those that ended.
+        return (carry.bounces < bounces) & (jax.lax.pmax(_flies(carry).astype(jnp.int32), FLIGHTS) > 0)
+
+    end = jax.lax.while_loop(any_flies, step, _Carry(jnp.int32(0), first, nobody, nobody, _no_sums(grid, bins)))
     return walk.flown(end, jax.random.uniform(turn, (count,), jnp.float32))
 
 
@@ -165,6 +160,14 @@ def _flies(carry: _Carry) -> Bool[Array, ""]:
     """Whether in any octave more flies than the few that others are not to wait for."""
     left, old = (x.reshape(len(BANDS), -1).sum(axis=1) for x in (carry.ray.energy, carry.aged.ray.energy))
     return jnp.any(left > FEW * old)
+
+
+def _goes_on(walk: "_Walk", carry: _Carry, key: Array) -> _Carry:
+    """A bounce of a flight; of one that has ended nothing, while others fly on."""
+    flies = _flies(carry)
+    ray = carry.ray._replace(energy=jnp.where(flies, carry.ray.energy, 0.0))
+    after = walk.bounce(carry._replace(ray=ray), key)
+    return after._replace(ray=jax.tree.map(lambda new, old: jnp.where(flies, new, old), after.ray, carry.ray))
 
 
 class _Walk(NamedTuple):
@@ -191,7 +194,8 @@ class _Walk(NamedTuple):
         energy = sums.heard.reshape(len(BANDS), cells, -1) * scale[None, :, None]
         way = sums.way.reshape(cells, -1, 3) * scale[:, None, None]
         went = _put(sums.went, self.octave, ray.room, ray.room, ray.travelled / self.metres, ray.energy)
-        return Flown(energy, way, went * share, end.gone, left, *(x * share for x in sums[3:]))
+        gave = Gave(energy, way, went * share, *(x * share for x in sums[3:]))
+        return Flown(gave, end.gone, left)
 
     def bounce(self, carry: "_Carry", key: Array) -> "_Carry":
         """One segment, heard on its way, and the reflection at its end."""
@@ -304,20 +308,18 @@ def _hear(
     heard, way = sums.heard, sums.way
     cells = grid.volume.shape[0]
     bins = heard.shape[0] // cells // len(BANDS)
-    first = jnp.ceil(ray.travelled / metres - late)
-    for stamp in range(STAMPS):
-        index = first + stamp
-        along = (index + late) * metres - ray.travelled
-        point = ray.origin + along[:, None] * ray.direction
-        cell = _cell_at(point, grid)
-        inside = (along < length) & (cell >= 0) & (index < bins) & (ray.counts > 0)
-        inside = inside & (point[:, 2] >= grid.low[cell]) & (point[:, 2] < grid.high[cell])
-        energy = jnp.where(inside, ray.energy * jnp.exp(-air * along), 0.0)
-        index = index.astype(jnp.int32)
-        place = (octave * cells + cell) * bins + index
-        heard = heard.at[jnp.where(inside, place, heard.shape[0])].add(energy, mode="drop")
-        place = jnp.where(inside, cell * bins + index, way.shape[0])
-        way = way.at[place].add(energy[:, None] * ray.direction, mode="drop")
+    index = jnp.ceil(ray.travelled / metres - late) + jnp.arange(STAMPS, dtype=jnp.float32)[:, None]
+    along = (index + late) * metres - ray.travelled
+    point = ray.origin + along[..., None] * ray.direction
+    cell = _cell_at(point.reshape(-1, 3), grid).reshape(along.shape)
+    inside = (along < length) & (cell >= 0) & (index < bins) & (ray.counts > 0)
+    inside = inside & (point[..., 2] >= grid.low[cell]) & (point[..., 2] < grid.high[cell])
+    energy = jnp.where(inside, ray.energy * jnp.exp(-air * along), 0.0)
+    index = index.astype(jnp.int32)
+    place = (octave * cells + cell) * bins + index
+    heard = heard.at[jnp.where(inside, place, heard.shape[0])].add(energy, mode="drop")
+    place = jnp.where(inside, cell * bins + index, way.shape[0])
+    way = way.at[place].add(energy[..., None] * ray.direction, mode="drop")
     return sums._replace(heard=heard, way=way)
 
 

@@ -1,0 +1,74 @@
+"""Stages in which rays fly through a house: from points of its cells, then from gates that others went through."""
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from home_mjx.audio_jax.baking.fit import Tally
+from home_mjx.audio_jax.baking.flights.pool import Pool
+from home_mjx.audio_jax.baking.flights.stage import Flights, Heard, Start, together
+from home_mjx.audio_jax.baking.join import join
+from home_mjx.audio_jax.baking.renewal import gates_after, gates_of, through
+from home_mjx.schema.compiled import BANDS
+
+YOUNG = 40.0  # [m], after which it hardly matters in which cell of a room sound began
+OLD = 120.0  # [m], after which it does not matter when
+PER_METRE = 1.0  # most reflections: flights end by age, for rays that are reflected seldom are those that last
+FLIGHTS = (1, 3, 2, 1)  # of rays of each room that are very old, old, from each gate between rooms, and after another
+
+
+class Baker:
+    """Of one house.
+
+    Args:
+        house: In which rays fly.
+        tally: Of what cells hear.
+        bounces: Of rays that tell how rooms decay in the end.
+        seed: Of all random numbers of rays.
+    """
+
+    def __init__(self, house: Flights, tally: Tally, bounces: int, seed: int) -> None:
+        self.house, self.tally, self.bounces = house, tally, bounces
+        self.rng = np.random.default_rng(seed)
+
+    def run(self, points: Float[np.ndarray, "c r 3"], room: Int[np.ndarray, " c"]) -> dict[str, np.ndarray]:
+        """Fills the tally; directions from cell to cell, and sums over all rays.
+
+        Args:
+            points: Where rays start in each cell [m].
+            room: Of each cell.
+        """
+        pool, met, aged = Pool(), Pool(), Pool()
+        cells = self._fly([[self._source(p, int(r))] for p, r in zip(points, room, strict=True)], True, YOUNG, pool)
+        gates = gates_of(cells.whole(lambda gave: np.asarray(gave.went).sum(axis=(1, 4))).sum(axis=0))
+        oldest, old, entering = gates.kinds()
+        sizes = [(flights, points.shape[1]) for flights in FLIGHTS]
+        starts = pool.starts(gates.rooms[entering], gates.number, entering.start, sizes[2], self.rng)
+        between = self._fly(starts, False, YOUNG, met)
+        pool.rays += met.rays
+        starts = pool.starts(gates.rooms[old], gates.number, old.start, sizes[1], self.rng)
+        middle = self._fly(starts, False, OLD, aged)
+        starts = aged.starts(gates.rooms[oldest], gates.older, oldest.start, sizes[0], self.rng)
+        last = self._fly(starts, False, np.inf)
+        rooms, first, second = gates_after(gates, _went(between).sum(axis=(1, 4)))
+        starts = met.starts(rooms, first, len(gates.rooms), sizes[3], self.rng)
+        after = self._fly(starts, False, YOUNG)
+        count = len(gates.rooms) + len(rooms)
+        every = (last, gates.older), (middle, gates.older), (between, first), (after, second)
+        given = cells.whole(lambda gave: through(np.asarray(gave.went), gates.number, count))
+        passed = np.concatenate([through(_went(heard), number, count) for heard, number in every])
+        return join(self.tally, cells, together([heard for heard, _ in every]), given, passed)
+
+    def _source(self, points: Float[np.ndarray, "r 3"], room: int) -> Start:
+        count = len(points) * len(BANDS)
+        way = self.rng.normal(size=(count, 3))
+        way /= np.linalg.norm(way, axis=1, keepdims=True)
+        return Start(np.tile(points, (len(BANDS), 1)), way, np.zeros(count), room)
+
+    def _fly(self, starts: list[list[Start]], fresh: bool, age: float, pool: Pool | None = None) -> Heard:
+        bounces = min(int(age * PER_METRE), self.bounces) if np.isfinite(age) else self.bounces
+        seed = int(self.rng.integers(2**31))
+        return self.house.fly(starts, fresh, bounces, age, seed, pool.add if pool else None)
+
+
+def _went(heard: Heard) -> Float[np.ndarray, "s bands r r k"]:
+    return heard.whole(lambda gave: gave.went)

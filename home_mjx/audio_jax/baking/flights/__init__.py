@@ -1,0 +1,1 @@
+"""Cells of a house, and rays that fly through it from them and from gates."""

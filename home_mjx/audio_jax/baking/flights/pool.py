@@ -1,0 +1,77 @@
+"""Rays that went through gates, to start anew from them; host side."""
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from home_mjx.audio_jax.baking.flights.flight import Gone
+from home_mjx.audio_jax.baking.flights.stage import Start
+from home_mjx.schema.compiled import BANDS
+
+
+class Pool:
+    """Rays that went through gates, to start anew from them."""
+
+    def __init__(self) -> None:
+        self.rays: list[tuple[np.ndarray, ...]] = []
+
+    def add(self, ended: Gone, source: Int[np.ndarray, " f"]) -> None:
+        """Keeps rays of flights (f, 2, n), those that left a room and those that grew old there.
+
+        Args:
+            ended: Such rays, octave after octave, those without energy among them; on the host.
+            source: Of each flight.
+        """
+        ray, (_, kinds, count) = ended.ray, ended.entered.shape
+        kept = np.flatnonzero(ray.energy > 0)
+        values = (ray.origin, ray.direction, ray.travelled, ray.energy, ray.room, ended.entered)
+        flat = (np.reshape(x, (-1, *np.shape(x)[3:]))[kept] for x in values)
+        octave = kept % count // (count // len(BANDS))
+        self.rays.append((*flat, octave, source[kept // (kinds * count)]))
+
+    def starts(
+        self,
+        rooms: Int[np.ndarray, "g 2"],
+        number: Int[np.ndarray, "*s r r"],
+        first: int,
+        size: tuple[int, int],
+        rng: np.random.Generator,
+    ) -> list[list[Start]]:
+        """Of each of some gates flights of rays, drawn by energy from those of the same octave.
+
+        Args:
+            rooms: Of these gates.
+            number: Of all gates, alike for all sources or by source.
+            first: Number of the first of these.
+            size: How many flights, and rays per octave in each.
+            rng: Random numbers.
+        """
+        if not self.rays:
+            return [[] for _ in rooms]
+        origin, direction, travelled, energy, room, entered, octave, source = (
+            np.concatenate(x) for x in zip(*self.rays, strict=True)
+        )
+        gate = number[source, room, entered] if number.ndim == 3 else number[room, entered]
+        flights, count = size
+        out = []
+        for index, here in enumerate(rooms[:, 1], first):
+            mine = np.flatnonzero(gate == index)
+            if not mine.size:  # nothing is left that could start
+                out.append([])
+                continue
+            picks = []
+            for band in range(len(BANDS)):
+                own = mine[octave[mine] == band]
+                picks.append(_draw(own if own.size else mine, energy, count * flights, rng))
+            drawn = np.stack(picks).reshape(len(BANDS), flights, count)
+            every = np.moveaxis(drawn, 1, 0).reshape(flights, -1)
+            out.append([Start(origin[pick], direction[pick], travelled[pick], int(here)) for pick in every])
+        return out
+
+
+def _draw(
+    rows: Int[np.ndarray, " n"], energy: Float[np.ndarray, " m"], count: int, rng: np.random.Generator
+) -> Int[np.ndarray, " count"]:
+    """Systematic sampling by energy, in random order."""
+    parts = np.cumsum(energy[rows].astype(float))
+    place = (np.arange(count) + rng.random()) / count * parts[-1]
+    return rng.permutation(rows[np.minimum(np.searchsorted(parts, place, side="right"), len(rows) - 1)])
