@@ -81,11 +81,14 @@ __device__ __forceinline__ void butterfly<8>(Complex* v) {
   }
 }
 
-// Where value i lies: such that threads next to each other, and those that write every eighth value, use all banks.
-__device__ constexpr int place(int i) { return i ^ (i >> 4 & 15); }
+// Where value i lies: a gap after every sixteen, so that threads next to each other use all banks, and so do those that
+// write every eighth value.
+__device__ constexpr int place(int i) { return i + (i >> 4); }
 
-// Of value i + more, where value i lies at `at`: compilers do not see by themselves what stays the same.
-__device__ __forceinline__ int further(int at, int i, int more) { return more % 256 == 0 ? at + more : place(i + more); }
+// Where value i + more lies, if i and i + 8 lie at `at` and `mid`: compilers do not see by themselves what stays the same.
+__device__ __forceinline__ int further(int at, int mid, int i, int more) {
+  return more % 16 == 0 ? at + place(more) : more % 16 == 8 ? mid + place(more - 8) : place(i + more);
+}
 
 __device__ constexpr int largest_radix(int left) {
   return left % 8 == 0 ? 8 : left % 5 == 0 ? 5 : left % 4 == 0 ? 4 : left % 3 == 0 ? 3 : 2;
@@ -99,10 +102,10 @@ __device__ constexpr int radix_of(int n, int done) {
   return largest_radix(left);
 }
 
-// Turns of passes before the one that joins groups of `until`: one for each value of their groups.
+// Turns of passes before the one that joins groups of `until`: of each value of their groups but those of the first group.
 __device__ constexpr int num_turns(int n, int until) {
   int sum = 0;
-  for (int done = radix_of(n, 1); done < until; done *= radix_of(n, done)) sum += done;
+  for (int done = radix_of(n, 1); done < until; done *= radix_of(n, done)) sum += done * (radix_of(n, done) - 1);
   return sum;
 }
 
@@ -140,18 +143,15 @@ __device__ __forceinline__ void passes(Complex* values, const Complex* turns, Lo
   Complex held[MOST][R];
 #pragma unroll
   for (int b = 0; b < MOST; ++b) {
-    const int i = thread + b * THREADS, at = place(i);
+    const int i = thread + b * THREADS, at = place(i), mid = place(i + 8);
     if (COUNT % THREADS == 0 || i < COUNT) {
 #pragma unroll
       for (int r = 0; r < R; ++r)
-        held[b][r] = DONE == 1 ? load(i + r * COUNT) : values[further(at, i, r * COUNT)];
+        held[b][r] = DONE == 1 ? load(i + r * COUNT) : values[further(at, mid, i, r * COUNT)];
       if constexpr (DONE > 1) {
-        Complex turn = turns[num_turns(N, DONE) + unsigned(i) % DONE], power = turn;
+        const Complex* turn = turns + num_turns(N, DONE) + unsigned(i) % DONE;
 #pragma unroll
-        for (int r = 1; r < R; ++r) {
-          held[b][r] = power * held[b][r];
-          power = power * turn;
-        }
+        for (int r = 1; r < R; ++r) held[b][r] = turn[(r - 1) * DONE] * held[b][r];
       }
       butterfly<R>(held[b]);
     }
@@ -161,13 +161,14 @@ __device__ __forceinline__ void passes(Complex* values, const Complex* turns, Lo
   for (int b = 0; b < MOST; ++b) {
     const int i = thread + b * THREADS;
     if (COUNT % THREADS == 0 || i < COUNT) {
-      const int inner = unsigned(i) % DONE, first = (i - inner) * R + inner, at = place(first);
+      const int inner = unsigned(i) % DONE, first = (i - inner) * R + inner;
+      const int at = place(first), mid = place(first + 8);
 #pragma unroll
       for (int r = 0; r < R; ++r) {
         if constexpr (LAST)
           store(b * R + r, first + r * DONE, held[b][r]);
         else
-          values[further(at, first, r * DONE)] = held[b][r];
+          values[further(at, mid, first, r * DONE)] = held[b][r];
       }
     }
   }
@@ -178,8 +179,8 @@ __device__ __forceinline__ void passes(Complex* values, const Complex* turns, Lo
 }
 
 // Of what `load(i)` gives, by all N / PER_THREAD threads; results go to `store(slot, i, value)`, each thread's slots
-// being the same every time. `values` hold N; nobody may touch them before the next barrier. `turns`: of all passes but the
-// first, num_turns(N, N); a pass of radix R on groups of D has exp(-2 pi i j / (D R)) for j from 0 to D.
+// being the same every time. `values` hold place(N); nobody may touch them before the next barrier. `turns`: of all passes
+// but the first, num_turns(N, N); a pass of radix R on groups of D has exp(-2 pi i r j / (D R)) at (r - 1) D + j.
 template <int N, class Load, class Store>
 __device__ __forceinline__ void transform(Complex* values, const Complex* turns, Load load, Store store) {
   passes<N, 1>(values, turns, load, store);

@@ -14,7 +14,7 @@ extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, BLOCKS) filter_s
   extern __shared__ float shared[];
   const int channels = sizes[0], shapes = sizes[1], count = sizes[2], begin = sizes[3], frame = sizes[4];
   Complex* values = (Complex*)shared;
-  Complex* table = values + SIZE;
+  Complex* table = values + place(SIZE);
   const int left = 2 * blockIdx.y, env = blockIdx.x;
   const bool both = left + 1 < channels;
   const float* here = sums + size_t(env * channels + left) * shapes * count;

@@ -31,7 +31,7 @@ extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, 2) filter_first(
   constexpr int THREADS = SIZE / PER_THREAD, SLOTS = num_slots<SIZE>();
   const int length = sizes[0], ringing = sizes[1], made = sizes[2], number = blockIdx.x, thread = threadIdx.x;
   Complex* values = (Complex*)shared;
-  Complex* table = values + SIZE;
+  Complex* table = values + place(SIZE);
   Complex* filter[2] = {table + num_turns(SIZE, SIZE), table + num_turns(SIZE, SIZE) + HALF};
   const float* source = sources + size_t(number) * length;
   const int begin = max(-ringing - made, min(begins[number], length)) - ringing;

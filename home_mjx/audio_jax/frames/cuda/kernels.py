@@ -68,8 +68,8 @@ def transform_size(count: int) -> int | None:
 
 def turns_of(size: int) -> Array:
     """The complex numbers that passes of a transform multiply by, see `transform` in fft.cuh, as pairs."""
-    turns = [np.exp(-2j * np.pi * np.arange(done) / (done * radix)) for done, radix in _joined(size)]
-    return as_pairs(np.concatenate(turns))
+    each = [np.outer(np.arange(1, radix), np.arange(done)).ravel() / (done * radix) for done, radix in _joined(size)]
+    return as_pairs(np.exp(-2j * np.pi * np.concatenate(each)))
 
 
 def _joined(size: int) -> list[tuple[int, int]]:
@@ -86,7 +86,7 @@ def as_pairs(values: np.ndarray) -> Array:
 
 def transform_bytes(size: int) -> int:
     """Memory for the values of a transform and its turns."""
-    return 8 * (size + sum(done for done, _ in _joined(size)))
+    return 8 * (size + size // 16 + sum(done * (radix - 1) for done, radix in _joined(size)))
 
 
 def call_kernel(

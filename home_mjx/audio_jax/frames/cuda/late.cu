@@ -40,7 +40,7 @@ extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, 1) late_frames(
   const int left = 2 * blockIdx.y, env = blockIdx.x, thread = threadIdx.x;
   const bool both = left + 1 < size.channels;
   Complex* values = (Complex*)shared;
-  Complex* table = values + SIZE;
+  Complex* table = values + place(SIZE);
   Complex* now = table + num_turns(SIZE, SIZE);  // spectrum of what the first part hears; of the second part at both ends
   Complex* later[ENDS] = {now + HALF, now + 2 * HALF};
   copy_turns<SIZE>(table, turns);
