@@ -92,7 +92,7 @@ def test_gradients_are_those_of_the_casts():
 
     def total(look, shift, turn, moved):
         moving = scene.moving.replace(pose=scene.moving.pose.at[:, :, 3].add(moved))
-        hit = look(scene.replace(moving=moving), f32(origin) + shift, f32(direction) + turn, "cpu")
+        hit = look(scene.replace(moving=moving), f32(origin) + shift, f32(direction) + turn, None)
         return jnp.sum(jnp.where(hit.instance >= 0, hit.t + 2 * hit.u - hit.v, 0)) / N
 
     given = f32(np.zeros((N, 3))), f32(np.zeros((N, 3))), f32(np.zeros((scene.moving.instance.shape[0], 3)))
