@@ -8,7 +8,7 @@ from jaxtyping import Array, Float, Int
 
 from home_mjx.schema.compiled import BANDS
 
-SEARCH = {"gpu": "scan_unrolled"}  # the same results, of a kernel instead of some for each halving; on CPUs it is slower
+SEARCH = {"gpu": "scan_unrolled"}  # one kernel instead of some for each halving; on CPUs it would be slower
 EVEN = 0.7  # 0: as many rays in a room as it has energy; 1: as many in each
 
 
