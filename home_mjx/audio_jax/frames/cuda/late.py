@@ -50,8 +50,8 @@ def _op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
 
 def run_late(config: AudioConfig, *given: Array) -> tuple[Array, ...]:
     """The kernels for environments (e ...), all of which share the first operands, see `late_tables`."""
-    table, octaves, turns, sources, *shares, begun, onset, tail = given
-    (responses,) = carry_noise(config, table, *shares, begun)
+    table, octaves, turns, sources, power, mix, common, begun, onset, tail = given
+    responses = carry_noise(config, table, power, mix, common, begun)
     (envs, count, length), channels, size = sources.shape, config.num_channels, 2 * (octaves.shape[1] - 1)
     first, half = config.response_length - config.half_length, config.half_length
     start = config.memory_length - first - config.tail_ringing
@@ -70,7 +70,7 @@ def carry_noise(
     mix: Float[Array, "*n e c bands"],
     common: Float[Array, "*n k x bands"],
     start: Int[Array, "*n"],
-) -> tuple[Float[Array, "*n e l"]]:
+) -> Float[Array, "*n e l"]:
     """Responses of noise that carries what `Shares` say, in the noise's own time."""
     (*ends, bins, channels, bands), (own, noises, *_) = power.shape, table.shape
     sizes = (math.prod(ends), bins, channels, config.bin_samples, common.shape[-2], own)
@@ -79,7 +79,7 @@ def carry_noise(
     grid = channels * -(-sizes[0] // ROWS), -(-bins // RUN) * pieces
     shared = 4 * ROWS * (weights + LOUD * (2 if sizes[4] else 1))
     ptx, operands = cuda.ptx_of(cuda.NOISE_SOURCES, noises), (table, power, mix, common, start, numbers(sizes))
-    return cuda.call_kernel("carry_noise", ptx, grid, NOISE_THREADS, shared, operands, result)
+    return cuda.call_kernel("carry_noise", ptx, grid, NOISE_THREADS, shared, operands, result)[0]
 
 
 def _bytes(size: int) -> int:
