@@ -102,10 +102,13 @@ __device__ constexpr int radix_of(int n, int done) {
   return largest_radix(left);
 }
 
-// Turns of passes before the one that joins groups of `until`: of each value of their groups but those of the first group.
+// Groups of values whose turns a table has; those of the others are products of them.
+__device__ constexpr int turned(int radix) { return radix == 8 ? 4 : radix - 1; }
+
+// Turns of passes before the one that joins groups of `until`.
 __device__ constexpr int num_turns(int n, int until) {
   int sum = 0;
-  for (int done = radix_of(n, 1); done < until; done *= radix_of(n, done)) sum += done * (radix_of(n, done) - 1);
+  for (int done = radix_of(n, 1); done < until; done *= radix_of(n, done)) sum += done * turned(radix_of(n, done));
   return sum;
 }
 
@@ -150,8 +153,13 @@ __device__ __forceinline__ void passes(Complex* values, const Complex* turns, Lo
         held[b][r] = DONE == 1 ? load(i + r * COUNT) : values[further(at, mid, i, r * COUNT)];
       if constexpr (DONE > 1) {
         const Complex* turn = turns + num_turns(N, DONE) + unsigned(i) % DONE;
+        Complex each[R];
 #pragma unroll
-        for (int r = 1; r < R; ++r) held[b][r] = turn[(r - 1) * DONE] * held[b][r];
+        for (int r = 1; r < R; ++r) {
+          constexpr int HALF = R / 2;
+          each[r] = r <= turned(R) ? turn[(r - 1) * DONE] : each[HALF] * each[r - HALF];
+          held[b][r] = each[r] * held[b][r];
+        }
       }
       butterfly<R>(held[b]);
     }
@@ -180,7 +188,8 @@ __device__ __forceinline__ void passes(Complex* values, const Complex* turns, Lo
 
 // Of what `load(i)` gives, by all N / PER_THREAD threads; results go to `store(slot, i, value)`, each thread's slots
 // being the same every time. `values` hold place(N); nobody may touch them before the next barrier. `turns`: of all passes
-// but the first, num_turns(N, N); a pass of radix R on groups of D has exp(-2 pi i r j / (D R)) at (r - 1) D + j.
+// but the first, num_turns(N, N); a pass of radix R on groups of D has exp(-2 pi i r j / (D R)) at (r - 1) D + j
+// for r from 1 to `turned`(R).
 template <int N, class Load, class Store>
 __device__ __forceinline__ void transform(Complex* values, const Complex* turns, Load load, Store store) {
   passes<N, 1>(values, turns, load, store);

@@ -68,15 +68,18 @@ def transform_size(count: int) -> int | None:
 
 def turns_of(size: int) -> Array:
     """The complex numbers that passes of a transform multiply by, see `transform` in fft.cuh, as pairs."""
-    each = [np.outer(np.arange(1, radix), np.arange(done)).ravel() / (done * radix) for done, radix in _joined(size)]
-    return as_pairs(np.exp(-2j * np.pi * np.concatenate(each)))
+    each = [np.outer(1 + np.arange(rows), np.arange(done)) / (done * radix) for done, rows, radix in _joined(size)]
+    return as_pairs(np.exp(-2j * np.pi * np.concatenate([x.ravel() for x in each])))
 
 
-def _joined(size: int) -> list[tuple[int, int]]:
-    """How many values are transformed together before each pass but the first, and its radix: see `radix_of` there."""
+def _joined(size: int) -> list[tuple[int, int, int]]:
+    """Of each pass but the first: how many values are transformed together before it, rows of its turns, and its radix.
+
+    In the order of `radix_of` in fft.cuh, with as many rows as `turned` there says.
+    """
     first, *others = radices(size)
     order = (first, *others[::-1])
-    return [(math.prod(order[:i]), radix) for i, radix in enumerate(order) if i]
+    return [(math.prod(order[:i]), 4 if radix == 8 else radix - 1, radix) for i, radix in enumerate(order) if i]
 
 
 def as_pairs(values: np.ndarray) -> Array:
@@ -86,7 +89,7 @@ def as_pairs(values: np.ndarray) -> Array:
 
 def transform_bytes(size: int) -> int:
     """Memory for the values of a transform and its turns."""
-    return 8 * (size + size // 16 + sum(done * (radix - 1) for done, radix in _joined(size)))
+    return 8 * (size + size // 16 + sum(done * rows for done, rows, _ in _joined(size)))
 
 
 def call_kernel(
