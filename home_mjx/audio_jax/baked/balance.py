@@ -6,12 +6,11 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from home_mjx.audio_jax.baked.rooms import fallen
 from home_mjx.bank.records.sound import LateSound
 from home_mjx.core.transforms import compose, invert
 from home_mjx.raycast_render.scene.types import Scene
 
-TERMS = 6  # of the exponential series
-HALVINGS = 3  # of the step before it
 LEAST = 1e-20  # energy density below which nothing is told apart
 MOST_GAIN = 30.0  # by which shutting doors can make a room louder at any time
 
@@ -54,8 +53,8 @@ def balance(
     leaky = free * (leaky_share - open_share) + late.wall[house].astype(jnp.float32)
     states = jnp.stack([_matrix(volume, loss, k) for k in (free, free - shut)])
     through = states[1] - jnp.moveaxis(leaky, -1, 0) / volume[None, :, None]
-    step = _exponential(jnp.concatenate([states, through[None]]) * metres)  # (3, bands, r, r)
-    found = _over_time(step, source / volume, listener, bins)  # (3, k, bands)
+    rates = jnp.concatenate([states, through[None]]) * metres  # (3, bands, r, r)
+    found = fallen(rates, source / volume, listener, bins)  # (3, k, bands)
     kept = jnp.minimum(found[1] / jnp.maximum(found[0], LEAST), MOST_GAIN)
     return Rooms(kept, 4 * jnp.pi * metres * jnp.maximum(found[2] - found[1], 0.0))
 
@@ -114,43 +113,3 @@ def _matrix(
     exchange = jnp.moveaxis(exchange, -1, 0)
     own = loss.T * volume[None] + jnp.sum(exchange, axis=2)
     return (own[:, :, None] * jnp.eye(volume.size, dtype=jnp.float32)[None] - exchange) / volume[None, :, None]
-
-
-def _exponential(matrix: Float[Array, "*x r r"]) -> Float[Array, "*x r r"]:
-    """exp(-matrix), by its series after some halvings."""
-    small = -matrix / 2**HALVINGS
-    one = jnp.eye(matrix.shape[-1], dtype=jnp.float32)
-    power = total = jnp.broadcast_to(one, small.shape)
-    for n in range(1, TERMS):
-        power = _product(power, small) / n
-        total = total + power
-    for _ in range(HALVINGS):
-        total = _product(total, total)
-    return total
-
-
-def _over_time(
-    step: Float[Array, "s bands r r"], start: Float[Array, " r"], listener: Float[Array, " r"], bins: int
-) -> Float[Array, "s k bands"]:
-    """Energy density at the listener after 0, 1, 2 ... steps.
-
-    That after a n + b steps is what b steps before the listener, a row, find of what n steps a times made, a column;
-    so no power of a step is multiplied by more than a few vectors.
-    """
-    powers = [step]
-    while 2 ** len(powers) < bins:
-        powers.append(_product(powers[-1], powers[-1]))
-    half = len(powers) // 2
-    row = jnp.broadcast_to(listener, (*step.shape[:2], 1, listener.size))
-    column = jnp.broadcast_to(start[:, None], (*step.shape[:3], 1))
-    for power in powers[:half]:
-        row = jnp.concatenate([row, _product(row, power)], axis=-2)
-    for power in powers[half:]:
-        column = jnp.concatenate([column, _product(power, column)], axis=-1)
-    heard = _product(jnp.swapaxes(column, -1, -2), jnp.swapaxes(row, -1, -2))  # (s, bands, a, b)
-    return jnp.swapaxes(heard.reshape(*step.shape[:2], -1)[..., :bins], 1, 2)
-
-
-def _product(left: Float[Array, "*x n m"], right: Float[Array, "*x m k"]) -> Float[Array, "*x n k"]:
-    """Of many small matrices: as sums, which compilers fuse, instead of a call for each product of matrices."""
-    return jnp.sum(left[..., :, :, None] * right[..., None, :, :], axis=-2)

@@ -2,9 +2,7 @@
 
 import functools
 from collections.abc import Callable
-from typing import Any
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
@@ -18,7 +16,7 @@ from home_mjx.audio_jax.frames.cuda import late as cuda_late
 from home_mjx.audio_jax.frames.first import filtered_by_xla
 from home_mjx.audio_jax.frames.reads import Reads, frame_begin, sums_of
 from home_mjx.audio_jax.frames.tail import Late, frame_by_xla
-from home_mjx.core.native.platforms import cover_all
+from home_mjx.core.native.platforms import by_platform
 
 
 def filtered_first(
@@ -28,7 +26,7 @@ def filtered_first(
     fast: dict[str, Callable[..., Array]] = {}
     if cuda_first.available(config):
         fast["cuda"] = functools.partial(cuda_first.filtered, config=config)
-    return _chosen(functools.partial(filtered_by_xla, config=config), fast)(source, begin, gain)
+    return by_platform(functools.partial(filtered_by_xla, config=config), fast)(source, begin, gain)
 
 
 def early_frame(reads: Reads, config: AudioConfig) -> Float[Array, "e m"]:
@@ -43,7 +41,7 @@ def early_frame(reads: Reads, config: AudioConfig) -> Float[Array, "e m"]:
         fast["cpu"] = functools.partial(cpu.early_frame, config=config)
     if cuda_early.available(reads, config):
         fast["cuda"] = functools.partial(cuda_early.early_frame, config=config)
-    return _chosen(functools.partial(early_by_xla, config=config), fast)(reads)
+    return by_platform(functools.partial(early_by_xla, config=config), fast)(reads)
 
 
 def early_by_xla(reads: Reads, config: AudioConfig) -> Float[Array, "e m"]:
@@ -62,19 +60,4 @@ def late_frame(sources: Float[Array, "n w"], late: Late, config: AudioConfig) ->
         fast["cpu"] = functools.partial(cpu.late_frame, config=config)
     if cuda_late.available(config):
         fast["cuda"] = functools.partial(cuda_late.late_frame, config=config)
-    return _chosen(functools.partial(frame_by_xla, config=config), fast)(sources, late)
-
-
-def _chosen(slow: Callable[..., Array], fast: dict[str, Callable[..., Array]]) -> Callable[..., Array]:
-    """A function by platform; `slow` on those that are not in `fast`, and for derivatives."""
-    default = None if cover_all(fast) else slow  # branches that cannot be chosen are traced, too
-
-    @jax.custom_jvp
-    def run(*given: Any) -> Array:
-        return jax.lax.platform_dependent(*given, default=default, **fast) if fast else slow(*given)
-
-    @run.defjvp
-    def derivative(primals: Any, tangents: Any) -> tuple[Array, Array]:
-        return jax.jvp(slow, primals, tangents)
-
-    return run
+    return by_platform(functools.partial(frame_by_xla, config=config), fast)(sources, late)

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from home_mjx.audio_jax.baked.balance import _exponential, _gap, _matrix, _over_time
+from home_mjx.audio_jax.baked.balance import _gap, _matrix
+from home_mjx.audio_jax.baked.rooms import fallen
 from home_mjx.audio_jax.baking.flow import _stepwise
 
 
@@ -20,7 +21,7 @@ def test_energies_over_time_are_those_of_the_matrix_exponential():
     f32 = [jnp.asarray(x, jnp.float32) for x in (volume, loss, exchange)]
     matrix = _matrix(*f32)
     start = jnp.float32([0, 1, 0, 0])
-    found = _over_time(_exponential(matrix * 1.37)[None], start, jnp.float32([0, 0, 1, 0]), 100)
+    found = fallen((matrix * 1.37)[None], start, jnp.float32([0, 0, 1, 0]), 100)
     own = np.diag(loss[:, 0]) + (np.diag(exchange[..., 0].sum(1)) - exchange[..., 0]) / volume[:, None]
     exact = [expm(-own * 1.37 * k)[2, 1] for k in range(100)]
     np.testing.assert_allclose(found[0, :, 0], exact, rtol=1e-4, atol=1e-7)
@@ -29,13 +30,12 @@ def test_energies_over_time_are_those_of_the_matrix_exponential():
 def test_what_no_wall_takes_is_kept():
     volume = jnp.float32([30, 50, 20])
     exchange = jnp.float32([[0, 0.5, 0], [0.5, 0, 0.2], [0, 0.2, 0]])[..., None]
-    step = _exponential(_matrix(volume, jnp.zeros((3, 1)), exchange) * 1.37)[None]
+    rates = (_matrix(volume, jnp.zeros((3, 1)), exchange) * 1.37)[None]
     held = sum(
-        volume[r] * _over_time(step, jnp.float32([1, 0, 0]) / volume, jax.nn.one_hot(r, 3), 400)[0, :, 0]
-        for r in range(3)
+        volume[r] * fallen(rates, jnp.float32([1, 0, 0]) / volume, jax.nn.one_hot(r, 3), 400)[0, :, 0] for r in range(3)
     )
     np.testing.assert_allclose(held, 1, rtol=1e-3)
-    late = _over_time(step, jnp.float32([1, 0, 0]) / volume, jnp.float32([0, 0, 1]), 4000)[0, -1, 0]
+    late = fallen(rates, jnp.float32([1, 0, 0]) / volume, jnp.float32([0, 0, 1]), 4000)[0, -1, 0]
     assert float(late) == pytest.approx(1 / 100, rel=5e-3)  # evenly spread over 100 m³
 
 

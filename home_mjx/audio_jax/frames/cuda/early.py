@@ -15,6 +15,7 @@ from home_mjx.audio_jax.base.shapes import shapes
 from home_mjx.audio_jax.frames.cuda import kernels as cuda
 from home_mjx.audio_jax.frames.reads import Reads, before, frame_begin, times, way_rows
 from home_mjx.core.native.batched import batched, numbers
+from home_mjx.core.native.platforms import call_kernel, shared_bytes
 
 WINDOW = 0.08  # [s]
 SUMS, SUMS_THREADS = 20, 384  # that a thread keeps at once, and threads, as in sums.cu
@@ -24,7 +25,7 @@ def available(reads: Reads, config: AudioConfig) -> bool:
     """Whether there is a GPU on which the kernels work, whose blocks have the memory that these arrays need."""
     if not cuda.cuda_available():
         return False
-    size, most = cuda.transform_size(times(config).shape[0]), cuda.shared_bytes()
+    size, most = cuda.transform_size(times(config).shape[0]), shared_bytes()
     fits = size is not None and filter_bytes(size) <= most
     return fits and _sums_bytes(config, *(x[None] for x in read_operands(reads))) <= most
 
@@ -62,7 +63,7 @@ def run_sums(config: AudioConfig, shapes: int, ears: int, *given: Array) -> tupl
     operands = (*given, *tables, numbers((*sizes, config.frame, before(config), _window(config))))
     result = jax.ShapeDtypeStruct((source.shape[0], channels, shapes, count), jnp.float32)
     ptx, grid = cuda.ptx_of(cuda.SUMS_SOURCES, 0), (source.shape[0], 1)
-    return cuda.call_kernel("add_paths", ptx, grid, SUMS_THREADS, _sums_bytes(config, *given), operands, result)
+    return call_kernel("add_paths", ptx, grid, SUMS_THREADS, _sums_bytes(config, *given), operands, result)
 
 
 def _window(config: AudioConfig) -> int:
@@ -104,7 +105,7 @@ def run_filter(begin: int, frame: int, *given: Array) -> tuple[Array, ...]:
     operands = sums, spectra, turns, numbers((channels, shapes, count, begin, frame))
     result = jax.ShapeDtypeStruct((envs, channels, frame), jnp.float32)
     ptx, grid, threads = cuda.ptx_of(cuda.FILTER_SOURCES, size), (envs, -(-channels // 2)), size // cuda.PER_THREAD
-    return cuda.call_kernel("filter_sums", ptx, grid, threads, filter_bytes(size), operands, result)
+    return call_kernel("filter_sums", ptx, grid, threads, filter_bytes(size), operands, result)
 
 
 def filter_bytes(size: int) -> int:

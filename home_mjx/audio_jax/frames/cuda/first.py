@@ -13,6 +13,7 @@ from home_mjx.audio_jax.base.shapes import octave_levels
 from home_mjx.audio_jax.frames.cuda import kernels as cuda
 from home_mjx.audio_jax.frames.first import num_filtered, num_ringing
 from home_mjx.core.native.batched import batched, numbers
+from home_mjx.core.native.platforms import call_kernel, shared_bytes
 
 NUM_TABLES, ENDS = 2, 2
 
@@ -20,7 +21,7 @@ NUM_TABLES, ENDS = 2, 2
 def available(config: AudioConfig) -> bool:
     """Whether there is a GPU on which the kernel works, whose blocks have the memory that it needs."""
     size = _size(config)
-    return cuda.cuda_available() and size is not None and _bytes(size) <= cuda.shared_bytes()
+    return cuda.cuda_available() and size is not None and _bytes(size) <= shared_bytes()
 
 
 def filtered(
@@ -51,7 +52,7 @@ def run_first(config: AudioConfig, *given: Array) -> tuple[Array, ...]:
     operands = source, begin, level, sounds, octaves, turns, sizes
     result = jax.ShapeDtypeStruct((count, ENDS, num_filtered(config)), jnp.float32)
     ptx, threads = cuda.ptx_of(cuda.FIRST_SOURCES, size), size // cuda.PER_THREAD
-    return cuda.call_kernel("filter_first", ptx, (count, 1), threads, _bytes(size), operands, result)
+    return call_kernel("filter_first", ptx, (count, 1), threads, _bytes(size), operands, result)
 
 
 def _size(config: AudioConfig) -> int | None:

@@ -13,6 +13,7 @@ from home_mjx.audio_jax.frames.cuda import kernels as cuda
 from home_mjx.audio_jax.frames.tail import Late, frame_begin, octave_table, window_width
 from home_mjx.audio_jax.receivers.diffuse import noise
 from home_mjx.core.native.batched import batched, numbers
+from home_mjx.core.native.platforms import call_kernel, shared_bytes
 from home_mjx.schema.compiled import BANDS
 
 NUM_TABLES = 3
@@ -22,7 +23,7 @@ ROWS, RUN, LOUD, NOISE_THREADS = 64, 5, 32, 64  # of a block, its bins, numbers 
 def available(config: AudioConfig) -> bool:
     """Whether there is a GPU on which the kernel works, whose blocks have the memory that it needs."""
     size = cuda.transform_size(window_width(config))
-    return cuda.cuda_available() and size is not None and _bytes(size) <= cuda.shared_bytes()
+    return cuda.cuda_available() and size is not None and _bytes(size) <= shared_bytes()
 
 
 def late_frame(sources: Float[Array, "n w"], late: Late, config: AudioConfig) -> Float[Array, "e s"]:
@@ -60,7 +61,7 @@ def run_late(config: AudioConfig, *given: Array) -> tuple[Array, ...]:
     operands = sources, responses, begun * config.bin_samples, onset, tail, octaves, turns, numbers(sizes)
     result = jax.ShapeDtypeStruct((envs, channels, config.frame), jnp.float32)
     ptx, grid, threads = cuda.ptx_of(cuda.LATE_SOURCES, size), (envs, -(-channels // 2)), size // cuda.PER_THREAD
-    return cuda.call_kernel("late_frames", ptx, grid, threads, _bytes(size), operands, result)
+    return call_kernel("late_frames", ptx, grid, threads, _bytes(size), operands, result)
 
 
 def carry_noise(
@@ -79,7 +80,7 @@ def carry_noise(
     grid = channels * -(-sizes[0] // ROWS), -(-bins // RUN) * pieces
     shared = 4 * ROWS * (weights + LOUD * (2 if sizes[4] else 1))
     ptx, operands = cuda.ptx_of(cuda.NOISE_SOURCES, noises), (table, power, mix, common, start, numbers(sizes))
-    return cuda.call_kernel("carry_noise", ptx, grid, NOISE_THREADS, shared, operands, result)[0]
+    return call_kernel("carry_noise", ptx, grid, NOISE_THREADS, shared, operands, result)[0]
 
 
 def _bytes(size: int) -> int:
