@@ -14,7 +14,7 @@ from jaxtyping import Array, Float, Int
 from home_mjx.bank.records import Physics
 from home_mjx.core.native.batched import Step, batched, without_gradient
 from home_mjx.core.native.forked import refuse_forked
-from home_mjx.core.native.platforms import cover_all
+from home_mjx.core.native.platforms import choose
 from home_mjx.core.native.varying import varying_as
 from home_mjx.physics.base.config import PhysicsConfig
 from home_mjx.physics.base.doors import Leaf, door_table
@@ -50,8 +50,7 @@ def step_fused(
     branches = {
         name: functools.partial(_step_native, name, template, physics) for name, here in PLATFORMS.items() if here()
     }
-    default = None if cover_all(branches) else mjx
-    return jax.lax.platform_dependent(house, state, action, default=default, **branches)
+    return choose(mjx, branches, house, state, action)
 
 
 def _step_native(

@@ -83,10 +83,11 @@ def _product(left: Float[Array, "*x n m"], right: Float[Array, "*x m k"]) -> Flo
 @functools.cache
 def _cuda_available() -> bool:
     """Whether the kernel works here; warns once if there is an NVIDIA GPU and it does not."""
-    start = functools.partial(ptx_of, 8)
-    return works(
-        "cuda", problem_of("cuda", lambda: start() and None), "energy of rooms falls by slower operations of XLA"
-    )
+    return works("cuda", problem_of("cuda", _start), "energy of rooms falls by slower operations of XLA")
+
+
+def _start() -> None:
+    ptx_of(8)
 
 
 @functools.cache

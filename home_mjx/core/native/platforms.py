@@ -3,7 +3,7 @@
 import functools
 import threading
 import warnings
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -64,13 +64,11 @@ def works(platform: str, problem: str | None, instead: str) -> bool:
     return problem is None
 
 
-def cover_all(platforms: Iterable[str]) -> bool:
-    """Whether all platforms of this process are among these.
-
-    JAX traces every branch of `platform_dependent`, whichever is lowered. A default that cannot be chosen should
-    therefore be left out.
-    """
-    return {PLATFORMS.get(name, name) for name in backends()} <= set(platforms)
+def choose(slow: Callable[..., Any], fast: Mapping[str, Callable[..., Any]], *given: Any) -> Any:
+    """What `fast` gives on the platform for which a program is lowered, or `slow` where it has none."""
+    # JAX traces every branch, whichever is lowered: one that cannot be chosen in this process is left out.
+    covered = {PLATFORMS.get(name, name) for name in backends()} <= set(fast)
+    return jax.lax.platform_dependent(*given, default=None if covered else slow, **fast)
 
 
 def ptx_for_all(source: Path | Sequence[Path], defines: Mapping[str, int] = NO_DEFINES) -> str:
@@ -79,13 +77,12 @@ def ptx_for_all(source: Path | Sequence[Path], defines: Mapping[str, int] = NO_D
     return compile_ptx(source, min(capabilities), defines)
 
 
-def by_platform(slow: Callable[..., Array], fast: dict[str, Callable[..., Array]]) -> Callable[..., Array]:
-    """A function by platform; `slow` on those that are not in `fast`, and for derivatives."""
-    default = None if cover_all(fast) else slow  # branches that cannot be chosen are traced, too
+def by_platform(slow: Callable[..., Array], fast: Mapping[str, Callable[..., Array]]) -> Callable[..., Array]:
+    """A function as `choose` has it, with the derivatives of `slow`."""
 
     @jax.custom_jvp
     def run(*given: Any) -> Array:
-        return jax.lax.platform_dependent(*given, default=default, **fast) if fast else slow(*given)
+        return choose(slow, fast, *given) if fast else slow(*given)
 
     @run.defjvp
     def derivative(primals: Any, tangents: Any) -> tuple[Array, Array]:

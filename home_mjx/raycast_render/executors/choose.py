@@ -3,12 +3,11 @@
 import functools
 from collections.abc import Callable
 
-import jax
 from jaxtyping import Array, Int
 
 from home_mjx.bank.records import Geometry
 from home_mjx.core.checks import check_known
-from home_mjx.core.native.platforms import cover_all
+from home_mjx.core.native.platforms import choose
 from home_mjx.raycast_render.executors.cpu import cast_cpu, cpu_available
 from home_mjx.raycast_render.executors.cuda import cast_cuda, cuda_available
 from home_mjx.raycast_render.executors.xla import cast_xla
@@ -24,9 +23,7 @@ Ray [e, r] belongs to environment e.
 def cast_auto(geometry: Geometry, house: Int[Array, " e"], moving: Moving, rays: Rays, query: Query) -> RawHit:
     """The best executor of the platform that the program is lowered for."""
     branches = {name: functools.partial(cast, query=query) for name, cast in _special().items()}
-    # Tracing `xla` where it cannot be chosen would double the start of a program.
-    default = None if cover_all(branches) else functools.partial(cast_xla, query=query)
-    return jax.lax.platform_dependent(geometry, house, moving, rays, default=default, **branches)
+    return choose(functools.partial(cast_xla, query=query), branches, geometry, house, moving, rays)
 
 
 def _special() -> dict[str, Callable[..., RawHit]]:

@@ -1,61 +1,30 @@
 """The kernel of rooms without a GPU: compiled as C++ for the CPU it gives what the matrix exponential does."""
 
-import ctypes
 import functools
-import itertools
-import shutil
-import subprocess
-from pathlib import Path
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from compiled_kernels import block_program, blocks_instead, shared_library
 from scipy.linalg import expm
 
 from home_mjx.audio_jax.baked import rooms
 from home_mjx.core.native import nvrtc
 from home_mjx.errors import ExecutorError
 
-SHIM = Path(__file__).parents[2] / "helpers" / "block_shim.h"
-PROGRAM = """
-#define SIZE {size}
-#include "{shim}"
-static void** p;
-{source}
-static void go() {{ fall_in_rooms((float*)p[0], (float*)p[1], (float*)p[2], (int*)p[3], (float*)p[4]); }}
-extern "C" void run(void** operands, int x, int y, int threads, int words) {{
-  p = operands;
-  run_block(x, y, threads, words, go);
-}}
-"""
+ARGUMENTS = "(float*)p[0], (float*)p[1], (float*)p[2], (int*)p[3], (float*)p[4]"
 
 
 @pytest.fixture
 def here(tmp_path, monkeypatch):
     """Calls of XLA run the kernel on the CPU."""
-    compiler = shutil.which("c++") or shutil.which("g++")
-    if not compiler:
-        pytest.skip("there is no C++ compiler here")
 
-    def ffi_call(target, results):
-        def call(*operands, **sizes):
-            source = rooms.SOURCE.read_text().replace("extern __shared__ float shared[];", "")
-            main, built = tmp_path / "rooms.cpp", tmp_path / "rooms.so"
-            main.write_text(PROGRAM.format(size=operands[1].shape[1], shim=SHIM, source=source))
-            subprocess.run([compiler, "-std=c++17", "-O1", "-shared", "-fPIC", "-w", "-o", built, main], check=True)
-            given, result = [np.ascontiguousarray(x) for x in operands], np.full(results[0].shape, np.nan, np.float32)
-            pointers = [x.ctypes.data for x in (*given, result)]
-            words, threads = int(sizes["shared_mem_bytes"]) // 4, int(sizes["block_x"])
-            run = ctypes.CDLL(str(built)).run
-            for x, y in itertools.product(range(int(sizes["grid_x"])), range(int(sizes["grid_y"]))):
-                run((ctypes.c_void_p * len(pointers))(*pointers), x, y, threads, words)
-            return (jnp.asarray(result),)
-
-        return call
+    def compiled(name, given, threads):
+        return shared_library(tmp_path, block_program([rooms.SOURCE], given[1].shape[1], name, ARGUMENTS))
 
     monkeypatch.setattr(rooms, "ptx_of", lambda size: "")
-    monkeypatch.setattr(jax.ffi, "ffi_call", ffi_call)
+    monkeypatch.setattr(jax.ffi, "ffi_call", blocks_instead(compiled))
 
 
 @pytest.mark.parametrize(

@@ -1,17 +1,13 @@
 """The kernels of moving sound without a GPU: compiled as C++ for the CPU they do what XLA's operations do."""
 
-import ctypes
 import functools
-import itertools
 import re
-import shutil
-import subprocess
-from pathlib import Path
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from compiled_kernels import block_program, blocks_instead, shared_library
 from moving_sound import some_late, some_reads
 from sanitized import Program
 
@@ -50,37 +46,18 @@ KERNELS = {
         "(float*)p[8]",
     ),
 }
-SHIM = Path(__file__).parents[2] / "helpers" / "block_shim.h"
 
 
 def program_text(name, size):
-    """C++ of a kernel whose transforms have that size, with a function `run` for one block."""
+    """C++ of a kernel for transforms of that size, or so many noises."""
     sources, arguments = KERNELS[name]
-    text = "".join(source.read_text() for source in sources).replace("extern __shared__ float shared[];", "")
-    return (
-        f'#define SIZE {size}\n#include "{SHIM}"\nstatic void** given;\n{text}\n'
-        f"static void go() {{ void** p = given; {name}({arguments}); }}\n"
-        'extern "C" void run(void** operands, int x, int y, int threads, int words) '
-        "{ given = operands; run_block(x, y, threads, words, go); }\n"
-    )
+    return block_program(sources, size, name, arguments)
 
 
 @pytest.fixture(scope="module")
 def library(tmp_path_factory):
     """Makes a kernel a function that runs one block of it, for transforms of a size."""
-    compiler = shutil.which("c++") or shutil.which("g++")
-    if not compiler:
-        pytest.skip("there is no C++ compiler here")
-    folder = tmp_path_factory.mktemp("sound")
-
-    @functools.cache
-    def make(name, size):
-        main, built = folder / f"{name}{size}.cpp", folder / f"{name}{size}.so"
-        main.write_text(program_text(name, size))
-        subprocess.run([compiler, "-std=c++17", "-O1", "-shared", "-fPIC", "-w", "-o", built, main], check=True)
-        return ctypes.CDLL(str(built))
-
-    return make
+    return functools.cache(lambda name, size: shared_library(tmp_path_factory.mktemp(name), program_text(name, size)))
 
 
 def compiled_for(name, given, threads):
@@ -91,22 +68,12 @@ def compiled_for(name, given, threads):
 @pytest.fixture
 def here(library, monkeypatch):
     """Calls of XLA run those functions instead."""
-
-    def ffi_call(target, results):
-        def call(*operands, **sizes):
-            given = [np.ascontiguousarray(x) for x in operands]
-            result = np.full(results[0].shape, np.nan, np.float32)
-            pointers = [x.ctypes.data for x in (*given, result)]
-            words, threads = int(sizes["shared_mem_bytes"]) // 4, int(sizes["block_x"])
-            kernel = library(sizes["name"], compiled_for(sizes["name"], given, threads))
-            for x, y in itertools.product(range(int(sizes["grid_x"])), range(int(sizes["grid_y"]))):
-                kernel.run((ctypes.c_void_p * len(pointers))(*pointers), x, y, threads, words)
-            return (jnp.asarray(result),)
-
-        return call
-
     monkeypatch.setattr(kernels, "ptx_of", lambda sources, size: "")
-    monkeypatch.setattr(jax.ffi, "ffi_call", ffi_call)
+    monkeypatch.setattr(
+        jax.ffi,
+        "ffi_call",
+        blocks_instead(lambda name, given, threads: library(name, compiled_for(name, given, threads))),
+    )
 
 
 @pytest.mark.parametrize("receiver", ["binaural", "omni", "ambisonics"])

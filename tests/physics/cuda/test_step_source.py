@@ -2,13 +2,12 @@
 
 import ctypes
 import re
-import shutil
-import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
 from c_oracle import Boxes, Oracle
+from compiled_kernels import shared_library
 from heaps import AGENTS, BODIES, DOORS, RAMPS, heap
 from odd_numbers import garbled
 from sanitized import Program
@@ -37,15 +36,8 @@ extern "C" void run(void** p) {
 
 @pytest.fixture(scope="module")
 def library(tmp_path_factory):
-    compiler = shutil.which("c++") or shutil.which("g++")
-    if not compiler:
-        pytest.skip("there is no C++ compiler here")
-    folder = tmp_path_factory.mktemp("step")
-    main = folder / "main.cpp"
-    main.write_text(f'#include "{SHIM}"\n' + "".join(path.read_text() for path in SOURCES) + MAIN)
-    options = ["-std=c++17", "-O1", "-fno-strict-aliasing", "-shared", "-fPIC", "-w"]
-    subprocess.run([compiler, *options, "-o", folder / "step.so", main], check=True)
-    return ctypes.CDLL(str(folder / "step.so"))
+    text = f'#include "{SHIM}"\n' + "".join(path.read_text() for path in SOURCES) + MAIN
+    return shared_library(tmp_path_factory.mktemp("step"), text, "-fno-strict-aliasing")
 
 
 def in_single(oracle: Oracle) -> None:

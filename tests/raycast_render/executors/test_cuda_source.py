@@ -3,8 +3,6 @@
 import ctypes
 import itertools
 import re
-import shutil
-import subprocess
 from pathlib import Path
 
 import jax
@@ -12,6 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 import trimesh
+from compiled_kernels import shared_library
 from odd_numbers import garbled
 from sanitized import Program
 from soup import Placed, Soup, f32, i32, in_jit, random_pose, random_rays, random_soup
@@ -34,14 +33,8 @@ TYPES = (np.float32, np.int32, np.int32, np.float32, np.float32, np.bool_)
 @pytest.fixture(scope="module")
 def library(tmp_path_factory):
     """The kernels as functions for the CPU; each call casts one ray, as blocks have one thread."""
-    compiler = shutil.which("c++") or shutil.which("g++")
-    if not compiler:
-        pytest.skip("there is no C++ compiler here")
-    folder = tmp_path_factory.mktemp("cuda")
-    shim, path = Path(__file__).parents[2] / "helpers" / "cuda_shim.h", folder / "cast.so"
-    options = ["-std=c++17", "-O1", "-ffp-contract=off", "-shared", "-fPIC", "-w"]
-    main = folder / "main.cpp"
-    main.write_text(
+    shim = Path(__file__).parents[2] / "helpers" / "cuda_shim.h"
+    text = (
         f'#include "{shim}"\n'
         + cuda.SOURCE.read_text().replace("constexpr int BLOCK = 64;", "constexpr int BLOCK = 1;")
         + """
@@ -61,8 +54,7 @@ extern "C" void run(void** p, int count, int environments, int kind) {
 }
 """
     )
-    subprocess.run([compiler, *options, "-o", path, main], check=True)
-    return ctypes.CDLL(str(path))
+    return shared_library(tmp_path_factory.mktemp("cuda"), text, "-ffp-contract=off")
 
 
 def run(library, scene, origin, direction, t_min=0.0, t_max=np.inf, exclude=-1, mask=7, any_hit=False, shared=()):

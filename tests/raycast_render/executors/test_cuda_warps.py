@@ -1,8 +1,6 @@
 """`cast.cu` in warps of 32 lanes, without a GPU: all come to what they do together, however far their rays go."""
 
 import ctypes
-import shutil
-import subprocess
 from pathlib import Path
 
 import jax
@@ -10,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 import trimesh
+from compiled_kernels import shared_library
 from soup import Placed, Soup, f32, i32, random_pose, random_rays, random_soup
 
 from home_mjx.raycast_render.executors import cuda
@@ -24,12 +23,8 @@ TYPES = (np.float32, np.int32, np.int32, np.float32, np.float32, np.bool_)
 @pytest.fixture(scope="module")
 def library(tmp_path_factory):
     """The kernels as functions for the CPU."""
-    compiler = shutil.which("c++") or shutil.which("g++")
-    if not compiler:
-        pytest.skip("there is no C++ compiler here")
-    folder = tmp_path_factory.mktemp("warps")
-    shim, path, main = Path(__file__).parents[2] / "helpers" / "warp_shim.h", folder / "cast.so", folder / "main.cpp"
-    main.write_text(
+    shim = Path(__file__).parents[2] / "helpers" / "warp_shim.h"
+    text = (
         f'#include "{shim}"\n'
         + cuda.SOURCE.read_text().replace("constexpr int BLOCK = 64;", "constexpr int BLOCK = 32;")
         + """
@@ -48,9 +43,7 @@ extern "C" void run(void** arrays, int warps, int environments, bool steps) {
 }
 """
     )
-    options = ["-std=c++17", "-O1", "-ffp-contract=off", "-shared", "-fPIC", "-w"]
-    subprocess.run([compiler, *options, "-o", path, main], check=True)
-    return ctypes.CDLL(str(path))
+    return shared_library(tmp_path_factory.mktemp("warps"), text, "-ffp-contract=off")
 
 
 def assert_same(library, scene, rays, query):

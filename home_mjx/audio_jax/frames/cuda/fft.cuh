@@ -195,6 +195,23 @@ __device__ __forceinline__ void transform(Complex* values, const Complex* turns,
   passes<N, 1>(values, turns, load, store);
 }
 
+// From a spectrum, whose values each thread has in its slots, back to N times what it is of; results go to
+// `store(i, value)`. The way back is the way there of what is conjugated, before and after.
+template <int N, class Store>
+__device__ __forceinline__ void transform_back(
+    Complex* values, const Complex* turns, const Complex* spectrum, Store store) {
+  __syncthreads();
+#pragma unroll
+  for (int slot = 0; slot < num_slots<N>(); ++slot) {
+    const int i = slot_value<N>(slot);
+    if (i >= 0) values[place(i)] = conjugate(spectrum[slot]);
+  }
+  __syncthreads();
+  transform<N>(
+      values, turns, [&](int i) { return values[place(i)]; },
+      [&](int, int i, Complex value) { store(i, conjugate(value)); });
+}
+
 // Copies turns to where a block's threads read them.
 template <int N>
 __device__ __forceinline__ void copy_turns(Complex* here, const float2* turns) {

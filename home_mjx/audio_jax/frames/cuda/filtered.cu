@@ -36,20 +36,10 @@ extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, BLOCKS) filter_s
           whole[slot] = whole[slot] + Complex{one.x, one.y} * value;
         });
   }
-  // The way back is the way there of what is conjugated, before and after.
-  __syncthreads();
-#pragma unroll
-  for (int slot = 0; slot < num_slots<SIZE>(); ++slot) {
-    const int i = slot_value<SIZE>(slot);
-    if (i >= 0) values[place(i)] = conjugate(whole[slot]);
-  }
-  __syncthreads();
   float* out = frames + size_t(env * channels + left) * frame - begin;
-  transform<SIZE>(
-      values, table, [&](int i) { return values[place(i)]; },
-      [&](int, int i, Complex value) {
-        if (i < begin || i >= begin + frame) return;
-        out[i] = value.re;
-        if (both) out[frame + i] = -value.im;
-      });
+  transform_back<SIZE>(values, table, whole, [&](int i, Complex value) {
+    if (i < begin || i >= begin + frame) return;
+    out[i] = value.re;
+    if (both) out[frame + i] = value.im;
+  });
 }

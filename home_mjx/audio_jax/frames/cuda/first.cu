@@ -28,7 +28,7 @@ extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, 2) filter_first(
     const int* __restrict__ sizes,       // length, samples that filters ring, and that are made
     float* __restrict__ filtered) {      // (sources, 2, made)
   extern __shared__ float shared[];
-  constexpr int THREADS = SIZE / PER_THREAD, SLOTS = num_slots<SIZE>();
+  constexpr int THREADS = SIZE / PER_THREAD;
   const int length = sizes[0], ringing = sizes[1], made = sizes[2], number = blockIdx.x, thread = threadIdx.x;
   Complex* values = (Complex*)shared;
   Complex* table = values + place(SIZE);
@@ -41,7 +41,7 @@ extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, 2) filter_first(
     filter[end][i - end * HALF] = filter_at(levels + row * BANDS, sounds[row], octaves, i - end * HALF);
   }
   __syncthreads();
-  Complex whole[SLOTS];
+  Complex whole[num_slots<SIZE>()];
   transform<SIZE>(
       values, table,
       [&](int i) {
@@ -52,22 +52,12 @@ extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, 2) filter_first(
         const int k = i < HALF ? i : SIZE - i;
         Complex first = filter[0][k], last = filter[1][k];
         if (i >= HALF) first = conjugate(first), last = conjugate(last);
-        whole[slot] = conjugate(value * Complex{first.re - last.im, first.im + last.re});
+        whole[slot] = value * Complex{first.re - last.im, first.im + last.re};
       });
-  // The way back is the way there of what is conjugated, before and after.
-  __syncthreads();
-#pragma unroll
-  for (int slot = 0; slot < SLOTS; ++slot) {
-    const int i = slot_value<SIZE>(slot);
-    if (i >= 0) values[place(i)] = whole[slot];
-  }
-  __syncthreads();
   float* out = filtered + size_t(number) * 2 * made - ringing;
-  transform<SIZE>(
-      values, table, [&](int i) { return values[place(i)]; },
-      [&](int, int i, Complex value) {
-        if (i < ringing || i >= ringing + made) return;
-        out[i] = value.re * (1.0f / SIZE);
-        out[made + i] = -value.im * (1.0f / SIZE);
-      });
+  transform_back<SIZE>(values, table, whole, [&](int i, Complex value) {
+    if (i < ringing || i >= ringing + made) return;
+    out[i] = value.re * (1.0f / SIZE);
+    out[made + i] = value.im * (1.0f / SIZE);
+  });
 }

@@ -109,26 +109,16 @@ extern "C" __global__ void __launch_bounds__(SIZE / PER_THREAD, 1) late_frames(
     __syncthreads();
   }
 
-  // The way back is the way there of what is conjugated, before and after; the frame fades from one end to the other.
+  // The frame fades from one end to the other.
   float* out = frames + size_t(env * size.channels + left) * size.frame;
   const float step = 1.0f / float(size.frame);
 #pragma unroll
-  for (int end = 0; end < ENDS; ++end) {
-    __syncthreads();
-#pragma unroll
-    for (int slot = 0; slot < SLOTS; ++slot) {
-      const int i = slot_value<SIZE>(slot);
-      if (i >= 0) values[place(i)] = conjugate(whole[end][slot]);
-    }
-    __syncthreads();
-    transform<SIZE>(
-        values, table, [&](int i) { return values[place(i)]; },
-        [&](int, int i, Complex value) {
-          const int sample = i - size.begin;
-          if (sample < 0 || sample >= size.frame) return;
-          const float fade = float(sample + 1) * step, share = (end ? fade : 1.0f - fade) * (1.0f / SIZE);
-          out[sample] = (end ? out[sample] : 0.0f) + share * value.re;
-          if (both) out[size.frame + sample] = (end ? out[size.frame + sample] : 0.0f) - share * value.im;
-        });
-  }
+  for (int end = 0; end < ENDS; ++end)
+    transform_back<SIZE>(values, table, whole[end], [&](int i, Complex value) {
+      const int sample = i - size.begin;
+      if (sample < 0 || sample >= size.frame) return;
+      const float fade = float(sample + 1) * step, share = (end ? fade : 1.0f - fade) * (1.0f / SIZE);
+      out[sample] = (end ? out[sample] : 0.0f) + share * value.re;
+      if (both) out[size.frame + sample] = (end ? out[size.frame + sample] : 0.0f) + share * value.im;
+    });
 }
