@@ -38,6 +38,15 @@ inline void __syncthreads() {
 // All warps go through the same barriers, so one of a warp may as well be one of the block.
 inline void __syncwarp() { __syncthreads(); }
 
+inline float __shfl_xor_sync(unsigned, float value, int other) {
+  static float all[1024];
+  all[threadIdx.x] = value;
+  __syncthreads();
+  const float found = all[threadIdx.x ^ other];
+  __syncthreads();
+  return found;
+}
+
 static void fiber() {
   const unsigned own = threadIdx.x;
   work();

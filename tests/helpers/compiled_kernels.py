@@ -4,7 +4,7 @@ import ctypes
 import itertools
 import shutil
 import subprocess
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import jax.numpy as jnp
@@ -26,18 +26,19 @@ def shared_library(folder: Path, text: str, *options: str) -> ctypes.CDLL:
     return ctypes.CDLL(str(built))
 
 
-def block_program(sources: Sequence[Path], size: int, name: str, arguments: str) -> str:
-    """C++ of a kernel that is compiled for a size, with a function `run` for one block of it.
+def block_program(sources: Sequence[Path], defines: Mapping[str, int], name: str, arguments: str) -> str:
+    """C++ of a kernel that is compiled for some numbers, with a function `run` for one block of it.
 
     Args:
         sources: Its files.
-        size: What SIZE is.
+        defines: Numbers by the names that they have there.
         name: Of the kernel.
         arguments: C++ that takes them from the pointers `p`.
     """
     text = "".join(source.read_text() for source in sources).replace("extern __shared__ float shared[];", "")
+    numbers = "".join(f"#define {key} {value}\n" for key, value in defines.items())
     return (
-        f'#define SIZE {size}\n#include "{SHIM}"\nstatic void** given;\n{text}\n'
+        f'{numbers}#include "{SHIM}"\nstatic void** given;\n{text}\n'
         f"static void go() {{ void** p = given; {name}({arguments}); }}\n"
         'extern "C" void run(void** operands, int x, int y, int threads, int words) '
         "{ given = operands; run_block(x, y, threads, words, go); }\n"

@@ -1,87 +1,154 @@
-// Energy in the rooms of a house over time, see `rooms.py`: one block for WARPS matrices of an environment, a warp for each.
+// Energy in the rooms of a house over time, see `rooms.py`: LANES threads for each matrix.
 //
-// SIZE, how many rooms there are, is given when this is compiled: at most as many as a warp has threads.
+// SIZE, how many rooms there are, and LANES are given when this is compiled. A matrix is multiplied where it lies, in
+// memory that the block shares, by one of which each thread has some columns in registers. Energy after a n + b bins is
+// what b steps before the listener, a row, find of what n steps a times made, a column: then no step is waited for by
+// more than a few others. n is RUN.
 
-constexpr int WARP = 32, WARPS = 7, STRIDE = SIZE | 1;  // odd rows keep threads out of each other's banks
-constexpr int ROWS = 2 * SIZE > WARP ? 2 * SIZE : WARP;  // that a warp has: two matrices, then steps
-constexpr int TERMS = 6, HALVINGS = 3;       // as in rooms.py: of the exponential series, and of the step before it
+constexpr int THREADS = 64, SLOTS = THREADS / LANES;  // matrices of a block
+constexpr int PITCH = SLOTS + 1;                      // from number to number of a matrix; odd, for other banks
+constexpr int OWN = (SIZE + LANES - 1) / LANES;       // columns of a thread
+constexpr int TERMS = 6, HALVINGS = 3;                // as in rooms.py: of the exponential series, and of its step
+constexpr int DOUBLINGS = 3, RUN = 1 << DOUBLINGS;    // as in rooms.py
 
-// This thread's row of one matrix times another, whose rows all threads of a warp read together.
-__device__ __forceinline__ void multiply(float* product, const float* row, const float* matrix) {
+// A matrix's threads are of one warp; what one has written, all read then.
+__device__ __forceinline__ void together() {
+  if constexpr (LANES > 1) __syncwarp();
+}
+
+// What a thread has of one matrix.
+struct Part {
+  float* matrix;         // of its slot: number (i, k) is matrix[(i * SIZE + k) * PITCH]
+  int lane;              // among those of its matrix
+  float own[SIZE][OWN];  // columns lane, lane + LANES, ... of another matrix; 0 beyond the last
+
+  __device__ __forceinline__ void take() {
 #pragma unroll
-  for (int j = 0; j < SIZE; ++j) product[j] = 0.0f;
-#pragma unroll 2
-  for (int k = 0; k < SIZE; ++k) {
-    const float one = row[k];
+    for (int k = 0; k < SIZE; ++k)
 #pragma unroll
-    for (int j = 0; j < SIZE; ++j) product[j] += one * matrix[k * STRIDE + j];
+      for (int c = 0; c < OWN; ++c) own[k][c] = inside(c) ? matrix[(k * SIZE + column(c)) * PITCH] : 0.0f;
+    together();
   }
-}
 
-// Puts a thread's row where it and, after the next barrier, all of its warp read it.
-__device__ __forceinline__ void put(float* matrix, const float* row, int lane) {
-  if (lane >= SIZE) return;
+  __device__ __forceinline__ int column(int c) const { return c * LANES + lane; }
+  __device__ __forceinline__ bool inside(int c) const { return SIZE % LANES == 0 || column(c) < SIZE; }
+
+  // A row times `own`, of which each thread gets its own columns.
+  __device__ __forceinline__ void product(float* sum, const float* row) const {
 #pragma unroll
-  for (int j = 0; j < SIZE; ++j) matrix[lane * STRIDE + j] = row[j];
-}
+    for (int c = 0; c < OWN; ++c) sum[c] = 0.0f;
+#pragma unroll
+    for (int k = 0; k < SIZE; ++k) {
+      const float one = row[k * PITCH];
+#pragma unroll
+      for (int c = 0; c < OWN; ++c) sum[c] += one * own[k][c];
+    }
+  }
 
-extern "C" __global__ void __launch_bounds__(WARP * WARPS, 2) fall_in_rooms(
-    const float* __restrict__ rates,      // (environments, matrices, SIZE, SIZE): M of dw / dn = -M w, n counting bins
+  __device__ __forceinline__ void put(float* row, const float* values) const {
+#pragma unroll
+    for (int c = 0; c < OWN; ++c)
+      if (inside(c)) row[column(c) * PITCH] = values[c];
+  }
+
+  // matrix = unit + scale * matrix * own.
+  __device__ __forceinline__ void multiply(float unit, float scale) {
+#pragma unroll 1
+    for (int i = 0; i < SIZE; ++i) {
+      float sum[OWN];
+      float* row = matrix + i * SIZE * PITCH;
+      product(sum, row);
+      together();
+#pragma unroll
+      for (int c = 0; c < OWN; ++c) sum[c] = scale * sum[c] + (column(c) == i ? unit : 0.0f);
+      put(row, sum);
+    }
+    together();
+  }
+
+  __device__ __forceinline__ void square() {
+    take();
+    multiply(0.0f, 1.0f);
+  }
+
+  // `own` times a column, all of which each thread has.
+  __device__ __forceinline__ void apply(float* column_values) const {
+    float sum[SIZE];
+#pragma unroll
+    for (int k = 0; k < SIZE; ++k) {
+      sum[k] = 0.0f;
+#pragma unroll
+      for (int c = 0; c < OWN; ++c) sum[k] += own[k][c] * value_at(column_values, c);
+    }
+#pragma unroll
+    for (int k = 0; k < SIZE; ++k) {
+#pragma unroll
+      for (int other = LANES / 2; other > 0; other /= 2) sum[k] += __shfl_xor_sync(0xffffffffu, sum[k], other);
+      column_values[k] = sum[k];
+    }
+  }
+
+  // That of this thread's column c, found without an index that is known only now: registers have none.
+  __device__ __forceinline__ float value_at(const float* values, int c) const {
+    float found = 0.0f;
+#pragma unroll
+    for (int l = 0; l < LANES; ++l)
+      if (c * LANES + l < SIZE && l == lane) found = values[c * LANES + l];
+    return found;
+  }
+};
+
+extern "C" __global__ void __launch_bounds__(THREADS) fall_in_rooms(
+    const float* __restrict__ rates,      // (environments, states, octaves, SIZE, SIZE): M of dw / dn = -M w, n counting bins
     const float* __restrict__ starts,     // (environments, SIZE)
     const float* __restrict__ listeners,  // (environments, SIZE)
-    const int* __restrict__ sizes,        // matrices, bins
-    float* __restrict__ heard) {          // (environments, matrices, bins)
+    const int* __restrict__ sizes,        // environments, states, octaves, bins
+    float* __restrict__ heard) {          // (environments, states, bins, octaves)
   extern __shared__ float shared[];
-  const int matrices = sizes[0], bins = sizes[1], lane = threadIdx.x % WARP, warp = threadIdx.x / WARP;
-  const int number = blockIdx.y * WARPS + warp;
-  if (number >= matrices) return;
-  const size_t place = size_t(blockIdx.x) * matrices + number;
-  float* own = shared + warp * ROWS * STRIDE;
-  float* power = own + SIZE * STRIDE;
-  const float* rate = rates + place * SIZE * SIZE;
-  const int room = lane < SIZE ? lane : SIZE - 1;
-  float step[SIZE], product[SIZE];
-#pragma unroll
-  for (int j = 0; j < SIZE; ++j) product[j] = rate[room * SIZE + j] * (-1.0f / (1 << HALVINGS));
-  put(own, product, lane);
-  put(power, product, lane);
-#pragma unroll
-  for (int j = 0; j < SIZE; ++j) step[j] = product[j] + (j == room ? 1.0f : 0.0f);
-  __syncwarp();
-  for (int n = 2; n < TERMS; ++n) {
-    multiply(product, power + room * STRIDE, own);
-#pragma unroll
-    for (int j = 0; j < SIZE; ++j) {
-      product[j] *= 1.0f / float(n);
-      step[j] += product[j];
-    }
-    __syncwarp();
-    put(power, product, lane);
-    __syncwarp();
+  const int octaves = sizes[2], bins = sizes[3], matrices = sizes[1] * octaves, all = sizes[0] * matrices;
+  const int first = blockIdx.x * SLOTS, slot = threadIdx.x / LANES;
+  const int number = min(first + slot, all - 1);  // threads beyond the last matrix repeat it
+  Part part;
+  part.matrix = shared + slot, part.lane = threadIdx.x % LANES;
+  for (int i = threadIdx.x; i < SLOTS * SIZE * SIZE; i += THREADS) {
+    const int at = i / (SIZE * SIZE), place = i % (SIZE * SIZE);
+    const size_t from = size_t(min(first + at, all - 1)) * SIZE * SIZE + place;
+    shared[place * PITCH + at] = rates[from] * (-1.0f / (1 << HALVINGS));
   }
-  for (int n = 0; n < HALVINGS; ++n) {
-    put(own, step, lane);
-    __syncwarp();
-    multiply(product, own + room * STRIDE, own);
-    __syncwarp();
-#pragma unroll
-    for (int j = 0; j < SIZE; ++j) step[j] = product[j];
+  __syncthreads();
+  part.take();
+  for (int i = part.lane; i < SIZE * SIZE; i += LANES) {  // the series, from its last term on
+    float& value = part.matrix[i * PITCH];
+    value = value * (1.0f / (TERMS - 1)) + (i % (SIZE + 1) == 0 ? 1.0f : 0.0f);
   }
-  const float* listener = listeners + blockIdx.x * SIZE;
-  float now = starts[blockIdx.x * SIZE + room];
-  for (int first = 0; first < bins; first += WARP) {  // as many steps as a warp has threads, which then listen to one each
-    for (int k = 0; k < WARP; ++k) {
-      __syncwarp();
-      if (lane < SIZE) own[k * STRIDE + lane] = now;
-      __syncwarp();
-      float next = 0.0f;
+  together();
+  for (int n = TERMS - 2; n > 0; --n) part.multiply(1.0f, 1.0f / float(n));
+  for (int n = 0; n < HALVINGS; ++n) part.square();
+
+  const int env = number / matrices, state = number % matrices / octaves, octave = number % octaves;
+  float* rows = part.matrix + SIZE * SIZE * PITCH;  // RUN of them
+  for (int k = part.lane; k < SIZE; k += LANES) rows[k * PITCH] = listeners[env * SIZE + k];
+  part.take();
+#pragma unroll 1
+  for (int b = 1; b < RUN; ++b) {
+    float sum[OWN];
+    part.product(sum, rows + (b - 1) * SIZE * PITCH);
+    part.put(rows + b * SIZE * PITCH, sum);
+    together();
+  }
+  for (int n = 0; n < DOUBLINGS; ++n) part.square();
+  part.take();
+  float now[SIZE];
 #pragma unroll
-      for (int j = 0; j < SIZE; ++j) next += step[j] * own[k * STRIDE + j];
-      now = next;
+  for (int k = 0; k < SIZE; ++k) now[k] = starts[env * SIZE + k];
+  float* out = heard + size_t(env * sizes[1] + state) * bins * octaves + octave;
+  for (int begin = 0; begin < bins; begin += RUN) {
+    for (int b = part.lane; b < RUN; b += LANES) {
+      float sum = 0.0f;
+#pragma unroll
+      for (int k = 0; k < SIZE; ++k) sum += rows[(b * SIZE + k) * PITCH] * now[k];
+      if (begin + b < bins && first + slot < all) out[(begin + b) * octaves] = sum;
     }
-    float sum = 0.0f;
-#pragma unroll
-    for (int j = 0; j < SIZE; ++j) sum += listener[j] * own[lane * STRIDE + j];
-    if (first + lane < bins) heard[place * bins + first + lane] = sum;
+    part.apply(now);
   }
 }

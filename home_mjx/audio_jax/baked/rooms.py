@@ -14,7 +14,9 @@ from home_mjx.core.native.platforms import by_platform, call_kernel, problem_of,
 TERMS = 6  # of the exponential series
 HALVINGS = 3  # of the step before it
 SOURCE = Path(__file__).with_name("rooms.cu")
-WARP, WARPS = 32, 7  # threads, and warps of a block, as in rooms.cu
+THREADS, WARP = 64, 32  # of a block, as in rooms.cu, and of a warp
+RUN = 8  # bins that are found of one column, as in rooms.cu
+MOST_NUMBERS = 100  # of a matrix in a thread's registers
 
 
 def fallen(
@@ -93,24 +95,35 @@ def _start() -> None:
 @functools.cache
 def ptx_of(rooms: int) -> str:
     """PTX for so many rooms that all GPUs of this process can run."""
-    return ptx_for_all(SOURCE, {"SIZE": rooms})
+    return ptx_for_all(SOURCE, {"SIZE": rooms, "LANES": lanes_of(rooms)})
+
+
+def lanes_of(rooms: int) -> int:
+    """Threads of each matrix, a power of two, such that each holds some columns in registers; above `WARP`: too many.
+
+    Example:
+        >>> lanes_of(8), lanes_of(20), lanes_of(51)
+        (1, 4, 64)
+    """
+    lanes = 1
+    while rooms * -(-rooms // lanes) > MOST_NUMBERS and lanes <= WARP:
+        lanes *= 2
+    return lanes
 
 
 def _available(rooms: int) -> bool:
-    return 0 < rooms <= WARP and _cuda_available() and _bytes(rooms) <= shared_bytes()
+    return lanes_of(rooms) <= WARP and _cuda_available() and _bytes(rooms) <= shared_bytes()
 
 
 def _bytes(rooms: int) -> int:
-    """Memory of a block: of each warp two matrices, then so many steps as it has threads, in odd rows."""
-    return 4 * WARPS * max(2 * rooms, WARP) * (rooms | 1)
+    """Memory of a block: of each matrix its numbers and some rows, an odd number of matrices apart."""
+    return 4 * (THREADS // lanes_of(rooms) + 1) * rooms * (rooms + RUN)
 
 
 def _by_cuda(
     rates: Float[Array, "s bands r r"], start: Float[Array, " r"], listener: Float[Array, " r"], bins: int
 ) -> Float[Array, "s k bands"]:
-    flat = rates.reshape(1, -1, *rates.shape[2:])
-    heard = _op(bins)(flat, start[None], listener[None])[0][0]
-    return jnp.swapaxes(heard.reshape(*rates.shape[:2], bins), 1, 2)
+    return _op(bins)(rates[None], start[None], listener[None])[0][0]
 
 
 @functools.cache
@@ -119,8 +132,9 @@ def _op(bins: int) -> Callable[..., tuple[Array, ...]]:
 
 
 def run_rooms(bins: int, *given: Array) -> tuple[Array, ...]:
-    """The kernel for environments: matrices (e m r r), starts (e r), listeners (e r); gives (e m bins)."""
-    (envs, matrices, rooms, _), grid = given[0].shape, (given[0].shape[0], -(-given[0].shape[1] // WARPS))
-    result = jax.ShapeDtypeStruct((envs, matrices, bins), jnp.float32)
-    operands = *given, numbers((matrices, bins))
-    return call_kernel("fall_in_rooms", ptx_of(rooms), grid, WARP * WARPS, _bytes(rooms), operands, result)
+    """The kernel for environments: matrices (e s bands r r), starts (e r), listeners (e r); gives (e s bins bands)."""
+    envs, states, octaves, rooms, _ = given[0].shape
+    blocks = -(-envs * states * octaves // (THREADS // lanes_of(rooms)))
+    result = jax.ShapeDtypeStruct((envs, states, bins, octaves), jnp.float32)
+    operands = *given, numbers((envs, states, octaves, bins))
+    return call_kernel("fall_in_rooms", ptx_of(rooms), (blocks, 1), THREADS, _bytes(rooms), operands, result)

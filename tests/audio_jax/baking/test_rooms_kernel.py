@@ -21,26 +21,29 @@ def here(tmp_path, monkeypatch):
     """Calls of XLA run the kernel on the CPU."""
 
     def compiled(name, given, threads):
-        return shared_library(tmp_path, block_program([rooms.SOURCE], given[1].shape[1], name, ARGUMENTS))
+        size = given[1].shape[1]
+        defines = {"SIZE": size, "LANES": rooms.lanes_of(size)}
+        return shared_library(tmp_path, block_program([rooms.SOURCE], defines, name, ARGUMENTS))
 
     monkeypatch.setattr(rooms, "ptx_of", lambda size: "")
     monkeypatch.setattr(jax.ffi, "ffi_call", blocks_instead(compiled))
 
 
 @pytest.mark.parametrize(
-    ("size", "matrices", "bins"), [(1, 3, 40), (5, 9, 125), (8, 21, 125), (17, 7, 33), (32, 2, 64)]
+    ("size", "states", "octaves", "bins"),
+    [(1, 1, 3, 40), (5, 3, 7, 125), (8, 3, 7, 125), (17, 2, 7, 33), (50, 1, 2, 64)],
 )
-def test_energy_falls_as_by_the_matrix_exponential(here, rng, size, matrices, bins):
-    """In one room and in as many as a warp has threads, more matrices than a block has warps, any number of bins."""
-    exchange = rng.uniform(0, 0.2, (2, matrices, size, size)) * (1 - np.eye(size))
-    own = exchange.sum(axis=3) + rng.uniform(0.01, 0.5, (2, matrices, size))
+def test_energy_falls_as_by_the_matrix_exponential(here, rng, size, states, octaves, bins):
+    """In one room and in as many as registers hold, any number of bins, blocks with and without matrices to spare."""
+    exchange = rng.uniform(0, 1.0 / size, (2, states, octaves, size, size)) * (1 - np.eye(size))
+    own = exchange.sum(axis=-1) + rng.uniform(0.01, 0.5, (2, states, octaves, size))
     rates = own[..., None] * np.eye(size) - exchange
     start, listener = rng.uniform(0, 1, (2, 2, size))
     (got,) = rooms.run_rooms(bins, *(jnp.float32(x) for x in (rates, start, listener)))
-    assert got.shape == (2, matrices, bins)
-    for env, matrix in np.ndindex(2, matrices):
-        wanted = [listener[env] @ expm(-n * rates[env, matrix]) @ start[env] for n in range(bins)]
-        np.testing.assert_allclose(got[env, matrix], wanted, rtol=2e-4, atol=1e-9)
+    assert got.shape == (2, states, bins, octaves)
+    for env, state, octave in np.ndindex(2, states, octaves):
+        wanted = [listener[env] @ expm(-n * rates[env, state, octave]) @ start[env] for n in range(bins)]
+        np.testing.assert_allclose(got[env, state, :, octave], wanted, rtol=2e-4, atol=1e-9)
 
 
 def test_it_gives_what_xla_does(here, rng, monkeypatch):
@@ -60,4 +63,4 @@ def test_nvrtc_compiles_it():
     except ExecutorError:
         pytest.skip("there is no NVRTC here")
     for size in (1, 8, 32):
-        assert ".entry" in nvrtc.compile_ptx(rooms.SOURCE, 90, {"SIZE": size})
+        assert ".entry" in nvrtc.compile_ptx(rooms.SOURCE, 90, {"SIZE": size, "LANES": rooms.lanes_of(size)})

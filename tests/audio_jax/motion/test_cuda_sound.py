@@ -51,7 +51,7 @@ KERNELS = {
 def program_text(name, size):
     """C++ of a kernel for transforms of that size, or so many noises."""
     sources, arguments = KERNELS[name]
-    return block_program(sources, size, name, arguments)
+    return block_program(sources, {"SIZE": size}, name, arguments)
 
 
 @pytest.fixture(scope="module")
