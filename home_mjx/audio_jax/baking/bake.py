@@ -96,6 +96,7 @@ def bake_house(
     config = AudioConfig(num_bounces=options.bounces, response_seconds=BINS * AudioConfig.bin_seconds)
     tally = Tally(cells.room, distance, len(BANDS), BINS, config.bin_seconds * config.speed_of_sound)
     starts, free = start_points(scene, cells, rays, rng)
+    around = places(house, scene, cells, options.size)
     flights = Flights(scene, grid_of(cells, free, _joined(house)), config, BINS, rays * len(BANDS))
     total = Baker(flights, tally, options.bounces, options.seed).run(starts, cells.room)
     level, shape = tally.finish(seen)
@@ -106,7 +107,7 @@ def bake_house(
         "room": cells.room.astype(np.int32),
         "shape": at_knots(shape),
     }
-    return small(heard | places(house, scene, cells, options.size) | _rooms(house, total))
+    return small(heard | around() | _rooms(house, total))
 
 
 def open_scene(bank: HouseBank, index: int) -> Scene:

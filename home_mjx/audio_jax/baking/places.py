@@ -1,5 +1,7 @@
 """Points of cells, and what they see; host side, but for the rays."""
 
+from collections.abc import Callable
+
 import jax
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
@@ -96,8 +98,11 @@ def ways(center: Float[np.ndarray, "n 3"], seen: Bool[np.ndarray, "n n"]) -> Flo
     return np.where(np.isfinite(found), found, straight)
 
 
-def places(house: CompiledHouse, scene: Scene, cells: Cells, size: float) -> dict[str, np.ndarray]:
-    """Cells around the points of a lattice, and their weights: fields of a `LateField`."""
+def places(house: CompiledHouse, scene: Scene, cells: Cells, size: float) -> Callable[[], dict[str, np.ndarray]]:
+    """Sends rays from the points of a lattice to cells; what it returns gives the fields of a `LateField` about them.
+
+    These are the cells around each point, and their weights. Until then a GPU has other work to do.
+    """
     stride = max(round(PLACE / cells.step), 1)
     levels, rows, columns = cells.lookup.shape
     down, across = np.arange(stride // 2, rows, stride), np.arange(stride // 2, columns, stride)
@@ -105,23 +110,39 @@ def places(house: CompiledHouse, scene: Scene, cells: Cells, size: float) -> dic
     floor = house.navigation.floor[:levels]
     place = np.stack(np.broadcast_arrays(x[None, None], y[None, :, None], floor[:, None, None] + EARS), -1)
     flat = place.reshape(-1, 3)
-    near, weight = neighbours(cells.center, flat, in_view(scene, flat, cells.center), REACH * size, NEAR)
-    return {
-        "near": near.reshape(*place.shape[:3], -1).astype(np.uint8),
-        "weight": weight.reshape(*place.shape[:3], -1),
-        "floor": floor,
-        "origin": np.array([x[0], y[0]]) - stride * cells.step / 2,
-        "step": np.asarray(stride * cells.step),
-    }
+    seen = _look(scene, flat[:, None], cells.center[None])
+
+    def fields() -> dict[str, np.ndarray]:
+        near, weight = neighbours(cells.center, flat, seen(), REACH * size, NEAR)
+        return {
+            "near": near.reshape(*place.shape[:3], -1).astype(np.uint8),
+            "weight": weight.reshape(*place.shape[:3], -1),
+            "floor": floor,
+            "origin": np.array([x[0], y[0]]) - stride * cells.step / 2,
+            "step": np.asarray(stride * cells.step),
+        }
+
+    return fields
 
 
 def _see(scene: Scene, start: Float[np.ndarray, "*p 3"], end: Float[np.ndarray, "*q 3"]) -> Bool[np.ndarray, "..."]:
-    """Whether nothing is between, so many rays at a time: houses of all sizes share one program."""
+    """Whether nothing is between."""
+    return _look(scene, start, end)()
+
+
+def _look(
+    scene: Scene, start: Float[np.ndarray, "*p 3"], end: Float[np.ndarray, "*q 3"]
+) -> Callable[[], Bool[np.ndarray, "..."]]:
+    """Sends rays between points, so many at a time: houses of all sizes share one program.
+
+    What it returns waits for them.
+    """
     start, end = np.broadcast_arrays(np.asarray(start, np.float32), np.asarray(end, np.float32))
     rays = np.stack([start.reshape(-1, 3), end.reshape(-1, 3)])
     chunks = np.pad(rays, ((0, 0), (0, -rays.shape[1] % AT_ONCE), (0, 0))).reshape(2, -1, AT_ONCE, 3)
-    hidden = [np.asarray(_hidden(scene, a, b)) for a, b in zip(*chunks, strict=True)]
-    return ~np.concatenate([*hidden, np.zeros(0, bool)])[: rays.shape[1]].reshape(start.shape[:-1])
+    hidden = [_hidden(scene, a, b) for a, b in zip(*chunks, strict=True)]
+    shape, count = start.shape[:-1], rays.shape[1]
+    return lambda: ~np.concatenate([*map(np.asarray, hidden), np.zeros(0, bool)])[:count].reshape(shape)
 
 
 @jax.jit

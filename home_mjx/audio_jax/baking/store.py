@@ -18,7 +18,7 @@ from home_mjx.scene_compile.cache.entry import BROKEN, read_entry, write_entry
 from home_mjx.scene_compile.cache.flatten import flatten, rebuild
 from home_mjx.schema.compiled import CompiledHouse
 
-VERSION = 8  # raise it whenever the same house and options would give another field
+VERSION = 9  # raise it whenever the same house and options would give another field
 
 log = logging.getLogger(__name__)
 

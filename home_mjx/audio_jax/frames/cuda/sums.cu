@@ -10,7 +10,7 @@ constexpr int FIRST = -3;     // the first of them
 constexpr int WAY = 3;        // numbers of a path before those of its ears: length at both ends, bend
 constexpr int FILTERED = 2;   // rows that are read from what filters made
 constexpr int BORDER = TAPS / 2;  // samples around those that are read
-constexpr int NEVER = -1, LATER = -2;  // of turns
+constexpr int NEVER = -1, LATER = -2;  // of turns, and where one begins that reads nothing of its source
 
 // Weight of half sample FIRST + I: `delays.read_weights`, whose numbers these are (a test compares them).
 template <int I>
@@ -100,7 +100,7 @@ __device__ int plan(const Sizes& size, const int* low, const int* high, int* tur
     int first = -1;
     for (int row = FILTERED; row < size.rows; ++row)
       if (turn[row] == LATER && (first < 0 || low[row] < low[first])) first = row;
-    begin[turns] = first < 0 ? 0 : low[first];
+    begin[turns] = first < 0 ? NEVER : low[first];
     left = 0;
     for (int row = FILTERED; row < size.rows; ++row) {
       if (turn[row] != LATER) continue;
@@ -167,10 +167,12 @@ extern "C" __global__ void __launch_bounds__(384, 3) add_paths(
     __syncthreads();
     for (int now = 0; now < *turns; ++now) {
       const int first = begin[now];
-      fill(part[FILTERED], sources + number * size.length, size.length, first, size.window);
-      __syncthreads();
-      double_rate(part[FILTERED], size.window, kernel);
-      __syncthreads();
+      if (first != NEVER) {
+        fill(part[FILTERED], sources + number * size.length, size.length, first, size.window);
+        __syncthreads();
+        double_rate(part[FILTERED], size.window, kernel);
+        __syncthreads();
+      }
       for (int item = thread; item < size.channels * size.count; item += threads) {
         const int channel = item / size.count, k = item - channel * size.count;
         const int ear = size.ears == 1 ? 0 : channel;
