@@ -6,6 +6,7 @@ from jaxtyping import Float, Int
 from home_mjx.audio_jax.baking.fit import Tally
 from home_mjx.audio_jax.baking.flights.pool import Pool
 from home_mjx.audio_jax.baking.flights.stage import Flights, Heard, Start, together
+from home_mjx.audio_jax.baking.forgotten import TOLD
 from home_mjx.audio_jax.baking.join import join
 from home_mjx.audio_jax.baking.renewal import gates_after, gates_of, through
 from home_mjx.schema.compiled import BANDS
@@ -13,6 +14,7 @@ from home_mjx.schema.compiled import BANDS
 YOUNG = 40.0  # [m], after which it hardly matters in which cell of a room sound began
 OLD = 120.0  # [m], after which it does not matter when
 PER_METRE = 1.0  # most reflections: flights end by age, for rays that are reflected seldom are those that last
+LONGER = 1.25  # times as far as they are heard fly rays that no gate ends, for not all fly as far
 FLIGHTS = (1, 3, 2, 1)  # of rays of each room that are very old, old, from each gate between rooms, and after another
 
 
@@ -42,21 +44,23 @@ class Baker:
         gates = gates_of(cells.whole(lambda gave: np.asarray(gave.went).sum(axis=(1, 4))).sum(axis=0))
         oldest, old, entering = gates.kinds()
         sizes = [(flights, points.shape[1]) for flights in FLIGHTS]
-        starts = pool.starts(gates.rooms[entering], gates.number, entering.start, sizes[2], self.rng)
-        between = self._fly(starts, False, YOUNG, met)
+        young = pool.starts(gates.rooms[entering], gates.number, entering.start, sizes[2], self.rng)
+        between = self._fly(young, False, YOUNG, met)
         pool.rays += met.rays
-        starts = pool.starts(gates.rooms[old], gates.number, old.start, sizes[1], self.rng)
-        middle = self._fly(starts, False, OLD, aged)
+        grown = pool.starts(gates.rooms[old], gates.number, old.start, sizes[1], self.rng)
+        middle = self._fly(grown, False, OLD, aged)
         starts = aged.starts(gates.rooms[oldest], gates.older, oldest.start, sizes[0], self.rng)
         last = self._fly(starts, False, np.inf)
         rooms, first, second = gates_after(gates, _went(between).sum(axis=(1, 4)))
         starts = met.starts(rooms, first, len(gates.rooms), sizes[3], self.rng)
         after = self._fly(starts, False, YOUNG)
+        free = self._fly([*grown, *young], False, LONGER * TOLD * self.tally.metres, ends=False)
         count = len(gates.rooms) + len(rooms)
         every = (last, gates.older), (middle, gates.older), (between, first), (after, second)
         given = cells.whole(lambda gave: through(np.asarray(gave.went), gates.number, count))
         passed = np.concatenate([through(_went(heard), number, count) for heard, number in every])
-        return join(self.tally, cells, together([heard for heard, _ in every]), given, passed)
+        every_gate = together([heard for heard, _ in every])
+        return join(self.tally, cells, every_gate, given, passed, free, slice(old.start, entering.stop))
 
     def _source(self, points: Float[np.ndarray, "r 3"], room: int) -> Start:
         count = len(points) * len(BANDS)
@@ -64,10 +68,13 @@ class Baker:
         way /= np.linalg.norm(way, axis=1, keepdims=True)
         return Start(np.tile(points, (len(BANDS), 1)), way, np.zeros(count), room)
 
-    def _fly(self, starts: list[list[Start]], fresh: bool, age: float, pool: Pool | None = None) -> Heard:
+    def _fly(
+        self, starts: list[list[Start]], fresh: bool, age: float, pool: Pool | None = None, ends: bool = True
+    ) -> Heard:
         bounces = min(int(age * PER_METRE), self.bounces) if np.isfinite(age) else self.bounces
         seed = int(self.rng.integers(2**31))
-        return self.house.fly(starts, fresh, bounces, age, seed, pool.add if pool else None)
+        heard = None if ends else TOLD
+        return self.house.fly(starts, fresh, bounces, age, seed, ends, heard, pool.add if pool else None)
 
 
 def _went(heard: Heard) -> Float[np.ndarray, "s bands r r k"]:

@@ -1,7 +1,11 @@
 """From what cells heard to a late field: spans of time, shapes of decays, and what lies beyond the traced time."""
 
+from itertools import pairwise
+
+import jax
+import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.audio_jax.baked.spans import FINE, SILENT, SPANS
 
@@ -30,27 +34,26 @@ class Tally:
         self.shape = np.zeros((rooms, rooms, bands, bins))
         self.valid: list[int] = []
 
-    def add(self, octave: int, heard: Float[np.ndarray, "n n k"], flown: float) -> None:
-        """Energy from all cells to all, up to a distance that nearly all rays flew [m]."""
+    def add(self, octave: int, heard: Float[Array | np.ndarray, "m m k"], flown: float) -> None:
+        """Energy from all cells to all, and from and to none beyond them, up to a distance that most rays flew [m]."""
         self.valid.append(int((flown - self.distance.max()) / self.metres))
-        after = self._after(heard)
-        self.pair[..., octave] = np.add.reduceat(after, SPANS, axis=2)
-        member = np.eye(len(self.shape))[self.room]
-        self.shape[:, :, octave] = np.einsum("ia,ijk,jb->abk", member, after, member, optimize=True)
+        count, rooms = len(self.room), len(self.shape)
+        member = np.zeros((heard.shape[0], rooms + -rooms % 8), np.float32)
+        member[np.arange(count), self.room] = 1
+        pair, shape = _sums(heard, self._first(heard.shape[0]), member)
+        self.pair[..., octave] = pair[:count, :count]
+        self.shape[:, :, octave] = shape[:rooms, :rooms]
 
-    def spans(self, heard: Float[np.ndarray, "n n k"]) -> Float[np.ndarray, "n n s"]:
+    def spans(self, heard: Float[Array | np.ndarray, "m m k"]) -> Float[np.ndarray, "n n s"]:
         """Sums over each span of what all cells hear of all."""
-        return np.add.reduceat(self._after(heard), SPANS, axis=2)
+        count = len(self.room)
+        return np.asarray(_sums_of_spans(heard, self._first(heard.shape[0])))[:count, :count]
 
-    def _after(self, heard: Float[np.ndarray, "n n k"]) -> Float[np.ndarray, "n n k"]:
-        """What cells hear from the first possible arrival on; what seems to be earlier comes then."""
-        after = np.zeros(heard.shape)
-        for late in np.unique(self.arrival):
-            pairs = np.nonzero(self.arrival == late)
-            found = heard[pairs]
-            after[*pairs, : self.bins - late] = found[:, late:]
-            after[*pairs, 0] += found[:, :late].sum(axis=1)
-        return after
+    def _first(self, size: int) -> Int[np.ndarray, "m m"]:
+        count = len(self.room)
+        out = np.zeros((size, size), np.int32)
+        out[:count, :count] = np.minimum(self.arrival, self.bins)
+        return out
 
     def finish(
         self, seen: Bool[np.ndarray, "n n"] | None = None
@@ -78,6 +81,33 @@ class Tally:
         width = np.diff([*SPANS, shape.shape[3]])
         shape /= np.maximum(np.repeat(spans, width, axis=3), SILENT)
         return np.log(np.maximum(pair, SILENT)), shape
+
+
+@jax.jit
+def _sums(
+    heard: Float[Array, "m m k"], arrival: Int[Array, "m m"], member: Float[Array, "m r"]
+) -> tuple[Float[Array, "m m s"], Float[Array, "r r k"]]:
+    """What all cells hear of all in each span, and rooms of rooms."""
+    after = _after(heard, arrival)
+    return _spans(after), jnp.einsum("ia,ijk,jb->abk", member, after, member, precision="highest")
+
+
+@jax.jit
+def _sums_of_spans(heard: Float[Array, "m m k"], arrival: Int[Array, "m m"]) -> Float[Array, "m m s"]:
+    return _spans(_after(heard, arrival))
+
+
+def _after(heard: Float[Array, "m m k"], arrival: Int[Array, "m m"]) -> Float[Array, "m m k"]:
+    """What cells hear from the first possible arrival on; what seems to be earlier comes then."""
+    heard, first = heard.astype(jnp.float32), arrival[:, :, None]
+    count, bins = heard.shape[2], jnp.arange(heard.shape[2], dtype=jnp.int32)
+    later = jnp.take_along_axis(heard, jnp.minimum(bins + first, count - 1), axis=2)
+    after = jnp.where(bins + first < count, later, 0.0)
+    return after.at[:, :, 0].add(jnp.sum(jnp.where(bins < first, heard, 0.0), axis=2))
+
+
+def _spans(after: Float[Array, "m m k"]) -> Float[Array, "m m s"]:
+    return jnp.stack([after[:, :, a:b].sum(axis=2) for a, b in pairwise([*SPANS, after.shape[2]])], axis=2)
 
 
 def alike(pair: Float[np.ndarray, "n n s b"], room: Int[np.ndarray, " n"]) -> Float[np.ndarray, "n n s b"]:

@@ -1,21 +1,23 @@
-"""What cells hear before and after gates together; octaves, in halves, and axes side by side; host side."""
+"""What cells hear before and after gates together."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from functools import partial
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
 from home_mjx.audio_jax.baking.fit import Tally
-from home_mjx.audio_jax.baking.flights.flight import Gave
 from home_mjx.audio_jax.baking.flights.stage import Heard
-from home_mjx.audio_jax.baking.renewal import add_up, flux
+from home_mjx.audio_jax.baking.forgotten import remembered
+from home_mjx.audio_jax.baking.renewal import beyond, flux
 from home_mjx.core.workers import usable_cores
 from home_mjx.schema.compiled import BANDS
 
 EARLY = 128  # bins, after which sound comes from everywhere
 SUMS = ("lived", "lost", "moved", "through")  # of `Gave`, over all rays
+BLOCK = 16  # bins, a multiple of which sources send sound through gates: few programs do for all
 
 
 def join(
@@ -24,6 +26,8 @@ def join(
     gates: Heard,
     given: Float[np.ndarray, "c bands g k"],
     passed: Float[np.ndarray, "g bands g k"],
+    free: Heard,
+    first: slice,
 ) -> dict[str, np.ndarray]:
     """Fills a tally; directions from cell to cell, and sums over all rays.
 
@@ -33,54 +37,72 @@ def join(
         gates: What gates gave before the next one.
         given: Energy that cells sent through each gate.
         passed: That went from gate to gate.
+        free: What the first gates gave, of rays that no other one ended.
+        first: Which gates these are: no cell sends sound through others.
     """
-    cells, gates = cells.on_host(), gates.on_host()
-    early = given[..., :EARLY].mean(axis=1), passed[..., :EARLY].mean(axis=1)
-    count, bands = len(tally.room), range(len(BANDS))
-    halves = slice(count // 2), slice(count // 2, count)
-    with ThreadPoolExecutor(usable_cores()) as pool:
-        octaves = [
-            [pool.submit(_heard, cells, gates, given[:, b], passed[:, b], partial(_energy, b, some)) for some in halves]
-            for b in bands
-        ]
-        axes = [pool.submit(_heard, cells, gates, *early, partial(_way, axis, slice(count))) for axis in range(3)]
-        added = [pool.submit(_add, tally, b, [part.result() for part in octaves[b]]) for b in bands]
-        spans = list(pool.map(tally.spans, [axis.result() for axis in axes]))
-        for each in added:
-            each.result()
+    energy, way = _beyond_gates(gates, passed, first, len(tally.room))
+    told = free.whole(lambda gave: jnp.moveaxis(gave.energy[:, :, : len(tally.room)], 1, -1))
+    energy *= remembered(energy, told, tally.room)[..., None]
+    sent = given[:, :, first]
+    early = np.pad(sent[..., :EARLY].mean(axis=1), [(0, 0)] * 2 + [(0, sent.shape[3] - EARLY)])
+    flown, own = float(tally.bins * tally.metres), _padded(cells.on_device(lambda gave: gave.energy))
+    for octave in range(len(BANDS)):
+        tally.add(octave, _added(own[:, octave], sent[:, octave], energy[..., octave]), flown)
+    own = _padded(cells.on_device(lambda gave: jnp.moveaxis(gave.way, 3, 1)))
+    spans = np.stack([tally.spans(_added(own[:, axis], early, way[..., axis])) for axis in range(3)], axis=-1)
     total = np.maximum(tally.pair.sum(axis=3), 1e-30)[..., None]
-    comes_from = np.round(np.clip(-127 * np.stack(spans, axis=-1) / total, -127, 127)).astype(np.int8)
+    comes_from = np.round(np.clip(-127 * spans / total, -127, 127)).astype(np.int8)
     return _sums(cells, gates, given, passed) | {"comes_from": comes_from}
 
 
-def _energy(octave: int, some: slice, gave: Gave) -> Array | np.ndarray:
-    """What some cells hear in one octave."""
-    return gave.energy[:, octave, some]
+def _beyond_gates(
+    gates: Heard, passed: Float[np.ndarray, "g bands g k"], first: slice, count: int
+) -> tuple[Float[np.ndarray, "s c k bands"], Float[np.ndarray, "s c k 3"]]:
+    """What cells hear of the first gates, through others too: energy, and where it goes; each part in a thread."""
+    energy, way = gates.whole(lambda gave: gave.energy[:, :, :count]), gates.whole(lambda gave: gave.way[:, :count])
+    early = passed[..., :EARLY].mean(axis=1)
+
+    def parts() -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        yield from ((passed[:, octave], energy[:, octave]) for octave in range(len(BANDS)))
+        yield from ((early, way[:, :, :EARLY, axis]) for axis in range(3))
+
+    with ThreadPoolExecutor(usable_cores()) as pool:
+        found = list(pool.map(lambda part: beyond(*part, first), parts()))
+    ways = np.stack(found[len(BANDS) :], axis=-1)
+    later = [(0, 0), (0, 0), (0, passed.shape[3] - EARLY), (0, 0)]
+    return np.maximum(np.stack(found[: len(BANDS)], axis=-1), 0), np.pad(ways, later)
 
 
-def _way(axis: int, some: slice, gave: Gave) -> Array | np.ndarray:
-    """One component of the directions in which it comes, by energy."""
-    return gave.way[:, some, :, axis]
+def _padded(own: Float[Array, "c x m ..."]) -> Float[Array, "m x m ..."]:
+    """As many sources as cells, those beyond the last with nothing."""
+    return jnp.pad(own, [(0, own.shape[2] - own.shape[0])] + [(0, 0)] * (own.ndim - 1))
 
 
-def _heard(
-    cells: Heard,
-    gates: Heard,
-    given: Float[np.ndarray, "c g k"],
-    passed: Float[np.ndarray, "g g k"],
-    read: Callable[[Gave], Array | np.ndarray],
-) -> Float[np.ndarray, "c n whole"]:
-    """What some cells hear of all, one part of it; through gates for as long as is given."""
-    own, after = cells.whole(read), gates.whole(read)
-    bins = given.shape[-1]
-    own[..., :bins] += add_up(given, passed, after[..., :bins])
-    return own
+def _added(
+    own: Float[Array, "m m k"], sent: Float[np.ndarray, "c g k"], after: Float[np.ndarray, "g n k"]
+) -> Float[Array, "m m k"]:
+    """What cells hear of all: before gates, and after what has been sent through these."""
+    sent_in = np.flatnonzero(sent.any(axis=(0, 1)))
+    bins = min(-(-(sent_in.max(initial=0) + 1) // BLOCK) * BLOCK, sent.shape[2])
+    count, more = len(own), -len(after) % 8
+    sent = np.pad(sent[..., :bins], [(0, count - len(sent)), (0, more), (0, 0)])
+    after = np.pad(after, [(0, more), (0, count - after.shape[1]), (0, 0)])
+    return _convolved(own, sent.astype(np.float32), after.astype(np.float32))
 
 
-def _add(tally: Tally, octave: int, parts: Sequence[Float[np.ndarray, "c _ k"]]) -> None:
-    """What all cells hear of all in one octave, given in parts."""
-    heard = np.concatenate(parts, axis=1)
-    tally.add(octave, np.maximum(heard, 0, out=heard), float(tally.bins * tally.metres))
+@jax.jit
+def _convolved(
+    own: Float[Array, "m m k"], sent: Float[Array, "m g t"], after: Float[Array, "g m k"]
+) -> Float[Array, "m m k"]:
+    late, bins = sent.shape[2], own.shape[2]
+    padded = jnp.pad(after, [(0, 0), (0, 0), (late - 1, 0)])
+
+    def add(total: Array, lag: Array) -> tuple[Array, None]:
+        since = jax.lax.dynamic_slice_in_dim(padded, late - 1 - lag, bins, axis=2)
+        share = jax.lax.dynamic_index_in_dim(sent, lag, axis=2, keepdims=False)
+        return total + jnp.einsum("ig,gjk->ijk", share, since, precision="highest"), None
+
+    return jax.lax.scan(add, own, jnp.arange(late, dtype=jnp.int32))[0]
 
 
 def _sums(

@@ -7,8 +7,8 @@ door meets another as nothing else does; and one per room for what has grown old
 went through it, whatever cell they came from, so that a few tell of all cells and rooms that are many doors away.
 
 With D what cells hear of a source before any gate, G what goes from it through gates over time, H what cells hear of
-a gate before the next one, and K what goes from gate to gate, all hear D + G H + G K H + G K K H ... : a renewal
-equation, solved by its Fourier transform.
+a gate before the next one, and K what goes from gate to gate, all hear D + G U. U = H + K U is what they hear of a gate
+through others too: a renewal equation, solved by its Fourier transform.
 """
 
 from functools import lru_cache
@@ -20,8 +20,6 @@ from jaxtyping import Complex, Float, Int
 MINOR = 0.05  # share of what comes into a room below which a gate is none of its own
 LONGER = 1.25  # times as long as what is transformed is the transform
 DAMPING = 1e-6  # of time before it is transformed, over the transform: what wraps around is so small
-ALONE = 1 << 16  # multiplications of a product that BLAS leaves to one thread: octaves have threads of their own
-FEWEST = 4  # cells at once
 
 
 class Gates(NamedTuple):
@@ -98,29 +96,22 @@ def flux(given: Float[np.ndarray, "s g"], passed: Float[np.ndarray, "g g"]) -> F
     return np.linalg.solve(np.eye(len(passed)) - passed.T, given.T).T
 
 
-def add_up(
-    given: Float[np.ndarray, "s g k"],
-    passed: Float[np.ndarray, "g g k"],
-    heard: Float[np.ndarray, "g c k"],
+def beyond(
+    passed: Float[np.ndarray, "g g k"], heard: Float[np.ndarray, "g c k"], some: slice
 ) -> Float[np.ndarray, "s c k"]:
-    """What cells hear of sources through gates, over time.
+    """What cells hear of some gates, through others too, over time.
 
     Args:
-        given: Energy of each source that goes through each gate.
-        passed: From gate to gate.
-        heard: Of each gate by each cell.
+        passed: Energy from gate to gate.
+        heard: Of each gate before the next one.
+        some: Which gates.
     """
-    bins = given.shape[-1]
-    source, between = _spectrum(given), _spectrum(passed)
-    rate = np.linalg.solve(np.eye(len(passed)) - np.swapaxes(between, 1, 2), np.swapaxes(source, 1, 2))
-    rate = np.ascontiguousarray(np.swapaxes(rate, 1, 2))
-    out = np.empty((len(given), heard.shape[1], bins))
-    block = max(ALONE // max(rate[0].size, 1), FEWEST)
-    for some in (slice(first, first + block) for first in range(0, out.shape[1], block)):
-        found = np.moveaxis(rate @ _spectrum(heard[:, some]), 0, -1)
-        over_time = np.fft.irfft(np.ascontiguousarray(found), int(LONGER * bins))
-        np.divide(over_time[..., :bins], _damping(bins), out=out[:, some])
-    return out
+    bins = heard.shape[-1]
+    one = np.eye(len(passed))
+    rate = np.linalg.solve(one - np.swapaxes(_spectrum(passed), 1, 2), one[:, some])
+    found = np.moveaxis(np.swapaxes(rate, 1, 2) @ _spectrum(heard), 0, -1)
+    over_time = np.fft.irfft(np.ascontiguousarray(found), int(LONGER * bins))
+    return over_time[..., :bins] / _damping(bins)
 
 
 @lru_cache

@@ -6,7 +6,7 @@ import numpy as np
 
 from home_mjx.audio_jax.baking.flights.flight import Gone, Rays, _put, _since
 from home_mjx.audio_jax.baking.flights.pool import Pool
-from home_mjx.audio_jax.baking.renewal import add_up, flux, gates_after, gates_of, through
+from home_mjx.audio_jax.baking.renewal import beyond, flux, gates_after, gates_of, through
 from home_mjx.schema.compiled import BANDS
 
 BINS = 200
@@ -36,11 +36,26 @@ def by_gates() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     return own, given, given[entered], own[entered]
 
 
+def after_gates(given: np.ndarray, passed: np.ndarray, heard: np.ndarray) -> np.ndarray:
+    """What cells hear of what sources send through gates, bin by bin."""
+    each, bins = beyond(passed, heard, slice(len(passed))), given.shape[-1]
+    out = np.zeros((len(given), heard.shape[1], bins))
+    for lag in range(bins):
+        out[..., lag:] += np.einsum("cg,gnk->cnk", given[..., lag], each[..., : bins - lag])
+    return out
+
+
 def test_rooms_hear_what_powers_of_a_matrix_say():
     own, given, passed, heard = by_gates()
-    found = own + add_up(given, passed, heard)
+    found = own + after_gates(given, passed, heard)
     exact = np.stack([np.linalg.matrix_power(STEP, k) for k in range(BINS)], axis=-1)
     np.testing.assert_allclose(found, exact, rtol=1e-3, atol=1e-9)
+
+
+def test_some_gates_are_heard_as_among_all():
+    _, _, passed, heard = by_gates()
+    every = beyond(passed, heard, slice(len(passed)))
+    np.testing.assert_allclose(beyond(passed, heard, slice(1, 3)), every[1:3], rtol=1e-9, atol=1e-12)
 
 
 def test_energy_through_gates_is_the_sum_over_all_ways():
@@ -57,7 +72,7 @@ def test_what_has_grown_old_starts_anew_in_its_room():
     stay = 0.97 ** np.arange(BINS)
     young, aged = np.where(np.arange(BINS) < 10, stay, 0), np.zeros(BINS)
     aged[10] = stay[10]
-    found = young + add_up(aged[None, None], aged[None, None], young[None, None])[0, 0]
+    found = young + after_gates(aged[None, None], aged[None, None], young[None, None])[0, 0]
     np.testing.assert_allclose(found, stay, rtol=1e-3)
 
 
@@ -91,7 +106,7 @@ def test_what_comes_through_a_door_in_line_with_the_next_goes_through_it():
     old = np.zeros((len(gates.rooms) - len(entering), total, 8))
     heard = np.zeros((total, 4, 8))
     heard[np.arange(total), np.concatenate([gates.rooms, rooms])[:, 1], 0] = 1
-    found = add_up(given, np.concatenate([old, passed, later]), heard).sum(axis=2)
+    found = after_gates(given, np.concatenate([old, passed, later]), heard).sum(axis=2)
     np.testing.assert_allclose(found[0], [0, 0.5, 0.05, 0.015], atol=1e-6)
 
 

@@ -85,6 +85,7 @@ def fly(
     travelled: Float[Array, " n"],
     room: Int[Array, ""],
     fresh: Bool[Array, ""],
+    ends: Bool[Array, ""],
     bounces: Int[Array, ""],
     age: Float[Array, ""],
     key: Array,
@@ -112,6 +113,7 @@ def fly(
         travelled: How far they have flown since what they come from [m].
         room: In which room that is.
         fresh: They come from a source, not from a reflection.
+        ends: They end in other rooms; else they fly on there.
         bounces: How often they are reflected at most; what is left then counts as old.
         age: At which they are old [m].
         key: Random key.
@@ -129,7 +131,7 @@ def fly(
     hear = partial(_hear, grid=grid, octave=octave, late=late, metres=metres)
     mirrors = fresh & (config.num_reflections > 0)
     air = jnp.asarray(air_energy(config))[octave]
-    walk = _Walk(scene, grid, octave, air, fresh, age, mirrors, hear, metres)
+    walk = _Walk(scene, grid, octave, air, fresh, ends, age, mirrors, hear, metres)
 
     def step(carry: _Carry) -> _Carry:
         return _goes_on(walk, carry, jax.random.fold_in(draws, carry.bounces))
@@ -178,6 +180,7 @@ class _Walk(NamedTuple):
     octave: Int[Array, " n"]
     air: Float[Array, " n"]  # [1/m]
     fresh: Bool[Array, ""]
+    ends: Bool[Array, ""]
     age: Float[Array, ""]
     mirrors: Bool[Array, ""]  # whether early paths render first-order reflections
     hear: Callable[..., _Sums]
@@ -218,7 +221,7 @@ class _Walk(NamedTuple):
         sums = self._leak(sums, ray, room, point, met, wall)
         unheard = self.fresh & (ray.travelled == 0)
         origin, flown = point + SKIN * met.normal, ray.travelled + length
-        goes = (room != ray.room) & ~unheard
+        goes = self.ends & (room != ray.room) & ~unheard
         ages = (flown >= self.age) & ~goes & ~unheard
         direction, _ = _reflect(ray.direction, met.normal, self._own(met.scattering), leave[0])
         inside = jnp.where(goes, _inside(ray, length, room, self.grid), 0.0)

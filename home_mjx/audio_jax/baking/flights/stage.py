@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial, reduce
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -45,9 +45,9 @@ class Heard(NamedTuple):
             out[rows] = some[: len(rows)]
         return out
 
-    def on_host(self) -> "Heard":
-        """The same, no longer on the device."""
-        return self._replace(parts=jax.device_get(self.parts))
+    def on_device(self, read: Callable[[Gave], Array]) -> Array:
+        """The same as `whole` where each source has flown, on the device."""
+        return jnp.concatenate([read(gave)[: len(rows)] for rows, gave in self.parts])
 
 
 def together(every: Sequence[Heard]) -> Heard:
@@ -87,9 +87,11 @@ class Flights:
         bounces: int,
         age: float,
         seed: int,
+        ends: bool = True,
+        heard: int | None = None,
         keep: Callable[[Gone, Int[np.ndarray, " f"]], None] | None = None,
     ) -> Heard:
-        """Flights of some sources; what they gave stays on the device, on its way to the host.
+        """Flights of some sources; what they gave stays on the device, on its way to the host if it is needed there.
 
         Args:
             starts: The flights of each source.
@@ -97,13 +99,15 @@ class Flights:
             bounces: How often rays are reflected at most.
             age: At which they are old [m].
             seed: Of all flights.
+            ends: Rays end in other rooms; else they fly on there.
+            heard: Bins that are kept; None: all.
             keep: Gets the rays that went through gates, those of flights (f, 2, n) that left a room and that grew old
                 there, on the host, and the source of each flight.
         """
         source = np.repeat(np.arange(len(starts)), [len(some) for some in starts])
         every, keys = [one for some in starts for one in some], _keys(seed, len(source))
-        limits = np.bool_(fresh), np.int32(bounces), np.float32(age)
-        parts, ended = [(source[:0], _nothing(self.grid, self.bins))], []
+        limits = np.bool_(fresh), np.bool_(ends), np.int32(bounces), np.float32(age)
+        parts, ended = [(source[:0], _nothing(self.grid, heard or self.bins))], []
         for rows in self._blocks(source):
             gave = ()
             for some in _chunks(np.flatnonzero(np.isin(source, rows)), self.at_once):
@@ -115,7 +119,9 @@ class Flights:
                     _fetch(gone)
                 gave = (_added(gave, found, *_shares(rows, source, some, self.at_once)),)
                 jax.block_until_ready(ended[-2:-1])  # one may wait while another flies: each has its memory
-            _fetch(*gave)
+            gave = tuple(_first_bins(one, heard) if heard else one for one in gave)
+            # What cells hear of each other is most of it, and is needed on the device.
+            _fetch(*(one._replace(energy=(), way=()) if fresh else one for one in gave))
             parts.append((rows, *gave))
         if keep:
             for gone, of in ended:
@@ -128,10 +134,15 @@ class Flights:
         return _chunks(rows, max(self.at_once // max(flights.tolist(), default=1), 1))
 
 
-def _fetch(*arrays: Gave | Gone) -> None:
+def _fetch(*arrays: Any) -> None:
     """Begins to, the last ones first: none waits for what is heard, which is most and needed last."""
     for array in reversed(jax.tree.leaves(arrays)):
         array.copy_to_host_async()
+
+
+@partial(jax.jit, static_argnums=1)
+def _first_bins(gave: Gave, bins: int) -> Gave:
+    return gave._replace(energy=gave.energy[..., :bins], way=gave.way[:, :, :bins], went=gave.went[..., :bins])
 
 
 def _chunks(values: Int[np.ndarray, " n"], size: int) -> list[Int[np.ndarray, " _"]]:
@@ -169,6 +180,7 @@ def _fly(
     travelled: Float[Array, "f n"],
     room: Int[Array, " f"],
     fresh: Bool[Array, ""],
+    ends: Bool[Array, ""],
     bounces: Int[Array, ""],
     age: Float[Array, ""],
     keys: UInt32[Array, "f 2"],
@@ -177,7 +189,8 @@ def _fly(
 ) -> tuple[Gave, Gone]:
     """What several flights gave at once, and the rays of each (f, 2, n) that ended in another room or old."""
     found = jax.vmap(
-        lambda p, d, t, r, k: fly(scene, grid, p, d, t, r, fresh, bounces, age, k, config, bins), axis_name=FLIGHTS
+        lambda p, d, t, r, k: fly(scene, grid, p, d, t, r, fresh, ends, bounces, age, k, config, bins),
+        axis_name=FLIGHTS,
     )(origin, direction, travelled, room, jax.random.wrap_key_data(keys))
     return found.gave, jax.tree.map(lambda a, b: jnp.stack([a, b], axis=1), found.gone, found.aged)
 
