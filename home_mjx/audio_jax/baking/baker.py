@@ -1,5 +1,7 @@
 """Stages in which rays fly through a house: from points of its cells, then from gates that others went through."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 from jaxtyping import Float, Int
 
@@ -7,7 +9,7 @@ from home_mjx.audio_jax.baking.fit import Tally
 from home_mjx.audio_jax.baking.flights.pool import Pool
 from home_mjx.audio_jax.baking.flights.stage import Flights, Heard, Start, together
 from home_mjx.audio_jax.baking.forgotten import TOLD
-from home_mjx.audio_jax.baking.join import join
+from home_mjx.audio_jax.baking.join import join, later_of
 from home_mjx.audio_jax.baking.renewal import gates_after, gates_of, through
 from home_mjx.schema.compiled import BANDS
 
@@ -39,28 +41,30 @@ class Baker:
             points: Where rays start in each cell [m].
             room: Of each cell.
         """
-        pool, met, aged = Pool(), Pool(), Pool()
-        cells = self._fly([[self._source(p, int(r))] for p, r in zip(points, room, strict=True)], True, YOUNG, pool)
+        sent, met, aged = Pool(), Pool(), Pool()
+        cells = self._fly([[self._source(p, int(r))] for p, r in zip(points, room, strict=True)], True, YOUNG, sent)
         gates = gates_of(cells.whole(lambda gave: np.asarray(gave.went).sum(axis=(1, 4))).sum(axis=0))
         oldest, old, entering = gates.kinds()
         sizes = [(flights, points.shape[1]) for flights in FLIGHTS]
-        young = pool.starts(gates.rooms[entering], gates.number, entering.start, sizes[2], self.rng)
+        young = sent.starts(gates.rooms[entering], gates.number, entering.start, sizes[2], self.rng)
         between = self._fly(young, False, YOUNG, met)
-        pool.rays += met.rays
-        grown = pool.starts(gates.rooms[old], gates.number, old.start, sizes[1], self.rng)
+        sent.rays += met.rays
+        grown = sent.starts(gates.rooms[old], gates.number, old.start, sizes[1], self.rng)
         middle = self._fly(grown, False, OLD, aged)
         starts = aged.starts(gates.rooms[oldest], gates.older, oldest.start, sizes[0], self.rng)
         last = self._fly(starts, False, np.inf)
         rooms, first, second = gates_after(gates, _went(between).sum(axis=(1, 4)))
         starts = met.starts(rooms, first, len(gates.rooms), sizes[3], self.rng)
         after = self._fly(starts, False, YOUNG)
-        free = self._fly([*grown, *young], False, LONGER * TOLD * self.tally.metres, ends=False)
-        count = len(gates.rooms) + len(rooms)
+        count, opened = len(gates.rooms) + len(rooms), slice(old.start, entering.stop)
         every = (last, gates.older), (middle, gates.older), (between, first), (after, second)
-        given = cells.whole(lambda gave: through(np.asarray(gave.went), gates.number, count))
         passed = np.concatenate([through(_went(heard), number, count) for heard, number in every])
-        every_gate = together([heard for heard, _ in every])
-        return join(self.tally, cells, every_gate, given, passed, free, slice(old.start, entering.stop))
+        heard = together([heard for heard, _ in every])
+        with ThreadPoolExecutor(1) as pool:  # the host has nothing else to do while a GPU's rays fly
+            later = pool.submit(later_of, heard, passed, opened, len(room))
+            free = self._fly([*grown, *young], False, LONGER * TOLD * self.tally.metres, ends=False)
+            given = cells.whole(lambda gave: through(np.asarray(gave.went), gates.number, count))
+            return join(self.tally, cells, heard, given, passed, free, later.result())
 
     def _source(self, points: Float[np.ndarray, "r 3"], room: int) -> Start:
         count = len(points) * len(BANDS)

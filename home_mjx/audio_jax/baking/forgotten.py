@@ -17,7 +17,7 @@ SILENT = 1e-30  # energy below which nothing is told apart
 
 
 def remembered(
-    ours: Float[np.ndarray, "g n k b"], theirs: Float[np.ndarray, "g n m b"], room: Int[np.ndarray, " n"]
+    ours: Float[np.ndarray, "b g n k"], theirs: Float[np.ndarray, "b g n m"], room: Int[np.ndarray, " n"]
 ) -> Float[np.ndarray, "g n k"]:
     """By how much more each cell hears of each gate than gates say, over time; the same in all cells of a room.
 
@@ -25,23 +25,23 @@ def remembered(
     of them no ray came.
 
     Args:
-        ours: What cells hear of each gate in each octave, as gates say.
+        ours: What cells hear in each octave of each gate, as gates say.
         theirs: The same in the first bins as rays say that no gate ends; nothing of a gate from which none flew.
         room: Of each cell.
     """
     member = np.eye(room.max() + 1)[room]
     said, told = (_by_room(x, member) for x in (ours, theirs))
-    known = (said > SILENT) & (told.sum(axis=(1, 2), keepdims=True) > 0)
+    known = (said > SILENT) & (told.sum(axis=(2, 3), keepdims=True) > 0)
     ratio = np.where(known, told / np.maximum(said, SILENT), 1.0)
-    missed = (told <= 0).mean(axis=-1) * known.any(axis=-1)
-    noise = np.maximum(ratio.var(axis=-1, ddof=1) / ratio.shape[-1], missed**2)
-    factor = 1 + USUAL**2 / (USUAL**2 + noise) * (ratio.mean(axis=-1) - 1)
+    missed = (told <= 0).mean(axis=0) * known.any(axis=0)
+    noise = np.maximum(ratio.var(axis=0, ddof=1) / len(ratio), missed**2)
+    factor = 1 + USUAL**2 / (USUAL**2 + noise) * (ratio.mean(axis=0) - 1)
     middle = np.convolve(EDGES, [0.5, 0.5], "valid") - 0.5
     factor = np.clip(factor, 1 / MOST, MOST)
-    return np.stack([[np.interp(np.arange(ours.shape[2]), middle, one) for one in gate] for gate in factor])[:, room]
+    return np.stack([[np.interp(np.arange(ours.shape[3]), middle, one) for one in gate] for gate in factor])[:, room]
 
 
-def _by_room(heard: Float[np.ndarray, "g n k b"], member: Float[np.ndarray, "n r"]) -> Float[np.ndarray, "g r e b"]:
+def _by_room(heard: Float[np.ndarray, "b g n k"], member: Float[np.ndarray, "n r"]) -> Float[np.ndarray, "b g r e"]:
     """What all cells of each room hear between edges."""
-    parts = np.add.reduceat(heard[:, :, :TOLD], EDGES[:-1], axis=2)
-    return np.einsum("gneb,nr->greb", parts, member)
+    parts = np.add.reduceat(heard[..., :TOLD], EDGES[:-1], axis=3)
+    return np.einsum("bgne,nr->bgre", parts, member)

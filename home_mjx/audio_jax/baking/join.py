@@ -1,7 +1,7 @@
 """What cells hear before and after gates together."""
 
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -20,6 +20,35 @@ SUMS = ("lived", "lost", "moved", "through")  # of `Gave`, over all rays
 BLOCK = 16  # bins, a multiple of which sources send sound through gates: few programs do for all
 
 
+class Later(NamedTuple):
+    """What cells hear of the first gates, through others too."""
+
+    first: slice  # which gates these are: no cell sends sound through others
+    energy: Float[np.ndarray, "bands g c k"]
+    way: Float[np.ndarray, "three g c k"]  # directions in which it comes, by energy
+
+
+def later_of(gates: Heard, passed: Float[np.ndarray, "g bands g k"], first: slice, count: int) -> Later:
+    """What cells hear of gates; each octave, and each component of directions, in a thread.
+
+    Args:
+        gates: What gates gave before the next one.
+        passed: That went from gate to gate.
+        first: Gates through which cells send sound.
+        count: Of cells.
+    """
+    # Read as numpy does: operations of JAX would forget, in a thread, on which device they are to run.
+    energy = gates.whole(lambda gave: np.asarray(gave.energy)[:, :, :count])
+    way = gates.whole(lambda gave: np.asarray(gave.way)[:, :count])
+    early = passed[..., :EARLY].mean(axis=1)
+    parts = [(passed[:, octave], energy[:, octave]) for octave in range(len(BANDS))]
+    parts += [(early, way[:, :, :EARLY, axis]) for axis in range(3)]
+    with ThreadPoolExecutor(usable_cores()) as pool:
+        found = list(pool.map(lambda part: beyond(*part, first).astype(np.float32), parts))
+    ways = np.pad(np.stack(found[len(BANDS) :]), [(0, 0)] * 3 + [(0, passed.shape[3] - EARLY)])
+    return Later(first, np.maximum(np.stack(found[: len(BANDS)]), 0), ways)
+
+
 def join(
     tally: Tally,
     cells: Heard,
@@ -27,7 +56,7 @@ def join(
     given: Float[np.ndarray, "c bands g k"],
     passed: Float[np.ndarray, "g bands g k"],
     free: Heard,
-    first: slice,
+    later: Later,
 ) -> dict[str, np.ndarray]:
     """Fills a tally; directions from cell to cell, and sums over all rays.
 
@@ -38,39 +67,20 @@ def join(
         given: Energy that cells sent through each gate.
         passed: That went from gate to gate.
         free: What the first gates gave, of rays that no other one ended.
-        first: Which gates these are: no cell sends sound through others.
+        later: What is heard of these gates.
     """
-    energy, way = _beyond_gates(gates, passed, first, len(tally.room))
-    told = free.whole(lambda gave: jnp.moveaxis(gave.energy[:, :, : len(tally.room)], 1, -1))
-    energy *= remembered(energy, told, tally.room)[..., None]
-    sent = given[:, :, first]
+    told = np.moveaxis(free.whole(lambda gave: gave.energy[:, :, : len(tally.room)]), 1, 0)
+    energy = later.energy * remembered(later.energy, told, tally.room)
+    sent = given[:, :, later.first]
     early = np.pad(sent[..., :EARLY].mean(axis=1), [(0, 0)] * 2 + [(0, sent.shape[3] - EARLY)])
     flown, own = float(tally.bins * tally.metres), _padded(cells.on_device(lambda gave: gave.energy))
     for octave in range(len(BANDS)):
-        tally.add(octave, _added(own[:, octave], sent[:, octave], energy[..., octave]), flown)
+        tally.add(octave, _added(own[:, octave], sent[:, octave], energy[octave]), flown)
     own = _padded(cells.on_device(lambda gave: jnp.moveaxis(gave.way, 3, 1)))
-    spans = np.stack([tally.spans(_added(own[:, axis], early, way[..., axis])) for axis in range(3)], axis=-1)
+    spans = np.stack([tally.spans(_added(own[:, axis], early, later.way[axis])) for axis in range(3)], axis=-1)
     total = np.maximum(tally.pair.sum(axis=3), 1e-30)[..., None]
     comes_from = np.round(np.clip(-127 * spans / total, -127, 127)).astype(np.int8)
     return _sums(cells, gates, given, passed) | {"comes_from": comes_from}
-
-
-def _beyond_gates(
-    gates: Heard, passed: Float[np.ndarray, "g bands g k"], first: slice, count: int
-) -> tuple[Float[np.ndarray, "s c k bands"], Float[np.ndarray, "s c k 3"]]:
-    """What cells hear of the first gates, through others too: energy, and where it goes; each part in a thread."""
-    energy, way = gates.whole(lambda gave: gave.energy[:, :, :count]), gates.whole(lambda gave: gave.way[:, :count])
-    early = passed[..., :EARLY].mean(axis=1)
-
-    def parts() -> Iterator[tuple[np.ndarray, np.ndarray]]:
-        yield from ((passed[:, octave], energy[:, octave]) for octave in range(len(BANDS)))
-        yield from ((early, way[:, :, :EARLY, axis]) for axis in range(3))
-
-    with ThreadPoolExecutor(usable_cores()) as pool:
-        found = list(pool.map(lambda part: beyond(*part, first), parts()))
-    ways = np.stack(found[len(BANDS) :], axis=-1)
-    later = [(0, 0), (0, 0), (0, passed.shape[3] - EARLY), (0, 0)]
-    return np.maximum(np.stack(found[: len(BANDS)], axis=-1), 0), np.pad(ways, later)
 
 
 def _padded(own: Float[Array, "c x m ..."]) -> Float[Array, "m x m ..."]:
@@ -87,7 +97,7 @@ def _added(
     count, more = len(own), -len(after) % 8
     sent = np.pad(sent[..., :bins], [(0, count - len(sent)), (0, more), (0, 0)])
     after = np.pad(after, [(0, more), (0, count - after.shape[1]), (0, 0)])
-    return _convolved(own, sent.astype(np.float32), after.astype(np.float32))
+    return _convolved(own, sent.astype(np.float32), after)
 
 
 @jax.jit

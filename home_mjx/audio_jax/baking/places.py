@@ -48,7 +48,10 @@ def start_points(
     apart[cells.room[:, None] != cells.room[None]] = np.inf
     nearest = np.argsort(apart, axis=1, kind="stable")[:, :WITNESSES]
     nearest = np.where(np.isfinite(np.take_along_axis(apart, nearest, 1)), nearest, np.arange(len(apart))[:, None])
-    free_points = np.any([_own_view(scene, cells.center[column], tried) for column in nearest.T], axis=0)
+    free_points = np.zeros(tried.shape[:2], bool)
+    for column in nearest.T:
+        cell, point = np.nonzero(~free_points)
+        free_points[cell, point] = _see(scene, cells.center[column][cell], tried[cell, point])
     free_points = _around_corners(scene, tried, free_points, nearest, rng)
     for seen, some in zip(free_points, tried, strict=True):
         good = some[seen] if seen.any() else some
@@ -148,10 +151,3 @@ def _look(
 @jax.jit
 def _hidden(scene: Scene, start: Float[Array, "n 3"], end: Float[Array, "n 3"]) -> Bool[Array, " n"]:
     return occluded(scene, start, end - start, t_max=1.0, mask=int(Ray.SOUND))
-
-
-def _own_view(
-    scene: Scene, center: Float[np.ndarray, "n 3"], points: Float[np.ndarray, "n r 3"]
-) -> Bool[np.ndarray, "n r"]:
-    """Which points of each cell are seen from a place of its own."""
-    return _see(scene, center[:, None], points)

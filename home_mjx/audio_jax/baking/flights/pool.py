@@ -1,5 +1,7 @@
 """Rays that went through gates, to start anew from them; host side."""
 
+from itertools import pairwise
+
 import numpy as np
 from jaxtyping import Float, Int
 
@@ -52,18 +54,21 @@ class Pool:
         )
         gate = number[source, room, entered] if number.ndim == 3 else number[room, entered]
         flights, count = size
+        bands = len(BANDS)
+        order = np.argsort(gate * bands + octave, kind="stable")
+        ends = np.searchsorted(
+            (gate * bands + octave)[order], np.arange(first * bands, (first + len(rooms)) * bands + 1)
+        )
         out = []
-        for index, here in enumerate(rooms[:, 1], first):
-            mine = np.flatnonzero(gate == index)
+        for index, here in enumerate(rooms[:, 1]):
+            cuts = ends[index * bands : (index + 1) * bands + 1]
+            mine = order[cuts[0] : cuts[-1]]
             if not mine.size:  # nothing is left that could start
                 out.append([])
                 continue
-            picks = []
-            for band in range(len(BANDS)):
-                own = mine[octave[mine] == band]
-                picks.append(_draw(own if own.size else mine, energy, count * flights, rng))
-            drawn = np.stack(picks).reshape(len(BANDS), flights, count)
-            every = np.moveaxis(drawn, 1, 0).reshape(flights, -1)
+            own = [order[a:b] if b > a else np.sort(mine) for a, b in pairwise(cuts)]
+            drawn = np.stack([_draw(rows, energy, count * flights, rng) for rows in own])
+            every = np.moveaxis(drawn.reshape(bands, flights, count), 1, 0).reshape(flights, -1)
             out.append([Start(origin[pick], direction[pick], travelled[pick], int(here)) for pick in every])
         return out
 
