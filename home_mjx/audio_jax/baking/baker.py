@@ -16,6 +16,7 @@ from home_mjx.schema.compiled import BANDS
 YOUNG = 40.0  # [m], after which it hardly matters in which cell of a room sound began
 OLD = 120.0  # [m], after which it does not matter when
 PER_METRE = 1.0  # most reflections: flights end by age, for rays that are reflected seldom are those that last
+FREE = 2  # flights from each gate that no other one ends
 LONGER = 1.25  # times as far as they are heard fly rays that no gate ends, for not all fly as far
 FLIGHTS = (1, 3, 2, 1)  # of rays of each room that are very old, old, from each gate between rooms, and after another
 
@@ -62,7 +63,8 @@ class Baker:
         heard = together([heard for heard, _ in every])
         with ThreadPoolExecutor(1) as pool:  # the host has nothing else to do while a GPU's rays fly
             later = pool.submit(later_of, heard, passed, opened, len(room))
-            free = self._fly([*grown, *young], False, LONGER * TOLD * self.tally.metres, ends=False)
+            some = [flights[:FREE] for flights in (*grown, *young)]
+            free = self._fly(some, False, LONGER * TOLD * self.tally.metres, ends=False)
             given = cells.whole(lambda gave: through(np.asarray(gave.went), gates.number, count))
             return join(self.tally, cells, heard, given, passed, free, later.result())
 

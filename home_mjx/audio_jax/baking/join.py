@@ -71,8 +71,8 @@ def join(
     """
     told = np.moveaxis(free.whole(lambda gave: gave.energy[:, :, : len(tally.room)]), 1, 0)
     energy = later.energy * remembered(later.energy, told, tally.room)
-    sent = given[:, :, later.first]
-    early = np.pad(sent[..., :EARLY].mean(axis=1), [(0, 0)] * 2 + [(0, sent.shape[3] - EARLY)])
+    sent = _until_silent(given[:, :, later.first])
+    early = sent[..., :EARLY].mean(axis=1)
     flown, own = float(tally.bins * tally.metres), _padded(cells.on_device(lambda gave: gave.energy))
     for octave in range(len(BANDS)):
         tally.add(octave, _added(own[:, octave], sent[:, octave], energy[octave]), flown)
@@ -92,12 +92,16 @@ def _added(
     own: Float[Array, "m m k"], sent: Float[np.ndarray, "c g k"], after: Float[np.ndarray, "g n k"]
 ) -> Float[Array, "m m k"]:
     """What cells hear of all: before gates, and after what has been sent through these."""
-    sent_in = np.flatnonzero(sent.any(axis=(0, 1)))
-    bins = min(-(-(sent_in.max(initial=0) + 1) // BLOCK) * BLOCK, sent.shape[2])
     count, more = len(own), -len(after) % 8
-    sent = np.pad(sent[..., :bins], [(0, count - len(sent)), (0, more), (0, 0)])
+    sent = np.pad(sent, [(0, count - len(sent)), (0, more), (0, 0)])
     after = np.pad(after, [(0, more), (0, count - after.shape[1]), (0, 0)])
-    return _convolved(own, sent.astype(np.float32), after)
+    return _convolved(own, sent, after)
+
+
+def _until_silent(sent: Float[np.ndarray, "c bands g k"]) -> Float[np.ndarray, "c bands g t"]:
+    """Without the bins in which nothing is sent any more."""
+    last = np.flatnonzero(sent.any(axis=(0, 1, 2))).max(initial=0)
+    return sent[..., : (last // BLOCK + 1) * BLOCK].astype(np.float32)
 
 
 @jax.jit

@@ -26,6 +26,7 @@ BEHIND = (0.08, 0.15, 0.25, 0.4)  # [m], from a surface to points that may be in
 HALVINGS = 5  # of a segment, to find where it comes into another room
 FLOORS = 2.0  # times as thick as walls may floors be
 FEW = 0.1  # share of what has grown old that may be left when a flight ends
+FAINT = 1e-6  # share of what flew at first, too
 
 
 class Rays(NamedTuple):
@@ -161,7 +162,7 @@ class _Carry(NamedTuple):
 def _flies(carry: _Carry) -> Bool[Array, ""]:
     """Whether in any octave more flies than the few that others are not to wait for."""
     left, old = (x.reshape(len(BANDS), -1).sum(axis=1) for x in (carry.ray.energy, carry.aged.ray.energy))
-    return jnp.any(left > FEW * old)
+    return jnp.any(left > jnp.maximum(FEW * old, FAINT * carry.ray.energy.size / len(BANDS)))
 
 
 def _goes_on(walk: "_Walk", carry: _Carry, key: Array) -> _Carry:

@@ -55,10 +55,10 @@ class Pool:
         gate = number[source, room, entered] if number.ndim == 3 else number[room, entered]
         flights, count = size
         bands = len(BANDS)
-        order = np.argsort(gate * bands + octave, kind="stable")
-        ends = np.searchsorted(
-            (gate * bands + octave)[order], np.arange(first * bands, (first + len(rooms)) * bands + 1)
-        )
+        key = np.where(gate < first, -1, (gate - first) * bands + octave)
+        key = np.minimum(key, len(rooms) * bands).astype(np.int16)  # numbers so short are sorted in one pass
+        order = np.argsort(key, kind="stable")
+        ends = np.searchsorted(key[order], np.arange(len(rooms) * bands + 1))
         out = []
         for index, here in enumerate(rooms[:, 1]):
             cuts = ends[index * bands : (index + 1) * bands + 1]
