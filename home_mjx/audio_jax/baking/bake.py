@@ -97,8 +97,8 @@ def bake_house(
     tally = Tally(cells.room, distance, len(BANDS), BINS, config.bin_seconds * config.speed_of_sound)
     starts, free = start_points(scene, cells, rays, rng)
     around = places(house, scene, cells, options.size)
-    flights = Flights(scene, grid_of(cells, free, _joined(house)), config, BINS, rays * len(BANDS))
-    total = Baker(flights, tally, options.bounces, options.seed).run(starts, cells.room)
+    flights = Flights(scene, grid_of(cells, free, _joined(house)), config, BINS, rays * len(BANDS), options.bounces)
+    total = Baker(flights, tally, options.seed).run(starts, cells.room)
     level, shape = tally.finish(seen)
     heard = {
         "arrival": np.minimum(tally.arrival, 255).astype(np.uint8),

@@ -41,10 +41,10 @@ def later_of(gates: Heard, passed: Float[np.ndarray, "g bands g k"], first: slic
     energy = gates.whole(lambda gave: np.asarray(gave.energy)[:, :, :count])
     way = gates.whole(lambda gave: np.asarray(gave.way)[:, :count])
     early = passed[..., :EARLY].mean(axis=1)
-    parts = [(passed[:, octave], energy[:, octave]) for octave in range(len(BANDS))]
-    parts += [(early, way[:, :, :EARLY, axis]) for axis in range(3)]
+    went = [*np.moveaxis(passed, 1, 0), early, early, early]
+    parts = [*np.moveaxis(energy, 1, 0), *np.moveaxis(way[:, :, :EARLY], 3, 0)]
     with ThreadPoolExecutor(usable_cores()) as pool:
-        found = list(pool.map(lambda part: beyond(*part, first).astype(np.float32), parts))
+        found = list(pool.map(lambda a, b: beyond(a, b, first).astype(np.float32), went, parts))
     ways = np.pad(np.stack(found[len(BANDS) :]), [(0, 0)] * 3 + [(0, passed.shape[3] - EARLY)])
     return Later(first, np.maximum(np.stack(found[: len(BANDS)]), 0), ways)
 
@@ -89,7 +89,7 @@ def _padded(own: Float[Array, "c x m ..."]) -> Float[Array, "m x m ..."]:
 
 
 def _added(
-    own: Float[Array, "m m k"], sent: Float[np.ndarray, "c g k"], after: Float[np.ndarray, "g n k"]
+    own: Float[Array, "m m k"], sent: Float[np.ndarray, "c g t"], after: Float[np.ndarray, "g n k"]
 ) -> Float[Array, "m m k"]:
     """What cells hear of all: before gates, and after what has been sent through these."""
     count, more = len(own), -len(after) % 8

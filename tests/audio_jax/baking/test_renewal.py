@@ -135,7 +135,7 @@ def test_rays_start_as_often_as_they_have_energy_in_their_own_octave():
     pool.add(jax.tree.map(lambda a, b: np.stack([a, b])[None], gone, none), np.zeros(1, int))
     gates = gates_of(np.array([[0.0, 1.0], [0.0, 0.0]]))
     entering = gates.kinds()[2]
-    (flights,) = pool.starts(gates.rooms[entering], gates.number, entering.start, (2, 100), rng)
+    (flights,) = pool.starts(gates.rooms[entering], gates.number, entering.start, (2, 100), 40.0, rng)
     assert [flight.room for flight in flights] == [1, 1]
     drawn = np.stack([flight.origin[:, 0] for flight in flights]).reshape(2, len(BANDS), 100)
     for band in range(len(BANDS)):

@@ -135,11 +135,11 @@ def fly(
     walk = _Walk(scene, grid, octave, air, fresh, ends, age, mirrors, hear, metres)
 
     def step(carry: _Carry) -> _Carry:
-        return _goes_on(walk, carry, jax.random.fold_in(draws, carry.bounces))
+        return _goes_on(walk, carry, bounces, jax.random.fold_in(draws, carry.bounces))
 
     def any_flies(carry: _Carry) -> Bool[Array, ""]:
         # Were it only this flight, each bounce would copy the sums of all that are mapped, to keep those that ended.
-        return (carry.bounces < bounces) & (jax.lax.pmax(_flies(carry).astype(jnp.int32), FLIGHTS) > 0)
+        return jax.lax.pmax(_flies(carry, bounces).astype(jnp.int32), FLIGHTS) > 0
 
     end = jax.lax.while_loop(any_flies, step, _Carry(jnp.int32(0), first, nobody, nobody, _no_sums(grid, bins)))
     return walk.flown(end, jax.random.uniform(turn, (count,), jnp.float32))
@@ -159,15 +159,17 @@ class _Carry(NamedTuple):
     sums: _Sums
 
 
-def _flies(carry: _Carry) -> Bool[Array, ""]:
-    """Whether in any octave more flies than the few that others are not to wait for."""
+def _flies(carry: _Carry, bounces: Int[Array, ""]) -> Bool[Array, ""]:
+    """Whether in any octave more flies than the few that others are not to wait for, and it may be reflected again."""
     left, old = (x.reshape(len(BANDS), -1).sum(axis=1) for x in (carry.ray.energy, carry.aged.ray.energy))
-    return jnp.any(left > jnp.maximum(FEW * old, FAINT * carry.ray.energy.size / len(BANDS)))
+    return (carry.bounces < bounces) & jnp.any(
+        left > jnp.maximum(FEW * old, FAINT * carry.ray.energy.size / len(BANDS))
+    )
 
 
-def _goes_on(walk: "_Walk", carry: _Carry, key: Array) -> _Carry:
+def _goes_on(walk: "_Walk", carry: _Carry, bounces: Int[Array, ""], key: Array) -> _Carry:
     """A bounce of a flight; of one that has ended nothing, while others fly on."""
-    flies = _flies(carry)
+    flies = _flies(carry, bounces)
     ray = carry.ray._replace(energy=jnp.where(flies, carry.ray.energy, 0.0))
     after = walk.bounce(carry._replace(ray=ray), key)
     return after._replace(ray=jax.tree.map(lambda new, old: jnp.where(flies, new, old), after.ray, carry.ray))

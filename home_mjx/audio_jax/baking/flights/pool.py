@@ -36,6 +36,7 @@ class Pool:
         number: Int[np.ndarray, "*s r r"],
         first: int,
         size: tuple[int, int],
+        age: float,
         rng: np.random.Generator,
     ) -> list[list[Start]]:
         """Of each of some gates flights of rays, drawn by energy from those of the same octave.
@@ -45,6 +46,7 @@ class Pool:
             number: Of all gates, alike for all sources or by source.
             first: Number of the first of these.
             size: How many flights, and rays per octave in each.
+            age: At which these are old [m].
             rng: Random numbers.
         """
         if not self.rays:
@@ -69,7 +71,7 @@ class Pool:
             own = [order[a:b] if b > a else np.sort(mine) for a, b in pairwise(cuts)]
             drawn = np.stack([_draw(rows, energy, count * flights, rng) for rows in own])
             every = np.moveaxis(drawn.reshape(bands, flights, count), 1, 0).reshape(flights, -1)
-            out.append([Start(origin[pick], direction[pick], travelled[pick], int(here)) for pick in every])
+            out.append([Start(origin[pick], direction[pick], travelled[pick], int(here), age) for pick in every])
         return out
 
 

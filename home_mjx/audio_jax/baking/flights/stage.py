@@ -20,6 +20,7 @@ RAYS_AT_ONCE = {"gpu": 1 << 18}  # that fly together, about as many as there are
 MOST_AT_ONCE = 96  # flights, each of which has 3 to 9 MB of what is heard
 SOURCES = 16  # a multiple of so many have their means taken together: few programs do for all
 KEYS = 256
+PER_METRE = 1.0  # most reflections: flights end by age, for rays that are reflected seldom are those that last
 
 
 class Start(NamedTuple):
@@ -29,6 +30,7 @@ class Start(NamedTuple):
     direction: Float[np.ndarray, "n 3"]
     travelled: Float[np.ndarray, " n"]  # since the bin began in which it went through a gate [m]
     room: int
+    age: float  # at which they are old [m]
 
 
 class Heard(NamedTuple):
@@ -50,11 +52,9 @@ class Heard(NamedTuple):
         return jnp.concatenate([read(gave)[: len(rows)] for rows, gave in self.parts])
 
 
-def together(every: Sequence[Heard]) -> Heard:
-    """The sources of several, one after the other."""
-    before = np.cumsum([0, *(heard.count for heard in every)])
-    parts = tuple((rows + n, gave) for heard, n in zip(every, before, strict=False) for rows, gave in heard.parts)
-    return Heard(int(before[-1]), parts)
+def together(count: int, some: Sequence[tuple[Int[np.ndarray, " _"], Heard]]) -> Heard:
+    """So many sources: those of several, each with its new number."""
+    return Heard(count, tuple((number[rows], gave) for number, heard in some for rows, gave in heard.parts))
 
 
 @dataclass(frozen=True)
@@ -67,6 +67,7 @@ class Flights:
         config: `bin_seconds` and the air.
         bins: Number of time bins.
         rays: Of each flight, of all octaves.
+        bounces: How often rays are reflected at most.
     """
 
     scene: Scene
@@ -74,6 +75,7 @@ class Flights:
     config: AudioConfig
     bins: int
     rays: int
+    bounces: int
 
     @property
     def at_once(self) -> int:
@@ -84,8 +86,6 @@ class Flights:
         self,
         starts: Sequence[Sequence[Start]],
         fresh: bool,
-        bounces: int,
-        age: float,
         seed: int,
         ends: bool = True,
         heard: int | None = None,
@@ -96,8 +96,6 @@ class Flights:
         Args:
             starts: The flights of each source.
             fresh: They come from sources, not from reflections.
-            bounces: How often rays are reflected at most.
-            age: At which they are old [m].
             seed: Of all flights.
             ends: Rays end in other rooms; else they fly on there.
             heard: Bins that are kept; None: all.
@@ -106,14 +104,15 @@ class Flights:
         """
         source = np.repeat(np.arange(len(starts)), [len(some) for some in starts])
         every, keys = [one for some in starts for one in some], _keys(seed, len(source))
-        limits = np.bool_(fresh), np.bool_(ends), np.int32(bounces), np.float32(age)
+        how = np.bool_(fresh), np.bool_(ends)
         parts, ended = [(source[:0], _nothing(self.grid, heard or self.bins))], []
         for rows in self._blocks(source):
             gave = ()
             for some in _chunks(np.flatnonzero(np.isin(source, rows)), self.at_once):
                 here = some[np.minimum(np.arange(self.at_once), len(some) - 1)]  # as many each time: one program
                 rays = _stacked([every[flight] for flight in here])
-                found, gone = _fly(self.scene, self.grid, *rays, *limits, keys[here], self.config, self.bins)
+                bounces = np.minimum(PER_METRE * rays[-1], self.bounces).astype(np.int32)
+                found, gone = _fly(self.scene, self.grid, *rays, bounces, *how, keys[here], self.config, self.bins)
                 ended.append((gone, source[some]))
                 if keep:
                     _fetch(gone)
@@ -155,8 +154,8 @@ def _keys(seed: int, count: int) -> np.ndarray:
 
 
 def _stacked(flights: Sequence[Start]) -> tuple[np.ndarray, ...]:
-    *rays, room = (np.stack(x) for x in zip(*flights, strict=True))
-    return *(x.astype(np.float32) for x in rays), room.astype(np.int32)
+    *rays, room, age = (np.stack(x) for x in zip(*flights, strict=True))
+    return *(x.astype(np.float32) for x in rays), room.astype(np.int32), age.astype(np.float32)
 
 
 def _shares(
@@ -179,19 +178,18 @@ def _fly(
     direction: Float[Array, "f n 3"],
     travelled: Float[Array, "f n"],
     room: Int[Array, " f"],
+    age: Float[Array, " f"],
+    bounces: Int[Array, " f"],
     fresh: Bool[Array, ""],
     ends: Bool[Array, ""],
-    bounces: Int[Array, ""],
-    age: Float[Array, ""],
     keys: UInt32[Array, "f 2"],
     config: AudioConfig,
     bins: int,
 ) -> tuple[Gave, Gone]:
     """What several flights gave at once, and the rays of each (f, 2, n) that ended in another room or old."""
     found = jax.vmap(
-        lambda p, d, t, r, k: fly(scene, grid, p, d, t, r, fresh, ends, bounces, age, k, config, bins),
-        axis_name=FLIGHTS,
-    )(origin, direction, travelled, room, jax.random.wrap_key_data(keys))
+        lambda p, d, t, r, a, b, k: fly(scene, grid, p, d, t, r, fresh, ends, b, a, k, config, bins), axis_name=FLIGHTS
+    )(origin, direction, travelled, room, age, bounces, jax.random.wrap_key_data(keys))
     return found.gave, jax.tree.map(lambda a, b: jnp.stack([a, b], axis=1), found.gone, found.aged)
 
 
