@@ -1,9 +1,9 @@
 """What gates forget, of which rays tell that fly on through them; host side.
 
 Each gate knows two rooms of a way at most. So sound that goes to and fro between two rooms, or through three doors,
-goes on as all does that goes through its last two: levels were 0.3 to 0.4 dB too high behind one door of some houses,
-0.5 dB behind three. Rays that no gate ends are right about that. Few of them get far, too few to tell what each cell
-hears, but enough for all cells of a room and all octaves together.
+goes on as all does that goes through its last two: in a house levels of rooms were up to 0.3 dB too high behind one
+door, 0.4 behind two, 0.5 behind three. Rays that no gate ends are right about that. Few of them get far, too few to
+tell what each cell hears, but enough for all cells of a room and all octaves together.
 """
 
 import numpy as np

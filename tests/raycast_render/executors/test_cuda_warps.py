@@ -56,7 +56,8 @@ def assert_same(library, scene, rays, query):
     pointers = [x.ctypes.data for x in inputs + results]
     warps = (1 + count // 32) if rays.width == 0 else cuda.grid(environments, count, rays.width)[0] * 2
     library.run((ctypes.c_void_p * len(pointers))(*pointers), warps, environments, query.steps > 0)
-    expected = jax.jit(lambda *x: cast_cpu(*x, query))(scene.geometry, house, moving, rays)
+    with jax.default_device(jax.devices("cpu")[0]):
+        expected = jax.jit(lambda *x: cast_cpu(*x, query))(scene.geometry, house, moving, rays)
     for name, x, y in zip(expected._fields, results, expected, strict=True):
         np.testing.assert_array_equal(x, y, err_msg=name)
     return expected
