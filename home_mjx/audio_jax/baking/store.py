@@ -31,7 +31,7 @@ def with_late_sound(
 ) -> HouseBank:
     """The bank with the late sound of its houses, for `AudioConfig(late="baked")`.
 
-    What is not in the cache is baked: half a minute to a minute per house on two cores.
+    What is not in the cache is baked: half a minute to a minute and a half per house on two cores.
 
     Args:
         bank: The houses.

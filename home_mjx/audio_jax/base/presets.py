@@ -12,7 +12,7 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.core.checks import check_known
 
 PRESETS: dict[str, dict[str, Any]] = {
-    # T30 within 1 %, then +-3, +-4, +3 and +-3 %; late slopes within 3 %. EDT within 1 % (-2, -4, +4, -3 %), level
+    # T30 within 1 %, then +-3, +-4, +3 and +-3 %; late slopes within 6 %. EDT within 1 % (-2, -4, +4, -2 %), level
     # exact (+0.1, +0.2, -0.3, +0.1 dB). Tones at 1.4 m/s: error below -40 dB. Ends after 0.5 s.
     "fast": {
         "motion": True,
