@@ -112,7 +112,7 @@ def lanes_of(rooms: int) -> int:
 
 
 def _available(rooms: int) -> bool:
-    return lanes_of(rooms) <= WARP and _cuda_available() and _bytes(rooms) <= shared_bytes()
+    return rooms > 0 and lanes_of(rooms) <= WARP and _cuda_available() and _bytes(rooms) <= shared_bytes()
 
 
 def _bytes(rooms: int) -> int:

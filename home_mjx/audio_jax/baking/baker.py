@@ -16,7 +16,7 @@ from home_mjx.schema.compiled import BANDS
 YOUNG = 40.0  # [m], after which it hardly matters in which cell of a room sound began
 OLD = 120.0  # [m], after which it does not matter when
 FREE = 2  # flights from each of the first gates that no other one ends
-LONGER = 1.25  # times as far as they are heard do these fly, for not all rays get as far
+FARTHER = 1.25  # times as far as they are heard do these fly, for not all rays get as far
 FLIGHTS = (1, 3, 2, 1)  # of rays of each room that are very old, old, from each gate between rooms, and after another
 
 
@@ -74,7 +74,7 @@ class Baker:
 
     def _fly_freely(self, starts: list[list[Start]]) -> Heard:
         """What some flights of each gate give that no other gate ends."""
-        far = LONGER * TOLD * self.tally.metres
+        far = FARTHER * TOLD * self.tally.metres
         return self._fly([[one._replace(age=far) for one in some[:FREE]] for some in starts], False, ends=False)
 
     def _fly(self, starts: list[list[Start]], fresh: bool, pool: Pool | None = None, ends: bool = True) -> Heard:

@@ -70,9 +70,8 @@ def _around_corners(
     """Which points of cells are free, or seen from free ones of the nearest cells, or from points seen from these."""
     free, own = free.copy(), np.arange(len(free))[:, None]
     for _ in range(ROUNDS):
-        drawn = np.argpartition(np.where(free, rng.random(free.shape, np.float32), 0.0), -FROM_EACH, axis=1)[
-            :, -FROM_EACH:
-        ]
+        chance = np.where(free, rng.random(free.shape, np.float32), 0.0)
+        drawn = np.argpartition(chance, -FROM_EACH, axis=1)[:, -FROM_EACH:]
         witness = points[own, drawn][nearest].reshape(len(points), -1, 3)
         known = free[own, drawn][nearest].reshape(len(points), -1)
         cell, hidden = np.nonzero(~free)

@@ -256,14 +256,31 @@ def test_sound_in_the_other_room_comes_out_of_the_doorway(coupled):
         whole, bins = first_span(scene, source, ear)
         first, last = np.asarray(baked_sound(scene, source, ear, CONFIG).comes_from)[[0, -1]]
         assert np.linalg.norm(last) < 0.2
-        door = np.array([6.0, 0.0, 1.0]) - place
-        near = np.linalg.norm(door) < 3  # farther in, walls answer within the first span: it comes from nowhere
-        door /= np.linalg.norm(door)
+        door, away = doorway_from(place)
         exact = way[bins].sum(axis=0) / energy[:, bins].sum()
         np.testing.assert_allclose(whole @ door, exact @ door, atol=0.25)
-        if near:
+        if away < 3:
             assert first @ door > 0.3
             assert first @ door / np.linalg.norm(first) > 0.7
+
+
+@pytest.mark.slow
+@pytest.mark.xfail(
+    reason="walls answer within the first span: other bakes have -0.04 to +0.11, with cosines of -0.3 to 0.7"
+)
+def test_so_does_what_is_baked_far_behind_the_doorway(coupled):
+    room, scene, _ = coupled
+    source, ear = (jnp.asarray(x, jnp.float32) for x in (room.source, room.listeners[-1]))
+    first, (door, away) = baked_sound(scene, source, ear, CONFIG).comes_from[0], doorway_from(room.listeners[-1])
+    assert away > 3
+    assert first @ door > 0.05
+    assert first @ door / np.linalg.norm(first) > 0.7
+
+
+def doorway_from(place: np.ndarray) -> tuple[np.ndarray, float]:
+    """Direction and distance [m]."""
+    way = np.array([6.0, 0.0, 1.0]) - place
+    return way / np.linalg.norm(way), float(np.linalg.norm(way))
 
 
 def first_span(scene: Scene, source: jax.Array, ear: jax.Array) -> tuple[np.ndarray, slice]:
